@@ -28,9 +28,10 @@ impl SelectView {
 }
 
 /// How large a node is on the screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LodMetric {
-    /// By the edge of its cell, in pixels. That of a sphere is the cube that it is around.
+    /// By the edge of its cell, in pixels. That of a sphere is the edge of the cube that it is around.
     #[default]
     Edge,
     /// By the area of its disk, `ε = f·A/d²` (paper 002 §4.1), against the square of the LOD threshold in pixels. That
@@ -38,21 +39,20 @@ pub enum LodMetric {
     Area,
 }
 
-impl SelectView {
-    /// A cell of an octree whose edge covers less, in pixels, is not divided further.
-    pub(super) fn lod_edge_px(&self) -> f32 {
-        match self.metric {
-            LodMetric::Edge => self.lod_px,
-            LodMetric::Area => self.lod_px / ROOT_AREA_OF_EDGE,
+impl LodMetric {
+    /// The edge of a cell at a threshold, pixels.
+    pub fn edge_px(self, lod_px: f32) -> f32 {
+        match self {
+            Self::Edge => lod_px,
+            Self::Area => lod_px / ROOT_AREA_OF_EDGE,
         }
     }
 
-    /// A sphere of which a disk around its middle covers less than the square of this, in pixels, is not divided
-    /// further.
-    pub(super) fn lod_root_area_px(&self) -> f32 {
-        match self.metric {
-            LodMetric::Edge => self.lod_px * ROOT_AREA_OF_EDGE,
-            LodMetric::Area => self.lod_px,
+    /// The root of the area of a disk at a threshold, pixels.
+    pub fn root_area_px(self, lod_px: f32) -> f32 {
+        match self {
+            Self::Edge => lod_px * ROOT_AREA_OF_EDGE,
+            Self::Area => lod_px,
         }
     }
 }

@@ -94,6 +94,13 @@ impl LevelsSet {
         }
     }
 
+    /// What surfels are taken from, if they are, and what it is.
+    pub fn of_surfels(&self) -> Option<(LevelsKind, Arc<dyn Levels>)> {
+        let kind = self.kind()?;
+        let is_of_surfels = matches!(kind, LevelsKind::List | LevelsKind::Spheres(_) | LevelsKind::Surfels);
+        Some((kind, self.get(kind).filter(|_| is_of_surfels)?))
+    }
+
     /// Whether what is asked for is there. Without shapes that is the octree alone.
     pub fn has(&self, key: LevelsKey, has_shapes: bool) -> bool {
         (!key.kind.needs_octree() || self.stop() == Some(key.stop))

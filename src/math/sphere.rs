@@ -18,7 +18,12 @@ impl Sphere {
     pub fn around(spheres: impl Iterator<Item = Self> + Clone) -> Self {
         let (min, max) = spheres.clone().fold(
             (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)),
-            |(min, max), sphere| (min.min(sphere.center - sphere.radius), max.max(sphere.center + sphere.radius)),
+            |(min, max), sphere| {
+                (
+                    min.min(sphere.center - sphere.radius),
+                    max.max(sphere.center + sphere.radius),
+                )
+            },
         );
         if min.x > max.x {
             return Self {

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::analysis::ColorMap;
-use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
@@ -36,7 +36,8 @@ fn unusual() -> Preferences {
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
-                structure: LevelStructure::Octree,
+                structure: LevelStructure::Hierarchical,
+                metric: LodMetric::Area,
             },
             codes: CodeStyle {
                 footprint: Footprint::Masks,

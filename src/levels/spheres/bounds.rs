@@ -29,7 +29,11 @@ impl Bounds {
     #[inline(always)]
     pub(super) fn nested(&self, sphere: Sphere, cone: Cone) -> Self {
         Self {
-            sphere: if self.sphere.holds(&sphere) { sphere } else { self.sphere },
+            sphere: if self.sphere.holds(&sphere) {
+                sphere
+            } else {
+                self.sphere
+            },
             cone: if cone.is_within(&self.cone) { cone } else { self.cone },
             radius: sphere.radius,
         }

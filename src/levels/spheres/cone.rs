@@ -61,7 +61,10 @@ mod tests {
         assert!(cone(10.0, 5.0).is_within(&cone(0.0, 15.1)));
         assert!(!cone(10.0, 5.0).is_within(&cone(0.0, 14.9)));
         assert!(!cone(0.0, 5.0).is_within(&cone(0.0, 5.0)));
-        let everything = Cone { axis: Vec3::Z, cosine: -1.0 };
+        let everything = Cone {
+            axis: Vec3::Z,
+            cosine: -1.0,
+        };
         assert!(cone(90.0, 30.0).is_within(&everything) && !everything.is_within(&cone(0.0, 80.0)));
     }
 }

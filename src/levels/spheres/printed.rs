@@ -105,14 +105,17 @@ impl PrintedSequence {
             sequence: self,
             rule: Rule::new(view, &hints),
             eye: view.eye.as_dvec3(),
-            root_tau: f64::from(view.lod_root_area_px().max(0.0) / view.pixels_per_unit_at_1),
+            root_tau: f64::from(view.metric.root_area_px(view.lod_px).max(0.0) / view.pixels_per_unit_at_1),
             band: if hints.before.is_some() { HYSTERESIS } else { 0.0 },
             before: WasDivided::new(hints.before),
             has_last_level: view.deepest_level < SelectView::ALL_LEVELS,
         };
         let (lo, hi) = selection.range();
         let tested = self.entries[lo..hi].par_iter().with_min_len(ENTRIES_PER_TASK);
-        let tests: Vec<Test> = tested.enumerate().map(|(place, entry)| selection.test(lo + place, entry)).collect();
+        let tests: Vec<Test> = tested
+            .enumerate()
+            .map(|(place, entry)| selection.test(lo + place, entry))
+            .collect();
         let places_of = |test: Test| {
             let places = tests.iter().zip(lo as u32..);
             places.filter(move |&(&found, _)| found == test).map(|(_, place)| place)
@@ -136,9 +139,11 @@ impl PrintedSequence {
         shapes: &[ShapeRecord],
         buffers: RecordBuffers,
     ) -> Records {
-        splat::write(&cut.listed.drawn, buffers, |place| match self.entries[place as usize].node {
-            Child::Leaf(point) => (points[point as usize], shapes[point as usize]),
-            Child::Inner(node) => self.inners[node as usize].0.records(),
+        splat::write(&cut.listed.drawn, buffers, |place| {
+            match self.entries[place as usize].node {
+                Child::Leaf(point) => (points[point as usize], shapes[point as usize]),
+                Child::Inner(node) => self.inners[node as usize].0.records(),
+            }
         })
     }
 
@@ -216,7 +221,12 @@ struct Selection<'a> {
 impl Selection<'_> {
     /// The entries that may be drawn.
     fn range(&self) -> (usize, usize) {
-        let PrintedSequence { entries, least_r_min, root, .. } = self.sequence;
+        let PrintedSequence {
+            entries,
+            least_r_min,
+            root,
+            ..
+        } = self.sequence;
         let distance = root.center.as_dvec3().distance(self.eye);
         let radius = f64::from(root.radius);
         let d_min = self.root_tau * (distance + radius) * KNOWN_BEYOND;
@@ -227,7 +237,10 @@ impl Selection<'_> {
         } else {
             least_r_min.partition_point(|&r_min| f64::from(r_min) > d_min)
         };
-        (lo, entries.partition_point(|entry| f64::from(entry.r_max) >= d_max).max(lo))
+        (
+            lo,
+            entries.partition_point(|entry| f64::from(entry.r_max) >= d_max).max(lo),
+        )
     }
 
     fn test(&self, place: usize, entry: &Entry) -> Test {
@@ -245,7 +258,11 @@ impl Selection<'_> {
             return Test::Divided;
         }
         let (_, bounds) = &self.sequence.inners[entry.bounds as usize];
-        if self.rule.drops(bounds) { Test::Left } else { Test::Drawn }
+        if self.rule.drops(bounds) {
+            Test::Left
+        } else {
+            Test::Drawn
+        }
     }
 }
 

@@ -11,8 +11,8 @@ use super::before::WasDivided;
 use super::bounds::Bounds;
 use super::node_code::{NODE_WORDS, NodeCode};
 use super::rule::{Rule, Verdict};
-use super::split::{Child, Inner};
 use super::sphere_code;
+use super::split::{Child, Inner};
 use super::summary::Summary;
 use super::tree::SphereTree;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -41,7 +41,11 @@ pub(super) struct QSplat {
 
 /// Where something begins and how many words it has, for groups of children.
 fn group_words(node: &Inner) -> usize {
-    let pointer = if node.inner_children().is_empty() { 0 } else { POINTER_WORDS };
+    let pointer = if node.inner_children().is_empty() {
+        0
+    } else {
+        POINTER_WORDS
+    };
     pointer + node.child_count() * NODE_WORDS
 }
 
@@ -70,12 +74,16 @@ impl QSplat {
         let inners = &tree.division.inners;
         let code_of = |index: usize| {
             let node = &inners[index];
-            tree.nodes[index].code.with_children(node.child_count(), !node.inner_children().is_empty())
+            tree.nodes[index]
+                .code
+                .with_children(node.child_count(), !node.inner_children().is_empty())
         };
         let write_group = |parent: usize, group: &mut [u16]| {
             let node = &inners[parent];
             let inner_children = node.inner_children();
-            let pointer = starts.get(inner_children.start as usize).filter(|_| !inner_children.is_empty());
+            let pointer = starts
+                .get(inner_children.start as usize)
+                .filter(|_| !inner_children.is_empty());
             let nodes = write_pointer(pointer, group);
             for (words, child) in nodes.chunks_exact_mut(NODE_WORDS).zip(node.children()) {
                 let code = match child {
@@ -124,7 +132,7 @@ impl QSplat {
             };
             let code = self.code(ROOT_GROUP + POINTER_WORDS);
             descent.visit(
-                Visit {
+                &Visit {
                     name: ROOT_GROUP + POINTER_WORDS,
                     code,
                     sphere: self.root,
@@ -213,7 +221,7 @@ struct Visit {
 
 impl Descent<'_> {
     /// Recursion is bounded by the bits of a Morton code and of the number of points.
-    fn visit(&self, visit: Visit, found: &mut Found) {
+    fn visit(&self, visit: &Visit, found: &mut Found) {
         found.decoded += 1;
         let was_divided = || self.before.at(visit.name);
         match self.rule.verdict(&visit.bounds, visit.level, was_divided) {
@@ -223,17 +231,19 @@ impl Descent<'_> {
                 found.listed.divided.push(visit.name as u32);
                 if visit.level < PARALLEL_LEVELS {
                     let mut children = Vec::with_capacity(super::split::MOST_CHILDREN);
-                    self.each_child(&visit, found, |child, _| children.push(child));
-                    let parts: Vec<Found> = children.into_par_iter().map(|child| self.found_from(child)).collect();
-                    parts.into_iter().for_each(|part| found.append(part));
+                    self.each_child(visit, found, |child, _| children.push(child));
+                    let parts: Vec<Found> = children.par_iter().map(|child| self.found_from(child)).collect();
+                    for part in parts {
+                        found.append(part);
+                    }
                 } else {
-                    self.each_child(&visit, found, |child, found| self.visit(child, found));
+                    self.each_child(visit, found, |child, found| self.visit(&child, found));
                 }
             }
         }
     }
 
-    fn found_from(&self, visit: Visit) -> Found {
+    fn found_from(&self, visit: &Visit) -> Found {
         let mut found = Found::default();
         self.visit(visit, &mut found);
         found
@@ -288,7 +298,7 @@ impl Found {
 #[cfg(test)]
 impl QSplat {
     /// Which node of `tree` each name stands for.
-    pub(super) fn nodes(&self, tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
+    pub(super) fn nodes(tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
         let mut nodes = std::collections::HashMap::from([(POINTER_WORDS as u32, Child::Inner(0))]);
         for (node, start) in tree.division.inners.iter().zip(group_starts(tree)) {
             let first = start + group_words(node) - node.child_count() * NODE_WORDS;

@@ -13,7 +13,7 @@
 
 use super::bounds::Bounds;
 use crate::levels::cut::{CutHints, LodMetric, SelectView};
-use glam::{DVec3, DVec4};
+use glam::{DVec3, DVec4, Vec4};
 
 /// What becomes of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,11 +48,11 @@ impl Rule {
     pub(super) fn new(view: &SelectView, hints: &CutHints<'_>) -> Self {
         Self {
             eye: view.eye.as_dvec3(),
-            planes: view.frustum.planes().map(|plane| plane.as_dvec4()),
+            planes: view.frustum.planes().map(Vec4::as_dvec4),
             area_px2: std::f64::consts::PI * f64::from(view.pixels_per_unit_at_1).powi(2),
             is_oriented: view.metric == LodMetric::Area,
             culls_back_faces: hints.culls_back_faces,
-            threshold_px2: f64::from(view.lod_root_area_px().max(0.0)).powi(2),
+            threshold_px2: f64::from(view.metric.root_area_px(view.lod_px).max(0.0)).powi(2),
             band: if hints.before.is_some() { HYSTERESIS } else { 0.0 },
             deepest_level: view.deepest_level,
         }

@@ -150,12 +150,12 @@ impl SequentialTree {
         shapes: &[ShapeRecord],
         buffers: RecordBuffers,
     ) -> Records {
-        splat::write(&cut.listed.drawn, buffers, |name| match self.inners.get(name as usize) {
-            Some(inner) => inner.splat.records(),
-            None => {
-                let point = self.leaves[name as usize - self.inners.len()].point as usize;
-                (points[point], shapes[point])
+        splat::write(&cut.listed.drawn, buffers, |name| {
+            if let Some(inner) = self.inners.get(name as usize) {
+                return inner.splat.records();
             }
+            let point = self.leaves[name as usize - self.inners.len()].point as usize;
+            (points[point], shapes[point])
         })
     }
 }
@@ -232,7 +232,10 @@ impl UpperNode {
             let Below { node, parent } = below[place as usize];
             Inner::of(tree, node, sorted_place(parent))
         });
-        let of_order = order.iter().zip(0..).map(|(&place, parent)| (below[place as usize].node, parent));
+        let of_order = order
+            .iter()
+            .zip(0..)
+            .map(|(&place, parent)| (below[place as usize].node, parent));
         let mut leaves: Vec<(f32, Leaf)> = Vec::new();
         for (node, parent) in std::iter::once((self.node, ABOVE)).chain(of_order) {
             let radius = tree.nodes[node as usize].bounds.radius;
@@ -289,13 +292,20 @@ impl Selection<'_> {
         let small_radius = self.rule.small_radius_below(above);
         let of_inners = &self.tree.inners[inners.clone()];
         let of_leaves = &self.tree.leaves[leaves.clone()];
-        let radius_of = |parent: u32| of_inners.get(parent as usize).map_or(above.radius, |inner| inner.bounds.radius);
+        let radius_of = |parent: u32| {
+            of_inners
+                .get(parent as usize)
+                .map_or(above.radius, |inner| inner.bounds.radius)
+        };
         let is_divisible = |radius: f32| f64::from(radius) > small_radius;
         let inner_count = of_inners.partition_point(|inner| is_divisible(inner.parent_radius));
         let leaf_count = of_leaves.partition_point(|leaf| is_divisible(radius_of(leaf.parent)));
 
         let tested = (inners.start..inners.start + inner_count).into_par_iter();
-        let verdicts: Vec<Verdict> = tested.with_min_len(NODES_PER_TASK).map(|name| self.verdict(name)).collect();
+        let verdicts: Vec<Verdict> = tested
+            .with_min_len(NODES_PER_TASK)
+            .map(|name| self.verdict(name))
+            .collect();
         let is_divided = |parent: u32| parent == ABOVE || verdicts[parent as usize] == Verdict::Divided;
         let mut listed = ListedNodes::default();
         for ((inner, &verdict), name) in of_inners.iter().zip(&verdicts).zip(inners.start as u32..) {
@@ -333,18 +343,30 @@ impl SequentialTree {
         // Those above sequences are the first nodes of the tree in breadth-first order.
         let mut nodes = std::collections::HashMap::from([(0, Child::Inner(0))]);
         for (upper, name) in self.uppers.iter().zip(0_u32..) {
-            let Some(&Child::Inner(node)) = nodes.get(&name) else { break };
+            let Some(&Child::Inner(node)) = nodes.get(&name) else {
+                break;
+            };
             let children = division[node as usize].inner_children().map(Child::Inner);
             nodes.extend(upper.children.clone().zip(children));
         }
         for (upper, name) in self.uppers.iter().zip(0_u32..) {
-            let place_above = |parent: u32| if parent == ABOVE { name } else { upper.inners.start as u32 + parent };
+            let place_above = |parent: u32| {
+                if parent == ABOVE {
+                    name
+                } else {
+                    upper.inners.start as u32 + parent
+                }
+            };
             for (leaf, leaf_name) in self.leaves[upper.leaves.clone()].iter().zip(upper.leaves.start..) {
                 nodes.insert((self.inners.len() + leaf_name) as u32, Child::Leaf(leaf.point));
                 let (mut place, mut node) = (place_above(leaf.parent), parent_of_point[leaf.point as usize]);
                 loop {
                     let known = *nodes.entry(place).or_insert(Child::Inner(node));
-                    assert_eq!(known, Child::Inner(node), "one node of the tree for each of the sequence");
+                    assert_eq!(
+                        known,
+                        Child::Inner(node),
+                        "one node of the tree for each of the sequence"
+                    );
                     if place == name {
                         break;
                     }

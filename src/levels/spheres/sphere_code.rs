@@ -60,7 +60,9 @@ fn reach((place, radius): Steps) -> f64 {
 /// Its place in the table of codes.
 fn place_of((place, radius): Steps) -> usize {
     let coordinates = place.map(|aside| (aside + MOST_STEPS_ASIDE) as usize);
-    coordinates.iter().fold(usize::from(radius) - 1, |all, &one| STEPS * all + one)
+    coordinates
+        .iter()
+        .fold(usize::from(radius) - 1, |all, &one| STEPS * all + one)
 }
 
 /// The sphere that a code means.
@@ -86,7 +88,11 @@ pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
     let aside = (child.center - parent.center) / (2.0 * step);
     // A parent without extent is a place where its children are.
     let aside = if aside.is_finite() { aside } else { Vec3::ZERO };
-    let mut place = aside.round().clamp(Vec3::splat(-most), Vec3::splat(most)).to_array().map(|aside| aside as i8);
+    let mut place = aside
+        .round()
+        .clamp(Vec3::splat(-most), Vec3::splat(most))
+        .to_array()
+        .map(|aside| aside as i8);
     while place != SAME.0 {
         let needed = child.reach_from(sphere_at(parent, (place, 1)).center);
         let holding = (1..=STEPS as u8).find(|&radius| f64::from(sphere_at(parent, (place, radius)).radius) >= needed);
@@ -120,7 +126,11 @@ mod tests {
         let own = encoded(&PARENT, &PARENT);
         assert_eq!(decoded(&PARENT, own), PARENT);
         // All that lie inside have a code.
-        let inside = table.steps_of_code.iter().filter(|&&steps| reach(steps) <= 13.0).count();
+        let inside = table
+            .steps_of_code
+            .iter()
+            .filter(|&&steps| reach(steps) <= 13.0)
+            .count();
         assert!((3000..4000).contains(&inside), "{inside}");
         assert!(reach(table.steps_of_code[8191]) > 15.0);
     }

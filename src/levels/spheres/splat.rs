@@ -50,6 +50,8 @@ pub(super) fn write(
         mut points, mut shapes, ..
     } = buffers;
     let nodes = drawn.par_iter().with_min_len(super::split::NODES_PER_TASK);
-    nodes.map(|&node| records(node)).unzip_into_vecs(&mut points, &mut shapes);
+    nodes
+        .map(|&node| records(node))
+        .unzip_into_vecs(&mut points, &mut shapes);
     Records::Surfels { points, shapes }
 }

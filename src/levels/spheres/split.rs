@@ -25,8 +25,8 @@ pub(super) struct Inner {
     child_count: u8,
     /// The root is on level 0.
     pub(super) level: u8,
-    /// Index of the first of its children that are no leaves; the others follow.
-    first_inner: u32,
+    /// Index of the first of its children that are no leaves; the others of these follow.
+    first_child: u32,
     /// Index of its parent; the root is its own.
     pub(super) parent: u32,
 }
@@ -51,7 +51,7 @@ pub(super) struct Division {
 impl Inner {
     /// Its children, in Morton order.
     pub(super) fn children(&self) -> impl Iterator<Item = Child> + Clone {
-        let mut next_inner = self.first_inner;
+        let mut next_inner = self.first_child;
         let ends = self.starts[..=usize::from(self.child_count)].array_windows();
         ends.map(move |&[start, end]| {
             if end - start == 1 {
@@ -66,7 +66,7 @@ impl Inner {
     pub(super) fn inner_children(&self) -> Range<u32> {
         let ends = self.starts[..=usize::from(self.child_count)].array_windows();
         let count = ends.filter(|[start, end]| end - start > 1).count();
-        self.first_inner..self.first_inner + count as u32
+        self.first_child..self.first_child + count as u32
     }
 
     /// Number of points below.
@@ -101,7 +101,7 @@ impl Inner {
             starts,
             child_count: child_count as u8,
             level,
-            first_inner: 0,
+            first_child: 0,
             parent,
         }
     }
@@ -143,7 +143,7 @@ impl Division {
             let first_below = (first + nodes.len()) as u32;
             undivided = Vec::with_capacity(2 * nodes.len());
             for (node, index) in nodes.iter_mut().zip(first as u32..) {
-                node.first_inner = first_below + undivided.len() as u32;
+                node.first_child = first_below + undivided.len() as u32;
                 let ends = node.starts[..=node.child_count()].array_windows();
                 let children = ends.filter(|[start, end]| end - start > 1);
                 undivided.extend(children.map(|&[start, end]| (start..end, index)));

@@ -1,5 +1,6 @@
 //! Trees against their points, and cuts against the definition evaluated on every node.
 
+use super::node_code::NORMAL_ERROR_DEG;
 use super::rule::{Rule, Verdict};
 use super::split::Child;
 use super::*;
@@ -28,7 +29,10 @@ fn records(positions: &[Vec3], normal: impl Fn(usize) -> Vec3, radius: f32) -> R
         ellipse: 0,
         scalar: index as f32,
     };
-    (Arc::new(at.clone().map(point).collect()), Arc::new(at.map(shape).collect()))
+    (
+        Arc::new(at.clone().map(point).collect()),
+        Arc::new(at.map(shape).collect()),
+    )
 }
 
 fn torus(count: usize) -> Records {
@@ -42,7 +46,10 @@ fn odd_cloud() -> Records {
     let mut positions: Vec<Vec3> = (0..700).map(|_| random.cube()).collect();
     positions.extend((0..700).map(|_| random.cube() * 1e-3));
     positions.extend([Vec3::splat(0.25); 70]);
-    let normals: Vec<Vec3> = positions.iter().map(|_| (random.cube() - 0.5).normalize_or(Vec3::Z)).collect();
+    let normals: Vec<Vec3> = positions
+        .iter()
+        .map(|_| (random.cube() - 0.5).normalize_or(Vec3::Z))
+        .collect();
     records(&positions, |index| normals[index], 0.0)
 }
 
@@ -80,9 +87,8 @@ fn view_to(eye: Vec3, target: Vec3, lod_px: f32, metric: LodMetric) -> SelectVie
 
 /// Views of something around the origin: all of it from two sides, some of it, and from within.
 fn views(lod_px: f32, metric: LodMetric) -> Vec<SelectView> {
-    let view = |eye: [f32; 3], target: [f32; 3]| {
-        view_to(Vec3::from_array(eye), Vec3::from_array(target), lod_px, metric)
-    };
+    let view =
+        |eye: [f32; 3], target: [f32; 3]| view_to(Vec3::from_array(eye), Vec3::from_array(target), lod_px, metric);
     vec![
         view([3.0, 4.0, 5.0], [0.0; 3]),
         view([0.0, 0.0, -40.0], [0.0; 3]),
@@ -99,11 +105,16 @@ fn hints(culls_back_faces: bool) -> CutHints<'static> {
 }
 
 /// The nodes that each structure draws, by its name.
-fn drawn_by_all(tree: &SphereTree, of: &Records, view: &SelectView, hints: CutHints<'_>) -> Vec<(&'static str, Vec<Child>)> {
+fn drawn_by_all(
+    tree: &SphereTree,
+    of: &Records,
+    view: &SelectView,
+    hints: CutHints<'_>,
+) -> Vec<(&'static str, Vec<Child>)> {
     let (points, shapes) = of;
     let qsplat = QSplat::of(tree, points, shapes);
     let named = |cut: &Cut, nodes: HashMap<u32, Child>| cut.listed.drawn.iter().map(|name| nodes[name]).collect();
-    let mut drawn = vec![("qsplat", named(&qsplat.cut(view, hints), qsplat.nodes(tree)))];
+    let mut drawn = vec![("qsplat", named(&qsplat.cut(view, hints), QSplat::nodes(tree)))];
     for (name, most_points) in [("spt", usize::MAX), ("hspt", HIERARCHY_POINTS), ("hspt of few", 8)] {
         let sequences = SequentialTree::of(tree, most_points);
         drawn.push((name, named(&sequences.cut(view, hints), sequences.nodes(tree))));
@@ -127,14 +138,19 @@ fn size_and_drop(tree: &SphereTree, node: u32, view: &SelectView, culls: bool) -
     let bounds = &tree.nodes[node as usize].bounds;
     let to_eye = view.eye.as_dvec3() - bounds.sphere.center.as_dvec3();
     let (distance, radius) = (to_eye.length(), f64::from(bounds.sphere.radius));
-    let is_outside = view.frustum.planes().iter().any(|plane| {
-        plane.truncate().as_dvec3().dot(bounds.sphere.center.as_dvec3()) + f64::from(plane.w) < -radius
-    });
+    let is_outside =
+        view.frustum.planes().iter().any(|plane| {
+            plane.truncate().as_dvec3().dot(bounds.sphere.center.as_dvec3()) + f64::from(plane.w) < -radius
+        });
     let mut seen_share = 1.0;
     let mut faces_away = false;
     if bounds.cone.cosine > -1.0 && distance > radius {
         let gamma = (bounds.cone.axis.as_dvec3().dot(to_eye) / distance).acos();
-        let gamma = if culls { gamma } else { gamma.min(std::f64::consts::PI - gamma) };
+        let gamma = if culls {
+            gamma
+        } else {
+            gamma.min(std::f64::consts::PI - gamma)
+        };
         let seen_at = gamma - f64::from(bounds.cone.cosine).acos() - (radius / distance).asin();
         faces_away = culls && seen_at > std::f64::consts::FRAC_PI_2;
         seen_share = seen_at.max(0.0).cos();
@@ -144,7 +160,11 @@ fn size_and_drop(tree: &SphereTree, node: u32, view: &SelectView, culls: bool) -
         LodMetric::Edge => (2.0 / 3f64.sqrt() * f64::from(bounds.radius) * per_px).powi(2),
         LodMetric::Area => seen_share * std::f64::consts::PI * (f64::from(bounds.radius) * per_px).powi(2),
     };
-    let size = if distance <= radius || view.lod_px == 0.0 { f64::INFINITY } else { size };
+    let size = if distance <= radius || view.lod_px == 0.0 {
+        f64::INFINITY
+    } else {
+        size
+    };
     (size, is_outside || faces_away)
 }
 
@@ -153,7 +173,10 @@ fn drawn_by_definition(tree: &SphereTree, view: &SelectView, culls: bool) -> Has
     let verdict = |node: u32| {
         let (size, is_dropped) = size_and_drop(tree, node, view, culls);
         let ends = tree.division.inners[node as usize].level as u32 >= view.deepest_level;
-        (size <= 1.0 || view.deepest_level < SelectView::ALL_LEVELS && ends, is_dropped)
+        (
+            size <= 1.0 || view.deepest_level < SelectView::ALL_LEVELS && ends,
+            is_dropped,
+        )
     };
     let mut drawn = HashSet::new();
     for (inner, index) in tree.division.inners.iter().zip(0_u32..) {
@@ -186,7 +209,10 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
                     center: Vec3::from_array(point.position),
                     radius: shape.radius,
                 };
-                assert!(node.sphere.holds(&disk) && node.bounds.sphere.holds(&disk), "{node:?} {disk:?}");
+                assert!(
+                    node.sphere.holds(&disk) && node.bounds.sphere.holds(&disk),
+                    "{node:?} {disk:?}"
+                );
                 let cosine = oct_decode(shape.normal).dot(node.bounds.cone.axis);
                 assert!(cosine >= node.bounds.cone.cosine, "{node:?} {cosine}");
             }
@@ -198,18 +224,23 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
 fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
     let of = torus(20_000);
     let tree = tree_of(&of);
-    let known = tree.nodes.iter().filter(|node| !node.bounds.cone.is_everything()).count();
+    let known = tree
+        .nodes
+        .iter()
+        .filter(|node| !node.bounds.cone.is_everything())
+        .count();
     assert!(known * 10 > tree.nodes.len() * 9, "{known} of {}", tree.nodes.len());
     let (mut rounded, mut exact) = (0.0, 0.0);
     for (node, index) in tree.nodes.iter().zip(0_u32..) {
-        let disks = points_below(&tree, Child::Inner(index)).into_iter().map(|point| Sphere {
-            center: Vec3::from_array(of.0[point as usize].position),
-            radius: 0.01,
-        });
+        let disks = points_below(&tree, Child::Inner(index))
+            .into_iter()
+            .map(|point| Sphere {
+                center: Vec3::from_array(of.0[point as usize].position),
+                radius: 0.01,
+            });
         exact += f64::from(Sphere::around(disks).radius);
         rounded += f64::from(node.sphere.radius);
     }
-    println!("inflation {}", rounded / exact);
     assert!(rounded < 1.5 * exact, "{}", rounded / exact);
 }
 
@@ -247,7 +278,12 @@ fn coverage(tree: &SphereTree, of: &Records, drawn: &[Child]) -> Vec<u32> {
 
 #[test]
 fn every_point_is_covered_once_where_all_can_be_seen() {
-    for of in [torus(3000), odd_cloud(), records(&[], |_| Vec3::Z, 1.0), records(&[Vec3::ONE], |_| Vec3::Z, 1.0)] {
+    for of in [
+        torus(3000),
+        odd_cloud(),
+        records(&[], |_| Vec3::Z, 1.0),
+        records(&[Vec3::ONE], |_| Vec3::Z, 1.0),
+    ] {
         let tree = tree_of(&of);
         for metric in [LodMetric::Edge, LodMetric::Area] {
             for lod_px in [0.0, 2.0, 500.0] {
@@ -299,20 +335,32 @@ proptest! {
 
 /// Each structure of a cloud.
 fn structures(of: &Records) -> Vec<SphereLevels> {
-    let kinds = [SphereKind::QSplat, SphereKind::Sequential, SphereKind::Printed, SphereKind::Hierarchical];
-    kinds.map(|kind| SphereLevels::build(kind, Arc::clone(&of.0), Arc::clone(&of.1))).into()
+    let kinds = [
+        SphereKind::QSplat,
+        SphereKind::Sequential,
+        SphereKind::Printed,
+        SphereKind::Hierarchical,
+    ];
+    kinds
+        .map(|kind| SphereLevels::build(kind, Arc::clone(&of.0), Arc::clone(&of.1)))
+        .into()
 }
 
 #[test]
 fn near_the_threshold_the_view_before_decides() {
     let of = torus(5000);
     for levels in structures(&of) {
-        let [view, ..] = views(6.0, LodMetric::Area)[..] else { panic!("a view") };
+        let [view, ..] = views(6.0, LodMetric::Area)[..] else {
+            panic!("a view")
+        };
         let names = |cut: &Cut| cut.listed.drawn.iter().copied().collect::<HashSet<u32>>();
         let first = levels.cut(&view, CutHints::default());
         let with_before = |lod_px: f32| {
             let before = Some(&first);
-            let hints = CutHints { before, ..CutHints::default() };
+            let hints = CutHints {
+                before,
+                ..CutHints::default()
+            };
             levels.cut(&SelectView { lod_px, ..view }, hints)
         };
         let anew = |lod_px: f32| levels.cut(&SelectView { lod_px, ..view }, CutHints::default());
@@ -334,12 +382,17 @@ fn near_the_threshold_the_view_before_decides() {
 fn a_budget_is_kept_and_mostly_used() {
     let of = torus(20_000);
     for levels in structures(&of) {
-        let [view, ..] = views(0.5, LodMetric::Area)[..] else { panic!("a view") };
+        let [view, ..] = views(0.5, LodMetric::Area)[..] else {
+            panic!("a view")
+        };
         for most in [100, 1000, 5000, 1_000_000] {
             let cut = levels.cut_at_most(most, &view, CutHints::default());
             let all = levels.cut(&view, CutHints::default()).node_count();
             let kind = levels.kind();
-            assert!(cut.node_count() <= most && cut.node_count() >= most.min(all) / 2, "{kind:?}: {cut:?}");
+            assert!(
+                cut.node_count() <= most && cut.node_count() >= most.min(all) / 2,
+                "{kind:?}: {cut:?}"
+            );
         }
     }
 }
@@ -355,7 +408,9 @@ fn written(levels: &SphereLevels, cut: &Cut) -> (Vec<PointRecord>, Vec<ShapeReco
 fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
     let of = torus(2000);
     let (points, shapes) = &of;
-    let [view, ..] = views(0.0, LodMetric::Area)[..] else { panic!("a view") };
+    let [view, ..] = views(0.0, LodMetric::Area)[..] else {
+        panic!("a view")
+    };
     for levels in structures(&of) {
         let cut = levels.cut(&view, CutHints::default());
         let (drawn, drawn_shapes) = written(&levels, &cut);
@@ -365,9 +420,13 @@ fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
                 .iter()
                 .map(|shape| shapes.iter().position(|of| of.scalar == shape.scalar).unwrap())
                 .collect();
-            assert!(drawn.iter().zip(&drawn_shapes).zip(&slots).all(|((point, shape), &slot)| {
-                *point == points[slot] && *shape == shapes[slot]
-            }));
+            assert!(
+                drawn
+                    .iter()
+                    .zip(&drawn_shapes)
+                    .zip(&slots)
+                    .all(|((point, shape), &slot)| { *point == points[slot] && *shape == shapes[slot] })
+            );
             slots.sort_unstable();
             assert!(slots.into_iter().eq(0..2000));
             continue;
@@ -378,9 +437,12 @@ fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
                 radius: shape.radius,
             };
             let drawn = disk(point, shape);
-            let held = points.iter().zip(shapes.iter()).filter(|(point, shape)| drawn.holds(&disk(point, shape)));
+            let held = points
+                .iter()
+                .zip(shapes.iter())
+                .filter(|(point, shape)| drawn.holds(&disk(point, shape)));
             let is_alike = |(_, of): (&PointRecord, &ShapeRecord)| {
-                oct_decode(of.normal).dot(oct_decode(shape.normal)) > 1.2f32.to_radians().cos()
+                oct_decode(of.normal).dot(oct_decode(shape.normal)) > NORMAL_ERROR_DEG.to_radians().cos()
             };
             assert!({ held }.any(is_alike), "{point:?} {shape:?}");
         }
@@ -391,7 +453,12 @@ fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
 fn a_node_of_qsplat_takes_six_bytes_and_a_group_a_pointer() {
     let of = torus(10_000);
     let tree = tree_of(&of);
-    let groups = tree.division.inners.iter().filter(|inner| !inner.inner_children().is_empty()).count();
+    let groups = tree
+        .division
+        .inners
+        .iter()
+        .filter(|inner| !inner.inner_children().is_empty())
+        .count();
     let size = structures(&of)[0].size();
     assert_eq!(size.nodes, 10_000 + tree.nodes.len());
     // The root is a group as well.
@@ -429,12 +496,17 @@ fn the_printed_rule_covers_every_point_and_more_often_the_smaller_the_threshold(
     let sequence = PrintedSequence::of(&tree, &of.0);
     let nodes = sequence.nodes();
     for lod_px in [2.0, 8.0, 40.0] {
-        let [view, ..] = views(lod_px, LodMetric::Area)[..] else { panic!("a view") };
+        let [view, ..] = views(lod_px, LodMetric::Area)[..] else {
+            panic!("a view")
+        };
         let cut = sequence.cut(&view, CutHints::default());
         let drawn: Vec<Child> = cut.listed.drawn.iter().map(|name| nodes[name]).collect();
         assert!(coverage(&tree, &of, &drawn).iter().all(|&times| times >= 1));
         // By brute force: those whose points are a part of another's.
-        let below: Vec<HashSet<u32>> = drawn.iter().map(|&node| points_below(&tree, node).into_iter().collect()).collect();
+        let below: Vec<HashSet<u32>> = drawn
+            .iter()
+            .map(|&node| points_below(&tree, node).into_iter().collect())
+            .collect();
         let is_below = |one: usize| (0..below.len()).any(|other| other != one && below[one].is_subset(&below[other]));
         let expected = (0..below.len()).filter(|&one| is_below(one)).count();
         assert_eq!(cut.stats().duplicates, expected, "at {lod_px} px");
