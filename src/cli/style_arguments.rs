@@ -111,3 +111,19 @@ impl FromArgMatches for StyleArgs {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::LevelStructure;
+
+    #[test]
+    fn an_option_is_understood_by_its_former_name() {
+        for flag in ["--lod-structure", "--levels"] {
+            let command = StyleArgs::augment_args(Command::new("pointreel"));
+            let matches = command.try_get_matches_from(["pointreel", flag, "hspt"]).unwrap();
+            let style = StyleArgs::from_arg_matches(&matches).unwrap().over(Style::default());
+            assert_eq!(style.levels.structure, LevelStructure::Hierarchical);
+        }
+    }
+}

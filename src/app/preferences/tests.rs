@@ -36,8 +36,8 @@ fn unusual() -> Preferences {
                 stop: StopCriterion::Loss(0.31),
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
-                structure: LevelStructure::Hierarchical,
-                metric: LodMetric::Area,
+                structure: LevelStructure::Octree,
+                metric: LodMetric::Edge,
             },
             codes: CodeStyle {
                 footprint: Footprint::Masks,

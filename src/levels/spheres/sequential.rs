@@ -6,7 +6,7 @@
 //! off. Leaves are points of the frame, are drawn as these, and are tested by their parents alone.
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
-//! ([`HIERARCHY_POINTS`]; after the hierarchical sequential point trees of arXiv:2507.01110) has one for each subtree
+//! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree
 //! of a few points: the nodes above are traversed, and only subtrees that are in view and divided are looked at, each
 //! with a prefix of its own.
 //!
