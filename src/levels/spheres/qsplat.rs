@@ -5,7 +5,7 @@
 //! has none, which the parent tells. A sphere is told by that of its parent, so a cut keeps the spheres of its nodes.
 //! Everything of a node comes from its code, that of leaves too: places, normals and colours are rounded.
 //!
-//! When it wins: where memory is short. A point takes eight to nine bytes with all nodes above it.
+//! When it wins: where memory is short. A point takes nine to ten bytes with all nodes above it.
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
