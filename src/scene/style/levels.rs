@@ -15,7 +15,8 @@ choices! {
         None = "none", "None (list)",
             "Every second, fourth or eighth point, by level, budget or time; nothing is built or culled";
         /// Rusinkiewicz and Levoy 2000.
-        QSplat = "qsplat", "QSplat", "A tree of spheres in six bytes a node: the least memory, places and colours rounded";
+        QSplat = "qsplat", "QSplat",
+            "A tree of spheres in six bytes a node: the least memory, places and colours rounded";
         /// Dachsbacher et al. 2003.
         Sequential = "spt", "Sequential point tree", "The same tree as one sorted list, of which a part is tested";
         /// Paper 002 §4.3.
