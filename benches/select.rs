@@ -15,7 +15,7 @@ use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, 
 use glam::{Mat4, Vec3, Vec4};
 use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::levels::octree::{LodSurfels, Octree, StopCriterion};
-use pointreel::levels::{CutHints, Levels, SelectView};
+use pointreel::levels::{CutHints, Levels, LodMetric, SelectView};
 use pointreel::math::{Cube, Frustum, order_of_codes};
 use std::sync::Arc;
 
@@ -149,6 +149,7 @@ fn view_from(eye: Vec3, lod_px: f32) -> SelectView {
         eye,
         pixels_per_unit_at_1: focal * 640.0,
         lod_px,
+        metric: LodMetric::default(),
         deepest_level: SelectView::ALL_LEVELS,
     }
 }

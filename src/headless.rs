@@ -1,8 +1,9 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
+use crate::levels::LevelsSize;
 use crate::math::Aabb;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, FirstLook, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
+use crate::scene::{Camera, FirstLook, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;
 use glam::DVec3;
@@ -86,8 +87,27 @@ pub struct PictureStats {
     pub records_ms: f32,
     /// The octree, if the primitive needs one.
     pub octree: Option<OctreeStats>,
+    /// The levels of detail that surfels are taken from, if they are.
+    pub levels: Option<LevelsStats>,
     /// Counters and times of the renderer.
     pub render: RenderStats,
+}
+
+/// A structure of levels of detail in numbers.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct LevelsStats {
+    /// Its word on the command line.
+    pub structure: LevelStructure,
+    /// Nodes and bytes.
+    #[serde(flatten)]
+    pub size: LevelsSize,
+    /// Milliseconds of building.
+    pub build_ms: f32,
+    /// Milliseconds of the last traversal.
+    pub traverse_ms: f64,
+    /// Nodes visited and emitted by it.
+    #[serde(flatten)]
+    pub traversal: SceneStats,
 }
 
 /// An octree in numbers (paper 000, Table III).
@@ -225,6 +245,8 @@ impl Headless {
     /// What the last [`Headless::draw`] of `frame` took.
     pub fn stats(&self, frame: &PreparedFrame) -> PictureStats {
         let traversal = self.scene.stats();
+        let traverse_ms = traversal.traverse_time.as_secs_f64() * 1e3;
+        let build_ms = frame.timings.octree_ms;
         PictureStats {
             index: frame.index,
             file: self.sequence.entry(frame.index).path.display().to_string(),
@@ -238,8 +260,15 @@ impl Headless {
                 nodes: octree.node_count(),
                 leaves: octree.leaf_count(),
                 loss: octree.loss(),
-                build_ms: frame.timings.octree_ms,
-                traverse_ms: traversal.traverse_time.as_secs_f64() * 1e3,
+                build_ms,
+                traverse_ms,
+                traversal,
+            }),
+            levels: frame.levels.of_surfels().map(|(kind, levels)| LevelsStats {
+                structure: LevelStructure::of(kind),
+                size: levels.size(),
+                build_ms,
+                traverse_ms,
                 traversal,
             }),
             render: self.renderer.stats(),

@@ -42,6 +42,7 @@ fn with_options(command: Command, described: &'static Described) -> Command {
         Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
         Values::Words(_) | Values::Number(_) => command.arg(
             option(described.flag)
+                .aliases(Some(described.former_flag).filter(|flag| !flag.is_empty()))
                 .help(described.help_line())
                 .value_name(described.value_name)
                 .value_parser(parser(described)),
@@ -108,5 +109,21 @@ impl FromArgMatches for StyleArgs {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::LevelStructure;
+
+    #[test]
+    fn an_option_is_understood_by_its_former_name() {
+        for flag in ["--lod-structure", "--levels"] {
+            let command = StyleArgs::augment_args(Command::new("pointreel"));
+            let matches = command.try_get_matches_from(["pointreel", flag, "hspt"]).unwrap();
+            let style = StyleArgs::from_arg_matches(&matches).unwrap().over(Style::default());
+            assert_eq!(style.levels.structure, LevelStructure::Hierarchical);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The nodes that stand for a cloud in a view, and what a traversal may know beside the view.
 
-use crate::math::{Frustum, morton::LEVELS};
+use crate::math::{Frustum, Sphere, morton::LEVELS};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -13,8 +13,11 @@ pub struct SelectView {
     pub eye: Vec3,
     /// A length `s` at distance `d` covers about `s * pixels_per_unit_at_1 / d` pixels.
     pub pixels_per_unit_at_1: f32,
-    /// A cell whose edge covers less is not divided further; 0 (or less) always descends to the leaves.
+    /// A cell that covers less, by [`SelectView::metric`], is not divided further; 0 (or less) always descends to the
+    /// leaves.
     pub lod_px: f32,
+    /// How it is measured what a cell covers.
+    pub metric: LodMetric,
     /// Cells of this level are not divided either; [`SelectView::ALL_LEVELS`] divides down to the leaves.
     pub deepest_level: u32,
 }
@@ -24,6 +27,39 @@ impl SelectView {
     pub const ALL_LEVELS: u32 = LEVELS;
 }
 
+/// How large a node is on the screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LodMetric {
+    /// By the edge of its cell, in pixels. That of a sphere is the edge of the cube that it is around.
+    #[default]
+    Edge,
+    /// By the area of its disk, `ε = f·A/d²` (paper 002 §4.1), against the square of the LOD threshold in pixels. That
+    /// of a cell is around its bounding sphere, and seen from the front, as cells of most levels know no normals.
+    Area,
+}
+
+impl LodMetric {
+    /// The edge of a cell at a threshold, pixels.
+    pub fn edge_px(self, lod_px: f32) -> f32 {
+        match self {
+            Self::Edge => lod_px,
+            Self::Area => lod_px / ROOT_AREA_OF_EDGE,
+        }
+    }
+
+    /// The root of the area of a disk at a threshold, pixels.
+    pub fn root_area_px(self, lod_px: f32) -> f32 {
+        match self {
+            Self::Edge => lod_px * ROOT_AREA_OF_EDGE,
+            Self::Area => lod_px,
+        }
+    }
+}
+
+/// Root of `A = πr²` where r is half the diagonal of a cube with an edge of 1: √(3π/4).
+const ROOT_AREA_OF_EDGE: f32 = 1.534_990_1;
+
 /// What a traversal did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SelectStats {
@@ -31,6 +67,8 @@ pub struct SelectStats {
     pub visited_nodes: usize,
     /// Nodes emitted.
     pub emitted: usize,
+    /// Those of them that stand for points for which another one stands, too.
+    pub duplicates: usize,
 }
 
 /// Consecutive nodes of one level, by the points under them in the order of the frame.
@@ -40,15 +78,54 @@ pub(super) struct NodeRange {
     pub(super) points: Range<usize>,
 }
 
-/// Nodes of an octree that stand for the cloud in one view: they cover every leaf that can be seen, none twice.
+/// Nodes of a structure that stand for the cloud in one view: they cover every leaf that can be seen, none twice.
 ///
-/// Nodes come in Morton order within every octant of the root's octants, and those nearest first.
+/// Those of an octree come in Morton order within every octant of the root's octants, and those nearest first.
 #[derive(Debug, Clone, Default)]
 pub struct Cut {
+    /// Nodes of structures that keep none in memory.
     pub(super) ranges: Vec<NodeRange>,
+    /// Nodes of structures that do.
+    pub(super) listed: ListedNodes,
     pub(super) tested: Tested,
     pub(super) node_count: usize,
     pub(super) lod_px: f32,
+}
+
+/// Nodes by the numbers that their structure gives them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ListedNodes {
+    pub(super) drawn: Vec<u32>,
+    /// The spheres of those that are drawn, where they are only known on the way from the root.
+    pub(super) spheres: Vec<Sphere>,
+    /// Those that were divided, for hysteresis.
+    pub(super) divided: Vec<u32>,
+    /// How many are drawn below others that are.
+    pub(super) duplicates: usize,
+}
+
+impl ListedNodes {
+    /// Adds all that another traversal listed.
+    pub(super) fn append(&mut self, mut other: Self) {
+        self.drawn.append(&mut other.drawn);
+        self.spheres.append(&mut other.spheres);
+        self.divided.append(&mut other.divided);
+        self.duplicates += other.duplicates;
+    }
+
+    /// The cut of these nodes, for which so many were looked at.
+    pub(super) fn into_cut(self, looked_at: usize, lod_px: f32) -> Cut {
+        Cut {
+            tested: Tested {
+                nodes: looked_at,
+                emitted: self.drawn.len(),
+            },
+            node_count: self.drawn.len(),
+            lod_px,
+            listed: self,
+            ..Cut::default()
+        }
+    }
 }
 
 /// What a traversal looked at.
@@ -75,6 +152,7 @@ impl Cut {
         SelectStats {
             visited_nodes: self.tested.nodes + self.node_count - self.tested.emitted,
             emitted: self.node_count,
+            duplicates: self.listed.duplicates,
         }
     }
 

@@ -1,6 +1,7 @@
 //! What levels of detail are asked for.
 
 use super::octree::StopCriterion;
+use super::spheres::SphereKind;
 
 /// What levels of detail are asked for: the structure, and where it ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +17,8 @@ pub struct LevelsKey {
 pub enum LevelsKind {
     /// All points as surfels, or every second, fourth, eighth of them.
     List,
+    /// Nodes of a tree of spheres as surfels.
+    Spheres(SphereKind),
     /// Cells of an octree as cubes whose light falls on faces.
     Cubes,
     /// Cells of an octree as cubes whose light falls on the normals of their points.
@@ -34,6 +37,6 @@ impl LevelsKind {
 
     /// Whether it is made from an octree.
     pub fn needs_octree(self) -> bool {
-        self != Self::List
+        !matches!(self, Self::List | Self::Spheres(_))
     }
 }

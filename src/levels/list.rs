@@ -8,7 +8,7 @@
 //! When it wins: where a frame is seen once, from outside, and there is no time to build a tree.
 
 use super::cut::{Cut, CutHints, NodeRange, SelectView};
-use super::structure::{Levels, RecordBuffers, Records};
+use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord, radius_factor};
 use std::sync::Arc;
 
@@ -64,6 +64,13 @@ impl Levels for PointList {
         self.cut_at(view.deepest_level.min(self.depth()), view.lod_px)
     }
 
+    fn size(&self) -> LevelsSize {
+        LevelsSize {
+            nodes: self.points.len(),
+            bytes: 0,
+        }
+    }
+
     fn cut_at_most(&self, most_nodes: usize, view: &SelectView, _: CutHints<'_>) -> Cut {
         let is_few = |&level: &u32| self.points.len().div_ceil(self.step(level)) <= most_nodes;
         let level = (0..=self.depth()).rev().find(is_few).unwrap_or(0);
@@ -90,6 +97,7 @@ impl Levels for PointList {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::levels::cut::LodMetric;
     use crate::math::Frustum;
     use glam::{Mat4, Vec3};
 
@@ -115,6 +123,7 @@ mod tests {
             eye: Vec3::ZERO,
             pixels_per_unit_at_1: 1000.0,
             lod_px: 100.0,
+            metric: LodMetric::default(),
             deepest_level,
         }
     }

@@ -9,11 +9,13 @@ mod list;
 pub mod octree;
 mod policy;
 mod set;
+mod spheres;
 mod structure;
 
-pub use cut::{Cut, CutHints, SelectStats, SelectView};
+pub use cut::{Cut, CutHints, LodMetric, SelectStats, SelectView};
 pub use key::{LevelsKey, LevelsKind};
 pub use list::PointList;
 pub use policy::{Affordable, Lod};
 pub use set::{CloudRecords, LevelsSet, LevelsWork};
-pub use structure::{Levels, RecordBuffers, Records};
+pub use spheres::{SphereKind, SphereLevels};
+pub use structure::{Levels, LevelsSize, RecordBuffers, Records};

@@ -3,6 +3,7 @@
 use super::key::{LevelsKey, LevelsKind};
 use super::list::PointList;
 use super::octree::{CodedCloud, LodSurfels, Octree, StopCriterion, VoxelLevels};
+use super::spheres::SphereLevels;
 use super::structure::Levels;
 use crate::cloud::{PointRecord, ShapeRecord};
 use glam::Vec3;
@@ -29,6 +30,8 @@ pub struct LevelsWork {
     pub octrees: u32,
     /// Byte codes.
     pub codes: u32,
+    /// Trees of spheres.
+    pub spheres: u32,
 }
 
 /// The levels of one cloud. Clones share them.
@@ -42,6 +45,7 @@ pub struct LevelsSet {
 #[derive(Debug, Clone)]
 enum Made {
     List(Arc<PointList>),
+    Spheres(Arc<SphereLevels>),
     LitCubes(Arc<VoxelLevels>),
     Surfels(Arc<LodSurfels>),
     Codes(Arc<CodedCloud>),
@@ -80,11 +84,21 @@ impl LevelsSet {
     pub fn get(&self, kind: LevelsKind) -> Option<Arc<dyn Levels>> {
         match (kind, &self.made) {
             (LevelsKind::List, Some(Made::List(list))) => Some(Arc::clone(list) as _),
+            (LevelsKind::Spheres(kind), Some(Made::Spheres(spheres))) if spheres.kind() == kind => {
+                Some(Arc::clone(spheres) as _)
+            }
             (LevelsKind::LitCubes, Some(Made::LitCubes(cubes))) => Some(Arc::clone(cubes) as _),
             (LevelsKind::Surfels, Some(Made::Surfels(surfels))) => Some(Arc::clone(surfels) as _),
             (LevelsKind::Cubes | LevelsKind::LitCubes, _) => Some(Arc::clone(self.octree()?) as _),
             _ => None,
         }
+    }
+
+    /// What surfels are taken from, if they are, and what it is.
+    pub fn of_surfels(&self) -> Option<(LevelsKind, Arc<dyn Levels>)> {
+        let kind = self.kind()?;
+        let is_of_surfels = matches!(kind, LevelsKind::List | LevelsKind::Spheres(_) | LevelsKind::Surfels);
+        Some((kind, self.get(kind).filter(|_| is_of_surfels)?))
     }
 
     /// Whether what is asked for is there. Without shapes that is the octree alone.
@@ -96,6 +110,7 @@ impl LevelsSet {
     fn kind(&self) -> Option<LevelsKind> {
         match &self.made {
             Some(Made::List(_)) => Some(LevelsKind::List),
+            Some(Made::Spheres(spheres)) => Some(LevelsKind::Spheres(spheres.kind())),
             Some(Made::LitCubes(_)) => Some(LevelsKind::LitCubes),
             Some(Made::Surfels(_)) => Some(LevelsKind::Surfels),
             Some(Made::Codes(_)) => Some(LevelsKind::Codes),
@@ -132,6 +147,7 @@ impl LevelsSet {
             let known = known.filter(|known| self.kind() == Some(kind) && known.is_of(octree, points, shapes));
             known.cloned().or_else(|| {
                 work.codes = u32::from(kind == LevelsKind::Codes);
+                work.spheres = u32::from(matches!(kind, LevelsKind::Spheres(_)));
                 Made::of(kind, octree, points, shapes)
             })
         });
@@ -152,7 +168,11 @@ impl LevelsSet {
     pub fn byte_size(&self) -> usize {
         let octree = self.octree().map_or(0, |octree| octree.byte_size());
         let surfels = self.surfels().map_or(0, |surfels| surfels.most_bytes());
-        octree + surfels + self.codes().map_or(0, |codes| codes.byte_size())
+        let spheres = match &self.made {
+            Some(Made::Spheres(spheres)) => spheres.size().bytes,
+            _ => 0,
+        };
+        octree + surfels + spheres + self.codes().map_or(0, |codes| codes.byte_size())
     }
 }
 
@@ -175,6 +195,10 @@ impl Made {
                 let (points, shapes) = records();
                 Self::List(Arc::new(PointList::new(points, shapes)))
             }
+            LevelsKind::Spheres(kind) => {
+                let (points, shapes) = records();
+                Self::Spheres(Arc::new(SphereLevels::build(kind, points, shapes)))
+            }
             LevelsKind::LitCubes => {
                 let surfels = surfels()?;
                 Self::LitCubes(Arc::new(VoxelLevels { surfels }))
@@ -194,6 +218,7 @@ impl Made {
         let of_octree = |is_of: &dyn Fn(&Arc<Octree>) -> bool| octree.is_some_and(is_of);
         match self {
             Self::List(list) => list.is_of(points, shapes),
+            Self::Spheres(spheres) => spheres.is_of(points, shapes),
             Self::LitCubes(cubes) => of_octree(&|tree| cubes.surfels.is_of(tree, points, shapes)),
             Self::Surfels(surfels) => of_octree(&|tree| surfels.is_of(tree, points, shapes)),
             Self::Codes(codes) => of_octree(&|tree| codes.is_of(tree, points, shapes)),

@@ -15,6 +15,9 @@ pub trait Levels: Debug + Send + Sync {
     /// cells that close gaps, is left out where there would be more than `most_records`.
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
 
+    /// How large it is.
+    fn size(&self) -> LevelsSize;
+
     /// The cut of at most `most_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
     /// of an octave (2 %).
     ///
@@ -58,6 +61,15 @@ pub trait Levels: Debug + Send + Sync {
         best.tested.nodes += visited_nodes - best.stats().visited_nodes;
         best
     }
+}
+
+/// A structure in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct LevelsSize {
+    /// All nodes, leaves included.
+    pub nodes: usize,
+    /// Bytes beside the records of the points that it is made of.
+    pub bytes: usize,
 }
 
 /// What is drawn of a cut, a record for each node in the order of the cut.

@@ -1,4 +1,4 @@
-//! Geometry that knows nothing of clouds: boxes, view frusta, Morton codes and the cube they divide, eigenvectors.
+//! Geometry that knows nothing of clouds: boxes, spheres, frusta, Morton codes, the cube they divide, eigenvectors.
 
 mod aabb;
 mod cube;
@@ -7,10 +7,12 @@ mod frustum;
 mod items;
 pub mod morton;
 pub(crate) mod morton_sort;
+mod sphere;
 mod symmetric_eigen;
 
 pub use aabb::Aabb;
 pub use cube::Cube;
 pub use frustum::{Containment, Frustum};
 pub use morton_sort::order_of_codes;
+pub use sphere::Sphere;
 pub use symmetric_eigen::{SymmetricEigen, SymmetricMat3};

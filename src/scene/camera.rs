@@ -4,7 +4,7 @@
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
 use super::style::{ParseChoiceError, choices};
-use crate::levels::SelectView;
+use crate::levels::{LodMetric, SelectView};
 use crate::math::{Aabb, Frustum};
 use glam::{DMat3, DVec3, Mat3, Mat4, Vec3, Vec4};
 use std::str::FromStr;
@@ -404,6 +404,7 @@ impl ViewTransform {
             eye: self.eye_high,
             pixels_per_unit_at_1: self.pixels_per_unit_at_1,
             lod_px,
+            metric: LodMetric::default(),
             deepest_level: SelectView::ALL_LEVELS,
         }
     }

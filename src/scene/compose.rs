@@ -6,7 +6,9 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::packet::ScenePacket;
 use super::{Camera, Clip, GroundPlane, Primitive, Style, ViewTransform};
-use crate::levels::{Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, RecordBuffers};
+use crate::levels::{
+    Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
+};
 use crate::sequence::{Needs, PreparedFrame};
 use glam::DVec3;
 use std::ptr;
@@ -22,6 +24,8 @@ pub struct SceneStats {
     pub visited_nodes: usize,
     /// Nodes emitted by the last traversal.
     pub emitted_voxels: usize,
+    /// Those of them that stand for points for which another one stands, too.
+    pub duplicates: usize,
     /// LOD threshold of the last traversal in pixels; `None` where a level was chosen.
     pub lod_px: Option<f32>,
     /// Time of the last traversal.
@@ -55,6 +59,7 @@ struct CutInput {
     view: ViewTransform,
     viewport_px: [u32; 2],
     lod: Lod,
+    metric: LodMetric,
     affordable: Affordable,
     clip: Option<Clip>,
 }
@@ -65,6 +70,7 @@ impl CutInput {
         ptr::addr_eq(Arc::as_ptr(&self.levels), Arc::as_ptr(&other.levels))
             && self.culls_back_faces == other.culls_back_faces
             && self.lod == other.lod
+            && self.metric == other.metric
     }
 }
 
@@ -163,6 +169,7 @@ impl Scene {
                 view: *view,
                 viewport_px,
                 lod: style.levels.lod,
+                metric: style.levels.metric,
                 affordable: self.affordable,
                 clip: style.of_sequence.clip,
             });
@@ -206,7 +213,7 @@ impl Scene {
         let cloud = frame.levels.codes().filter(|_| is_drawn)?;
         let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));
         let (lod_px, deepest_level) = match style.levels.lod {
-            Lod::ThresholdPx(lod_px) => (lod_px, cloud.depth()),
+            Lod::ThresholdPx(lod_px) => (style.levels.metric.edge_px(lod_px), cloud.depth()),
             Lod::Level(level) => (0.0, level),
             Lod::Budget(nodes) => at_most(nodes),
             Lod::FrameTimeMs(_) => at_most(self.affordable.voxels()),
@@ -250,7 +257,10 @@ impl Scene {
             culls_back_faces: from.culls_back_faces,
             before: before.map(|last| &last.cut),
         };
-        let select_view = from.view.select_view(0.0);
+        let select_view = SelectView {
+            metric: from.metric,
+            ..from.view.select_view(0.0)
+        };
         let affordable = from.affordable.voxels();
         let levels = &*from.levels;
         let (cut, lod_px) = from.lod.cut(levels, &select_view, hints, affordable);
@@ -270,6 +280,7 @@ impl Scene {
             traversals: self.stats.traversals + 1,
             visited_nodes: traversed.visited_nodes,
             emitted_voxels: traversed.emitted,
+            duplicates: traversed.duplicates,
             lod_px,
             traverse_time: start.elapsed(),
         };

@@ -4,9 +4,10 @@ use crate::app::State;
 use crate::app::meter::Redraw;
 use crate::app::widgets::numbers::{bytes, grouped};
 use crate::app::widgets::rows::heading_of_list;
+use crate::levels::LevelsSize;
 use crate::levels::octree::Octree;
 use crate::playback::Player;
-use crate::scene::SceneStats;
+use crate::scene::{LevelStructure, SceneStats};
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 use std::time::Duration;
@@ -213,6 +214,11 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
     });
     if let Some(octree) = frame.levels.octree() {
         octree_ui(ui, octree, timings.octree_ms, &state.scene_stats());
+    } else if let Some((kind, levels)) = frame.levels.of_surfels() {
+        section(ui, "Levels of detail", |ui| {
+            levels_rows(ui, LevelStructure::of(kind), levels.size());
+            traversal_rows(ui, timings.octree_ms, &state.scene_stats());
+        });
     }
 }
 
@@ -243,41 +249,66 @@ fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
             format!("{:.2} %", octree.loss() * 100.0),
             "Share of points that share a leaf with another",
         );
-        row(ui, "Build", milliseconds(build_ms.into()), "Building it, on a worker");
-        row(
-            ui,
-            "Traverse",
-            milliseconds(scene.traverse_time.as_secs_f64() * 1e3),
-            "Finding the cells to be drawn, and writing what stands for them",
-        );
-        row(
-            ui,
-            "Visited",
-            grouped(scene.visited_nodes as u64),
-            "Nodes visited by the last traversal",
-        );
-        row(
-            ui,
-            "Visible",
-            grouped(scene.emitted_voxels as u64),
-            "Voxels found by the last traversal",
-        );
-        let threshold = scene
-            .lod_px
-            .map_or_else(|| "a fixed level".to_owned(), |lod_px| format!("{lod_px:.2} px"));
-        row(
-            ui,
-            "Threshold τ",
-            threshold,
-            "Cells that are smaller on the screen were not divided; found by the last traversal if there is a budget",
-        );
-        row(
-            ui,
-            "Traversals",
-            grouped(scene.traversals),
-            "Traversals so far; none while nothing changes",
-        );
+        traversal_rows(ui, build_ms, scene);
     });
+}
+
+/// A structure without an octree.
+fn levels_rows(ui: &mut Ui, structure: LevelStructure, size: LevelsSize) {
+    row(ui, "Structure", structure.name(), "What surfels are taken from");
+    row(
+        ui,
+        "Nodes",
+        grouped(size.nodes as u64),
+        "Points, and nodes that stand for them",
+    );
+    row(ui, "Memory", bytes(size.bytes as u64), "Beside the points themselves");
+}
+
+/// What was last drawn of levels of detail.
+fn traversal_rows(ui: &mut Ui, build_ms: f32, scene: &SceneStats) {
+    row(ui, "Build", milliseconds(build_ms.into()), "Building it, on a worker");
+    row(
+        ui,
+        "Traverse",
+        milliseconds(scene.traverse_time.as_secs_f64() * 1e3),
+        "Finding the cells to be drawn, and writing what stands for them",
+    );
+    row(
+        ui,
+        "Visited",
+        grouped(scene.visited_nodes as u64),
+        "Nodes visited by the last traversal",
+    );
+    row(
+        ui,
+        "Visible",
+        grouped(scene.emitted_voxels as u64),
+        "Voxels or surfels found by the last traversal",
+    );
+    if scene.duplicates > 0 {
+        row(
+            ui,
+            "Duplicates",
+            grouped(scene.duplicates as u64),
+            "Those of them for whose points another one is drawn, too",
+        );
+    }
+    let threshold = scene
+        .lod_px
+        .map_or_else(|| "a fixed level".to_owned(), |lod_px| format!("{lod_px:.2} px"));
+    row(
+        ui,
+        "Threshold τ",
+        threshold,
+        "Cells that are smaller on the screen were not divided; found by the last traversal if there is a budget",
+    );
+    row(
+        ui,
+        "Traversals",
+        grouped(scene.traversals),
+        "Traversals so far; none while nothing changes",
+    );
 }
 
 fn memory(ui: &mut Ui, state: &mut State) {

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::analysis::ColorMap;
-use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
@@ -37,6 +37,7 @@ fn unusual() -> Preferences {
                 lod: Lod::ThresholdPx(2.5),
                 surfel_lod: true,
                 structure: LevelStructure::Octree,
+                metric: LodMetric::Edge,
             },
             codes: CodeStyle {
                 footprint: Footprint::Masks,

@@ -1,7 +1,7 @@
 //! The file of presets: what is kept, and what becomes of what cannot be read.
 
 use super::*;
-use crate::levels::Lod;
+use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
@@ -69,6 +69,7 @@ fn of_version_1() -> Style {
             lod: Lod::ThresholdPx(2.5),
             surfel_lod: true,
             structure: LevelStructure::Octree,
+            metric: LodMetric::Edge,
         },
         codes: CodeStyle {
             footprint: Footprint::Masks,

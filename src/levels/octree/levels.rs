@@ -3,7 +3,7 @@
 use super::{LodSurfels, Octree};
 use crate::cloud::VoxelRecord;
 use crate::levels::cut::{Cut, CutHints, SelectStats, SelectView};
-use crate::levels::structure::{Levels, RecordBuffers, Records};
+use crate::levels::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use std::sync::Arc;
 
 /// The cells of an octree as cubes whose light falls on normals.
@@ -32,6 +32,13 @@ impl Levels for Octree {
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
         write_cubes(self, None, cut, most_records, buffers)
     }
+
+    fn size(&self) -> LevelsSize {
+        LevelsSize {
+            nodes: self.node_count(),
+            bytes: self.byte_size(),
+        }
+    }
 }
 
 impl Levels for VoxelLevels {
@@ -42,6 +49,10 @@ impl Levels for VoxelLevels {
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records {
         let surfels = Some(&*self.surfels);
         write_cubes(self.surfels.octree(), surfels, cut, most_records, buffers)
+    }
+
+    fn size(&self) -> LevelsSize {
+        self.surfels.size()
     }
 }
 
@@ -57,6 +68,14 @@ impl Levels for LodSurfels {
         } = buffers;
         self.write_surfels(cut, &mut points, &mut shapes);
         Records::Surfels { points, shapes }
+    }
+
+    fn size(&self) -> LevelsSize {
+        let octree = self.octree();
+        LevelsSize {
+            nodes: octree.node_count(),
+            bytes: octree.byte_size() + self.most_bytes(),
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::analysis::test_shapes::{self, Random};
 use crate::cloud::VoxelRecord;
-use crate::levels::{SelectStats, SelectView};
+use crate::levels::{LodMetric, SelectStats, SelectView};
 use crate::math::Cube;
 use crate::math::{Containment, Frustum, morton};
 use glam::{Mat4, Vec3, Vec4};
@@ -315,6 +315,7 @@ pub(super) fn view_from(eye: Vec3, target: Vec3, lod_px: f32) -> SelectView {
         eye,
         pixels_per_unit_at_1: focal * 250.0,
         lod_px,
+        metric: LodMetric::default(),
         deepest_level: SelectView::ALL_LEVELS,
     }
 }

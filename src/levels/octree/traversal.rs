@@ -106,7 +106,7 @@ const HYSTERESIS: f64 = 0.1;
 /// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this;
 /// infinite when it always is.
 fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
-    let lod_px = f64::from(view.lod_px) * share;
+    let lod_px = f64::from(view.metric.edge_px(view.lod_px)) * share;
     if lod_px > 0.0 {
         (f64::from(edge) * f64::from(view.pixels_per_unit_at_1) / lod_px).powi(2) as f32
     } else {

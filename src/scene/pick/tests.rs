@@ -3,9 +3,9 @@
 use super::oracle::Oracle;
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
-use crate::levels::{LevelsKey, LevelsKind, LevelsSet};
+use crate::levels::{LevelsKey, LevelsKind, LevelsSet, Lod};
 use crate::scene::{
-    BackFaces, Camera, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
+    BackFaces, Camera, LevelStructure, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -291,4 +291,53 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
     let pick = Pick::of(&prepared(bare, DVec3::ZERO), DVec3::ZERO, 3).unwrap();
     assert!(matches!(pick.normal, Some(PickedNormal::Estimated(_))));
     assert_eq!((pick.color, pick.scalars.len()), (None, 0));
+}
+
+#[test]
+fn each_structure_of_levels_is_picked_where_it_is_drawn() {
+    let places: Vec<[f32; 3]> = (0..4000)
+        .map(|index| {
+            let (x, y) = ((index % 63) as f32 / 31.5 - 1.0, (index / 63) as f32 / 31.5 - 1.0);
+            [x, y, 0.2 * (x * y)]
+        })
+        .collect();
+    let whole = cloud(&places, 0.02, DVec3::ZERO);
+    for &structure in LevelStructure::ALL {
+        let style = Style::default().with(|style| {
+            style.primitive = Primitive::Surfel;
+            style.levels.surfel_lod = true;
+            style.levels.structure = structure;
+            style.levels.lod = Lod::Budget(700);
+        });
+        let frame = prepare(
+            7,
+            Arc::clone(&whole.frame),
+            0.0,
+            &Scene::needs(&style),
+            &PrepareCounters::default(),
+        );
+        let packet = packet_of(&frame, DVec3::ZERO, &camera(2.5, 30.0, DVec3::ZERO), &style);
+        let Content::Surfels(drawn) = &packet.content else {
+            panic!("{structure} draws surfels")
+        };
+        assert!(
+            (50..=700).contains(&drawn.points.len()),
+            "{structure}: {}",
+            drawn.points.len()
+        );
+        let mut picked = 0;
+        for px in (0..SIZE[0] * SIZE[1]).step_by(37) {
+            let place_px = [f64::from(px % SIZE[0]), f64::from(px / SIZE[0])];
+            let Some(slot) = pick(&packet, &frame, place_px, 0.0) else {
+                continue;
+            };
+            picked += 1;
+            let position = Vec3::from_array(frame.points[slot].position);
+            let is_near = drawn.points.iter().zip(drawn.shapes.iter()).any(|(point, shape)| {
+                position.distance(Vec3::from_array(point.position)) <= 2.0 * style.surfels.splat_scale * shape.radius
+            });
+            assert!(is_near, "{structure}: {position}");
+        }
+        assert!(picked > 50, "{structure}: {picked}");
+    }
 }

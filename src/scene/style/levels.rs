@@ -2,10 +2,10 @@
 
 use super::choices::choices;
 use super::describe::{
-    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When, group,
+    Kind, KindNumber, Label, Numbers, Place, Section, Setting, Typed, Unit, Value, Values, When, Word, Words, group,
 };
-use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::levels::{LevelsKind, Lod, LodMetric, SphereKind};
 use crate::math::morton;
 
 choices! {
@@ -14,6 +14,36 @@ choices! {
         Octree = "octree", "Octree", "Surfels of the octree's cells, as large as the level of detail says";
         None = "none", "None (list)",
             "Every second, fourth or eighth point, by level, budget or time; nothing is built or culled";
+        /// Rusinkiewicz and Levoy 2000.
+        QSplat = "qsplat", "QSplat",
+            "A tree of spheres in six bytes a node: the least memory, places and colours rounded";
+        /// Dachsbacher et al. 2003.
+        Sequential = "spt", "Sequential point tree", "The same tree as one sorted list, of which a part is tested";
+        /// Paper 002 §4.3.
+        Printed = "spt-paper", "Sequential, as printed",
+            "The same list by the paper's own rule, which draws some points twice: for comparison";
+        /// Windisch et al. 2025.
+        Hierarchical = "hspt", "Hierarchy of sequences", "Short sorted lists below nodes that are culled first";
+    }
+}
+
+impl LevelStructure {
+    /// What surfels are taken from.
+    pub fn kind(self) -> LevelsKind {
+        match self {
+            Self::Octree => LevelsKind::Surfels,
+            Self::None => LevelsKind::List,
+            Self::QSplat => LevelsKind::Spheres(SphereKind::QSplat),
+            Self::Sequential => LevelsKind::Spheres(SphereKind::Sequential),
+            Self::Printed => LevelsKind::Spheres(SphereKind::Printed),
+            Self::Hierarchical => LevelsKind::Spheres(SphereKind::Hierarchical),
+        }
+    }
+
+    /// The structure that levels are of: whatever is no structure of surfels is made of the octree.
+    pub fn of(kind: LevelsKind) -> Self {
+        let mut all = Self::ALL.iter().copied();
+        all.find(|structure| structure.kind() == kind).unwrap_or(Self::Octree)
     }
 }
 
@@ -214,6 +244,37 @@ impl Setting for Lod {
     }
 }
 
+const METRICS: &Words = &Words {
+    what: "LOD metric",
+    list: &[
+        Word {
+            word: "edge",
+            title: "Edge",
+            hint: "The edge of the cell, or of the cube that the sphere is around",
+        },
+        Word {
+            word: "area",
+            title: "Area",
+            hint: "The area of the disk, against the threshold squared; smaller where it is seen from the side (paper \
+                   002)",
+        },
+    ],
+};
+
+impl Setting for LodMetric {
+    fn value(&self) -> Value {
+        Value::Word(*self as usize)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Word(0) => Some(Self::Edge),
+            Value::Word(1) => Some(Self::Area),
+            _ => None,
+        }
+    }
+}
+
 group! {
     /// How deep the octree goes, and which of its cells are drawn.
     LevelStyle {
@@ -232,7 +293,8 @@ group! {
         }
         /// What surfels that stand for others are taken from.
         structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {
-            flag: "levels",
+            flag: "lod-structure",
+            former_flag: "levels",
             value_name: "STRUCTURE",
             help: "What --surfel-lod draws levels of detail from",
             heading: HEADING,
@@ -261,6 +323,18 @@ group! {
             when: When::Cells,
             label: Label::Always(Place::HowFine, "{}"),
             values: Values::Kinds(LODS),
+        }
+        /// What of them is held against the threshold in pixels.
+        metric: LodMetric = LodMetric::Edge, "lod_metric" METRIC {
+            flag: "lod-metric",
+            value_name: "METRIC",
+            help: "What of a cell or a sphere is held against the threshold in pixels",
+            heading: HEADING,
+            title: "Metric",
+            hint: "What of a cell or a sphere is held against the threshold in pixels",
+            section: Section::LevelOfDetail,
+            when: When::Cells,
+            values: Values::Words(METRICS),
         }
     }
 }

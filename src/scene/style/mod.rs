@@ -175,10 +175,7 @@ impl Style {
 
     /// The levels of detail that are drawn; `None` where all points are.
     pub fn levels_kind(&self) -> Option<LevelsKind> {
-        let of_surfels = match self.levels.structure {
-            LevelStructure::Octree => LevelsKind::Surfels,
-            LevelStructure::None => LevelsKind::List,
-        };
+        let of_surfels = self.levels.structure.kind();
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.surfel_lod.then_some(of_surfels),

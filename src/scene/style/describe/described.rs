@@ -9,6 +9,8 @@ pub struct Described {
     pub key: &'static str,
     /// Its option on the command line, without dashes; empty where its kinds have options, or it has one of its own.
     pub flag: &'static str,
+    /// An earlier name of the option, which is understood as well; empty where there is none.
+    pub former_flag: &'static str,
     /// What the option is given, in capitals.
     pub value_name: &'static str,
     /// What the option does, before the words that it takes.
@@ -34,6 +36,7 @@ impl Described {
     pub const USUAL: Self = Self {
         key: "",
         flag: "",
+        former_flag: "",
         value_name: "",
         help: "",
         heading: "Picture",

@@ -1,0 +1,123 @@
+//! Trees of spheres: the structures of paper 002 §3.2 and §3.3 beside the octree.
+//!
+//! All are made of one tree (`tree.rs`) and decide by one rule (`rule.rs`), so that they draw the same nodes:
+//!
+//! - *QSplat* (`qsplat.rs`): six bytes a node, traversed from the root.
+//! - *Sequential point trees* (`sequential.rs`): sorted nodes, of which a prefix is tested one by one; as one sequence,
+//!   or as a hierarchy of them.
+//! - *Sequential point trees as printed* (`printed.rs`): by another rule, which draws more.
+//!
+//! A leaf is a point. What is drawn of a node is the disk of its sphere.
+
+mod before;
+mod bounds;
+mod cone;
+mod node_code;
+mod printed;
+mod qsplat;
+mod rule;
+mod sequential;
+mod sphere_code;
+mod splat;
+mod split;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use super::cut::{Cut, CutHints, SelectView};
+use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
+use crate::cloud::{PointRecord, ShapeRecord};
+use printed::PrintedSequence;
+use qsplat::QSplat;
+use sequential::{HIERARCHY_POINTS, SequentialTree};
+use std::sync::Arc;
+use tree::SphereTree;
+
+/// What a tree of spheres is stored as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SphereKind {
+    /// QSplat.
+    QSplat,
+    /// A sequential point tree.
+    Sequential,
+    /// A sequential point tree as paper 002 prints it.
+    Printed,
+    /// A hierarchy of sequential point trees.
+    Hierarchical,
+}
+
+/// A tree of spheres around the points of a cloud.
+#[derive(Debug)]
+pub struct SphereLevels {
+    kind: SphereKind,
+    points: Arc<Vec<PointRecord>>,
+    shapes: Arc<Vec<ShapeRecord>>,
+    structure: Structure,
+}
+
+#[derive(Debug)]
+enum Structure {
+    QSplat(QSplat),
+    Sequential(SequentialTree),
+    Printed(PrintedSequence),
+}
+
+impl SphereLevels {
+    /// Builds the tree of these records, by as many threads as there are.
+    ///
+    /// # Panics
+    /// Preconditions: as many of both, in the Morton order of the cube around the points.
+    pub fn build(kind: SphereKind, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
+        let tree = SphereTree::build(&points, &shapes);
+        let structure = match kind {
+            SphereKind::QSplat => Structure::QSplat(QSplat::of(&tree, &points, &shapes)),
+            SphereKind::Sequential => Structure::Sequential(SequentialTree::of(&tree, usize::MAX)),
+            SphereKind::Hierarchical => Structure::Sequential(SequentialTree::of(&tree, HIERARCHY_POINTS)),
+            SphereKind::Printed => Structure::Printed(PrintedSequence::of(&tree, &points)),
+        };
+        Self {
+            kind,
+            points,
+            shapes,
+            structure,
+        }
+    }
+
+    /// What it is stored as.
+    pub fn kind(&self) -> SphereKind {
+        self.kind
+    }
+
+    /// Whether it is the tree of these records.
+    pub fn is_of(&self, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
+        Arc::ptr_eq(&self.points, points) && Arc::ptr_eq(&self.shapes, shapes)
+    }
+}
+
+impl Levels for SphereLevels {
+    fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        match &self.structure {
+            Structure::QSplat(qsplat) => qsplat.cut(view, hints),
+            Structure::Sequential(sequences) => sequences.cut(view, hints),
+            Structure::Printed(sequence) => sequence.cut(view, hints),
+        }
+    }
+
+    fn write(&self, cut: &Cut, _most_records: usize, buffers: RecordBuffers) -> Records {
+        let (points, shapes) = (&self.points, &self.shapes);
+        match &self.structure {
+            Structure::QSplat(qsplat) => qsplat.write(cut, buffers),
+            Structure::Sequential(sequences) => sequences.write(cut, points, shapes, buffers),
+            Structure::Printed(sequence) => sequence.write(cut, points, shapes, buffers),
+        }
+    }
+
+    fn size(&self) -> LevelsSize {
+        match &self.structure {
+            Structure::QSplat(qsplat) => qsplat.size(),
+            Structure::Sequential(sequences) => sequences.size(),
+            Structure::Printed(sequence) => sequence.size(),
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Which nodes stand for the points below them: the metric of paper 002 §4.1.
+//!
+//! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, `d` is the distance from the eye to the nearest point of
+//! its sphere, and `f = cos max(γ − θ − β, 0)` is how much of the disk is seen: γ is the angle between its normal and
+//! the direction to the eye, θ half the opening of its normal cone, and `sin β = r/distance` allows for the points
+//! beside its middle. A node is *small* where ε is at most the square of the LOD threshold, so that a threshold means a
+//! length in pixels whatever the metric. By edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of
+//! the cube that the sphere is around takes the place of A.
+//!
+//! As bounds are nested (`bounds.rs`), nothing grows from parent to child: below a small node all are small, below one
+//! that is outside the frustum or faces away all are, too. So what a traversal from the root finds, each node can tell
+//! by itself and its parent: the nodes that are drawn are those that are small, or leaves, while their parents are not.
+
+use super::bounds::Bounds;
+use crate::levels::cut::{CutHints, LodMetric, SelectView};
+use glam::{DVec3, DVec4, Vec4};
+
+/// What becomes of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// Nothing of it can be seen.
+    Dropped,
+    /// It is drawn, if its parent is divided.
+    Small,
+    /// Its children are looked at.
+    Divided,
+}
+
+/// What decides it, in f64: of f32 numbers, rounding then changes nothing that bounds tell apart.
+#[derive(Debug)]
+pub(super) struct Rule {
+    eye: DVec3,
+    planes: [DVec4; crate::math::Frustum::PLANES],
+    /// A of a disk with a radius of 1 at a distance of 1, px².
+    area_px2: f64,
+    is_oriented: bool,
+    culls_back_faces: bool,
+    threshold_px2: f64,
+    /// Share of the threshold within which the view before decides.
+    band: f64,
+    deepest_level: u32,
+}
+
+/// How much larger than the threshold, or smaller, a node must be to change sides.
+pub(super) const HYSTERESIS: f64 = 0.1;
+
+impl Rule {
+    pub(super) fn new(view: &SelectView, hints: &CutHints<'_>) -> Self {
+        Self {
+            eye: view.eye.as_dvec3(),
+            planes: view.frustum.planes().map(Vec4::as_dvec4),
+            area_px2: std::f64::consts::PI * f64::from(view.pixels_per_unit_at_1).powi(2),
+            is_oriented: view.metric == LodMetric::Area,
+            culls_back_faces: hints.culls_back_faces,
+            threshold_px2: f64::from(view.metric.root_area_px(view.lod_px).max(0.0)).powi(2),
+            band: if hints.before.is_some() { HYSTERESIS } else { 0.0 },
+            deepest_level: view.deepest_level,
+        }
+    }
+
+    /// What becomes of a node that is no leaf. `was_divided` tells whether the view before divided it.
+    pub(super) fn verdict(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> Verdict {
+        let seen_share = self.seen_share(bounds);
+        if self.is_dropped(bounds, seen_share) {
+            return Verdict::Dropped;
+        }
+        let size_px2 = self.size_px2(bounds, seen_share);
+        if self.is_small(size_px2, was_divided) || self.ends_at(level) {
+            Verdict::Small
+        } else {
+            Verdict::Divided
+        }
+    }
+
+    /// Whether nothing of a node can be seen.
+    pub(super) fn drops(&self, bounds: &Bounds) -> bool {
+        self.is_dropped(bounds, self.seen_share(bounds))
+    }
+
+    fn is_dropped(&self, bounds: &Bounds, seen_share: f64) -> bool {
+        self.culls_back_faces && seen_share <= 0.0 || self.is_outside(bounds)
+    }
+
+    /// Nodes below this one are small if their radius is at most so much; negative where none needs to be.
+    ///
+    /// Nested bounds are no nearer and no more of them is seen, so nothing but their radius can make them larger.
+    pub(super) fn small_radius_below(&self, bounds: &Bounds) -> f64 {
+        let size_px2 = self.size_px2(bounds, self.seen_share(bounds));
+        let small_px2 = self.threshold_px2 * (1.0 - self.band).powi(2);
+        if small_px2 == 0.0 || size_px2.is_infinite() {
+            return -1.0;
+        }
+        f64::from(bounds.radius) * (small_px2 / size_px2).sqrt() * (1.0 - ROUNDING)
+    }
+
+    /// Whether nodes of this level are not divided, however large.
+    pub(super) fn ends_at(&self, level: u32) -> bool {
+        self.deepest_level < SelectView::ALL_LEVELS && level >= self.deepest_level
+    }
+
+    fn is_small(&self, size_px2: f64, was_divided: impl FnOnce() -> bool) -> bool {
+        let share = |share: f64| share * share * self.threshold_px2;
+        if self.threshold_px2 == 0.0 || size_px2 > share(1.0 + self.band) {
+            return false;
+        }
+        size_px2 <= share(1.0 - self.band) || !was_divided()
+    }
+
+    fn is_outside(&self, bounds: &Bounds) -> bool {
+        let center = bounds.sphere.center.as_dvec3();
+        let mut planes = self.planes.iter();
+        planes.any(|plane| plane.truncate().dot(center) + plane.w < -f64::from(bounds.sphere.radius))
+    }
+
+    /// What of its disk is seen: f. Negative where all of it faces away, if that is dropped; else the back is as good
+    /// as the front.
+    fn seen_share(&self, bounds: &Bounds) -> f64 {
+        if bounds.cone.is_everything() || !(self.is_oriented || self.culls_back_faces) {
+            return 1.0;
+        }
+        let to_eye = self.eye - bounds.sphere.center.as_dvec3();
+        let (distance, radius) = (to_eye.length(), f64::from(bounds.sphere.radius));
+        if distance <= radius {
+            return 1.0;
+        }
+        let cosine = bounds.cone.axis.as_dvec3().dot(to_eye) / distance;
+        let gamma = if self.culls_back_faces { cosine } else { cosine.abs() };
+        let theta = f64::from(bounds.cone.cosine);
+        let sine_of_beta = radius / distance;
+        let beta = (1.0 - sine_of_beta * sine_of_beta).sqrt();
+        // Cosine and sine of θ + β, which is below 180°.
+        let sine_of_theta = (1.0 - theta * theta).sqrt();
+        let (allowed, sine_of_allowed) = (
+            theta * beta - sine_of_theta * sine_of_beta,
+            sine_of_theta * beta + theta * sine_of_beta,
+        );
+        if gamma >= allowed {
+            return 1.0;
+        }
+        gamma * allowed + (1.0 - gamma * gamma).max(0.0).sqrt() * sine_of_allowed
+    }
+
+    /// ε of a node, px²; infinite where the eye is in its sphere.
+    fn size_px2(&self, bounds: &Bounds, seen_share: f64) -> f64 {
+        let distance = self.eye.distance(bounds.sphere.center.as_dvec3()) - f64::from(bounds.sphere.radius);
+        if distance <= 0.0 {
+            return f64::INFINITY;
+        }
+        let seen_share = if self.is_oriented { seen_share.max(0.0) } else { 1.0 };
+        seen_share * self.area_px2 * (f64::from(bounds.radius) / distance).powi(2)
+    }
+}
+
+/// A share that is more than what rounding in f64 comes to, and changes nothing else.
+const ROUNDING: f64 = 1e-6;

@@ -1,0 +1,380 @@
+//! Sequential point trees: sorted nodes, of which a view takes a prefix (Dachsbacher et al. 2003).
+//!
+//! How it works: a node can only be drawn while its parent is not small, so nodes are sorted by the radius of their
+//! parents, which is `r_max` at an error of 1. Bisection finds how many may be drawn; each of these is then tested by
+//! itself (`rule.rs`), in the order of memory. Parents come before their children, and what was found of them is read
+//! off. Leaves are points of the frame, are drawn as these, and are tested by their parents alone.
+//!
+//! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
+//! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree
+//! of a few points: the nodes above are traversed, and only subtrees that are in view and divided are looked at, each
+//! with a prefix of its own.
+//!
+//! There is no lower end of a range (paper 002 §4.3): a node that is seen from its edge is small however large it is.
+//!
+//! When it wins: where there is no time to descend, and on graphics cards, which could test a prefix by themselves.
+
+use super::before::WasDivided;
+use super::bounds::Bounds;
+use super::rule::{Rule, Verdict};
+use super::splat::{self, Splat};
+use super::split::{Child, Division};
+use super::tree::SphereTree;
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::levels::cut::{Cut, CutHints, ListedNodes, SelectView};
+use crate::levels::structure::{LevelsSize, RecordBuffers, Records};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Most points of a sequence in a hierarchy of them.
+pub(super) const HIERARCHY_POINTS: usize = 1 << 10;
+
+/// Nodes of a prefix that are worth handing to another thread.
+const NODES_PER_TASK: usize = 1 << 12;
+
+/// In place of the parent in a sequence: the node above the sequence.
+const ABOVE: u32 = u32::MAX;
+
+/// Sequences, and the nodes above them.
+#[derive(Debug)]
+pub(super) struct SequentialTree {
+    /// The nodes above sequences first, in breadth-first order, then those in sequences.
+    inners: Vec<Inner>,
+    leaves: Vec<Leaf>,
+    /// What is below each of the first nodes.
+    uppers: Vec<Upper>,
+}
+
+/// A node that is no leaf.
+#[derive(Debug, Clone, Copy)]
+struct Inner {
+    bounds: Bounds,
+    splat: Splat,
+    level: u32,
+    /// Its place in the sequence, or [`ABOVE`].
+    parent: u32,
+    /// `r_max`.
+    parent_radius: f32,
+}
+
+/// A point.
+#[derive(Debug, Clone, Copy)]
+struct Leaf {
+    point: u32,
+    /// As that of an [`Inner`].
+    parent: u32,
+}
+
+/// What is below a node above sequences.
+#[derive(Debug, Clone)]
+struct Upper {
+    /// Nodes of the same kind.
+    children: Range<u32>,
+    /// Its sequence: the leaves among its children and, unless it has children of its kind, all below.
+    inners: Range<usize>,
+    leaves: Range<usize>,
+}
+
+impl SequentialTree {
+    /// Sequences of a tree, each of a subtree with at most so many points.
+    pub(super) fn of(tree: &SphereTree, most_points: usize) -> Self {
+        let uppers = upper_nodes(&tree.division, most_points);
+        let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();
+        let mut built = Self {
+            inners: Vec::with_capacity(tree.nodes.len()),
+            leaves: Vec::with_capacity(sequences.iter().map(|sequence| sequence.leaves.len()).sum()),
+            uppers: Vec::with_capacity(uppers.len()),
+        };
+        built
+            .inners
+            .extend(uppers.iter().map(|upper| Inner::of(tree, upper.node, ABOVE)));
+        for (UpperNode { children, .. }, sequence) in uppers.into_iter().zip(sequences) {
+            let (first_inner, first_leaf) = (built.inners.len(), built.leaves.len());
+            built.inners.extend(sequence.inners);
+            built.leaves.extend(sequence.leaves);
+            built.uppers.push(Upper {
+                children,
+                inners: first_inner..built.inners.len(),
+                leaves: first_leaf..built.leaves.len(),
+            });
+        }
+        built
+    }
+
+    pub(super) fn size(&self) -> LevelsSize {
+        LevelsSize {
+            nodes: self.inners.len() + self.leaves.len(),
+            bytes: size_of_val(self.inners.as_slice())
+                + size_of_val(self.leaves.as_slice())
+                + size_of_val(self.uppers.as_slice()),
+        }
+    }
+
+    pub(super) fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
+        let selection = Selection {
+            tree: self,
+            rule: Rule::new(view, &hints),
+            before: WasDivided::new(hints.before),
+        };
+        let mut listed = ListedNodes::default();
+        let mut divided = Vec::new();
+        let mut tested = 0;
+        let mut stack = Vec::from_iter((!self.uppers.is_empty()).then_some(0));
+        while let Some(upper) = stack.pop() {
+            tested += 1;
+            match selection.verdict(upper as usize) {
+                Verdict::Dropped => {}
+                Verdict::Small => listed.drawn.push(upper),
+                Verdict::Divided => {
+                    divided.push(upper);
+                    stack.extend(self.uppers[upper as usize].children.clone().rev());
+                }
+            }
+        }
+        let parts: Vec<(ListedNodes, usize)> = divided
+            .par_iter()
+            .map(|&upper| selection.sequence(upper as usize))
+            .collect();
+        listed.divided = divided;
+        for (part, tested_in_part) in parts {
+            listed.append(part);
+            tested += tested_in_part;
+        }
+        listed.into_cut(tested, view.lod_px)
+    }
+
+    pub(super) fn write(
+        &self,
+        cut: &Cut,
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
+        buffers: RecordBuffers,
+    ) -> Records {
+        splat::write(&cut.listed.drawn, buffers, |name| {
+            if let Some(inner) = self.inners.get(name as usize) {
+                return inner.splat.records();
+            }
+            let point = self.leaves[name as usize - self.inners.len()].point as usize;
+            (points[point], shapes[point])
+        })
+    }
+}
+
+impl Inner {
+    fn of(tree: &SphereTree, node: u32, parent: u32) -> Self {
+        let inner = &tree.division.inners[node as usize];
+        let rounded = &tree.nodes[node as usize];
+        Self {
+            bounds: rounded.bounds,
+            splat: Splat::of(rounded),
+            level: inner.level.into(),
+            parent,
+            parent_radius: parent_radius(tree, node),
+        }
+    }
+}
+
+fn parent_radius(tree: &SphereTree, node: u32) -> f32 {
+    let parent = tree.division.inners[node as usize].parent;
+    tree.nodes[parent as usize].bounds.radius
+}
+
+/// A node above sequences while they are made.
+struct UpperNode {
+    node: u32,
+    children: Range<u32>,
+}
+
+/// The root, and as long as these have more points than a sequence may have, their children.
+fn upper_nodes(division: &Division, most_points: usize) -> Vec<UpperNode> {
+    let mut uppers: Vec<UpperNode> = Vec::new();
+    let mut nodes = Vec::from_iter((!division.inners.is_empty()).then_some(0));
+    let mut next = 0;
+    while let Some(&node) = nodes.get(next) {
+        let inner = &division.inners[node as usize];
+        let first = nodes.len() as u32;
+        if inner.point_count() > most_points {
+            nodes.extend(inner.inner_children());
+        }
+        let children = first..nodes.len() as u32;
+        uppers.push(UpperNode { node, children });
+        next += 1;
+    }
+    uppers
+}
+
+struct Sequence {
+    inners: Vec<Inner>,
+    leaves: Vec<Leaf>,
+}
+
+/// A node of a sequence while it is made.
+#[derive(Debug, Clone, Copy)]
+struct Below {
+    node: u32,
+    /// The place of its parent among the nodes below, or [`ABOVE`].
+    parent: u32,
+}
+
+impl UpperNode {
+    /// Nodes below, sorted by the radius of their parents; of equals those nearer to the root come first.
+    fn sequence(&self, tree: &SphereTree) -> Sequence {
+        let below = self.nodes_below(tree);
+        let mut order: Vec<u32> = (0..below.len() as u32).collect();
+        let r_max = |place: u32| parent_radius(tree, below[place as usize].node);
+        order.par_sort_by(|&a, &b| r_max(b).total_cmp(&r_max(a)));
+        let mut sorted = vec![0; order.len()];
+        for (&place, sorted_place) in order.iter().zip(0..) {
+            sorted[place as usize] = sorted_place;
+        }
+        let sorted_place = |place: u32| sorted.get(place as usize).copied().unwrap_or(ABOVE);
+        let inners = order.par_iter().with_min_len(NODES_PER_TASK).map(|&place| {
+            let Below { node, parent } = below[place as usize];
+            Inner::of(tree, node, sorted_place(parent))
+        });
+        let of_order = order
+            .iter()
+            .zip(0..)
+            .map(|(&place, parent)| (below[place as usize].node, parent));
+        let mut leaves: Vec<(f32, Leaf)> = Vec::new();
+        for (node, parent) in std::iter::once((self.node, ABOVE)).chain(of_order) {
+            let radius = tree.nodes[node as usize].bounds.radius;
+            let children = tree.division.inners[node as usize].children();
+            leaves.extend(children.filter_map(|child| match child {
+                Child::Leaf(point) => Some((radius, Leaf { point, parent })),
+                Child::Inner(_) => None,
+            }));
+        }
+        leaves.par_sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        Sequence {
+            inners: inners.collect(),
+            leaves: leaves.into_iter().map(|(_, leaf)| leaf).collect(),
+        }
+    }
+
+    /// The nodes of its sequence, in breadth-first order.
+    fn nodes_below(&self, tree: &SphereTree) -> Vec<Below> {
+        let children_of = |node: u32, parent: u32| {
+            let children = tree.division.inners[node as usize].inner_children();
+            children.map(move |node| Below { node, parent })
+        };
+        let mut below: Vec<Below> = Vec::new();
+        if self.children.is_empty() {
+            below.extend(children_of(self.node, ABOVE));
+            let mut next = 0;
+            while let Some(&Below { node, .. }) = below.get(next) {
+                below.extend(children_of(node, next as u32));
+                next += 1;
+            }
+        }
+        below
+    }
+}
+
+/// A view of sequences.
+struct Selection<'a> {
+    tree: &'a SequentialTree,
+    rule: Rule,
+    before: WasDivided,
+}
+
+impl Selection<'_> {
+    fn verdict(&self, name: usize) -> Verdict {
+        let inner = &self.tree.inners[name];
+        let was_divided = || self.before.at(name);
+        self.rule.verdict(&inner.bounds, inner.level, was_divided)
+    }
+
+    /// What is drawn of the sequence below a node that is divided, and how many nodes were tested for it.
+    fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
+        let Upper { inners, leaves, .. } = &self.tree.uppers[upper];
+        let above = &self.tree.inners[upper].bounds;
+        let small_radius = self.rule.small_radius_below(above);
+        let of_inners = &self.tree.inners[inners.clone()];
+        let of_leaves = &self.tree.leaves[leaves.clone()];
+        let radius_of = |parent: u32| {
+            of_inners
+                .get(parent as usize)
+                .map_or(above.radius, |inner| inner.bounds.radius)
+        };
+        let is_divisible = |radius: f32| f64::from(radius) > small_radius;
+        let inner_count = of_inners.partition_point(|inner| is_divisible(inner.parent_radius));
+        let leaf_count = of_leaves.partition_point(|leaf| is_divisible(radius_of(leaf.parent)));
+
+        let tested = (inners.start..inners.start + inner_count).into_par_iter();
+        let verdicts: Vec<Verdict> = tested
+            .with_min_len(NODES_PER_TASK)
+            .map(|name| self.verdict(name))
+            .collect();
+        let is_divided = |parent: u32| parent == ABOVE || verdicts[parent as usize] == Verdict::Divided;
+        let mut listed = ListedNodes::default();
+        for ((inner, &verdict), name) in of_inners.iter().zip(&verdicts).zip(inners.start as u32..) {
+            match verdict {
+                Verdict::Small if is_divided(inner.parent) => listed.drawn.push(name),
+                Verdict::Divided => listed.divided.push(name),
+                Verdict::Small | Verdict::Dropped => {}
+            }
+        }
+        let first_leaf = (self.tree.inners.len() + leaves.start) as u32;
+        let drawn = of_leaves[..leaf_count]
+            .par_iter()
+            .zip(first_leaf..first_leaf + leaf_count as u32)
+            .with_min_len(NODES_PER_TASK)
+            .filter(|(leaf, _)| is_divided(leaf.parent))
+            .map(|(_, name)| name);
+        listed.drawn.par_extend(drawn);
+        (listed, inner_count + leaf_count)
+    }
+}
+
+#[cfg(test)]
+impl SequentialTree {
+    /// Which node of `tree` each name stands for: told by the leaves, whose parents are known.
+    pub(super) fn nodes(&self, tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
+        let division = &tree.division.inners;
+        let mut parent_of_point = vec![0; self.leaves.len()];
+        for (node, index) in division.iter().zip(0_u32..) {
+            for child in node.children() {
+                if let Child::Leaf(point) = child {
+                    parent_of_point[point as usize] = index;
+                }
+            }
+        }
+        // Those above sequences are the first nodes of the tree in breadth-first order.
+        let mut nodes = std::collections::HashMap::from([(0, Child::Inner(0))]);
+        for (upper, name) in self.uppers.iter().zip(0_u32..) {
+            let Some(&Child::Inner(node)) = nodes.get(&name) else {
+                break;
+            };
+            let children = division[node as usize].inner_children().map(Child::Inner);
+            nodes.extend(upper.children.clone().zip(children));
+        }
+        for (upper, name) in self.uppers.iter().zip(0_u32..) {
+            let place_above = |parent: u32| {
+                if parent == ABOVE {
+                    name
+                } else {
+                    upper.inners.start as u32 + parent
+                }
+            };
+            for (leaf, leaf_name) in self.leaves[upper.leaves.clone()].iter().zip(upper.leaves.start..) {
+                nodes.insert((self.inners.len() + leaf_name) as u32, Child::Leaf(leaf.point));
+                let (mut place, mut node) = (place_above(leaf.parent), parent_of_point[leaf.point as usize]);
+                loop {
+                    let known = *nodes.entry(place).or_insert(Child::Inner(node));
+                    assert_eq!(
+                        known,
+                        Child::Inner(node),
+                        "one node of the tree for each of the sequence"
+                    );
+                    if place == name {
+                        break;
+                    }
+                    place = place_above(self.inners[place as usize].parent);
+                    node = division[node as usize].parent;
+                }
+            }
+        }
+        nodes
+    }
+}

@@ -1,0 +1,171 @@
+//! Spheres in 13 bits, told by that of their parent (Rusinkiewicz and Levoy 2000, §3.1).
+//!
+//! How it works: the middle is on a grid of 13 × 13 × 13 places, a thirteenth of the parent's diameter apart; the
+//! radius is a number of thirteenths of the parent's, 1 to 13. Not all of the 13⁴ combinations are of use, as children
+//! are inside their parents: codes are the 8,192 that reach the least beyond it. Radii are rounded up until the sphere
+//! holds what it was made for, seen from where its middle came to lie, so nothing is lost from level to level. What no
+//! code holds so moves towards the middle of the parent, and at last becomes the parent's own sphere.
+
+use crate::math::Sphere;
+use glam::Vec3;
+use std::sync::LazyLock;
+
+/// Bits of a code.
+pub(super) const SPHERE_BITS: u32 = 13;
+
+/// Steps of radii and of coordinates.
+const STEPS: usize = 13;
+
+/// Coordinates are −6 to 6.
+const MOST_STEPS_ASIDE: i8 = 6;
+
+/// Where there is no code.
+const NONE: u16 = u16::MAX;
+
+/// Coordinates and radius, in steps.
+type Steps = ([i8; 3], u8);
+
+/// The sphere of the parent.
+const SAME: Steps = ([0; 3], STEPS as u8);
+
+struct Table {
+    steps_of_code: Vec<Steps>,
+    code_of_steps: Vec<u16>,
+}
+
+static TABLE: LazyLock<Table> = LazyLock::new(|| {
+    let aside = || -MOST_STEPS_ASIDE..=MOST_STEPS_ASIDE;
+    let places = aside().flat_map(|x| aside().flat_map(move |y| aside().map(move |z| [x, y, z])));
+    let mut steps_of_code: Vec<Steps> = places
+        .flat_map(|place| (1..=STEPS as u8).map(move |radius| (place, radius)))
+        .collect();
+    steps_of_code.sort_by(|a, b| reach(*a).total_cmp(&reach(*b)));
+    steps_of_code.truncate(1 << SPHERE_BITS);
+    let mut code_of_steps = vec![NONE; STEPS.pow(4)];
+    for (&steps, code) in steps_of_code.iter().zip(0..) {
+        code_of_steps[place_of(steps)] = code;
+    }
+    Table {
+        steps_of_code,
+        code_of_steps,
+    }
+});
+
+/// How far from the middle of the parent a sphere reaches, in thirteenths of the parent's radius.
+fn reach((place, radius): Steps) -> f64 {
+    let squared: i32 = place.iter().map(|&aside| i32::from(aside).pow(2)).sum();
+    2.0 * f64::from(squared).sqrt() + f64::from(radius)
+}
+
+/// Its place in the table of codes.
+fn place_of((place, radius): Steps) -> usize {
+    let coordinates = place.map(|aside| (aside + MOST_STEPS_ASIDE) as usize);
+    coordinates
+        .iter()
+        .fold(usize::from(radius) - 1, |all, &one| STEPS * all + one)
+}
+
+/// The sphere that a code means.
+#[inline(always)]
+pub(super) fn decoded(parent: &Sphere, code: u16) -> Sphere {
+    sphere_at(parent, TABLE.steps_of_code[usize::from(code)])
+}
+
+#[inline(always)]
+fn sphere_at(parent: &Sphere, (place, radius): Steps) -> Sphere {
+    let step = parent.radius / STEPS as f32;
+    Sphere {
+        center: parent.center + Vec3::from_array(place.map(f32::from)) * (2.0 * step),
+        // 13 thirteenths are exactly one.
+        radius: parent.radius * (f32::from(radius) / STEPS as f32),
+    }
+}
+
+/// The code of the nearest sphere that holds `child`; that of the parent's, which holds all of its points.
+pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
+    let step = parent.radius / STEPS as f32;
+    let most = f32::from(MOST_STEPS_ASIDE);
+    let aside = (child.center - parent.center) / (2.0 * step);
+    // A parent without extent is a place where its children are.
+    let aside = if aside.is_finite() { aside } else { Vec3::ZERO };
+    let mut place = aside
+        .round()
+        .clamp(Vec3::splat(-most), Vec3::splat(most))
+        .to_array()
+        .map(|aside| aside as i8);
+    while place != SAME.0 {
+        let needed = child.reach_from(sphere_at(parent, (place, 1)).center);
+        let holding = (1..=STEPS as u8).find(|&radius| f64::from(sphere_at(parent, (place, radius)).radius) >= needed);
+        let code = holding.map_or(NONE, |radius| TABLE.code_of_steps[place_of((place, radius))]);
+        if code != NONE {
+            return code;
+        }
+        let farthest = (0..3).max_by_key(|&axis| place[axis].abs()).unwrap_or(0);
+        place[farthest] -= place[farthest].signum();
+    }
+    let needed = child.reach_from(parent.center);
+    let holding = (1..STEPS as u8).find(|&radius| f64::from(sphere_at(parent, (SAME.0, radius)).radius) >= needed);
+    TABLE.code_of_steps[place_of((SAME.0, holding.unwrap_or(SAME.1)))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const PARENT: Sphere = Sphere {
+        center: Vec3::new(10.0, -20.0, 30.0),
+        radius: 6.5,
+    };
+
+    #[test]
+    fn thirteen_bits_name_each_sphere_once_and_the_parents_own() {
+        let table = &*TABLE;
+        assert_eq!(table.steps_of_code.len(), 8192);
+        assert_eq!(table.code_of_steps.iter().filter(|&&code| code != NONE).count(), 8192);
+        let own = encoded(&PARENT, &PARENT);
+        assert_eq!(decoded(&PARENT, own), PARENT);
+        // All that lie inside have a code.
+        let inside = table
+            .steps_of_code
+            .iter()
+            .filter(|&&steps| reach(steps) <= 13.0)
+            .count();
+        assert!((3000..4000).contains(&inside), "{inside}");
+        assert!(reach(table.steps_of_code[8191]) > 15.0);
+    }
+
+    #[test]
+    fn what_lies_on_the_grid_keeps_its_place() {
+        // A step of coordinates is one unit, one of radii a half.
+        let child = Sphere {
+            center: PARENT.center + Vec3::new(3.0, 0.0, -2.0),
+            radius: 1.5,
+        };
+        assert_eq!(decoded(&PARENT, encoded(&PARENT, &child)), child);
+    }
+
+    proptest! {
+        #[test]
+        fn the_sphere_of_a_code_holds_what_it_was_made_for(
+            direction in prop::array::uniform3(-1f32..1.0),
+            radius_share in 0f32..1.0,
+            distance_share in 0f32..1.0,
+            parent_radius in 0f32..100.0,
+        ) {
+            let parent = Sphere { radius: parent_radius, ..PARENT };
+            let radius = parent_radius * radius_share;
+            let distance = (parent_radius - radius) * distance_share;
+            let child = Sphere {
+                center: parent.center + Vec3::from_array(direction).normalize_or(Vec3::X) * distance,
+                radius,
+            };
+            let decoded = decoded(&parent, encoded(&parent, &child));
+            prop_assert!(decoded == parent || decoded.holds(&child), "{decoded:?} for {child:?}");
+            prop_assert!(decoded.radius <= parent.radius);
+            // A step of the radius for rounding it, and two half diagonals of the grid seen from both ends.
+            let step = parent_radius / 13.0;
+            prop_assert!(decoded == parent || decoded.radius <= radius + 6.0 * step);
+        }
+    }
+}

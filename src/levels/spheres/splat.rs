@@ -1,0 +1,57 @@
+//! What is drawn for nodes of sequences: the points themselves, or the disk of a node's sphere.
+
+use super::tree::Node;
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::levels::structure::{RecordBuffers, Records};
+use rayon::prelude::*;
+
+/// The disk of a node that is no leaf.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Splat {
+    center: [f32; 3],
+    radius: f32,
+    normal: [i16; 2],
+    color: [u8; 4],
+}
+
+impl Splat {
+    /// As large as the sphere, and across the mean normal (paper 002 §4.1, sprites).
+    pub(super) fn of(node: &Node) -> Self {
+        Self {
+            center: node.sphere.center.to_array(),
+            radius: node.sphere.radius,
+            normal: node.normal,
+            color: node.color,
+        }
+    }
+
+    pub(super) fn records(&self) -> (PointRecord, ShapeRecord) {
+        let point = PointRecord {
+            position: self.center,
+            color: self.color,
+        };
+        let shape = ShapeRecord {
+            normal: self.normal,
+            radius: self.radius,
+            ellipse: 0,
+            scalar: 0.0,
+        };
+        (point, shape)
+    }
+}
+
+/// The records of nodes, in their order.
+pub(super) fn write(
+    drawn: &[u32],
+    buffers: RecordBuffers,
+    records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Sync,
+) -> Records {
+    let RecordBuffers {
+        mut points, mut shapes, ..
+    } = buffers;
+    let nodes = drawn.par_iter().with_min_len(super::split::NODES_PER_TASK);
+    nodes
+        .map(|&node| records(node))
+        .unzip_into_vecs(&mut points, &mut shapes);
+    Records::Surfels { points, shapes }
+}
