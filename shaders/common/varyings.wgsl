@@ -25,3 +25,15 @@ fn mask_weight(quad: vec2f) -> f32 {
     let radius2 = dot(quad, quad);
     return select(0.0, exp(-MASK_FALLOFF * radius2), radius2 <= 1.0);
 }
+
+// What fragments leave for deferred shading: times a weight, and the weight.
+struct Surface {
+    // Display-referred.
+    @location(0) color: vec4f,
+    // In view space.
+    @location(1) normal: vec4f,
+}
+
+fn surface(in: Varyings, normal: vec3f, weight: f32) -> Surface {
+    return Surface(vec4f(unpack4x8unorm(in.color).rgb, 1.0) * weight, vec4f(normal, 1.0) * weight);
+}

@@ -1,5 +1,7 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
 
+use crate::scene::SurfelStyle;
+
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
 pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
@@ -7,9 +9,16 @@ pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
 /// How fast a splat's mask falls off: at the rim of its disk it is exp(-3) = 0.05.
 pub(super) const MASK_FALLOFF: f32 = 3.0;
 
-/// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
-/// towards its rim.
-pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
+/// Largest summed weight from which a pixel hides the background; see [`opaque_weight`].
+const MOST_OPAQUE_WEIGHT: f32 = 0.22;
+
+/// Summed weight from which a pixel hides the background: that at the rim of a disk of the surface, so that a closed
+/// surface lets nothing through where three disks only just meet. What enlarged splats reach beyond the disks fades.
+pub(super) fn opaque_weight(surfels: &SurfelStyle) -> f32 {
+    let [_, enlargement] = surfels.splatting.scales(surfels.enlargement);
+    let at_rim = (-MASK_FALLOFF / (enlargement * enlargement)).exp();
+    at_rim.min(MOST_OPAQUE_WEIGHT)
+}
 
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;

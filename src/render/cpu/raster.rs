@@ -129,6 +129,12 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
                 store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);
             }
             store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
+            if let Some(normal) = shading.normal {
+                for (along, sums) in normal.to_array().into_iter().zip(&mut tile.normals) {
+                    let sum = f32x8::splat(simd, along).mul_add(weight, load(simd, sums, at));
+                    store(sum, sums, at);
+                }
+            }
         },
     );
 }
@@ -160,6 +166,13 @@ pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &S
                 let there = load(simd, below, at);
                 store((colors[channel] - there).mul_add(opacity, there), below, at);
             }
+            if let Some(normal) = shading.normal {
+                let surface = normal.to_array().into_iter().zip(&mut tile.normals);
+                for (value, below) in surface.chain([(1.0, &mut tile.weight)]) {
+                    let there = load(simd, below, at);
+                    store((f32x8::splat(simd, value) - there).mul_add(opacity, there), below, at);
+                }
+            }
         },
     );
 }
@@ -185,6 +198,13 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
             for (channel, below) in tile.colors.iter_mut().enumerate() {
                 let there = load(simd, below, at);
                 store(simd.select_f32x8(drawn, colors[channel], there), below, at);
+            }
+            if let Some(normal) = shading.normal {
+                let surface = normal.to_array().into_iter().zip(&mut tile.normals);
+                for (value, below) in surface.chain([(1.0, &mut tile.weight)]) {
+                    let there = load(simd, below, at);
+                    store(simd.select_f32x8(drawn, f32x8::splat(simd, value), there), below, at);
+                }
             }
         },
     );

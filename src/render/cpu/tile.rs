@@ -54,6 +54,8 @@ pub(super) struct Tile {
     /// Red, green and blue from 0 to 1, times a weight where weights are summed up.
     pub(super) colors: [Vec<f32>; 3],
     pub(super) weight: Vec<f32>,
+    /// Along the axes of view space, times a weight; where light falls on the blended surface.
+    pub(super) normals: [Vec<f32>; 3],
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
     /// Of the rays through pixels, for light that is worked out at each.
@@ -68,6 +70,7 @@ impl Tile {
             depth: Vec::new(),
             colors: [const { Vec::new() }; 3],
             weight: Vec::new(),
+            normals: [const { Vec::new() }; 3],
             keys: Vec::new(),
             per_ray_length: Vec::new(),
         }

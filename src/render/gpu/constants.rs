@@ -5,9 +5,9 @@ use super::gpu_data::{
 };
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR, MASK_FALLOFF,
-    NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, USUAL_LINES, WIDEST_CELL_PX,
+    NARROWEST_CELL_PX, NEAREST_GREY, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::EyeDomeLight;
+use crate::scene::{EyeDomeLight, Lights, MOST_LAMPS as MOST_LAMPS_COUNT};
 use std::fmt::Debug;
 
 /// Records that the strategy `compute` hands to a workgroup.
@@ -22,6 +22,12 @@ pub(super) const INDICES_PER_QUAD: u32 = 6;
 
 /// Share of neighbours without depth from which a pixel belongs to no surface.
 const LONE: f32 = EyeDomeLight::LONE;
+
+/// Lamps beside the head light.
+const MOST_LAMPS: u32 = MOST_LAMPS_COUNT as u32;
+
+/// The power of highlights.
+const SHININESS: u32 = Lights::SHININESS;
 
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
@@ -47,9 +53,10 @@ pub(super) fn shared() -> String {
         LIGHTING_PER_VERTEX,
         LONE,
         MASK_FALLOFF,
+        MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
-        OPAQUE_WEIGHT,
+        SHININESS,
         USUAL_LINES,
         VERTICES_PER_QUAD,
         WIDEST_CELL_PX,

@@ -1,6 +1,7 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
+use super::passes::{Source, Target};
 
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -19,29 +20,15 @@ pub(super) struct Targets {
     pub(super) color_view: wgpu::TextureView,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
+    /// Sums of colours and of normals, once shading was deferred.
+    surfaces: Option<[wgpu::TextureView; 2]>,
 }
 
 impl Targets {
     /// Precondition: both edges at least 1 and at most [`Context::max_edge_px`].
     pub(super) fn new(context: &Context, size_px: [u32; 2]) -> Self {
-        let texture = |label, format, usage| {
-            context.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size_px[0],
-                    height: size_px[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | usage,
-                view_formats: &[],
-            })
-        };
+        let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
         Self {
             size_px,
@@ -49,6 +36,62 @@ impl Targets {
             color,
             accumulation_view: view(&texture("accumulation", ACCUMULATION_FORMAT, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
+            surfaces: None,
         }
     }
+
+    /// Makes the textures of [`Target::Surfaces`] unless they are there: only deferred shading pays for them.
+    pub(super) fn ensure_surfaces(&mut self, context: &Context) {
+        self.surfaces.get_or_insert_with(|| {
+            ["colors of surfaces", "normals of surfaces"].map(|label| {
+                let none = wgpu::TextureUsages::empty();
+                view(&texture(context, self.size_px, label, ACCUMULATION_FORMAT, none))
+            })
+        });
+    }
+
+    /// What a pass draws into. Precondition for surfaces: [`Targets::ensure_surfaces`].
+    pub(super) fn views(&self, target: Target) -> Vec<&wgpu::TextureView> {
+        match target {
+            Target::Picture => vec![&self.color_view],
+            Target::Sums => vec![&self.accumulation_view],
+            Target::Surfaces => self.surfaces.iter().flatten().collect(),
+        }
+    }
+
+    /// What a pass over the screen reads, with the same precondition.
+    pub(super) fn sources(&self, source: Source) -> Vec<&wgpu::TextureView> {
+        match source {
+            Source::Sums => vec![&self.accumulation_view],
+            Source::Depths => vec![&self.depth_view],
+            Source::Surfaces => self.surfaces.iter().flatten().chain([&self.depth_view]).collect(),
+        }
+    }
+}
+
+fn texture(
+    context: &Context,
+    [width, height]: [u32; 2],
+    label: &str,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | usage,
+        view_formats: &[],
+    })
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -61,9 +61,12 @@ impl Records for Surfels<'_> {
 
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.style.surfels.splatting {
-            Splatting::Regular | Splatting::NoDepth => Held::BlendedColors,
+            Splatting::Regular | Splatting::NoDepth => {
+                // Masks are opacities, which add up to 1.
+                Held::on_surfaces(packet, 1.0).unwrap_or(Held::BlendedColors)
+            }
             Splatting::Visibility => Held::depths(packet),
-            Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::Sums,
+            Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::sums(packet),
         }
     }
 
@@ -189,7 +192,8 @@ impl Surfels<'_> {
             Light::new(lighting, seen.normals.lane(lane), seen.centers.lane(lane), u, v)
         };
         let color = unit_color([red, green, blue]);
-        let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;
+        let normal = seen.normals.lane(lane);
+        let faces_away = normal.dot(seen.centers.lane(lane)) > 0.0;
         Shading {
             color: if faces_away && self.style.darkens_back_faces() {
                 seen_from_behind(color)
@@ -197,6 +201,9 @@ impl Surfels<'_> {
                 color
             },
             light,
+            normal: lighting
+                .is_deferred()
+                .then_some(if faces_away { -normal } else { normal }),
         }
     }
 }

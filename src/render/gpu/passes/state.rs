@@ -42,6 +42,8 @@ pub(in crate::render::gpu) enum Target {
     Picture,
     /// Cleared by the pass over records that draws into it.
     Sums,
+    /// Two textures, cleared in the same way: sums of colours and of normals, which light falls on.
+    Surfaces,
 }
 
 /// What a screen pass reads.
@@ -49,6 +51,8 @@ pub(in crate::render::gpu) enum Target {
 pub(in crate::render::gpu) enum Source {
     Sums,
     Depths,
+    /// Sums of colours, sums of normals, and depths.
+    Surfaces,
 }
 
 /// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
@@ -57,18 +61,26 @@ pub(in crate::render::gpu) enum DepthUse {
     /// A pass over records clears it first.
     TestAndWrite,
     TestOnly,
+    /// Neither is done, but a pass over records clears it first: nothing has a depth.
+    ClearOnly,
 }
 
 impl ColorUse {
-    pub(super) fn target_state(&self) -> wgpu::ColorTargetState {
-        wgpu::ColorTargetState {
-            format: match self.target {
-                Target::Picture => COLOR_FORMAT,
-                Target::Sums => ACCUMULATION_FORMAT,
-            },
-            blend: self.blend,
-            write_mask: wgpu::ColorWrites::ALL,
-        }
+    /// One for each texture that is drawn into.
+    pub(super) fn target_states(&self) -> Vec<Option<wgpu::ColorTargetState>> {
+        let formats = match self.target {
+            Target::Picture => vec![COLOR_FORMAT],
+            Target::Sums => vec![ACCUMULATION_FORMAT],
+            Target::Surfaces => vec![ACCUMULATION_FORMAT; 2],
+        };
+        let state = |format| {
+            Some(wgpu::ColorTargetState {
+                format,
+                blend: self.blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })
+        };
+        formats.into_iter().map(state).collect()
     }
 }
 
@@ -77,7 +89,10 @@ impl DepthUse {
         wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(self == Self::TestAndWrite),
-            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+            depth_compare: Some(match self {
+                Self::TestAndWrite | Self::TestOnly => wgpu::CompareFunction::GreaterEqual,
+                Self::ClearOnly => wgpu::CompareFunction::Always,
+            }),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }
@@ -106,6 +121,9 @@ pub(super) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
     alpha: KEPT,
 };
+
+/// Colours times their opacities, and opacities, over what is there.
+pub(super) const PREMULTIPLIED: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
 /// Multiplies what is there.
 pub(super) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {

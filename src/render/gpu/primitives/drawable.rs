@@ -1,7 +1,7 @@
 //! What a picture is drawn from.
 
 use super::amplification::Amplification;
-use crate::render::gpu::passes::{GeometryPass, ScreenPass};
+use crate::render::gpu::passes::{GeometryPass, ScreenPass, Target};
 use crate::render::gpu::residency::Records;
 
 /// A packet's records, and the passes over them.
@@ -16,4 +16,12 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) passes: &'static [&'static GeometryPass],
     /// What lays their result over the background, where they do not draw into the picture.
     pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
+}
+
+impl Drawable<'_> {
+    /// Whether one of its passes draws into this.
+    pub(in crate::render::gpu) fn draws_into(&self, target: Target) -> bool {
+        let mut targets = self.passes.iter().filter_map(|pass| pass.color);
+        targets.any(|color| color.target == target)
+    }
 }
