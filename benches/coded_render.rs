@@ -20,8 +20,7 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, CodeStyle, DrawingStyle, Footprint, LightStyle, Lighting, NormalBits, Primitive, RendererChoice, Scene,
-    ScenePacket, Style, UpAxis,
+    Camera, Footprint, Lighting, NormalBits, Primitive, RendererChoice, Scene, ScenePacket, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
@@ -39,29 +38,22 @@ const ROUNDS: usize = 15;
 fn frame() -> PreparedFrame {
     let (positions, colors) = shapes::bumpy_torus(COUNT);
     let mut raw = RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()));
-    raw.colors = Some(colors);
+    raw.attributes.colors = Some(colors);
     let normals = shapes::bumpy_torus_normals(COUNT);
-    raw.normals = Some(normals.iter().map(Vec3::to_array).collect());
+    raw.attributes.normals = Some(normals.iter().map(Vec3::to_array).collect());
     // The torus has an area of some 16; disks of the spacing close it but for a few holes between random points.
-    raw.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
+    raw.attributes.radii = Some(vec![(16.0 / COUNT as f32).sqrt(); COUNT]);
     let frame = Frame::from_raw(raw, DVec3::ZERO).expect("finite numbers");
     let needs = Scene::needs(&style(Footprint::Masks, NormalBits::Thirteen));
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
 fn style(footprint: Footprint, normal_bits: NormalBits) -> Style {
-    Style {
-        codes: CodeStyle {
-            footprint,
-            normal_bits,
-            ..CodeStyle::default()
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
-            ..DrawingStyle::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.codes.footprint = footprint;
+        style.codes.normal_bits = normal_bits;
+        style.drawing.renderer = RendererChoice::Cpu;
+    })
 }
 
 fn contenders() -> [(&'static str, Style); 6] {
@@ -71,13 +63,7 @@ fn contenders() -> [(&'static str, Style); 6] {
         ("masks", masks),
         (
             "masks, light once a normal",
-            Style {
-                light: LightStyle {
-                    lighting: Lighting::PerSurfel,
-                    ..masks.light
-                },
-                ..masks
-            },
+            masks.with(|style| style.light.lighting = Lighting::PerSurfel),
         ),
         ("masks, 17 bits", style(Footprint::Masks, NormalBits::Seventeen)),
         ("coded pixels", style(Footprint::Pixels, NormalBits::Thirteen)),

@@ -16,7 +16,8 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
-use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
+use pointreel::analysis::splat_ellipses;
+use pointreel::cloud::{PointRecord, ShapeRecord, encode_ellipse, oct_encode};
 use pointreel::levels::octree::{Octree, StopCriterion};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
@@ -52,11 +53,18 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         .collect();
     // The torus has an area of some 16.
     let spacing = (16.0 / count as f32).sqrt();
-    let shapes = order.map(|index| ShapeRecord {
-        normal: oct_encode(normals[index]),
-        radius: spacing,
-        ellipse: 0,
-        scalar: 0.0,
+    let ellipses = match primitive {
+        Primitive::Ellipse => splat_ellipses(&positions, &normals),
+        _ => vec![None; count],
+    };
+    let shapes = order.map(|index| {
+        let normal = oct_encode(normals[index]);
+        ShapeRecord {
+            normal,
+            radius: spacing,
+            ellipse: ellipses[index].map_or(0, |ellipse| encode_ellipse(normal, ellipse)),
+            scalar: 0.0,
+        }
     });
     let bounds = Aabb::from_points(&positions);
     let mut camera = Camera::framing(&bounds, DVec3::ZERO, UpAxis::Z);
@@ -77,7 +85,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     };
     let content = match primitive {
         Primitive::Voxel => Content::Voxels(voxels()),
-        Primitive::Auto | Primitive::Surfel => Content::Surfels(Surfels {
+        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => Content::Surfels(Surfels {
             points: Arc::new(points),
             shapes: Arc::new(shapes.collect()),
         }),
@@ -110,6 +118,7 @@ fn pictures(criterion: &mut Criterion) {
     for (primitive, count) in [
         (Primitive::Point, 1_000_000),
         (Primitive::Surfel, 100_000),
+        (Primitive::Ellipse, 100_000),
         (Primitive::Voxel, 100_000),
     ] {
         for (place, distance) in [("whole", 3.4), ("far", 34.0), ("within", 1.0)] {

@@ -166,7 +166,7 @@ fn bench(criterion: &mut Criterion) {
         std::fs::write(&path, &bytes).expect("the temporary folder takes files");
         let decoded = io::read(&path).expect("a good file");
         assert_eq!(decoded.positions.len(), POINTS, "{name}");
-        assert!(decoded.colors.is_some(), "{name}");
+        assert!(decoded.attributes.colors.is_some(), "{name}");
 
         let mut group = criterion.benchmark_group(format!("decode 100k/{name}"));
         group

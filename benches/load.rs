@@ -36,10 +36,10 @@ fn cloud(has_scalars: bool) -> RawCloud {
     };
     let color = |index: usize| [(index % 256) as u8, (index / 256 % 256) as u8, 77, 255];
     let mut cloud = RawCloud::from_positions(Positions::F32((0..POINTS).map(position).collect()));
-    cloud.colors = Some((0..POINTS).map(color).collect());
+    cloud.attributes.colors = Some((0..POINTS).map(color).collect());
     if has_scalars {
         let values = (0..POINTS).map(|index| (index % 4096) as f32).collect();
-        cloud.scalars = vec![ScalarField::new("intensity", values)];
+        cloud.attributes.scalars = vec![ScalarField::new("intensity", values)];
     }
     cloud
 }

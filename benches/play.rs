@@ -82,8 +82,8 @@ impl Film {
             let turn = glam::Quat::from_rotation_y(0.02 * frame as f32);
             let at = |position: &glam::Vec3| (turn * *position).to_array();
             let mut cloud = RawCloud::from_positions(Positions::F32(positions.iter().map(at).collect()));
-            cloud.colors = Some(colors.clone());
-            cloud.normals = self.has_normals.then(|| normals.iter().map(at).collect());
+            cloud.attributes.colors = Some(colors.clone());
+            cloud.attributes.normals = self.has_normals.then(|| normals.iter().map(at).collect());
             let file = File::create(folder.join(format!("{frame:04}.ply"))).expect("a file");
             write(file, WriteFormat::default(), &cloud).expect("a frame");
         }

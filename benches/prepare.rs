@@ -33,6 +33,7 @@ const ROUNDS: usize = 5;
 const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
+    ellipses: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,
@@ -179,10 +180,10 @@ fn spiral() -> Frame {
         [angle.cos(), angle.sin(), height(index)]
     };
     let mut raw = RawCloud::from_positions(Positions::F32((0..COUNT).map(position).collect()));
-    raw.normals = Some((0..COUNT).map(|index| position(index).map(|x| -x)).collect());
+    raw.attributes.normals = Some((0..COUNT).map(|index| position(index).map(|x| -x)).collect());
     let field =
         |name, value: fn(f32) -> f32| ScalarField::new(name, (0..COUNT).map(|index| value(height(index))).collect());
-    raw.scalars = vec![
+    raw.attributes.scalars = vec![
         field("intensity", |height| 300.0 * height),
         field("classification", |height| (20.0 * height).floor()),
     ];

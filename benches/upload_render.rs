@@ -17,7 +17,7 @@ use pointreel::cloud::{PointRecord, ShapeRecord, oct_encode};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Content, DrawingStyle, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
+use pointreel::scene::{Camera, Content, Primitive, ScenePacket, Strategy, Style, Surfels, UpAxis};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -63,14 +63,10 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
     ScenePacket {
         viewport_px: SIZE_PX,
         view: camera.transform(DVec3::ZERO, SIZE_PX),
-        style: Style {
-            primitive,
-            drawing: DrawingStyle {
-                strategy,
-                ..DrawingStyle::default()
-            },
-            ..Style::default()
-        },
+        style: Style::default().with(|style| {
+            style.primitive = primitive;
+            style.drawing.strategy = strategy;
+        }),
         content: {
             let points = Arc::new(points.collect());
             if primitive == Primitive::Surfel {

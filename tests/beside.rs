@@ -11,7 +11,7 @@ use pointreel::app::{Command, Layout, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{Backdrop, Background, Primitive, Scene, ScenePacket, Style};
+use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Style};
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -47,16 +47,12 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
         paused: true,
         ..StateOptions::default()
     });
-    state.style = Style {
-        primitive,
+    state.style = Style::default().with(|style| {
+        style.primitive = primitive;
         // Ranges of heights are of each sequence.
-        colors: ColorSource::Uniform.into(),
-        backdrop: Backdrop {
-            background: Background::solid([0; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    };
+        style.colors = ColorSource::Uniform.into();
+        style.backdrop.background = Background::solid([0; 3]);
+    });
     state.open(Arc::clone(a));
     state.compare_with(Arc::clone(b));
     state.update(Duration::ZERO);

@@ -84,6 +84,16 @@ fn info_says_what_is_there() {
     assert!(table.contains("3 frames"));
     assert!(!table.contains("where the others have"), "{table}");
 
+    // An organised cloud, with a hole.
+    let organised = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 \
+        1 0 0 0\nPOINTS 4\nDATA ascii\n0 0 1\nnan nan nan\n0 1 1\n1 1 1\n";
+    let image = folder.path().join("image.pcd");
+    fs::write(&image, organised).unwrap();
+    let table = pointreel(&["info", text(&image)]);
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    assert!(table.contains("position, organised 2 × 2, "), "{table}");
+    fs::remove_file(image).unwrap();
+
     // A frame of bare positions among coloured ones.
     fs::write(folder.path().join("f11.xyz"), "0 0 0\n1 1 1\n").unwrap();
     let table = pointreel(&["info", text(folder.path())]);

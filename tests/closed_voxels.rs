@@ -15,10 +15,7 @@ use pointreel::levels::octree::StopCriterion;
 use pointreel::measure::flip;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, FirstLook, LevelStyle, Primitive, Scene, Style, SurfelStyle, UpAxis,
-    VoxelLight, VoxelStyle,
-};
+use pointreel::scene::{BackFaces, Background, Camera, FirstLook, Primitive, Scene, Style, UpAxis, VoxelLight};
 use pointreel::sequence::{OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare};
 use std::sync::Arc;
 
@@ -60,13 +57,7 @@ fn draw(
     let frame = complete(frame, &needs, &PrepareCounters::default());
     let mut renderer = CpuRenderer::new();
     let [first, second] = BACKGROUNDS.map(|color| {
-        let style = Style {
-            backdrop: Backdrop {
-                background: Background::solid(color),
-                ..style.backdrop
-            },
-            ..style
-        };
+        let style = style.with(|style| style.backdrop.background = Background::solid(color));
         let packet = Scene::default().packet(&frame, sequence.origin(), camera, &style, size_px);
         renderer.prepare(&packet).unwrap();
         renderer.render().unwrap();
@@ -83,13 +74,7 @@ fn draw(
 
 /// Covered, outside and FLIP of voxels beside surfels.
 fn compared(frame: &PreparedFrame, sequence: &Sequence, camera: &Camera, style: Style, size_px: [u32; 2]) -> [f64; 3] {
-    let surfels = Style {
-        surfels: SurfelStyle {
-            back_faces: BackFaces::Drawn,
-            ..SurfelStyle::default()
-        },
-        ..Style::default()
-    };
+    let surfels = Style::default().with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let (surfels, is_surfel) = draw(frame, sequence, camera, surfels, size_px);
     let (voxels, is_voxel) = draw(frame, sequence, camera, style, size_px);
     let count = |is_counted: fn(bool, bool) -> bool| {
@@ -176,24 +161,13 @@ fn the_cells_of_the_paper_are_dots_and_light_on_faces_is_that_of_cubes() {
     let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Z);
     let of = |style| compared(&frame, &sequence, &camera, style, [640, 480]);
     let [covered, _, flip] = of(voxels());
-    let dots = Style {
-        levels: LevelStyle {
-            stop: StopCriterion::PAPER,
-            ..voxels().levels
-        },
-        ..voxels()
-    };
+    let dots = voxels().with(|style| style.levels.stop = StopCriterion::PAPER);
     let [covered_by_dots, ..] = of(dots);
     assert!(
         covered > COVERED && covered_by_dots < 0.9,
         "{covered} {covered_by_dots}"
     );
-    let faces = Style {
-        voxels: VoxelStyle {
-            light: VoxelLight::Faces,
-        },
-        ..voxels()
-    };
+    let faces = voxels().with(|style| style.voxels.light = VoxelLight::Faces);
     let [covered_by_faces, _, flip_of_faces] = of(faces);
     assert_eq!(covered_by_faces, covered, "light changes no silhouette");
     assert!(flip_of_faces > 1.3 * flip, "{flip_of_faces} {flip}");

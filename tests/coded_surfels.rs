@@ -21,8 +21,7 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, CodeStyle, DrawingStyle, FirstLook, Footprint, LevelStyle, LightStyle, Lighting, NormalBits,
-    OffsetBits, RendererChoice, Scene, Splatting, Style, SurfelStyle,
+    BackFaces, Camera, FirstLook, Footprint, Lighting, NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
@@ -57,41 +56,25 @@ fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame
         let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
         if is_white { [255; 4] } else { [red, green, blue, 255] }
     };
-    raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
-    raw.radii = Some(vec![radius; surfels.len()]);
+    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
+    raw.attributes.radii = Some(vec![radius; surfels.len()]);
     prepared(raw, style)
 }
 
 /// By the processor, from the byte code.
 fn coded() -> Style {
-    Style {
+    plain().with(|style| {
         // White alone would not be taken for colours.
-        colors: pointreel::sequence::ColorSource::File.into(),
-        levels: LevelStyle {
-            lod: Lod::ThresholdPx(0.0),
-            ..plain().levels
-        },
-        codes: CodeStyle {
-            footprint: Footprint::Masks,
-            ..plain().codes
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
-            ..plain().drawing
-        },
-        ..plain()
-    }
+        style.colors = pointreel::sequence::ColorSource::File.into();
+        style.levels.lod = Lod::ThresholdPx(0.0);
+        style.codes.footprint = Footprint::Masks;
+        style.drawing.renderer = RendererChoice::Cpu;
+    })
 }
 
 fn exact(style: &Style) -> Style {
-    Style {
-        codes: CodeStyle {
-            footprint: Footprint::Disks,
-            ..style.codes
-        },
-        ..*style
-    }
+    style.with(|style| style.codes.footprint = Footprint::Disks)
 }
 
 fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
@@ -132,35 +115,19 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 /// grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
-    let style = Style {
-        surfels: SurfelStyle {
-            // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
-            splatting: Splatting::TwoPass,
-            splat_scale: 1.4,
-            ..coded().surfels
-        },
-        levels: LevelStyle {
-            stop: StopCriterion::Depth(6),
-            ..coded().levels
-        },
-        codes: CodeStyle {
-            normal_bits: NormalBits::Thirteen,
-            ..coded().codes
-        },
-        ..coded()
-    };
+    let style = coded().with(|style| {
+        // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
+        style.surfels.splatting = Splatting::TwoPass;
+        style.surfels.splat_scale = 1.4;
+        style.levels.stop = StopCriterion::Depth(6);
+        style.codes.normal_bits = NormalBits::Thirteen;
+    });
     let frame = ball(200_000, 0.01, true, &style);
     let edge = f64::from(frame.levels.octree().unwrap().cube().cell_edge(6));
     for view in VIEWS_DEG {
         let camera = ball_camera(view, 1.6);
         let count = |offset_bits: OffsetBits| {
-            let style = Style {
-                codes: CodeStyle {
-                    offset_bits,
-                    ..style.codes
-                },
-                ..style
-            };
+            let style = style.with(|style| style.codes.offset_bits = offset_bits);
             let picture = draw(&frame, &camera, &style, SIZE);
             keep(&picture, &format!("ball_{}_{}_{offset_bits}_bits", view[0], view[1]));
             gaps(&picture, &camera, 0.5 * edge)
@@ -174,14 +141,10 @@ fn offsets_close_the_gaps_of_quantised_positions() {
         );
         assert_eq!(three, 0, "{view:?}");
         // Enlarged, splats of the attribute pass reach over what is left.
-        let enlarged = Style {
-            surfels: SurfelStyle {
-                splatting: Splatting::TwoPassEnlarged,
-                splat_scale: 1.0,
-                ..style.surfels
-            },
-            ..style
-        };
+        let enlarged = style.with(|style| {
+            style.surfels.splatting = Splatting::TwoPassEnlarged;
+            style.surfels.splat_scale = 1.0;
+        });
         let picture = draw(&frame, &camera, &enlarged, SIZE);
         assert_eq!(gaps(&picture, &camera, 0.5 * edge), 0, "{view:?}, enlarged");
     }
@@ -205,17 +168,10 @@ fn masks_beside_exact_disks_on_a_sphere() {
                     ..camera_at(distance)
                 };
                 for (lighting, least_db) in [(Lighting::Unlit, unlit_db), (Lighting::PerFragment, lit_db)] {
-                    let style = Style {
-                        codes: CodeStyle {
-                            normal_bits,
-                            ..coded().codes
-                        },
-                        light: LightStyle {
-                            lighting,
-                            ..coded().light
-                        },
-                        ..coded()
-                    };
+                    let style = coded().with(|style| {
+                        style.codes.normal_bits = normal_bits;
+                        style.light.lighting = lighting;
+                    });
                     let masks = draw(&frame, &camera, &style, SIZE);
                     let disks = draw(&frame, &camera, &exact(&style), SIZE);
                     let found_db = psnr(&masks, &disks);
@@ -247,13 +203,7 @@ fn masks_beside_exact_disks_on_real_frames() {
         files.retain(|path| path.extension().is_some_and(|extension| extension == "ply"));
         files.sort();
         let raw = pointreel::io::read(&files[0]).unwrap();
-        let style = Style {
-            levels: LevelStyle {
-                lod: Lod::default(),
-                ..coded().levels
-            },
-            ..coded()
-        };
+        let style = coded().with(|style| style.levels.lod = Lod::default());
         let frame = prepared(raw, &style);
         let code = frame.levels.codes().unwrap();
         println!(
@@ -268,13 +218,7 @@ fn masks_beside_exact_disks_on_real_frames() {
             let mut camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, up);
             camera.zoom(zoom);
             for lighting in [Lighting::PerFragment, Lighting::PerSurfel, Lighting::Unlit] {
-                let style = Style {
-                    light: LightStyle {
-                        lighting,
-                        ..style.light
-                    },
-                    ..style
-                };
+                let style = style.with(|style| style.light.lighting = lighting);
                 let size = [960, 720];
                 let masks = draw(&frame, &camera, &style, size);
                 let disks = draw(&frame, &camera, &exact(&style), size);
@@ -299,17 +243,10 @@ fn pictures_do_not_depend_on_threads() {
     let frame = ball(20_000, 0.02, false, &coded());
     let camera = camera_at(1.7);
     for footprint in [Footprint::Masks, Footprint::Pixels] {
-        let style = Style {
-            codes: CodeStyle {
-                footprint,
-                ..coded().codes
-            },
-            light: LightStyle {
-                lighting: Lighting::PerFragment,
-                ..coded().light
-            },
-            ..coded()
-        };
+        let style = coded().with(|style| {
+            style.codes.footprint = footprint;
+            style.light.lighting = Lighting::PerFragment;
+        });
         let expected = draw(&frame, &camera, &style, SIZE);
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -332,20 +269,8 @@ fn culling_changes_no_pixel_of_a_closed_shape() {
             elevation_deg: 17.0,
             ..camera_at(distance)
         };
-        let culled = Style {
-            codes: CodeStyle {
-                footprint,
-                ..coded().codes
-            },
-            ..coded()
-        };
-        let not_culled = Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..culled.surfels
-            },
-            ..culled
-        };
+        let culled = coded().with(|style| style.codes.footprint = footprint);
+        let not_culled = culled.with(|style| style.surfels.back_faces = BackFaces::Drawn);
         let a = draw(&frame, &camera, &culled, SIZE);
         let b = draw(&frame, &camera, &not_culled, SIZE);
         // At the outline what is just behind it is within ε of it.

@@ -60,11 +60,11 @@ fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -
         }
     }
     for (name, found) in [
-        ("has_color", cloud.colors.is_some()),
-        ("has_normals", cloud.normals.is_some()),
+        ("has_color", cloud.attributes.colors.is_some()),
+        ("has_normals", cloud.attributes.normals.is_some()),
         (
             "has_intensity",
-            cloud.scalars.iter().any(|field| field.name == "intensity"),
+            cloud.attributes.scalars.iter().any(|field| field.name == "intensity"),
         ),
     ] {
         // What the other readers know no name for (upper-case fields, columns of text) is no mistake of ours.

@@ -75,17 +75,10 @@ fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
 fn surfels_in_every_mode_and_light_from_far_and_near() {
     for &splatting in Splatting::ALL {
         for &lighting in Lighting::ALL {
-            let style = Style {
-                surfels: SurfelStyle {
-                    splatting,
-                    ..SurfelStyle::default()
-                },
-                light: LightStyle {
-                    lighting,
-                    ..LightStyle::default()
-                },
-                ..Style::default()
-            };
+            let style = Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.light.lighting = lighting;
+            });
             // A GPU rounds to bytes whenever it blends: hundreds of layers may be some steps apart.
             let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
             let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
@@ -93,15 +86,27 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
         }
     }
     for distance in [0.4, 1.02, 30.0] {
-        let style = Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                splatting: Splatting::TwoPassEnlarged,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.surfels.back_faces = BackFaces::Drawn;
+            style.surfels.splatting = Splatting::TwoPassEnlarged;
+        });
         assert_same_picture(&surfel_scene(style, distance), 55.0, 1e-5);
+    }
+}
+
+#[test]
+fn ellipses_in_every_mode_and_light() {
+    for &splatting in Splatting::ALL {
+        for &lighting in Lighting::ALL {
+            let style = Style::default().with(|style| {
+                style.primitive = Primitive::Ellipse;
+                style.surfels.splatting = splatting;
+                style.light.lighting = lighting;
+            });
+            let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+            let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
     }
 }
 
@@ -221,14 +226,10 @@ fn voxels_in_every_light_from_outside_and_from_within() {
     for (lighting, normals) in lights {
         for distance in [3.0, 0.9] {
             let mut packet = surfel_scene(
-                Style {
-                    primitive: Primitive::Voxel,
-                    light: LightStyle {
-                        lighting,
-                        ..LightStyle::default()
-                    },
-                    ..Style::default()
-                },
+                Style::default().with(|style| {
+                    style.primitive = Primitive::Voxel;
+                    style.light.lighting = lighting;
+                }),
                 distance,
             );
             packet.content = Content::Voxels(Voxels {
@@ -293,14 +294,10 @@ fn extreme_records_are_survived() {
         for &primitive in &[Primitive::Point, Primitive::Surfel] {
             for &splatting in Splatting::ALL {
                 for distance in [1e-30, 1.5, 1e20] {
-                    let style = Style {
-                        primitive,
-                        surfels: SurfelStyle {
-                            splatting,
-                            ..SurfelStyle::default()
-                        },
-                        ..Style::default()
-                    };
+                    let style = Style::default().with(|style| {
+                        style.primitive = primitive;
+                        style.surfels.splatting = splatting;
+                    });
                     let packet = surfels(&scene, &camera_at(distance), style, size);
                     assert_eq!(draw_on_cpu(&packet).dimensions(), (size[0], size[1]));
                 }
@@ -337,17 +334,10 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
         elevation_deg: -35.0,
         ..camera_at(2.5)
     };
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPass,
-            ..SurfelStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([119; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    };
+    let style = Style::default().with(|style| {
+        style.surfels.splatting = Splatting::TwoPass;
+        style.backdrop.background = Background::solid([119; 3]);
+    });
     let packet = packet_of(&frame, &camera, &style, SIZE);
     let disks = Disks {
         points: &frame.points,
@@ -449,11 +439,10 @@ proptest! {
         let modes = [(Splatting::TwoPassEnlarged, None), (Splatting::Visibility, Some(1000))];
         for (splatting, pixels_an_opening) in modes {
             let draw = |background: [u8; 3]| {
-                let style = Style {
-                    surfels: SurfelStyle { splatting, ..SurfelStyle::default() },
-                    backdrop: Backdrop { background: Background::solid(background), ..Backdrop::default() },
-                    ..Style::default()
-                };
+                let style = Style::default().with(|style| {
+style.surfels.splatting = splatting;
+style.backdrop.background = Background::solid(background);
+});
                 draw_on_cpu(&packet_of(&SPHERE, &camera, &style, size_px))
             };
             let (on_black, on_white) = (draw([0; 3]), draw([255; 3]));

@@ -87,7 +87,7 @@ fn clouds_and_meshes_are_read_with_their_attributes() {
         };
         let mut found: Vec<([i32; 3], [u8; 4])> = positions
             .iter()
-            .zip(cloud.colors.as_ref().unwrap())
+            .zip(cloud.attributes.colors.as_ref().unwrap())
             .map(|(position, color)| (position.map(|value| value.round() as i32), *color))
             .collect();
         found.sort_unstable();
@@ -95,7 +95,7 @@ fn clouds_and_meshes_are_read_with_their_attributes() {
             .map(|index| (position(index).map(|value| value as i32), color(index)))
             .collect();
         assert_eq!(found, expected);
-        for normal in cloud.normals.as_ref().unwrap() {
+        for normal in cloud.attributes.normals.as_ref().unwrap() {
             assert!(normal[2] > 0.99, "{normal:?}");
         }
         assert!(cloud.faces.iter().flatten().all(|&point| (point as usize) < POINTS));

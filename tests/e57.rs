@@ -156,11 +156,11 @@ fn scans_are_read_together_or_alone() {
     is_at(positions(&cloud)[0], [8.0, 21.0, 33.0]);
     // (2 + 4.999, 2 - 4.999, 2.001) in its scan.
     is_at(positions(&cloud)[5000], [12.999, 26.999, 32.001]);
-    let colors = cloud.colors.unwrap();
+    let colors = cloud.attributes.colors.unwrap();
     assert_eq!((colors[0], colors[259]), ([255; 4], [2, 0, 255, 255]));
-    assert_eq!(cloud.scalars[0].name, "intensity");
-    assert_eq!(cloud.scalars[0].values[..2], [0.0, 7.0]);
-    assert_eq!((cloud.normals, cloud.sensor), (None, None));
+    assert_eq!(cloud.attributes.scalars[0].name, "intensity");
+    assert_eq!(cloud.attributes.scalars[0].values[..2], [0.0, 7.0]);
+    assert_eq!((cloud.attributes.normals, cloud.sensor), (None, None));
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scans.e57");
@@ -181,7 +181,7 @@ fn scans_are_read_together_or_alone() {
     );
     let alone = io::read_part(&path, &Part::Scan(2), &options).unwrap();
     assert_eq!(alone.positions.len(), 5000);
-    assert_eq!(alone.normals.unwrap()[77], [0.0, 0.0, 1.0]);
+    assert_eq!(alone.attributes.normals.unwrap()[77], [0.0, 0.0, 1.0]);
     assert_eq!(alone.sensor.unwrap().to_array(), [10.0, 20.0, 30.0]);
     let empty = io::read_part(&path, &Part::Scan(1), &options).unwrap();
     assert!(empty.positions.is_empty());
@@ -220,7 +220,7 @@ fn spherical_coordinates_and_invalid_points() {
         assert!(near.into_iter().all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
     }
     assert_eq!(cloud.positions.finite_bounds().0, 2);
-    assert_eq!(cloud.scalars[0].values, [0.25, 0.0, 0.25, 0.25]);
+    assert_eq!(cloud.attributes.scalars[0].values, [0.25, 0.0, 0.25, 0.25]);
 }
 
 /// Remainder of Castagnoli's polynomial, bit by bit.

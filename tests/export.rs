@@ -12,7 +12,7 @@ mod videos;
 
 use pointreel::headless::{CameraChoice, Headless};
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Backdrop, Background, Camera, Style};
+use pointreel::scene::{Background, Camera, Style};
 use pointreel::sequence::{Loader, LoaderOptions, PreparedFrame, Sequence};
 use std::sync::Arc;
 
@@ -29,16 +29,12 @@ fn headless_of(sequence: Sequence, renderer: AnyRenderer) -> Headless {
 
 /// A gradient behind, so that parts that take it for theirs are seen.
 fn style() -> Style {
-    Style {
-        backdrop: Backdrop {
-            background: Background {
-                top: [250, 10, 90],
-                bottom: [0, 200, 30],
-            },
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.backdrop.background = Background {
+            top: [250, 10, 90],
+            bottom: [0, 200, 30],
+        }
+    })
 }
 
 /// Frame 6 of the demo from near by: it reaches over the edges of the picture.

@@ -12,8 +12,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, DrawingStyle, EyeDome, GroundPlane, LightStyle, Lighting, PointStyle,
-    Primitive, Projection, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    Background, Camera, Content, EyeDome, GroundPlane, Lighting, PointStyle, Primitive, Projection, ScenePacket,
+    Splatting, Strategy, Style, UpAxis,
 };
 
 const GRAY: [u8; 3] = [200; 3];
@@ -57,7 +57,7 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
     let (least, most) = match packet.style.primitive {
         Primitive::Point | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
-        Primitive::Auto | Primitive::Surfel => (LEAST_PSNR_DB, MOST_DIFFERING),
+        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => (LEAST_PSNR_DB, MOST_DIFFERING),
     };
     assert!(
         psnr >= least && share <= most,
@@ -66,18 +66,11 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
 }
 
 fn lit() -> Style {
-    Style {
-        light: LightStyle {
-            eye_dome: EyeDome::On,
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([30, 60, 90]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.light.eye_dome = EyeDome::On;
+        style.light.lighting = Lighting::Unlit;
+        style.backdrop.background = Background::solid([30, 60, 90]);
+    })
 }
 
 fn of_points() -> Style {
@@ -206,14 +199,10 @@ fn light_does_not_depend_on_the_unit_and_little_on_the_projection() {
 fn off_is_as_before_and_so_is_auto_while_nobody_decides() {
     let scene = sphere(2000, 1.0);
     let picture = |eye_dome, eye_dome_strength| {
-        let style = Style {
-            light: LightStyle {
-                eye_dome,
-                eye_dome_strength,
-                ..lit().light
-            },
-            ..lit()
-        };
+        let style = lit().with(|style| {
+            style.light.eye_dome = eye_dome;
+            style.light.eye_dome_strength = eye_dome_strength;
+        });
         draw_on_cpu(&surfels(&scene, &camera_at(2.0), style, [200, 150]))
     };
     let off = picture(EyeDome::Off, 1.0);
@@ -235,27 +224,14 @@ fn ball(style: Style) -> ScenePacket {
 #[test]
 fn both_renderers_light_surfels_alike_in_every_mode() {
     for &splatting in Splatting::ALL {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..lit().surfels
-            },
-            light: LightStyle {
-                lighting: Lighting::PerFragment,
-                ..lit().light
-            },
-            ..lit()
-        };
+        let style = lit().with(|style| {
+            style.surfels.splatting = splatting;
+            style.light.lighting = Lighting::PerFragment;
+        });
         assert_same_picture(&ball(style), &format!("dome_{splatting}"));
     }
     for &strategy in Strategy::ALL {
-        let style = Style {
-            drawing: DrawingStyle {
-                strategy,
-                ..lit().drawing
-            },
-            ..lit()
-        };
+        let style = lit().with(|style| style.drawing.strategy = strategy);
         assert_same_picture(&ball(style), &format!("dome_{strategy}"));
     }
 }
@@ -307,34 +283,18 @@ fn with_grid(mut packet: ScenePacket) -> ScenePacket {
 fn both_renderers_draw_the_same_grid_and_what_is_before_it_hides_it() {
     for eye_dome in [EyeDome::On, EyeDome::Off] {
         for primitive in [Primitive::Surfel, Primitive::Point] {
-            let style = Style {
-                primitive,
-                light: LightStyle {
-                    eye_dome,
-                    ..of_points().light
-                },
-                ..of_points()
-            };
+            let style = of_points().with(|style| {
+                style.primitive = primitive;
+                style.light.eye_dome = eye_dome;
+            });
             let packet = with_grid(ball(style));
             assert_same_picture(&packet, &format!("grid_{primitive}_{eye_dome}"));
         }
     }
-    let no_depth = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::NoDepth,
-            ..lit().surfels
-        },
-        ..lit()
-    };
+    let no_depth = lit().with(|style| style.surfels.splatting = Splatting::NoDepth);
     assert_same_picture(&with_grid(ball(no_depth)), "grid_no_depth");
 
-    let hides = ball(Style {
-        light: LightStyle {
-            eye_dome: EyeDome::Off,
-            ..lit().light
-        },
-        ..lit()
-    });
+    let hides = ball(lit().with(|style| style.light.eye_dome = EyeDome::Off));
     let (plain, lined) = (draw_on_cpu(&hides), draw_on_cpu(&with_grid(hides)));
     // The middle of the ball is before the plane, which is seen from above.
     let middle = |picture: &RgbaImage| *picture.get_pixel(150, 111);

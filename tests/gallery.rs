@@ -14,7 +14,7 @@ use pointreel::headless::{CameraChoice, Headless};
 use pointreel::math::Aabb;
 use pointreel::render::AnyRenderer;
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, FirstLook, Kind, Primitive, RendererChoice, Style, UpAxis,
+    BackFaces, Backdrop, Background, Camera, CaptureKind, FirstLook, Primitive, RendererChoice, Style, UpAxis,
 };
 use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
 use std::path::{Path, PathBuf};
@@ -178,7 +178,7 @@ fn outliers_do_not_make_the_person_small() {
     }
     let shown = check("outliers", of_points(points));
     assert_eq!(shown.look.up, UpAxis::NegY);
-    assert_eq!(shown.look.kind, Kind::CameraFrame);
+    assert_eq!(shown.look.kind, CaptureKind::CameraFrame);
     assert!(shown.look.full.extent().z > 60.0, "the whole bounds are kept");
     assert!(shown.look.trimmed.extent().max_element() < 2.0);
 }
@@ -212,7 +212,7 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
         .collect();
     for facing in [1.0, -1.0] {
         let mut raw = RawCloud::from_positions(Positions::F32(points.clone()));
-        raw.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, facing]; points.len()]);
         let shown = check("wall", of_cloud(raw));
         assert!(!shown.look.is_closed);
         let style = Style::default().resolved(&shown.look);
@@ -240,7 +240,7 @@ fn a_sweep_is_seen_from_above_and_drawn_as_points() {
         }
     }
     let shown = check("sweep", of_points(points));
-    assert_eq!(shown.look.kind, Kind::Sweep);
+    assert_eq!(shown.look.kind, CaptureKind::Sweep);
     assert_eq!(shown.look.up, UpAxis::Z);
     assert_eq!(shown.look.primitive, Primitive::Point);
     assert!(shown.look.from.elevation_deg > 15.0);
@@ -261,7 +261,7 @@ fn closed_shapes_are_culled_and_open_ones_are_not() {
         .collect();
     let take = |values: &[Vec3]| kept.iter().map(|&slot| values[slot].to_array()).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(take(frame.positions())));
-    raw.normals = Some(take(frame.normals().unwrap()));
+    raw.attributes.normals = Some(take(frame.normals().unwrap()));
     let shown = check("shell", of_cloud(raw));
     assert!(!shown.look.is_closed);
 }
@@ -309,11 +309,11 @@ fn no_point_one_point_and_equal_points_are_looked_at() {
 /// The sets of `../shared/data`, which a clone of the project does not have: what each must be taken for.
 #[test]
 fn every_set_is_seen_at_once_whole_and_right_side_up() {
-    use Kind::{CameraFrame, Object, Sweep};
+    use CaptureKind::{CameraFrame, Object, Sweep};
     let Some(data) = shared("") else {
         return;
     };
-    let sets: [(&str, Option<Kind>, UpAxis, Option<Primitive>); 10] = [
+    let sets: [(&str, Option<CaptureKind>, UpAxis, Option<Primitive>); 10] = [
         (
             "sequences/cesiumman_24fps",
             Some(Object),

@@ -6,9 +6,7 @@ use common::{Surfel, camera_at, count_color, covered, draw, plain, sphere, surfe
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
-use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, LightStyle, Lighting, PointStyle, Primitive, Splatting, Style, SurfelStyle,
-};
+use pointreel::scene::{BackFaces, Background, Camera, Lighting, PointStyle, Primitive, Splatting, Style};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const RED: [u8; 3] = [255, 0, 0];
@@ -64,13 +62,7 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
         let [_, scale] = splatting.scales(2.0);
         for angle_deg in [0.0, 35.0, 60.0] {
             let surfel = tilted(angle_deg);
-            let style = Style {
-                surfels: SurfelStyle {
-                    splatting,
-                    ..plain().surfels
-                },
-                ..plain()
-            };
+            let style = plain().with(|style| style.surfels.splatting = splatting);
             let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
             let expected = disk_pixels(&surfel, f64::from(surfel.radius * scale), 3.0);
             assert!(expected.len() > 300);
@@ -87,14 +79,10 @@ fn a_single_surfel_covers_its_disk_in_every_mode() {
 fn the_splat_scale_scales_the_disk() {
     let surfel = tilted(20.0);
     for splat_scale in [0.5, 1.0, 1.7] {
-        let style = Style {
-            surfels: SurfelStyle {
-                splat_scale,
-                splatting: Splatting::TwoPass,
-                ..plain().surfels
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| {
+            style.surfels.splat_scale = splat_scale;
+            style.surfels.splatting = Splatting::TwoPass;
+        });
         let image = draw(&surfels(&[surfel], &camera_at(4.0), style, SIZE));
         let expected = disk_pixels(&surfel, f64::from(surfel.radius * splat_scale), 4.0);
         assert_eq!(covered_pixels(&image, BLACK), expected, "scale {splat_scale}");
@@ -110,13 +98,7 @@ fn a_surfel_across_the_near_plane_is_cut_there() {
         radius: 1.5,
         color: RED,
     };
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPass,
-            ..plain().surfels
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.surfels.splatting = Splatting::TwoPass);
     let image = draw(&surfels(&[surfel], &camera_at(1.0), style, SIZE));
     let expected = disk_pixels(&surfel, 1.5, 1.0);
     assert!(expected.len() > 3000);
@@ -130,22 +112,10 @@ fn back_faces_are_culled_unless_asked_for() {
         ..tilted(20.0)
     };
     for &splatting in Splatting::ALL {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..plain().surfels
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.surfels.splatting = splatting);
         let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
         assert_eq!(covered(&image, BLACK), 0, "{splatting}");
-        let style = Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..style.surfels
-            },
-            ..style
-        };
+        let style = style.with(|style| style.surfels.back_faces = BackFaces::Drawn);
         let image = draw(&surfels(&[surfel], &camera_at(3.0), style, SIZE));
         let [_, scale] = splatting.scales(2.0);
         let expected = disk_pixels(&tilted(20.0), f64::from(surfel.radius * scale), 3.0);
@@ -178,13 +148,7 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
     let overlap = red_disk.iter().filter(|pixel| green_disk.contains(pixel)).count();
     assert!(overlap > 100);
     for order in [[red, green], [green, red]] {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting: Splatting::TwoPass,
-                ..plain().surfels
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.surfels.splatting = Splatting::TwoPass);
         let image = draw(&surfels(&order, &camera_at(4.0), style, SIZE));
         for (x, y, pixel) in image.enumerate_pixels() {
             let [r, g, b, _] = pixel.0;
@@ -198,13 +162,7 @@ fn the_nearer_of_two_surfels_hides_the_other_in_any_order() {
 #[test]
 fn without_depth_the_farther_shines_through() {
     let [red, green] = red_before_green();
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::NoDepth,
-            ..plain().surfels
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.surfels.splatting = Splatting::NoDepth);
     let image = draw(&surfels(&[red, green], &camera_at(4.0), style, SIZE));
     let both = image.pixels().filter(|pixel| pixel.0[0] > 0 && pixel.0[1] > 0).count();
     let red_disk = disk_pixels(&red, 0.7, 4.0);
@@ -224,13 +182,7 @@ fn surfels_of_one_surface_are_averaged() {
         radius: 1.0,
         color,
     };
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPass,
-            ..plain().surfels
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.surfels.splatting = Splatting::TwoPass);
     let image = draw(&surfels(
         &[surfel(-0.3, RED), surfel(0.3, GREEN)],
         &camera_at(3.0),
@@ -264,13 +216,7 @@ fn regular_splatting_shows_the_square_corners_that_the_paper_shows() {
         color: GREEN,
     };
     let at_corner = |splatting| {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..plain().surfels
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.surfels.splatting = splatting);
         let image = draw(&surfels(&[front, back], &camera_at(3.0), style, [200, 200]));
         // The corner (0.45, 0.45) of the square is outside the disk.
         image.get_pixel(100 + 18, 100 - 18).0
@@ -309,14 +255,10 @@ fn a_voxel_seen_from_a_corner_shows_three_faces_with_their_own_light() {
         fov_deg: 30.0,
         ..camera_at(6.0)
     };
-    let style = Style {
-        primitive: Primitive::Voxel,
-        light: LightStyle {
-            lighting: Lighting::PerSurfel,
-            ..plain().light
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| {
+        style.primitive = Primitive::Voxel;
+        style.light.lighting = Lighting::PerSurfel;
+    });
     let image = draw(&voxels(vec![record], 1.0, &camera, style, SIZE));
     let mut colors: Vec<[u8; 4]> = image
         .pixels()
@@ -400,17 +342,10 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         color: [100, 60, 20],
     };
     for lighting in [Lighting::PerSurfel, Lighting::PerFragment] {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting: Splatting::TwoPass,
-                ..plain().surfels
-            },
-            light: LightStyle {
-                lighting,
-                ..plain().light
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| {
+            style.surfels.splatting = Splatting::TwoPass;
+            style.light.lighting = lighting;
+        });
         let image = draw(&surfels(&[surfel], &camera_at(3.0), style, [201, 201]));
         let [r, g, b, _] = image.get_pixel(100, 100).0;
         // All of the colour, and the highlight's 15 % white.
@@ -426,17 +361,10 @@ fn the_head_light_is_full_where_a_surfel_faces_the_eye() {
         normal: Vec3::new(0.866_025_4, 0.0, 0.5),
         ..surfel
     };
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPass,
-            ..plain().surfels
-        },
-        light: LightStyle {
-            lighting: Lighting::PerSurfel,
-            ..plain().light
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| {
+        style.surfels.splatting = Splatting::TwoPass;
+        style.light.lighting = Lighting::PerSurfel;
+    });
     let image = draw(&surfels(&[tilted], &camera_at(3.0), style, [201, 201]));
     // 60 degrees: 0.25 + 0.75 / 2 of the colour, no highlight to speak of.
     assert!(
@@ -463,17 +391,10 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
                 elevation_deg,
                 ..camera_at(2.0)
             };
-            let style = Style {
-                surfels: SurfelStyle {
-                    splatting,
-                    ..plain().surfels
-                },
-                backdrop: Backdrop {
-                    background: Background::solid(background),
-                    ..plain().backdrop
-                },
-                ..plain()
-            };
+            let style = plain().with(|style| {
+                style.surfels.splatting = splatting;
+                style.backdrop.background = Background::solid(background);
+            });
             let image = draw(&surfels(&cloud, &camera, style, [200, 200]));
             // The silhouette of a unit sphere at distance 2 is tan(30°) × 100 pixels wide.
             let silhouette = 100.0 * 30f32.to_radians().tan();
@@ -491,16 +412,12 @@ fn a_closed_sphere_shows_no_background_in_the_modes_that_close_it() {
 
 #[test]
 fn a_gradient_runs_from_top_to_bottom() {
-    let style = Style {
-        backdrop: Backdrop {
-            background: Background {
-                top: [0, 0, 0],
-                bottom: [160, 80, 0],
-            },
-            ..plain().backdrop
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| {
+        style.backdrop.background = Background {
+            top: [0, 0, 0],
+            bottom: [160, 80, 0],
+        }
+    });
     let image = draw(&surfels(&[], &camera_at(1.0), style, SIZE));
     for (_, y, pixel) in image.enumerate_pixels() {
         let expected = (y as f32 + 0.5).round() as u8;
@@ -529,13 +446,7 @@ fn a_cloud_far_from_the_world_origin_looks_the_same() {
 #[test]
 fn pictures_of_odd_sizes_come_back_whole() {
     for size in [[1, 1], [3, 7], [65, 1], [257, 33]] {
-        let style = Style {
-            backdrop: Backdrop {
-                background: Background::solid([1, 2, 3]),
-                ..plain().backdrop
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.backdrop.background = Background::solid([1, 2, 3]));
         let image = draw(&surfels(&[], &camera_at(1.0), style, size));
         assert_eq!([image.width(), image.height()], size);
         assert_eq!(count_color(&image, [1, 2, 3]), (size[0] * size[1]) as usize);

@@ -1,6 +1,6 @@
 //! Files written here, with known values, in every encoding, scalar type and layout that the readers promise.
 
-use pointreel::cloud::{Positions, RawCloud};
+use pointreel::cloud::{ImageGrid, Positions, RawCloud};
 use pointreel::io::{self, Format};
 use std::path::Path;
 
@@ -113,10 +113,10 @@ fn ply_attributes_in_any_order() {
     for (encoding, file) in plys(&properties, &[row]) {
         let cloud = read("a.ply", &file);
         assert_eq!(positions(&cloud), [[10.0, 20.0, 30.0]], "{encoding}");
-        assert_eq!(cloud.colors, Some(vec![[1, 2, 3, 128]]), "{encoding}");
-        assert_eq!(cloud.normals, Some(vec![[0.0, 0.5, 1.0]]), "{encoding}");
-        assert_eq!(cloud.radii, Some(vec![0.25]), "{encoding}");
-        assert_eq!(cloud.scalars[0].values, [9.0], "{encoding}");
+        assert_eq!(cloud.attributes.colors, Some(vec![[1, 2, 3, 128]]), "{encoding}");
+        assert_eq!(cloud.attributes.normals, Some(vec![[0.0, 0.5, 1.0]]), "{encoding}");
+        assert_eq!(cloud.attributes.radii, Some(vec![0.25]), "{encoding}");
+        assert_eq!(cloud.attributes.scalars[0].values, [9.0], "{encoding}");
     }
 }
 
@@ -140,7 +140,7 @@ fn ply_colors_of_every_depth() {
         let row: Vec<f64> = [0.0; 3].into_iter().chain(color).collect();
         for (encoding, file) in plys(&properties, std::slice::from_ref(&row)) {
             assert_eq!(
-                read("a.ply", &file).colors,
+                read("a.ply", &file).attributes.colors,
                 Some(vec![expected]),
                 "{scalar} {color:?}, {encoding}"
             );
@@ -257,11 +257,11 @@ fn pcd_in_all_encodings() {
         let cloud = read("a.pcd", &file);
         assert_eq!(positions(&cloud), POINTS, "{encoding}");
         assert_eq!(
-            cloud.colors,
+            cloud.attributes.colors,
             Some(vec![[255, 128, 0, 255], [1, 2, 3, 255]]),
             "{encoding}"
         );
-        assert_eq!(cloud.normals, Some(normals.to_vec()), "{encoding}");
+        assert_eq!(cloud.attributes.normals, Some(normals.to_vec()), "{encoding}");
         assert_eq!(cloud.sensor, None, "{encoding}: the default viewpoint says nothing");
     }
 }
@@ -279,7 +279,7 @@ fn pcd_colors_in_the_bits_of_a_float() {
     let bits = f32::from_bits(0x00ff_8000);
     let mut file = pcd_header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 1, "ascii");
     file.extend(format!("1 2 3 {bits:e}\n").bytes());
-    assert_eq!(read("a.pcd", &file).colors, Some(vec![[255, 128, 0, 255]]));
+    assert_eq!(read("a.pcd", &file).attributes.colors, Some(vec![[255, 128, 0, 255]]));
 }
 
 #[test]
@@ -290,13 +290,13 @@ fn pcd_of_a_camera_knows_where_it_stood() {
     assert_eq!(cloud.sensor, Some(glam::DVec3::ZERO));
     assert_eq!(cloud.positions.len(), 4);
     assert_eq!(cloud.positions.finite_bounds().0, 3);
+    assert_eq!(cloud.grid, ImageGrid::of(2, 2, 4));
     let moved = String::from_utf8_lossy(organised)
         .replace("HEIGHT 2", "HEIGHT 1")
         .replace("VIEWPOINT 0 0 0", "VIEWPOINT 1 2 3");
-    assert_eq!(
-        read("a.pcd", moved.as_bytes()).sensor,
-        Some(glam::DVec3::new(1.0, 2.0, 3.0))
-    );
+    let moved = read("a.pcd", moved.as_bytes());
+    assert_eq!(moved.sensor, Some(glam::DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(moved.grid, None);
 }
 
 #[test]
@@ -312,23 +312,26 @@ fn text_in_the_layouts_that_programs_write() {
         assert_eq!(positions(&at(text)), POINTS, "{text:?}");
     }
     assert_eq!(
-        at("1 2 3 255 128 0\n1 2 3 0 0 9\n").colors,
+        at("1 2 3 255 128 0\n1 2 3 0 0 9\n").attributes.colors,
         Some(vec![[255, 128, 0, 255], [0, 0, 9, 255]])
     );
-    assert_eq!(at("1 2 3 1.0 0.5 0.25\n").colors, Some(vec![[255, 128, 64, 255]]));
     assert_eq!(
-        at("1 2 3 0.0 0.6 0.8\n4 5 6 -1 0 0\n").normals,
+        at("1 2 3 1.0 0.5 0.25\n").attributes.colors,
+        Some(vec![[255, 128, 64, 255]])
+    );
+    assert_eq!(
+        at("1 2 3 0.0 0.6 0.8\n4 5 6 -1 0 0\n").attributes.normals,
         Some(vec![[0.0, 0.6, 0.8], [-1.0, 0.0, 0.0]])
     );
-    assert_eq!(at("1 2 3 0.7\n").scalars[0].values, [0.7]);
+    assert_eq!(at("1 2 3 0.7\n").attributes.scalars[0].values, [0.7]);
     let pts = at("1\n1 2 3 -17 255 128 0\n");
     assert_eq!(
-        (pts.scalars[0].values.clone(), pts.colors),
+        (pts.attributes.scalars[0].values.clone(), pts.attributes.colors),
         (vec![-17.0], Some(vec![[255, 128, 0, 255]]))
     );
     let named = at("red green blue z y x\n255 128 0 3 2 1\n");
     assert_eq!(
-        (positions(&named), named.colors),
+        (positions(&named), named.attributes.colors),
         (vec![[1.0, 2.0, 3.0]], Some(vec![[255, 128, 0, 255]]))
     );
     assert_eq!(positions(&at("4320978.612345 0 0\n"))[0][0], 4_320_978.612_345);
@@ -375,12 +378,16 @@ fn files_of_every_format_hold_the_same_cube() {
         }
         let cloud = io::read(&path).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(positions(&cloud), corners, "{name}");
-        assert_eq!(cloud.colors.as_ref(), Some(&colors), "{name}");
+        assert_eq!(cloud.attributes.colors.as_ref(), Some(&colors), "{name}");
         let has_normals = name != "cube.pts";
-        assert_eq!(cloud.normals.as_ref(), has_normals.then_some(&normals), "{name}");
+        assert_eq!(
+            cloud.attributes.normals.as_ref(),
+            has_normals.then_some(&normals),
+            "{name}"
+        );
         let has_intensities = name != "cube.xyz";
         assert_eq!(
-            cloud.scalars.first().map(|field| &field.values),
+            cloud.attributes.scalars.first().map(|field| &field.values),
             has_intensities.then_some(&intensities),
             "{name}"
         );
@@ -413,8 +420,8 @@ fn dark_channels_are_scaled_like_bright_ones() {
     ];
     let expected = Some(vec![[1, 0, 200, 255], [0, 1, 100, 255]]);
     for (encoding, file) in plys(&properties, &rows) {
-        assert_eq!(read("a.ply", &file).colors, expected, "{encoding}");
+        assert_eq!(read("a.ply", &file).attributes.colors, expected, "{encoding}");
     }
     let text = "1 2 3 1 0 200\n1 2 3 0 1 100\n";
-    assert_eq!(read("a.xyz", text.as_bytes()).colors, expected);
+    assert_eq!(read("a.xyz", text.as_bytes()).attributes.colors, expected);
 }

@@ -155,7 +155,7 @@ fn shapes_stand_where_their_nodes_put_them() {
         ]
     );
     assert_eq!(cloud.faces, [[0, 1, 2], [2, 1, 3], [4, 5, 6], [6, 5, 7]]);
-    assert!(cloud.colors.is_none() && cloud.normals.is_none());
+    assert!(cloud.attributes.colors.is_none() && cloud.attributes.normals.is_none());
     // A mirror turns the order of the corners round, not the side that is seen.
     model.json["nodes"] = json!([{"mesh": 0, "scale": [-1.0, 1.0, 1.0]}]);
     model.json["scenes"] = json!([]);
@@ -164,7 +164,7 @@ fn shapes_stand_where_their_nodes_put_them() {
     let cloud = model.read();
     assert_eq!(cloud.faces[0], [0, 2, 1]);
     let half = 0.5f32.sqrt();
-    assert!((cloud.normals.unwrap()[0][0] + half).abs() < 1e-6);
+    assert!((cloud.attributes.normals.unwrap()[0][0] + half).abs() < 1e-6);
     for (nodes, problem) in [
         (json!([{"children": [0]}]), "the scene shows no mesh"),
         (
@@ -254,15 +254,15 @@ fn colors_of_vertices_materials_and_textures() {
     let mut model = square();
     // Half of the light is 188 of 255.
     model.attribute("COLOR_0", "VEC4", &[[0.5, 1.0, 0.0, 0.5]; 4]);
-    assert_eq!(model.read().colors.unwrap(), [[188, 255, 0, 128]; 4]);
+    assert_eq!(model.read().attributes.colors.unwrap(), [[188, 255, 0, 128]; 4]);
     model.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.5, 1.0, 1.0]}}]);
     model.primitive()["material"] = json!(0);
-    assert_eq!(model.read().colors.unwrap(), [[188, 188, 0, 128]; 4]);
+    assert_eq!(model.read().attributes.colors.unwrap(), [[188, 188, 0, 128]; 4]);
     model.primitive()["attributes"]
         .as_object_mut()
         .unwrap()
         .remove("COLOR_0");
-    assert_eq!(model.read().colors.unwrap(), [[255, 188, 255, 255]; 4]);
+    assert_eq!(model.read().attributes.colors.unwrap(), [[255, 188, 255, 255]; 4]);
 
     // Two by two texels, the first row at v = 0.
     let texels = [
@@ -290,16 +290,21 @@ fn colors_of_vertices_materials_and_textures() {
         json!({"uri": format!("data:image/png;base64,{}", STANDARD.encode(&picture))}),
     ] {
         model.json["images"] = json!([image]);
-        assert_eq!(model.read().colors.unwrap(), texels);
+        assert_eq!(model.read().attributes.colors.unwrap(), texels);
         let sampled = model.pose(0.0, &ReadOptions::default().with_sample_count(NonZeroUsize::new(100)));
         assert!(
-            sampled.colors.unwrap().iter().all(|color| texels.contains(color)),
+            sampled
+                .attributes
+                .colors
+                .unwrap()
+                .iter()
+                .all(|color| texels.contains(color)),
             "texels are not mixed"
         );
     }
     let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0.0], "scale": [1.0, 1.0]}});
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
-    assert_eq!(model.read().colors.unwrap()[0], texels[1]);
+    assert_eq!(model.read().attributes.colors.unwrap()[0], texels[1]);
     // Without the picture there is the shape still.
     for image in [
         json!({"uri": "missing.png"}),
@@ -307,7 +312,10 @@ fn colors_of_vertices_materials_and_textures() {
         json!({"uri": "data:image/png;base64,AAAA"}),
     ] {
         model.json["images"] = json!([image]);
-        assert_eq!((model.read().positions.len(), model.read().colors), (4, None));
+        assert_eq!(
+            (model.read().positions.len(), model.read().attributes.colors),
+            (4, None)
+        );
     }
 }
 
@@ -645,7 +653,7 @@ fn a_walking_man_is_posed_as_another_program_posed_him() {
         poses.push(points.map(|point| (point, distance(point))).collect());
         // And our own samples lie on it, with texture and normals.
         let sampled = io::read_part(&model, &entries[frame].part, &sampling).unwrap();
-        assert!(sampled.normals.is_some() && sampled.colors.is_some());
+        assert!(sampled.attributes.normals.is_some() && sampled.attributes.colors.is_some());
         for point in positions(&sampled) {
             assert!(distance(DVec3::from(point)) < TOLERANCE, "{point:?}");
         }
@@ -683,7 +691,7 @@ fn a_fox_is_read_with_its_files() {
     println!("{} frames, bounds {bounds:?}", entries.len());
     // The longest of its three animations takes 3.417 seconds.
     assert_eq!((entries.len(), finite), (83, 5000));
-    let colors = fox.colors.unwrap();
+    let colors = fox.attributes.colors.unwrap();
     let orange = colors
         .iter()
         .filter(|[red, green, blue, _]| red > green && green > blue)

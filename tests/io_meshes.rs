@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use glam::Vec3;
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, ReadOptions};
 use std::fmt::Write as _;
@@ -268,13 +269,24 @@ fn ply_gaussian_splats_are_disks() {
         }
         let cloud = read("a.ply", &file);
         // 0.5 + 0.2821 / 2 is 0.641 of 255.
-        assert_eq!(cloud.colors.unwrap(), [[128, 255, 0, 128], [163, 128, 128, 255]]);
-        let radii = cloud.radii.unwrap();
+        assert_eq!(
+            cloud.attributes.colors.unwrap(),
+            [[128, 255, 0, 128], [163, 128, 128, 255]]
+        );
+        let radii = cloud.attributes.radii.unwrap();
         assert!(
             (radii[0] - 4.0).abs() < 1e-5 && (radii[1] - 1f32.exp()).abs() < 1e-5,
             "{radii:?}"
         );
-        let normals = cloud.normals.unwrap();
+        let ellipses = cloud.attributes.ellipses.unwrap();
+        assert_eq!(ellipses[0].axis, Vec3::Y, "the longest of the first");
+        let [longer, shorter] = ellipses[0].half_axes(radii[0]);
+        assert!(
+            (longer - 8.0).abs() < 1e-5 && (shorter - 2.0).abs() < 1e-5,
+            "{longer} {shorter}"
+        );
+        assert_eq!(ellipses[1].ratio, 1.0);
+        let normals = cloud.attributes.normals.unwrap();
         assert_eq!(normals[0], [0.0, 0.0, 1.0]);
         assert!((normals[1][1] - 1.0).abs() < 1e-5, "{normals:?}");
     }
@@ -288,7 +300,7 @@ fn voxelised_sequences_read_as_they_are() {
         uchar blue\nend_header\n171 63 255 132 107 98\n172 1023 0 1 0 1\n";
     let cloud = read("longdress_vox10_1051.ply", file.as_bytes());
     assert_eq!(positions(&cloud), [[171.0, 63.0, 255.0], [172.0, 1023.0, 0.0]]);
-    assert_eq!(cloud.colors.unwrap(), [[132, 107, 98, 255], [1, 0, 1, 255]]);
+    assert_eq!(cloud.attributes.colors.unwrap(), [[132, 107, 98, 255], [1, 0, 1, 255]]);
 }
 
 #[test]
@@ -306,16 +318,16 @@ fn obj_in_the_layouts_that_programs_write() {
         assert_eq!(positions(&cloud), SQUARE, "{faces}");
         assert_eq!(cloud.faces, FANNED, "{faces}");
         if faces.contains("//") {
-            assert_eq!(cloud.normals.unwrap()[..3], [[0.0, 0.0, 2.0]; 3]);
+            assert_eq!(cloud.attributes.normals.unwrap()[..3], [[0.0, 0.0, 2.0]; 3]);
         }
         survives("a.obj", file.as_bytes());
     }
     let cloud = read("a.obj", b"v 4000000.125 2 3 0 0.5 1\nv 1 2 3 1 1 1\n");
     assert_eq!(positions(&cloud)[0], [4_000_000.125, 2.0, 3.0]);
-    assert_eq!(cloud.colors.unwrap(), [[0, 128, 255, 255], [255; 4]]);
+    assert_eq!(cloud.attributes.colors.unwrap(), [[0, 128, 255, 255], [255; 4]]);
     let cloud = read("a.obj", b"v 1 2 3 4 5 6\nvn 0 1 0\n");
     assert_eq!(
-        (cloud.colors.unwrap()[0], cloud.normals.unwrap()),
+        (cloud.attributes.colors.unwrap()[0], cloud.attributes.normals.unwrap()),
         ([4, 5, 6, 255], vec![[0.0, 1.0, 0.0]])
     );
     assert!(refused("a.obj", b"v 1 2 3\nf 1 1 2\n").contains("line 2: the face names vertex `2`"));
@@ -347,12 +359,12 @@ fn off_in_the_layouts_that_programs_write() {
         assert_eq!(cloud.faces, FANNED, "{header}");
         let is_colored = tail.contains("255") || tail.contains("1.0");
         assert_eq!(
-            cloud.colors,
+            cloud.attributes.colors,
             is_colored.then_some(vec![[255, 0, 1, 255]; 4]),
             "{header}"
         );
         assert_eq!(
-            cloud.normals,
+            cloud.attributes.normals,
             header.contains('N').then_some(vec![[0.0, 0.0, 1.0]; 4]),
             "{header}"
         );
@@ -389,7 +401,7 @@ fn stl_of_both_kinds_shares_its_vertices() {
         let cloud = read("a.stl", &stl(header, extra));
         assert_eq!(positions(&cloud), SQUARE);
         assert_eq!(cloud.faces, FANNED);
-        assert_eq!(cloud.colors.unwrap(), [[255, 0, 0, 255]; 4]);
+        assert_eq!(cloud.attributes.colors.unwrap(), [[255, 0, 0, 255]; 4]);
     }
     let mut text = "solid a vertex\n".to_owned();
     for face in FANNED {

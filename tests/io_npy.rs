@@ -98,18 +98,18 @@ fn columns_mean_what_they_mean_in_text() {
             &npy(1, "'<f8'", false, &format!("(1, {})", row.len()), &payload),
         )
     };
-    assert_eq!(table(&[1.0, 2.0, 3.0, 0.5]).scalars[0].values, [0.5]);
+    assert_eq!(table(&[1.0, 2.0, 3.0, 0.5]).attributes.scalars[0].values, [0.5]);
     assert_eq!(
-        table(&[1.0, 2.0, 3.0, 255.0, 0.0, 1.0]).colors.unwrap(),
+        table(&[1.0, 2.0, 3.0, 255.0, 0.0, 1.0]).attributes.colors.unwrap(),
         [[255, 0, 1, 255]]
     );
     assert_eq!(
-        table(&[1.0, 2.0, 3.0, 0.6, 0.0, -0.8]).normals.unwrap(),
+        table(&[1.0, 2.0, 3.0, 0.6, 0.0, -0.8]).attributes.normals.unwrap(),
         [[0.6, 0.0, -0.8]]
     );
     let both = table(&[1.0, 2.0, 3.0, 0.25, 1.0, 0.5, 0.0, 0.0, 1.0]);
     assert_eq!(
-        (both.colors.unwrap(), both.normals.unwrap()),
+        (both.attributes.colors.unwrap(), both.attributes.normals.unwrap()),
         (vec![[64, 255, 128, 255]], vec![[0.0, 0.0, 1.0]])
     );
 }
@@ -128,9 +128,12 @@ fn records_are_read_by_their_names() {
     let descr = "[('xyz', '<f4', (3,)), ('rgb', '|u1', (3,)), ('name', '|S4'), (('a title', 'intensity'), '>f8')]";
     let cloud = read("a.npy", &npy(1, descr, false, "(2,)", &payload));
     assert_eq!(positions(&cloud), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
-    assert_eq!(cloud.colors.unwrap(), [[0, 7, 9, 255], [1, 7, 9, 255]]);
+    assert_eq!(cloud.attributes.colors.unwrap(), [[0, 7, 9, 255], [1, 7, 9, 255]]);
     assert_eq!(
-        (cloud.scalars[0].name.as_str(), cloud.scalars[0].values.as_slice()),
+        (
+            cloud.attributes.scalars[0].name.as_str(),
+            cloud.attributes.scalars[0].values.as_slice()
+        ),
         ("intensity", &[0.0, 0.5][..])
     );
     let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', \
@@ -145,7 +148,7 @@ fn records_are_read_by_their_names() {
     .concat();
     let cloud = read("a.npy", &npy(1, flat, false, "(1,)", &row));
     assert_eq!(
-        (positions(&cloud), cloud.colors.unwrap()),
+        (positions(&cloud), cloud.attributes.colors.unwrap()),
         (vec![[1.0, 2.0, 3.0]], vec![[4, 5, 6, 255]])
     );
 }
@@ -187,9 +190,9 @@ fn archives_join_their_arrays() {
             );
             let cloud = read("a.npz", &file);
             assert_eq!(positions(&cloud), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{points}");
-            assert_eq!(cloud.colors.unwrap(), [[1, 2, 3, 255], [4, 5, 6, 255]]);
-            assert_eq!(cloud.normals.unwrap(), [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
-            assert_eq!(cloud.scalars[0].values, [0.25, 0.5]);
+            assert_eq!(cloud.attributes.colors.unwrap(), [[1, 2, 3, 255], [4, 5, 6, 255]]);
+            assert_eq!(cloud.attributes.normals.unwrap(), [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+            assert_eq!(cloud.attributes.scalars[0].values, [0.25, 0.5]);
         }
         let only = npz(&[("arr_0", floats("(1, 4)", &[1.0, 2.0, 3.0, 4.0]))], method);
         assert_eq!(positions(&read("a.npz", &only)), [[1.0, 2.0, 3.0]]);

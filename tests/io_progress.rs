@@ -16,7 +16,7 @@ const POINTS: usize = 120_000;
 fn cloud() -> RawCloud {
     let place = |index: usize| [index as f32, (index % 97) as f32, 0.5];
     let mut cloud = RawCloud::from_positions(Positions::F32((0..POINTS).map(place).collect()));
-    cloud.colors = Some(vec![[1, 2, 3, 255]; POINTS]);
+    cloud.attributes.colors = Some(vec![[1, 2, 3, 255]; POINTS]);
     cloud
 }
 

@@ -7,7 +7,7 @@ mod foxglove;
 #[path = "io_recordings/topics.rs"]
 mod topics;
 
-use pointreel::cloud::RawCloud;
+use pointreel::cloud::{ImageGrid, RawCloud};
 use pointreel::io::{self, Entry, IoError, Part, ReadOptions};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -116,14 +116,18 @@ fn message(kind: Kind, (seconds, nanos): (u32, u32), first: f32, big_endian: boo
 
 fn check(cloud: &RawCloud, first: f32) {
     assert_eq!(cloud.positions.len(), 6);
+    assert_eq!(cloud.grid, ImageGrid::of(3, 2, 6));
     for index in 0..6 {
         let z = f32::from_bits(0x4000_0000 + index as u32);
         let expected = [first + index as f32, -1.5, z].map(f64::from);
         assert_eq!(cloud.positions.get(index).to_array(), expected, "point {index}");
     }
-    assert_eq!(cloud.colors, Some(vec![[0x10, 0x20, 0x30, 255]; 6]));
-    assert_eq!(cloud.scalars[0].name, "ring");
-    assert_eq!(cloud.scalars[0].values, [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]);
+    assert_eq!(cloud.attributes.colors, Some(vec![[0x10, 0x20, 0x30, 255]; 6]));
+    assert_eq!(cloud.attributes.scalars[0].name, "ring");
+    assert_eq!(
+        cloud.attributes.scalars[0].values,
+        [300.0, 301.0, 302.0, 303.0, 304.0, 305.0]
+    );
 }
 
 /// Three clouds out of order on `/points`, one without a time; two on `/other`; text on `/talk`.

@@ -45,8 +45,11 @@ fn separators_commas_and_names_of_all_kinds() {
         b"//X Y Z R G B Intensity\n1 2 3 10 20 30 0.5\n4 5 6 40 50 255 0.25\n",
     )
     .unwrap();
-    assert_eq!(cloud.colors, Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]]));
-    assert_eq!(cloud.scalars[0].values, [0.5, 0.25]);
+    assert_eq!(
+        cloud.attributes.colors,
+        Some(vec![[10, 20, 30, 255], [40, 50, 255, 255]])
+    );
+    assert_eq!(cloud.attributes.scalars[0].values, [0.5, 0.25]);
     let cloud = read("a.csv", b"x,y,z\n1,,3\n").unwrap();
     assert!(cloud.positions.get(0).y.is_nan());
 }
@@ -60,14 +63,25 @@ fn scans_are_placed_by_their_poses() {
         let cloud = read(name, text.as_bytes()).unwrap();
         // x goes to y, y to -x.
         assert_eq!(points(&cloud), [[8.0, 21.0, 33.0], [10.0, 20.0, 30.0]], "{name}");
-        assert_eq!(cloud.colors, Some(vec![[255, 0, 1, 255], [1, 1, 1, 255]]));
-        assert_eq!(cloud.scalars[0].values, [0.25, 0.5]);
+        assert_eq!(cloud.attributes.colors, Some(vec![[255, 0, 1, 255], [1, 1, 1, 255]]));
+        assert_eq!(cloud.attributes.scalars[0].values, [0.25, 0.5]);
         assert_eq!(cloud.sensor.unwrap().to_array(), [10.0, 20.0, 30.0]);
     }
+    assert_eq!(read("a.ptx", text.as_bytes()).unwrap().grid, None, "a line is no image");
     let two = format!("{text}{SCAN}1 2 3 0.25\r\n\r\n1 2 4 0.25");
     let cloud = read("a.ptx", two.as_bytes()).unwrap();
     assert_eq!(points(&cloud)[2..], [[8.0, 21.0, 33.0], [8.0, 21.0, 34.0]]);
-    assert_eq!((cloud.colors, cloud.sensor), (None, None));
+    assert_eq!((cloud.attributes.colors, cloud.sensor), (None, None));
+}
+
+#[test]
+fn the_columns_of_a_scan_are_the_lines_of_its_image() {
+    let header = SCAN.replacen("2\n1\n", "2\n3\n", 1);
+    let text = format!("{header}{}", "1 2 3 0.25\n".repeat(6));
+    let grid = read("a.ptx", text.as_bytes()).unwrap().grid.unwrap();
+    assert_eq!((grid.width(), grid.height()), (3, 2));
+    let two = read("a.ptx", text.repeat(2).as_bytes()).unwrap();
+    assert_eq!((two.positions.len(), two.grid), (12, None), "two scans are no image");
 }
 
 #[test]
@@ -104,14 +118,14 @@ fn bare_records_are_told_by_size_and_values() {
     let kitti = records(&[&[1.0, -2.0, 3.0, 0.5], &[4.0, 5.0, -6.0, 0.25]]);
     let cloud = read("000001.bin", &kitti).unwrap();
     assert_eq!(points(&cloud), [[1.0, -2.0, 3.0], [4.0, 5.0, -6.0]]);
-    assert_eq!(cloud.scalars[0].values, [0.5, 0.25]);
+    assert_eq!(cloud.attributes.scalars[0].values, [0.5, 0.25]);
     // Four records of five are twenty numbers, as five of four.
     let rows: Vec<[f32; 5]> = (0..4).map(|i| [10.5 + i as f32, -7.25, -1.5, 30.0, i as f32]).collect();
     let rows: Vec<&[f32]> = rows.iter().map(<[f32; 5]>::as_slice).collect();
     for name in ["a.pcd.bin", "a.bin"] {
         let cloud = read(name, &records(&rows)).unwrap();
         assert_eq!(cloud.positions.len(), 4, "{name}");
-        assert_eq!(cloud.scalars[1].values, [0.0, 1.0, 2.0, 3.0], "{name}");
+        assert_eq!(cloud.attributes.scalars[1].values, [0.0, 1.0, 2.0, 3.0], "{name}");
     }
     assert_eq!(
         read("a.bin", &records(&[&[1.0, 2.0, -3.0]])).unwrap().positions.len(),

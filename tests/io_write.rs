@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::DVec3;
-use pointreel::cloud::{Positions, RawCloud, ScalarField};
+use pointreel::cloud::{ImageGrid, Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -58,11 +58,11 @@ prop_compose! {
         sensor in prop::option::of(prop::array::uniform3(1.0..1e9f64)),
     ) -> RawCloud {
         let mut cloud = RawCloud::from_positions(positions);
-        cloud.colors = colors;
-        cloud.normals = normals;
-        cloud.radii = radii;
-        cloud.scalars.extend(intensity.map(|values| ScalarField::new("scalar_Intensity", values)));
-        cloud.scalars.extend(seconds.map(|values| {
+        cloud.attributes.colors = colors;
+        cloud.attributes.normals = normals;
+        cloud.attributes.radii = radii;
+        cloud.attributes.scalars.extend(intensity.map(|values| ScalarField::new("scalar_Intensity", values)));
+        cloud.attributes.scalars.extend(seconds.map(|values| {
             let values: Vec<f64> = values.into_iter().map(|value| 1.3e9 + value).collect();
             ScalarField::from_f64("gps_time", &values)
         }));
@@ -96,7 +96,8 @@ proptest! {
     fn pcd_holds_all_but_faces(cloud in clouds()) {
         let mut expected = RawCloud { faces: Vec::new(), ..cloud.clone() };
         // Its readers take all zeros for no alpha.
-        if let Some(colors) = expected.colors.as_mut().filter(|colors| colors.iter().all(|color| color[3] == 0)) {
+        let colors = expected.attributes.colors.as_mut();
+        if let Some(colors) = colors.filter(|colors| colors.iter().all(|color| color[3] == 0)) {
             for color in colors { color[3] = 255; }
         }
         prop_assert_eq!(read_back("pcd", "a.pcd", &cloud), expected);
@@ -119,24 +120,24 @@ proptest! {
         ],
         whole in prop::option::of(0u8..=255),
     ) {
-        let wide = cloud.scalars.iter().any(|field| field.offset != 0.0);
-        if let Some(normals) = &mut cloud.normals {
+        let wide = cloud.attributes.scalars.iter().any(|field| field.offset != 0.0);
+        if let Some(normals) = &mut cloud.attributes.normals {
             normals.fill(normal);
         }
-        if let (Some(field), Some(whole), false) = (cloud.scalars.first_mut(), whole, wide) {
+        if let (Some(field), Some(whole), false) = (cloud.attributes.scalars.first_mut(), whole, wide) {
             field.values.fill(f32::from(whole));
         }
         let read = read_back("npy", "a.npy", &cloud);
-        let first = cloud.scalars.first().filter(|_| cloud.normals.is_none());
+        let first = cloud.attributes.scalars.first().filter(|_| cloud.attributes.normals.is_none());
         // A scalar of times makes all numbers double.
         prop_assert!(wide || matches!((&read.positions, &cloud.positions),
             (Positions::F64(_), _) | (Positions::F32(_), Positions::F32(_))));
         prop_assert_eq!(as_precise(&read.positions, &cloud.positions), cloud.positions);
         let opaque = |[red, green, blue, _]: [u8; 4]| [red, green, blue, 255];
-        let opaque = cloud.colors.map(|colors| colors.into_iter().map(opaque).collect::<Vec<_>>());
-        prop_assert_eq!(read.colors, opaque);
-        prop_assert_eq!(read.normals, cloud.normals);
-        prop_assert_eq!(read.scalars.first().map(|field| (&field.values, field.offset)),
+        let opaque = cloud.attributes.colors.map(|colors| colors.into_iter().map(opaque).collect::<Vec<_>>());
+        prop_assert_eq!(read.attributes.colors, opaque);
+        prop_assert_eq!(read.attributes.normals, cloud.attributes.normals);
+        prop_assert_eq!(read.attributes.scalars.first().map(|field| (&field.values, field.offset)),
             first.map(|field| (&field.values, field.offset)));
     }
 }
@@ -144,8 +145,8 @@ proptest! {
 #[test]
 fn files_look_as_other_programs_expect() {
     let mut cloud = RawCloud::from_positions(Positions::F64(vec![[0.1, 1e-7, 4_000_000.125]]));
-    cloud.colors = Some(vec![[1, 2, 255, 255]]);
-    cloud.scalars = vec![ScalarField::new("a b,c", vec![0.1]), ScalarField::new("x", vec![1e20])];
+    cloud.attributes.colors = Some(vec![[1, 2, 255, 255]]);
+    cloud.attributes.scalars = vec![ScalarField::new("a b,c", vec![0.1]), ScalarField::new("x", vec![1e20])];
     let text = |format| String::from_utf8(written(format, &cloud)).unwrap();
     assert_eq!(
         text("xyz"),
@@ -170,6 +171,24 @@ fn files_look_as_other_programs_expect() {
     let npy = written("npy", &cloud);
     assert!(String::from_utf8_lossy(&npy).contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }"));
     assert_eq!((npy.len() - 7 * 8) % 64, 0);
+}
+
+#[test]
+fn a_pcd_keeps_the_lines_of_an_image_that_was_seen_from_somewhere() {
+    let mut cloud = RawCloud::from_positions(Positions::F32(vec![[1.0; 3], [2.0; 3], [f32::NAN; 3], [4.0; 3]]));
+    cloud.grid = ImageGrid::of(2, 2, 4);
+    assert_eq!(
+        read_back("pcd", "a.pcd", &cloud).grid,
+        None,
+        "its sensor would be taken to be at the origin"
+    );
+    for sensor in [glam::DVec3::ZERO, glam::DVec3::new(1.0, 2.0, 3.0)] {
+        cloud.sensor = Some(sensor);
+        let read = read_back("pcd", "a.pcd", &cloud);
+        assert_eq!((read.grid, read.sensor), (cloud.grid, cloud.sensor));
+        assert!(read.positions.get(2).is_nan());
+        assert_eq!(read.positions.get(3), glam::DVec3::splat(4.0));
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::levels::Lod;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::scene::{BackFaces, LevelStructure, LevelStyle, Scene, ScenePacket, Style, SurfelStyle};
+use pointreel::scene::{BackFaces, LevelStructure, Scene, ScenePacket, Style};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -18,14 +18,10 @@ const POINTS: u32 = 40_000;
 const BLACK: [u8; 3] = [0; 3];
 
 fn by_octree(lod: Lod) -> Style {
-    Style {
-        levels: LevelStyle {
-            surfel_lod: true,
-            lod,
-            ..plain().levels
-        },
-        ..plain()
-    }
+    plain().with(|style| {
+        style.levels.surfel_lod = true;
+        style.levels.lod = lod;
+    })
 }
 
 /// A closed sphere of radius 1 with colours that change along it.
@@ -37,8 +33,8 @@ fn closed_sphere(style: &Style) -> PreparedFrame {
         let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
         [red, green, blue, 255]
     };
-    raw.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
+    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Scene::needs(style);
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
@@ -79,13 +75,7 @@ fn few_surfels_stand_for_many() {
 fn what_faces_away_is_left_out_and_not_missed() {
     let style = by_octree(Lod::ThresholdPx(0.0));
     let frame = closed_sphere(&style);
-    let two_sided = Style {
-        surfels: SurfelStyle {
-            back_faces: BackFaces::Drawn,
-            ..style.surfels
-        },
-        ..style
-    };
+    let two_sided = style.with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let front = packet(&frame, 2.0, &style);
     let both = packet(&frame, 2.0, &two_sided);
     assert_eq!(both.content.points().unwrap().len(), POINTS as usize);

@@ -12,10 +12,7 @@ use pointreel::math::Aabb;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LightStyle, Lighting, PointStyle, Primitive, Projection, ScenePacket, Style,
-    UpAxis,
-};
+use pointreel::scene::{Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Style, UpAxis};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [1280, 720];
@@ -24,22 +21,12 @@ const SIZE: [u32; 2] = [1280, 720];
 const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 
 fn style(primitive: Primitive) -> Style {
-    Style {
-        primitive,
-        points: PointStyle {
-            size_px: 1.0,
-            ..PointStyle::default()
-        },
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([0; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.primitive = primitive;
+        style.points.size_px = 1.0;
+        style.light.lighting = Lighting::Unlit;
+        style.backdrop.background = Background::solid([0; 3]);
+    })
 }
 
 fn camera_around(bounds: &Aabb, origin: DVec3) -> Camera {

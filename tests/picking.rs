@@ -11,8 +11,8 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, Footprint, LevelStyle, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
+    Background, Camera, Content, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive, Projection,
+    RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
 use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::collections::HashMap;
@@ -28,8 +28,8 @@ fn torus(count: usize, style: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
-    raw.normals = Some(shape.normals().unwrap().iter().map(Vec3::to_array).collect());
-    raw.colors = Some((0..count).map(|index| color_of(index).with_alpha()).collect());
+    raw.attributes.normals = Some(shape.normals().unwrap().iter().map(Vec3::to_array).collect());
+    raw.attributes.colors = Some((0..count).map(|index| color_of(index).with_alpha()).collect());
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     let needs = Needs {
         colors: Coloring::of(ColorSource::File),
@@ -56,20 +56,13 @@ fn color_of(number: usize) -> Color {
 }
 
 fn style(primitive: Primitive) -> Style {
-    Style {
-        primitive,
-        colors: Coloring::of(ColorSource::File),
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            // Number 0 is one more than none.
-            background: Background::solid([0; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.primitive = primitive;
+        style.colors = Coloring::of(ColorSource::File);
+        style.light.lighting = Lighting::Unlit;
+        // Number 0 is one more than none.
+        style.backdrop.background = Background::solid([0; 3]);
+    })
 }
 
 fn camera(projection: Projection) -> Camera {

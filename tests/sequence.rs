@@ -38,6 +38,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 const SURFELS: Needs = Needs {
     shapes: true,
+    ellipses: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,
@@ -51,6 +52,7 @@ fn levels(kind: LevelsKind, delta: f32) -> LevelsKey {
 fn voxels(delta: f32) -> Needs {
     Needs {
         shapes: false,
+        ellipses: false,
         levels: Some(levels(LevelsKind::Cubes, delta)),
         colors: Coloring::of(ColorSource::Auto),
         hints: ColorHints::NONE,
@@ -100,9 +102,9 @@ fn sheet(edge: usize, time: usize) -> RawCloud {
 fn complete_sheet(edge: usize, time: usize) -> RawCloud {
     let mut raw = sheet(edge, time);
     let count = raw.positions.len();
-    raw.colors = Some((0..count).map(|i| [i as u8, time as u8, 7, 255]).collect());
-    raw.normals = Some(vec![[0.0, 1.0, 0.0]; count]);
-    raw.radii = Some(vec![0.5; count]);
+    raw.attributes.colors = Some((0..count).map(|i| [i as u8, time as u8, 7, 255]).collect());
+    raw.attributes.normals = Some(vec![[0.0, 1.0, 0.0]; count]);
+    raw.attributes.radii = Some(vec![0.5; count]);
     raw
 }
 

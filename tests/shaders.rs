@@ -51,6 +51,20 @@ fn files_of_shaders_have_no_constants_of_their_own() {
     assert_eq!(found, BTreeSet::new());
 }
 
+#[test]
+fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
+    let groups = Permutation::all().into_iter().flat_map(|permutation| {
+        let source = permutation.source();
+        let groups = source.split("@group(").skip(1);
+        groups
+            .map(|group| group.split(')').next().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    });
+    let groups: BTreeSet<String> = groups.collect();
+    assert!(groups.contains("VIEW_GROUP"), "{groups:?}");
+    assert!(groups.iter().all(|group| group.ends_with("_GROUP")), "{groups:?}");
+}
+
 /// Offsets of the members of a WGSL struct by name, and its size.
 fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let permutation = Permutation::all()

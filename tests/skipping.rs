@@ -9,10 +9,7 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::levels::Lod;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::render::{RenderError, RenderStats, Renderer};
-use pointreel::scene::{
-    Camera, Content, DrawingStyle, LevelStyle, LightStyle, Lighting, Primitive, Scene, ScenePacket, Splatting,
-    Strategy, Style, SurfelStyle,
-};
+use pointreel::scene::{Camera, Content, Lighting, Primitive, Scene, ScenePacket, Splatting, Strategy, Style};
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
 
@@ -35,13 +32,7 @@ fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
 fn an_untouched_picture_costs_nothing() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &strategy in Strategy::ALL {
-        let style = Style {
-            drawing: DrawingStyle {
-                strategy,
-                ..plain().drawing
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.drawing.strategy = strategy);
         let packet = surfels(&sphere(500, 1.0), &camera_at(3.0), style, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).frames, 1);
         let again = cost(&mut renderer, &packet.clone());
@@ -53,13 +44,7 @@ fn an_untouched_picture_costs_nothing() {
 fn a_moved_camera_uploads_nothing() {
     for &strategy in Strategy::ALL {
         let mut renderer = GpuRenderer::new(common::context()).unwrap();
-        let style = Style {
-            drawing: DrawingStyle {
-                strategy,
-                ..plain().drawing
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.drawing.strategy = strategy);
         let mut packet = surfels(&sphere(500, 1.0), &camera_at(3.0), style, [64, 64]);
         let first = cost(&mut renderer, &packet);
         assert_eq!(
@@ -163,13 +148,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     let (count, again) = traversals(&camera, &style, [64, 64]);
     assert_eq!(count, 1, "untouched");
     assert!(Arc::ptr_eq(&first.unwrap().records, &again.unwrap().records));
-    let lit = Style {
-        light: LightStyle {
-            lighting: Lighting::PerFragment,
-            ..style.light
-        },
-        ..style
-    };
+    let lit = style.with(|style| style.light.lighting = Lighting::PerFragment);
     assert_eq!(traversals(&camera, &lit, [64, 64]).0, 1, "light");
     let as_points = Style {
         primitive: Primitive::Point,
@@ -178,13 +157,7 @@ fn the_octree_is_traversed_only_when_the_answer_can_differ() {
     let (count, voxels) = traversals(&camera, &as_points, [64, 64]);
     assert!(count == 1 && voxels.is_none(), "points need no octree");
     assert_eq!(traversals(&camera_at(2.0), &style, [64, 64]).0, 2, "camera");
-    let coarse = Style {
-        levels: LevelStyle {
-            lod: Lod::ThresholdPx(8.0),
-            ..style.levels
-        },
-        ..style
-    };
+    let coarse = style.with(|style| style.levels.lod = Lod::ThresholdPx(8.0));
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 64]).0, 3, "LOD");
     assert_eq!(traversals(&camera_at(2.0), &coarse, [64, 32]).0, 4, "viewport");
 }
@@ -201,13 +174,7 @@ fn each_mode_runs_only_its_passes() {
         (Splatting::TwoPassEnlarged, 4),
     ];
     for (splatting, passes) in expected {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..plain().surfels
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| style.surfels.splatting = splatting);
         let packet = surfels(&sphere(100, 1.0), &camera_at(3.0), style, [64, 64]);
         assert_eq!(cost(&mut renderer, &packet).passes, passes, "{splatting}");
     }

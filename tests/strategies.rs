@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, DrawingStyle, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Scene, ScenePacket, Splatting, Strategy, Style, SurfelStyle, UpAxis,
+    BackFaces, Background, Camera, Content, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket, Splatting,
+    Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -71,25 +71,19 @@ fn close_camera() -> Camera {
 fn surfels_in_all_modes_and_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    for &splatting in Splatting::ALL {
-        for &lighting in Lighting::ALL {
-            let style = Style {
-                surfels: SurfelStyle {
-                    splatting,
-                    ..plain().surfels
-                },
-                light: LightStyle {
-                    lighting,
-                    ..plain().light
-                },
-                backdrop: Backdrop {
-                    background: gradient(),
-                    ..plain().backdrop
-                },
-                ..plain()
-            };
-            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
-            assert_agreement(&mut renderer, &packet, &format!("{splatting}, light {lighting}"));
+    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+        for &splatting in Splatting::ALL {
+            for &lighting in Lighting::ALL {
+                let style = plain().with(|style| {
+                    style.primitive = primitive;
+                    style.surfels.splatting = splatting;
+                    style.light.lighting = lighting;
+                    style.backdrop.background = gradient();
+                });
+                let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+                let what = format!("{primitive}, {splatting}, light {lighting}");
+                assert_agreement(&mut renderer, &packet, &what);
+            }
         }
     }
 }
@@ -108,16 +102,10 @@ fn a_real_frame_in_every_mode_and_primitive() {
         assert_agreement(&mut renderer, &packet, what);
     };
     for &splatting in Splatting::ALL {
-        let style = Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.surfels.splatting = splatting);
         agree(style, &format!("demo, {splatting}"));
     }
-    for primitive in [Primitive::Voxel, Primitive::Point] {
+    for primitive in [Primitive::Ellipse, Primitive::Voxel, Primitive::Point] {
         let style = Style {
             primitive,
             ..Style::default()
@@ -130,13 +118,7 @@ fn a_real_frame_in_every_mode_and_primitive() {
 fn surfels_from_both_sides() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    let style = Style {
-        surfels: SurfelStyle {
-            back_faces: BackFaces::Drawn,
-            ..plain().surfels
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let packet = surfels(&cloud, &close_camera(), style, [90, 120]);
     assert_agreement(&mut renderer, &packet, "both sides");
 }
@@ -168,18 +150,11 @@ fn small_surfels_that_are_seen_nearly_edge_on() {
 fn voxels_in_all_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     for &lighting in Lighting::ALL {
-        let style = Style {
-            primitive: Primitive::Voxel,
-            light: LightStyle {
-                lighting,
-                ..plain().light
-            },
-            backdrop: Backdrop {
-                background: gradient(),
-                ..plain().backdrop
-            },
-            ..plain()
-        };
+        let style = plain().with(|style| {
+            style.primitive = Primitive::Voxel;
+            style.light.lighting = lighting;
+            style.backdrop.background = gradient();
+        });
         let mut packet = voxels(shell_voxels(), 2.0, &close_camera(), style, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("voxels, light {lighting}"));
         let Content::Voxels(voxels) = &mut packet.content else {
@@ -211,13 +186,7 @@ fn points_of_one_and_of_several_pixels() {
 #[test]
 fn many_batches_and_chunks_draw_what_one_draws() {
     let cloud = sphere(10_000, 1.0);
-    let style = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::Regular,
-            ..plain().surfels
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.surfels.splatting = Splatting::Regular);
     let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
     let mut whole = GpuRenderer::new(common::context()).unwrap();
     let reference = draw_with(&mut whole, &packet);
@@ -239,13 +208,7 @@ fn many_batches_and_chunks_draw_what_one_draws() {
 #[test]
 fn the_compute_strategy_leaves_nothing_of_an_earlier_cloud() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
-    let style = Style {
-        drawing: DrawingStyle {
-            strategy: Strategy::Compute,
-            ..plain().drawing
-        },
-        ..plain()
-    };
+    let style = plain().with(|style| style.drawing.strategy = Strategy::Compute);
     let full = surfels(&sphere(1500, 1.0), &camera_at(3.0), style, [64, 64]);
     let empty = surfels(&[], &camera_at(3.0), style, [64, 64]);
     assert!(common::covered(&draw_with(&mut renderer, &full), [0, 0, 0]) > 250);

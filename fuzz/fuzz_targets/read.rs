@@ -16,10 +16,7 @@ fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {
     let name = PathBuf::from(format!("fuzz.{extension}"));
     if let Ok(cloud) = io::read_bytes(&name, bytes) {
         let count = cloud.positions.len();
-        assert!(cloud.colors.is_none_or(|colors| colors.len() == count));
-        assert!(cloud.normals.is_none_or(|normals| normals.len() == count));
-        assert!(cloud.radii.is_none_or(|radii| radii.len() == count));
-        assert!(cloud.scalars.iter().all(|field| field.values.len() == count));
+        assert_eq!(cloud.attributes.other_length(count), None);
         let indices = cloud.faces.iter().flatten();
         assert!(indices.into_iter().all(|&index| (index as usize) < count));
     }

@@ -1,12 +1,26 @@
 //! What readers hand over.
 
+#[path = "../../src/cloud/attributes.rs"]
+mod attributes;
+#[path = "../../src/cloud/ellipse.rs"]
+mod ellipse;
+#[path = "../../src/cloud/image_grid.rs"]
+mod image_grid;
 #[path = "../../src/cloud/raw.rs"]
 mod raw;
+#[path = "../../src/cloud/record.rs"]
+mod record;
 #[path = "../../src/cloud/sample.rs"]
 mod sample;
+#[path = "../../src/cloud/scalar_field.rs"]
+mod scalar_field;
 #[path = "../../src/cloud/unit.rs"]
 mod unit;
 
+pub use attributes::Attributes;
+pub use ellipse::Ellipse;
+pub use image_grid::ImageGrid;
 pub use raw::*;
 pub(crate) use sample::even_places;
+pub use scalar_field::ScalarField;
 pub use unit::LengthUnit;

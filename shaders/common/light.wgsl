@@ -1,11 +1,13 @@
 // A head light: it shines from the eye, so that every surface that can be seen is lit (paper 000 §V-B: per instance,
 // per vertex or per fragment).
 
+// The exponent of the multiplications below.
+const_assert HEAD_LIGHT_SHININESS == 3u * 8u;
+
 // x: factor on the colour; y: white added by the highlight. `to_eye` need not have unit length.
 fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     // Light and eye share a direction, so the half vector is that direction too.
     let facing = abs(dot(normal, normalize(to_eye)));
-    // The highlight's shininess is 24: a power by multiplication, since this runs for every fragment of every layer.
     let facing2 = facing * facing;
     let facing4 = facing2 * facing2;
     let facing8 = facing4 * facing4;

@@ -64,7 +64,7 @@ struct View {
     lamps: array<Lamp, MOST_LAMPS>,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
+@group(VIEW_GROUP) @binding(0) var<uniform> view: View;
 
 // From the eye to a point of the frame, in the frame's axes. Subtracting the rounded eye first is exact near the eye.
 fn offset_from_eye(position: vec3f) -> vec3f {

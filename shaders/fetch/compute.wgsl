@@ -1,6 +1,6 @@
 // Strategy `compute`: the corners were written by passes/amplify.wgsl; the vertex stage only hands them on.
 
-@group(1) @binding(0) var<storage, read> amplified: array<SplatVertex>;
+@group(STREAM_GROUP) @binding(0) var<storage, read> amplified: array<SplatVertex>;
 
 struct Instance {
     @builtin(vertex_index) vertex: u32,

@@ -1,7 +1,7 @@
 // Strategy `storage`: the vertex stage pulls records from storage buffers by index.
 
-@group(1) @binding(0) var<storage, read> points: array<PointRecord>;
-@group(2) @binding(0) var<storage, read> shapes: array<ShapeRecord>;
+@group(STREAM_GROUP) @binding(0) var<storage, read> points: array<PointRecord>;
+@group(SHAPE_GROUP) @binding(0) var<storage, read> shapes: array<ShapeRecord>;
 
 struct Instance {
     @builtin(vertex_index) vertex: u32,

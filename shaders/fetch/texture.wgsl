@@ -1,7 +1,7 @@
 // Strategy `texture`: a record is one rgba32uint texel; rows are as wide as the texture.
 
-@group(1) @binding(0) var points: texture_2d<u32>;
-@group(2) @binding(0) var shapes: texture_2d<u32>;
+@group(STREAM_GROUP) @binding(0) var points: texture_2d<u32>;
+@group(SHAPE_GROUP) @binding(0) var shapes: texture_2d<u32>;
 
 struct Instance {
     @builtin(vertex_index) vertex: u32,

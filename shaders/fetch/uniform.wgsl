@@ -8,8 +8,8 @@ struct ShapeBatch {
     records: array<ShapeRecord, BATCH_RECORDS>,
 }
 
-@group(1) @binding(0) var<uniform> points: PointBatch;
-@group(2) @binding(0) var<uniform> shapes: ShapeBatch;
+@group(STREAM_GROUP) @binding(0) var<uniform> points: PointBatch;
+@group(SHAPE_GROUP) @binding(0) var<uniform> shapes: ShapeBatch;
 
 struct Instance {
     @builtin(vertex_index) vertex: u32,

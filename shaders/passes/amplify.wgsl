@@ -11,9 +11,9 @@ struct DrawIndexedIndirect {
     first_instance: u32,
 }
 
-@group(3) @binding(0) var<storage, read_write> vertices: array<SplatVertex>;
-@group(3) @binding(1) var<storage, read_write> group_offsets: array<u32>;
-@group(3) @binding(2) var<storage, read_write> draw: DrawIndexedIndirect;
+@group(OUTPUT_GROUP) @binding(0) var<storage, read_write> vertices: array<SplatVertex>;
+@group(OUTPUT_GROUP) @binding(1) var<storage, read_write> group_offsets: array<u32>;
+@group(OUTPUT_GROUP) @binding(2) var<storage, read_write> draw: DrawIndexedIndirect;
 
 var<workgroup> kept: array<u32, GROUP_RECORDS>;
 

@@ -1,6 +1,6 @@
 // The picture of the visibility pass, Fig. 3 (c): near is light, far is dark, nothing is background.
 
-@group(1) @binding(0) var depths: texture_depth_2d;
+@group(SOURCE_GROUP) @binding(0) var depths: texture_depth_2d;
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {

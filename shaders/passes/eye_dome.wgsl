@@ -1,7 +1,7 @@
 // Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. Multiplies what is drawn, or its
 // sums, before the background is put behind them. The formula: scene/eye_dome.rs.
 
-@group(1) @binding(0) var depths: texture_depth_2d;
+@group(SOURCE_GROUP) @binding(0) var depths: texture_depth_2d;
 
 // x: what a neighbour before the pixel adds; y: 1 where nothing is.
 fn neighbour(pixel: vec2i, offset: vec2i, per_depth: f32, gain: f32) -> vec2f {

@@ -1,6 +1,6 @@
 // Resolve: divides the summed colours by the summed weights and lays the result over the background.
 
-@group(1) @binding(0) var accumulated: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(0) var accumulated: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {

@@ -7,22 +7,17 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
 fn may_be_seen(instance: Instance) -> bool {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
-    // The quad's corners are √2 radii away.
     return surfel_may_face_eye(point, shape)
-        && sphere_may_be_seen(point.position, 1.4143 * shape.radius * view.splat_scale);
+        && sphere_may_be_seen(point.position, SQUARE_REACH_RADII * shape.radius * view.splat_scale);
 }
 
-// Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n × u.
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
     let n = oct_decode(shape.normal);
-    // `a` must not be parallel to n; the paper switches to a' only when it is, we do where the product loses digits.
-    let a = select(vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, -1.0), abs(n.y) > 0.99);
-    let u = normalize(cross(a, n));
-    let v = cross(n, u);
+    let axes = half_axes(n, shape.ellipse);
     let q = quad_corner(corner);
     let radius = shape.radius * view.splat_scale;
     let center = offset_from_eye(point.position);
-    let offset = center + (u * q.x + v * q.y) * radius;
+    let offset = center + (axes[0] * q.x + axes[1] * q.y) * radius;
     var clip = project(rotate_to_view(offset));
     // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
     clip.z /= 1.0 + view.depth_slack * radius / max(length(center), view.near);
@@ -48,6 +43,6 @@ fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
     let radius = shape.radius * view.splat_scale;
     let px_per_slope = 0.5 * min(view.focal.x * view.viewport_px.x, view.focal.y * view.viewport_px.y);
     // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
-    let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + 1.4143 * radius);
+    let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + SQUARE_REACH_RADII * radius);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;
 }

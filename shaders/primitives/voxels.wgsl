@@ -9,8 +9,7 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
 
 fn may_be_seen(instance: Instance) -> bool {
     let cell = fetch_point(instance);
-    // The cube's corners are √3 half edges away.
-    return sphere_may_be_seen(cell.position, 1.7321 * voxel_half_edge(cell));
+    return sphere_may_be_seen(cell.position, CUBE_REACH_HALF_EDGES * voxel_half_edge(cell));
 }
 
 // The side of a cell's face towards the eye. For an eye between the two planes it is turned away and culled.

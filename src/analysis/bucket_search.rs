@@ -20,7 +20,7 @@
 //! Pruning is exact in f32: subtraction, multiplication and addition round monotonically, so the distance to a box,
 //! computed in the same order of operations, never exceeds the computed distance to a point inside.
 
-use super::point_tree::{BoxRow, LANES, PointTree, Row};
+use super::point_tree::{BoxRow, LANES, LaneRow, PointTree};
 use super::smallest_rows::SmallestRows;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8, mask32x8, u32x8};
 
@@ -45,7 +45,7 @@ pub(super) struct BucketSearch<'a> {
     /// Candidates that were near enough for one of them.
     row_count: usize,
     /// Squared distances to each of these candidates. The vectors only grow.
-    rows: Vec<Row>,
+    rows: Vec<LaneRow>,
     /// The slots of these candidates.
     slots: Vec<u32>,
     /// The k smallest squared distances of each.
@@ -149,7 +149,7 @@ impl<'a> BucketSearch<'a> {
     fn meet_siblings<S: Simd>(&mut self, simd: S) {
         let (row, own) = (self.bucket / LANES, self.bucket % LANES);
         let boxes = &self.tree.levels[0][row];
-        let distances_squared: Row = self.distances_squared(simd, boxes).into();
+        let distances_squared: LaneRow = self.distances_squared(simd, boxes).into();
         for difference in 1..LANES {
             let lane = own ^ difference;
             // Boxes without points are infinitely far.
@@ -169,7 +169,7 @@ impl<'a> BucketSearch<'a> {
         if !near.any_true() {
             return;
         }
-        let distances_squared: Row = distances_squared.into();
+        let distances_squared: LaneRow = distances_squared.into();
         let mut lanes = bits_of(simd, near) & !(1 << own);
         let pushed_before = self.stack.len();
         while lanes != 0 {
@@ -372,7 +372,7 @@ fn write_slots(mut rows_within: u64, slots: &[u32], list: &mut [u32]) {
 
 /// For each of at most 32 rows one bit, in each lane whether its distance is not above the k-th.
 #[inline(always)]
-fn rows_within<S: Simd>(simd: S, rows: &[Row], kth: f32x8<S>) -> u32x8<S> {
+fn rows_within<S: Simd>(simd: S, rows: &[LaneRow], kth: f32x8<S>) -> u32x8<S> {
     let zero = u32x8::splat(simd, 0);
     let mut words = zero;
     for (bit, row) in rows.iter().enumerate() {

@@ -1,11 +1,13 @@
 //! Ellipses that close the surface where circles do, with less area where points are farther apart in one direction.
 //!
 //! How it works: a Voronoi cell is measured along 32 directions, as in [`super::radii`]. Its longer axis is that of its
-//! second moments, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. An [`Ellipse`] has the radius `R`, the
-//! distance to the farthest corner, as the quadratic mean of its half axes, so its only freedom is their ratio ρ, and
-//! it covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 = K`, which
-//! is a least ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that covers the
-//! cell. Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
+//! second moments, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. Its [`Ellipse`] has the distance to the
+//! farthest corner, `R`, as the quadratic mean of its half axes: then it is the circle around the cell, or smaller, and
+//! where a circle just covers a rectangle, so does the ellipse that is as long in proportion. (One within the circle
+//! does not cover the corner unless it is the circle.) So its only freedom is the ratio ρ of the half axes, and it
+//! covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 = K`, which is
+//! a least ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that covers the cell.
+//! Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
 //!
 //! Where the cell is open, or reaches beyond the neighbours that are known, there is a circle.
 //!
@@ -207,7 +209,7 @@ mod tests {
                 let Some(ellipse) = ellipses[index] else {
                     return offset.length() <= radius;
                 };
-                let [longer, shorter] = ellipse.half_axes(radius);
+                let [longer, shorter] = ellipse.half_axes(ellipse.radius_of_quadratic_mean(radius));
                 let along = offset.dot(ellipse.axis);
                 let across = offset.dot(NORMAL.cross(ellipse.axis));
                 (along / longer).powi(2) + (across / shorter).powi(2) <= 1.0
@@ -251,13 +253,12 @@ mod tests {
         let ellipses = splat_ellipses(&shape.positions, &shape.normals);
         let (mut count, mut area) = (0, 0.0);
         for (ellipse, normal) in ellipses.iter().zip(&shape.normals) {
-            let Some(Ellipse { axis, ratio }) = *ellipse else {
+            let Some(ellipse @ Ellipse { axis, ratio }) = *ellipse else {
                 continue;
             };
             assert!(axis.is_normalized() && axis.dot(*normal).abs() < 1e-3);
             assert!(ratio > 0.0 && ratio < 1.0, "{ratio}");
-            let [longer, shorter] = Ellipse { axis, ratio }.half_axes(1.0);
-            area += longer * shorter;
+            area += ellipse.radius_of_quadratic_mean(1.0).powi(2);
             count += 1;
         }
         assert!(count > 4_000, "{count} of 5000");

@@ -268,8 +268,8 @@ pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
 /// Ellipses that close the surface as the circles of [`splat_radii`] do, with less area; `None` where a circle is
 /// right.
 ///
-/// `normals` are of unit length, or zero where the tangent plane has to be estimated. An ellipse has the radius of its
-/// point: see [`Ellipse::half_axes`].
+/// `normals` are of unit length, or zero where the tangent plane has to be estimated. The radius of the circle is the
+/// quadratic mean of the half axes: see [`Ellipse::radius_of_quadratic_mean`].
 ///
 /// # Panics
 /// Precondition: as many normals as positions.

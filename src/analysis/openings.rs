@@ -13,7 +13,7 @@
 //! parallel lines.
 
 use super::directions::{DIRECTIONS, QUARTER};
-use super::point_tree::Row;
+use super::point_tree::LaneRow;
 
 /// Share of the inverse distance to the last neighbour below which a cell is open between two directions.
 ///
@@ -31,9 +31,9 @@ pub(super) const TWICE_COSINE: f32 = 1.961_570_6;
 #[cold]
 pub(super) fn set_open(
     quarter_circle: &[[f32; 2]; QUARTER],
-    lines: &[[Row; 2]],
-    known: Row,
-    inverse: &mut [Row; DIRECTIONS],
+    lines: &[[LaneRow; 2]],
+    known: LaneRow,
+    inverse: &mut [LaneRow; DIRECTIONS],
 ) {
     for (lane, known) in known.into_iter().enumerate() {
         set_open_in_lane(quarter_circle, lines, OPEN_BETWEEN * known, inverse, lane);
@@ -42,9 +42,9 @@ pub(super) fn set_open(
 
 fn set_open_in_lane(
     quarter_circle: &[[f32; 2]; QUARTER],
-    lines: &[[Row; 2]],
+    lines: &[[LaneRow; 2]],
     open: f32,
-    inverse: &mut [Row; DIRECTIONS],
+    inverse: &mut [LaneRow; DIRECTIONS],
     lane: usize,
 ) {
     let distances: [f32; DIRECTIONS] = inverse.map(|row| row[lane]);
@@ -98,7 +98,7 @@ mod tests {
             let along = lines.iter().map(|line| line[0] * x + line[1] * y);
             along.fold(0.0, f32::max)
         });
-        let rows: Vec<[Row; 2]> = lines.iter().map(|line| line.map(|w| [w; LANES])).collect();
+        let rows: Vec<[LaneRow; 2]> = lines.iter().map(|line| line.map(|w| [w; LANES])).collect();
         let mut left = inverse.map(|distance| [distance; LANES]);
         set_open(&circle, &rows, [1.0; LANES], &mut left);
         assert!(left.iter().all(|row| *row == [row[0]; LANES]));

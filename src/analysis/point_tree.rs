@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 pub(super) const LANES: usize = 8;
 
 /// One number for each of eight points or boxes.
-pub(super) type Row = [f32; LANES];
+pub(super) type LaneRow = [f32; LANES];
 
 /// Below this many points a split is not worth handing to another thread.
 const PARALLEL_SPLIT: usize = 4096;
@@ -44,16 +44,16 @@ pub(super) struct PointTree {
 /// infinite.
 #[derive(Debug, Clone)]
 pub(super) struct Bucket {
-    pub(super) x: Row,
-    pub(super) y: Row,
-    pub(super) z: Row,
+    pub(super) x: LaneRow,
+    pub(super) y: LaneRow,
+    pub(super) z: LaneRow,
 }
 
 /// The boxes of eight children, side by side. Those without points are inside out and infinitely far.
 #[derive(Debug, Clone)]
 pub(super) struct BoxRow {
-    pub(super) min: [Row; 3],
-    pub(super) max: [Row; 3],
+    pub(super) min: [LaneRow; 3],
+    pub(super) max: [LaneRow; 3],
     /// The smallest file index in each, to decide between equal distances.
     pub(super) min_file_index: [u32; LANES],
 }

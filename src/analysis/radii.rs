@@ -24,7 +24,7 @@ use super::directions::{DIRECTIONS, QUARTER, quarter_circle};
 use super::lanes::axes;
 use super::neighbours::Neighbours;
 use super::openings;
-use super::point_tree::{LANES, PointTree, Row, SlotPoint};
+use super::point_tree::{LANES, LaneRow, PointTree, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -71,7 +71,7 @@ pub(super) fn closing_radii(tree: &PointTree, neighbours: &Neighbours, normals: 
 pub(super) fn cell_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3], slots: Range<usize>) -> Vec<f32> {
     let level = Level::new();
     let mut radii = vec![0.0; slots.len()];
-    let cells = Cells {
+    let cells = VoronoiCells {
         directions: quarter_circle(),
         points: tree.points(),
         neighbours,
@@ -141,7 +141,7 @@ const POINTS_PER_TASK: usize = 1 << 10;
 const OPEN_ALONG: f32 = 0.5;
 
 /// What the cells of a cloud are measured from.
-struct Cells<'a> {
+struct VoronoiCells<'a> {
     directions: [[f32; 2]; QUARTER],
     points: &'a [SlotPoint],
     neighbours: &'a Neighbours,
@@ -150,7 +150,7 @@ struct Cells<'a> {
     first_slot: usize,
 }
 
-impl Cells<'_> {
+impl VoronoiCells<'_> {
     /// Writes the radii of the cells of consecutive points. Inlined, so that it is compiled for each level of SIMD.
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, first_slot: usize, radii: &mut [f32]) {
@@ -164,7 +164,7 @@ impl Cells<'_> {
     /// Distances from eight points to the farthest corners of their Voronoi cells in their tangent planes; 0 without
     /// neighbours apart. `lines` is scratch.
     #[inline(always)]
-    fn cell_radii<S: Simd>(&self, simd: S, first_slot: usize, lines: &mut [[Row; 2]]) -> Row {
+    fn cell_radii<S: Simd>(&self, simd: S, first_slot: usize, lines: &mut [[LaneRow; 2]]) -> LaneRow {
         let zero = f32x8::splat(simd, 0.0);
         // Lanes beyond the last point repeat it.
         let last = self.first_slot + self.normals.len() - 1;
@@ -226,7 +226,7 @@ impl Cells<'_> {
 
 /// The smallest inverse distances that count, and which cells may be open between two directions.
 #[inline(always)]
-fn smallest_extreme<S: Simd>(simd: S, inverse: &[Row; DIRECTIONS], known: f32x8<S>) -> (f32x8<S>, mask32x8<S>) {
+fn smallest_extreme<S: Simd>(simd: S, inverse: &[LaneRow; DIRECTIONS], known: f32x8<S>) -> (f32x8<S>, mask32x8<S>) {
     let zero = f32x8::splat(simd, 0.0);
     let nowhere = f32x8::splat(simd, f32::INFINITY);
     let open = known * OPEN_ALONG;
@@ -268,7 +268,7 @@ fn orthonormal_pair<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3]) -> ([f32x8<S>; 3
 
 /// The inverse radii of the neighbours' cells, summed up for each of up to eight consecutive points. Eight sums side by
 /// side, for each waits for its last term.
-fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, count: usize) -> Row {
+fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, count: usize) -> LaneRow {
     let lists: [&[u32]; LANES] = std::array::from_fn(|lane| neighbours.of(first_slot + lane.min(count - 1)));
     let mut sums = [0.0; LANES];
     for neighbour in 0..neighbours.per_point() {

@@ -48,28 +48,28 @@ pub(super) fn refine(tree: &PointTree, neighbours: &Neighbours, without_plane: &
 
 /// A point of a neighbourhood.
 #[derive(Debug, Clone, Copy)]
-struct Sample {
+struct WeightedOffset {
     /// From the point whose plane it is, in scaled units.
     offset: DVec3,
     weight: f64,
 }
 
 /// Sets `samples` to a point and its neighbours, of equal weight.
-fn gather(points: &[SlotPoint], slot: usize, list: &[u32], samples: &mut Vec<Sample>) {
+fn gather(points: &[SlotPoint], slot: usize, list: &[u32], samples: &mut Vec<WeightedOffset>) {
     let center = points[slot].position;
     let others = list.iter().map(|&other| points[other as usize].position);
     samples.clear();
-    samples.extend(others.chain([center]).map(|position| Sample {
+    samples.extend(others.chain([center]).map(|position| WeightedOffset {
         offset: (position - center).as_dvec3(),
         weight: 1.0,
     }));
 }
 
 /// The normal of the plane through `samples`, starting from `normal`.
-fn refit(samples: &mut [Sample], mut normal: DVec3) -> DVec3 {
+fn refit(samples: &mut [WeightedOffset], mut normal: DVec3) -> DVec3 {
     let mut mean = weighted_mean(samples);
     for _ in 0..ROUNDS {
-        let distance = |sample: &Sample| normal.dot(sample.offset - mean).abs();
+        let distance = |sample: &WeightedOffset| normal.dot(sample.offset - mean).abs();
         let (sum, weights) = samples.iter().fold((0.0, 0.0), |(sum, weights), sample| {
             (sum + sample.weight * distance(sample), weights + sample.weight)
         });
@@ -88,7 +88,7 @@ fn refit(samples: &mut [Sample], mut normal: DVec3) -> DVec3 {
     normal
 }
 
-fn weighted_mean(samples: &[Sample]) -> DVec3 {
+fn weighted_mean(samples: &[WeightedOffset]) -> DVec3 {
     let (sum, weights) = samples.iter().fold((DVec3::ZERO, 0.0), |(sum, weights), sample| {
         (sum + sample.weight * sample.offset, weights + sample.weight)
     });
@@ -96,7 +96,7 @@ fn weighted_mean(samples: &[Sample]) -> DVec3 {
 }
 
 /// The covariance of the samples about `mean`, not divided by their weights.
-fn covariance(samples: &[Sample], mean: DVec3) -> SymmetricMat3 {
+fn covariance(samples: &[WeightedOffset], mean: DVec3) -> SymmetricMat3 {
     samples.iter().fold(SymmetricMat3::default(), |sum, sample| {
         let d = sample.offset - mean;
         let w = sample.weight * d;

@@ -5,7 +5,7 @@
 //! ones of mirrored places are the smallest of both, and 20 exchanges (32 of sixteen registers) merge them, instead of
 //! the 96 (128) that sinking takes.
 
-use super::point_tree::{LANES, Row};
+use super::point_tree::{LANES, LaneRow};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
 /// Registers that rows are merged into at a time; with some room for what is merged they fit the sixteen of AVX.
@@ -19,7 +19,7 @@ const MORE_TOGETHER: usize = 16;
 pub(super) struct SmallestRows {
     k: usize,
     /// Ascending in each lane; some more than k, to fill up whole groups.
-    rows: Vec<Row>,
+    rows: Vec<LaneRow>,
 }
 
 impl SmallestRows {
@@ -36,21 +36,21 @@ impl SmallestRows {
     }
 
     /// Forgets what was found: from now on only numbers below `limit` count.
-    pub(super) fn reset(&mut self, limit: Row) {
+    pub(super) fn reset(&mut self, limit: LaneRow) {
         self.rows.fill(limit);
     }
 
     /// The k-th smallest numbers so far. Precondition: k is not 0.
-    pub(super) fn largest(&self) -> &Row {
+    pub(super) fn largest(&self) -> &LaneRow {
         &self.rows[self.k - 1]
     }
 
     /// Takes the first `count` of eight rows into account.
     #[inline(always)]
-    pub(super) fn offer<S: Simd>(&mut self, simd: S, rows: &[Row; LANES], count: usize) {
-        if let Ok(group) = <&mut [Row; TOGETHER]>::try_from(self.rows.as_mut_slice()) {
+    pub(super) fn offer<S: Simd>(&mut self, simd: S, rows: &[LaneRow; LANES], count: usize) {
+        if let Ok(group) = <&mut [LaneRow; TOGETHER]>::try_from(self.rows.as_mut_slice()) {
             merge_or_sink(simd, group, rows, count);
-        } else if let Ok(group) = <&mut [Row; MORE_TOGETHER]>::try_from(self.rows.as_mut_slice()) {
+        } else if let Ok(group) = <&mut [LaneRow; MORE_TOGETHER]>::try_from(self.rows.as_mut_slice()) {
             merge_or_sink(simd, group, rows, count);
         } else {
             let mut sinking = *rows;
@@ -67,7 +67,7 @@ impl SmallestRows {
 
 /// Puts the smallest of both, the first `count` of `rows`, into the ascending registers of `group`.
 #[inline(always)]
-fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row; LANES], count: usize) {
+fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [LaneRow; N], rows: &[LaneRow; LANES], count: usize) {
     if count == LANES {
         merge(simd, group, rows);
     } else {
@@ -77,7 +77,12 @@ fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &
 
 /// Puts `rows` where they belong in the ascending registers of `group`; what comes out below goes to `below`.
 #[inline(always)]
-fn sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row], mut below: impl FnMut(usize, f32x8<S>)) {
+fn sink<S: Simd, const N: usize>(
+    simd: S,
+    group: &mut [LaneRow; N],
+    rows: &[LaneRow],
+    mut below: impl FnMut(usize, f32x8<S>),
+) {
     let mut registers = [f32x8::splat(simd, 0.0); N];
     for (register, row) in registers.iter_mut().zip(&*group) {
         *register = f32x8::from_slice(simd, row);
@@ -99,7 +104,7 @@ fn sink<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row], mu
 /// Puts the smallest of both into the ascending registers of `group`: the eight rows are sorted by a network, and
 /// merged bitonically.
 #[inline(always)]
-fn merge<S: Simd, const N: usize>(simd: S, group: &mut [Row; N], rows: &[Row; LANES]) {
+fn merge<S: Simd, const N: usize>(simd: S, group: &mut [LaneRow; N], rows: &[LaneRow; LANES]) {
     let mut sorted = [f32x8::splat(simd, 0.0); LANES];
     for (register, row) in sorted.iter_mut().zip(rows) {
         *register = f32x8::from_slice(simd, row);
@@ -221,7 +226,7 @@ mod tests {
             let mut found = SmallestRows::new(k);
             found.reset([f32::from(limit); LANES]);
             let level = Level::new();
-            let mut offered: Vec<Row> = Vec::new();
+            let mut offered: Vec<LaneRow> = Vec::new();
             for (rows, count) in offers {
                 let rows = rows.map(|row| row.map(f32::from));
                 dispatch!(level, simd => found.offer(simd, &rows, count));

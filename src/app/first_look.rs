@@ -14,7 +14,7 @@ pub(in crate::app) struct Chosen {
 
 /// What is known of the open sequence.
 #[derive(Debug, Default)]
-pub(in crate::app) struct Looked {
+pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
     /// Frames beside the first one have been looked at, or there are none.
     pub(in crate::app) is_complete: bool,
@@ -34,7 +34,7 @@ pub(in crate::app) struct FirstView {
     pub(in crate::app) beside: Aabb,
 }
 
-impl Looked {
+impl SequenceLook {
     /// The first view, if `camera` still is where it put it.
     pub(in crate::app) fn untouched(&self, camera: &Camera) -> Option<FirstView> {
         self.view.filter(|view| view.camera == *camera)
@@ -51,7 +51,7 @@ impl Looked {
 
 /// What a thread has made of several frames.
 #[derive(Debug)]
-pub struct LookedAtMore {
+pub struct RefinedLook {
     pub(in crate::app) sequence: Weak<Sequence>,
     pub(in crate::app) look: FirstLook,
 }

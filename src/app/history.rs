@@ -31,12 +31,12 @@ pub struct History {
     future: Vec<Edited>,
     /// As of the last look; `None` before the first.
     present: Option<Edited>,
-    last: Option<Change>,
+    last: Option<LastChange>,
 }
 
 /// The last change.
 #[derive(Debug, Clone)]
-struct Change {
+struct LastChange {
     at: Duration,
     /// See [`changed_fields`].
     fields: Vec<&'static str>,
@@ -70,7 +70,7 @@ impl History {
             self.past.push_back(before);
         }
         self.future.clear();
-        self.last = Some(Change {
+        self.last = Some(LastChange {
             at: now,
             fields,
             is_held,
@@ -109,17 +109,11 @@ fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Primitive, SurfelStyle};
+    use crate::scene::Primitive;
     use proptest::prelude::*;
 
     fn scaled(splat_scale: f32) -> Edited {
-        let style = Style {
-            surfels: SurfelStyle {
-                splat_scale,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.surfels.splat_scale = splat_scale);
         let path = Arc::default();
         Edited { style, path }
     }

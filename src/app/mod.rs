@@ -51,7 +51,7 @@ pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, Benchmark
 pub use features::beside::{Beside, FrameDistances, Layout, OneWay};
 pub use features::camera_path::{Draft, PathEditor, PathFile};
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};
-pub use features::export::{Export, ExportEnded, Exported, Subject};
+pub use features::export::{Export, ExportEnded, ExportSubject, Exported};
 pub use features::inspection::measuring::{Gauge, Measurement};
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::palette::Palette;
@@ -71,7 +71,7 @@ pub use presets::{Preset, Presets};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Change, Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport,
+    Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport, VisibleChange,
     WindowRequest,
 };
 pub use theme::apply_theme;

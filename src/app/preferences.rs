@@ -81,7 +81,7 @@ enum Theme {
 }
 
 #[derive(Serialize)]
-struct Stored<'a> {
+struct StoredPreferences<'a> {
     version: u32,
     #[serde(flatten)]
     preferences: Preferences,
@@ -106,7 +106,7 @@ impl Preferences {
 
     /// The text of the file, with fields that are not this program's.
     fn to_json(self, unknown: &Fields) -> serde_json::Result<Vec<u8>> {
-        serde_json::to_vec_pretty(&Stored {
+        serde_json::to_vec_pretty(&StoredPreferences {
             version: VERSION,
             preferences: self,
             unknown,

@@ -8,7 +8,7 @@
 use crate::kept::{self, Fields};
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{DrawingStyle, LevelStyle, PointStyle, Primitive, Style, VoxelLight, VoxelStyle};
+use crate::scene::{Primitive, Style, VoxelLight};
 use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub struct Presets {
 }
 
 #[derive(Serialize)]
-struct Stored<'a> {
+struct StoredPresets<'a> {
     version: u32,
     presets: &'a [Preset],
 }
@@ -52,60 +52,36 @@ pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
         (
             "Fast",
             "Surfels of octree cells up to 2 px, at half the resolution",
-            Style {
-                levels: LevelStyle {
-                    surfel_lod: true,
-                    lod: Lod::ThresholdPx(2.0),
-                    ..settings.levels
-                },
-                drawing: DrawingStyle {
-                    resolution: 0.5,
-                    ..settings.drawing
-                },
-                ..settings
-            },
+            settings.with(|style| {
+                style.levels.surfel_lod = true;
+                style.levels.lod = Lod::ThresholdPx(2.0);
+                style.drawing.resolution = 0.5;
+            }),
         ),
         (
             "Exact",
             "Every point as a surfel at full resolution",
-            Style {
-                levels: LevelStyle {
-                    surfel_lod: false,
-                    ..settings.levels
-                },
-                drawing: DrawingStyle {
-                    resolution: 1.0,
-                    ..settings.drawing
-                },
-                ..settings
-            },
+            settings.with(|style| {
+                style.levels.surfel_lod = false;
+                style.drawing.resolution = 1.0;
+            }),
         ),
         (
             "Points",
             "Every point as a square of 2 px",
-            Style {
-                primitive: Primitive::Point,
-                points: PointStyle {
-                    size_px: 2.0,
-                    ..PointStyle::default()
-                },
-                ..settings
-            },
+            settings.with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.size_px = 2.0;
+            }),
         ),
         (
             "Voxels",
             "Cells of an octree, as large as it takes to close surfaces",
-            Style {
-                primitive: Primitive::Voxel,
-                voxels: VoxelStyle {
-                    light: VoxelLight::Normals,
-                },
-                levels: LevelStyle {
-                    stop: StopCriterion::Spacing,
-                    ..settings.levels
-                },
-                ..settings
-            },
+            settings.with(|style| {
+                style.primitive = Primitive::Voxel;
+                style.voxels.light = VoxelLight::Normals;
+                style.levels.stop = StopCriterion::Spacing;
+            }),
         ),
     ]
 }
@@ -163,7 +139,7 @@ impl Presets {
         let Some(file) = &self.file else {
             return Ok(());
         };
-        let stored = Stored {
+        let stored = StoredPresets {
             version: VERSION,
             presets: &self.list,
         };

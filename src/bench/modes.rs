@@ -37,7 +37,10 @@ impl Modes {
     pub fn admit(&self, style: &Style) -> bool {
         let is_gpu = style.drawing.renderer == RendererChoice::Gpu;
         let is_surfel = style.draws_surfels();
-        let primitive = if is_surfel { Primitive::Surfel } else { style.primitive };
+        let primitive = match style.primitive {
+            Primitive::Auto => Primitive::Surfel,
+            chosen => chosen,
+        };
         let any_what = self.primitives.is_empty() && self.splattings.is_empty();
         let what = if is_surfel && !self.splattings.is_empty() {
             self.splattings.contains(&style.surfels.splatting)
@@ -77,29 +80,19 @@ impl FromStr for Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{DrawingStyle, SurfelStyle};
 
     #[test]
     fn words_of_a_group_are_alternatives_and_groups_are_conditions() {
-        let surfel = |renderer, splatting| Style {
-            surfels: SurfelStyle {
-                splatting,
-                ..SurfelStyle::default()
-            },
-            drawing: DrawingStyle {
-                renderer,
-                ..DrawingStyle::default()
-            },
-            ..Style::default()
+        let surfel = |renderer, splatting| {
+            Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.drawing.renderer = renderer;
+            })
         };
-        let voxel = Style {
-            primitive: Primitive::Voxel,
-            drawing: DrawingStyle {
-                renderer: RendererChoice::Cpu,
-                ..DrawingStyle::default()
-            },
-            ..Style::default()
-        };
+        let voxel = Style::default().with(|style| {
+            style.primitive = Primitive::Voxel;
+            style.drawing.renderer = RendererChoice::Cpu;
+        });
         let (cpu, gpu) = (RendererChoice::Cpu, RendererChoice::Gpu);
         let admits = |text: &str, style: &Style| text.parse::<Modes>().unwrap().admit(style);
         assert!(Modes::default().admit(&voxel));

@@ -10,7 +10,7 @@ use super::{BenchError, BenchOptions, Environment, Input, LabPoint, Report, Step
 use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
-use crate::scene::{Backdrop, Background, Camera, Scene, Style};
+use crate::scene::{Background, Camera, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
@@ -195,13 +195,7 @@ impl<'a> Run<'a> {
         let origin = subject.sequence.origin();
         let mut scene = Scene::default();
         let mut on_background = |background| {
-            let style = Style {
-                backdrop: Backdrop {
-                    background: Background::solid(background),
-                    ..style.backdrop
-                },
-                ..*style
-            };
+            let style = style.with(|style| style.backdrop.background = Background::solid(background));
             let packet = scene.packet(frame, origin, camera, &style, self.options.viewport_px);
             self.runner.image(&packet)
         };

@@ -33,12 +33,12 @@ impl FrameFacts {
     /// Looks at every point of `raw`.
     pub fn of(raw: RawCloud) -> Self {
         let (finite_count, bounds) = raw.positions.finite_bounds();
-        let zero_normals = raw.normals.iter().flatten().enumerate();
+        let zero_normals = raw.attributes.normals.iter().flatten().enumerate();
         let facts = Self {
             point_count: raw.positions.len(),
             finite_count,
             bounds,
-            attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
+            attributes: raw.point_names(),
             duplicate_count: duplicates(&raw.positions),
             zero_normal_count: zero_normals
                 .filter(|(index, normal)| {

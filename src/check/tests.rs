@@ -70,7 +70,7 @@ fn each_fault_is_found_where_it_is() {
         [(Kind::EmptyFrame, vec![1])]
     );
     assert_eq!(
-        broken(&|cloud| cloud.colors = Some(vec![[1; 4]; 100])),
+        broken(&|cloud| cloud.attributes.colors = Some(vec![[1; 4]; 100])),
         [(Kind::ChangedAttributes, vec![1])]
     );
     assert_eq!(
@@ -79,8 +79,8 @@ fn each_fault_is_found_where_it_is() {
     );
     assert_eq!(
         broken(&|cloud| {
-            cloud.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
-            cloud.normals.as_mut().unwrap()[7] = [0.0; 3];
+            cloud.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+            cloud.attributes.normals.as_mut().unwrap()[7] = [0.0; 3];
         }),
         [(Kind::ChangedAttributes, vec![1]), (Kind::ZeroNormals, vec![1])]
     );

@@ -4,7 +4,8 @@ use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::warnings;
 use crate::check::changed_attributes;
-use crate::scene::{BackFaces, FirstLook, Kind, Primitive, Style};
+use crate::cloud::ImageGrid;
+use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -51,7 +52,7 @@ struct Guess {
     from: &'static str,
     azimuth_deg: f64,
     elevation_deg: f64,
-    kind: Kind,
+    kind: CaptureKind,
     primitive: Primitive,
     primitive_because: &'static str,
     planar_share: f32,
@@ -89,12 +90,12 @@ struct FrameInfo {
     /// By the time stamp of the file or its name.
     time_s: Option<f64>,
     #[serde(flatten)]
-    content: Content,
+    content: FrameReport,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Content {
+enum FrameReport {
     Read {
         points: usize,
         finite_points: usize,
@@ -102,6 +103,9 @@ enum Content {
         min: Option<[f64; 3]>,
         max: Option<[f64; 3]>,
         attributes: Vec<String>,
+        /// Of organised clouds alone.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        grid: Option<ImageGrid>,
         /// Triangles of a mesh.
         faces: usize,
         /// What was assumed because nothing in the file says so.
@@ -128,8 +132,8 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     let failures: Vec<&String> = frames
         .iter()
         .filter_map(|frame| match &frame.content {
-            Content::Failed { error } => Some(error),
-            Content::Read { .. } => None,
+            FrameReport::Failed { error } => Some(error),
+            FrameReport::Read { .. } => None,
         })
         .collect();
     if let (true, Some(first)) = (failures.len() == frames.len(), failures.first()) {
@@ -140,8 +144,8 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     }
     for frame in &frames {
         let said = match &frame.content {
-            Content::Failed { error } => std::slice::from_ref(error),
-            Content::Read { warnings, .. } => warnings,
+            FrameReport::Failed { error } => std::slice::from_ref(error),
+            FrameReport::Read { warnings, .. } => warnings,
         };
         for warning in said {
             warnings::warn_of_frame(warning);
@@ -204,18 +208,19 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
     let content = match sequence.take_decoded(index) {
         Ok(raw) => {
             let (finite_points, bounds) = raw.positions.finite_bounds();
-            Content::Read {
+            FrameReport::Read {
                 points: raw.positions.len(),
                 finite_points,
                 min: bounds.map(|(min, _)| min.to_array()),
                 max: bounds.map(|(_, max)| max.to_array()),
-                attributes: raw.attributes().into_iter().map(str::to_owned).collect(),
+                attributes: raw.point_names(),
+                grid: raw.grid,
                 faces: raw.faces.len(),
                 assumption: raw.assumption,
                 warnings: raw.warnings,
             }
         }
-        Err(error) => Content::Failed {
+        Err(error) => FrameReport::Failed {
             error: error.to_string(),
         },
     };
@@ -238,8 +243,8 @@ fn table(info: &Info) -> String {
     );
     let lines = info.frames.iter().map(frame_line);
     let attributes = info.frames.iter().filter_map(|frame| match &frame.content {
-        Content::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
-        Content::Failed { .. } => None,
+        FrameReport::Read { attributes, .. } => Some((frame.index, attributes.as_slice())),
+        FrameReport::Failed { .. } => None,
     });
     let findings = changed_attributes(attributes).into_iter();
     let lines = lines
@@ -263,12 +268,13 @@ fn table(info: &Info) -> String {
 
 fn frame_line(frame: &FrameInfo) -> String {
     match &frame.content {
-        Content::Read {
+        FrameReport::Read {
             points,
             finite_points,
             min,
             max,
             attributes,
+            grid,
             faces,
             assumption,
             ..
@@ -280,6 +286,7 @@ fn frame_line(frame: &FrameInfo) -> String {
                     .join(" "),
                 _ => "none".to_owned(),
             };
+            let grid = grid.map_or_else(String::new, |grid| format!(", organised {grid}"));
             let faces = match faces {
                 0 => String::new(),
                 faces => format!(" {faces} faces"),
@@ -288,13 +295,13 @@ fn frame_line(frame: &FrameInfo) -> String {
                 .as_ref()
                 .map_or_else(String::new, |assumption| format!(", {assumption}"));
             format!(
-                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{assumption}, {}",
+                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{grid}{assumption}, {}",
                 frame.index,
                 attributes.join(" "),
                 place(frame)
             )
         }
-        Content::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
+        FrameReport::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
     }
 }
 

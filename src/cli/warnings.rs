@@ -32,11 +32,11 @@ const MAX_KINDS: usize = 256;
 #[derive(Debug)]
 struct Warnings {
     when: When,
-    kinds: Vec<Kind>,
+    kinds: Vec<MessageGroup>,
 }
 
 #[derive(Debug)]
-struct Kind {
+struct MessageGroup {
     /// What it says apart from numbers and names of files.
     says: String,
     first: String,
@@ -96,7 +96,7 @@ impl Warnings {
             return Some(line);
         }
         let is_said = self.when == When::FirstAtOnce;
-        self.kinds.push(Kind {
+        self.kinds.push(MessageGroup {
             says,
             first: line.clone(),
             is_said,
@@ -109,7 +109,7 @@ impl Warnings {
     fn finish(&mut self) -> Vec<String> {
         let held = self.kinds.drain(..);
         let untold = held.filter(|kind| !kind.is_said || kind.more > 0);
-        let line = |kind: Kind| kind.first + &more(kind.more, kind.noun);
+        let line = |kind: MessageGroup| kind.first + &more(kind.more, kind.noun);
         untold.map(line).collect()
     }
 }

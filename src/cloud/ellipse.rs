@@ -1,10 +1,8 @@
-//! Anisotropic extents of a splat in 32 bits.
+//! Anisotropic extents of a splat, and how they are packed into 32 bits.
 //!
-//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is that of the splat.
-//! The *quadratic mean* of both half axes is the radius, so that a circle is the ellipse of ratio 1, and the
-//! farthest corner of a rectangle that is as long as the ellipse in proportion is as far from the middle for both:
-//! where a circle just covers a rectangular cell, so does the ellipse. (An ellipse within the circle does not cover
-//! the corner unless it is the circle.) The longer half axis is up to √2 radii.
+//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is that of the splat, whose
+//! radius is the *geometric mean* of both half axes. So a circle is the ellipse of ratio 1, and where disks are drawn
+//! instead, each covers the area of its ellipse. The longer half axis is radius / √ratio.
 //!
 //! The upper 16 bits are the direction, the lower 16 the ratio in steps of 1/65535; 0 is a circle. The direction is `x
 //! / (|x| + y)` of its coordinates in the basis of Duff et al. (2017, *Building an Orthonormal Basis, Revisited*) to
@@ -24,45 +22,97 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
-    /// The longer and the shorter half axis, in the unit of `radius`.
-    pub fn half_axes(&self, radius: f32) -> [f32; 2] {
-        let longer = radius * (2.0 / (1.0 + self.ratio * self.ratio)).sqrt();
+    /// As long in every direction.
+    pub const CIRCLE: Self = Self {
+        axis: Vec3::ZERO,
+        ratio: 1.0,
+    };
+
+    /// The ellipse of which two half diameters are `p` and `q`, each parallel to the tangents at the ends of the other:
+    /// what a linear map makes of the half axes of an ellipse. A circle where it has no area.
+    pub fn of_conjugate_diameters(p: Vec3, q: Vec3) -> Self {
+        // Squared lengths of p cos t + q sin t are their mean plus a wave of 2 t; its crest is the longer half axis.
+        let (mean, x, y) = (
+            0.5 * (p.length_squared() + q.length_squared()),
+            0.5 * (p.length_squared() - q.length_squared()),
+            p.dot(q),
+        );
+        let (sine, cosine) = (0.5 * y.atan2(x)).sin_cos();
+        let longer_squared = mean + x.hypot(y);
+        Self {
+            axis: (p * cosine + q * sine).normalize_or_zero(),
+            // The product of the half axes is the area of the parallelogram.
+            ratio: p.cross(q).length() / longer_squared,
+        }
+        .usable()
+    }
+
+    /// The radius of the splat whose half axes have this quadratic mean: no larger, as the ellipse has less area than a
+    /// circle of that radius.
+    pub fn radius_of_quadratic_mean(&self, mean: f32) -> f32 {
+        mean * (2.0 * self.ratio / (1.0 + self.ratio * self.ratio)).sqrt()
+    }
+
+    /// The quadratic mean of the half axes of a splat of this radius.
+    pub fn quadratic_mean(&self, radius: f32) -> f32 {
+        radius / self.radius_of_quadratic_mean(1.0)
+    }
+
+    /// The longer and the shorter half axis that have this quadratic mean, in its unit.
+    pub fn half_axes_of_quadratic_mean(&self, mean: f32) -> [f32; 2] {
+        let longer = mean * (2.0 / (1.0 + self.ratio * self.ratio)).sqrt();
         [longer, self.ratio * longer]
+    }
+
+    /// The longer and the shorter half axis of a splat of this radius, in its unit.
+    pub fn half_axes(&self, radius: f32) -> [f32; 2] {
+        let root = self.ratio.sqrt();
+        [radius / root, radius * root]
+    }
+
+    /// This ellipse if it is one with an area, else a circle.
+    pub(super) fn usable(self) -> Self {
+        let axis = self.axis.normalize_or_zero();
+        if axis != Vec3::ZERO && self.ratio > 0.0 && self.ratio < 1.0 {
+            Self { axis, ..self }
+        } else {
+            Self::CIRCLE
+        }
     }
 }
 
 /// Steps of both numbers.
-const STEPS: f32 = u16::MAX as f32;
+pub(crate) const ELLIPSE_STEPS: f32 = u16::MAX as f32;
 
-/// Packs an ellipse in the tangent plane of a packed normal; without one, a circle, which is 0.
+/// Packs an ellipse in the tangent plane of a packed normal; a circle is 0.
 ///
 /// Errors: the direction below 0.002 degrees, the ratio below 10⁻⁵ (and none is smaller than 1/65535). A part of the
-/// axis along the normal is dropped; an axis along the normal, or a ratio of 1, has no direction.
-pub fn encode_ellipse(normal: [i16; 2], ellipse: Option<Ellipse>) -> u32 {
-    let Some(Ellipse { axis, ratio }) = ellipse else {
+/// axis along the normal is dropped; an axis along the normal has no direction.
+pub fn encode_ellipse(normal: [i16; 2], Ellipse { axis, ratio }: Ellipse) -> u32 {
+    if ratio >= 1.0 {
         return 0;
-    };
+    }
     let [x, y] = tangent_basis(oct_decode(normal)).map(|tangent| tangent.dot(axis));
     let x = if y < 0.0 { -x } else { x };
     let norm1 = x.abs() + y.abs();
     let direction = if norm1 > 0.0 { x / norm1 } else { 1.0 };
-    let direction = (0.5 * (direction + 1.0) * STEPS).round() as u32;
-    let ratio = (ratio * STEPS).round().clamp(1.0, STEPS) as u32;
+    let direction = (0.5 * (direction + 1.0) * ELLIPSE_STEPS).round() as u32;
+    let ratio = (ratio * ELLIPSE_STEPS).round().clamp(1.0, ELLIPSE_STEPS) as u32;
     direction << 16 | ratio
 }
 
-/// The ellipse that [`encode_ellipse`] packed; `None` for a circle.
-pub fn decode_ellipse(normal: [i16; 2], packed: u32) -> Option<Ellipse> {
+/// The ellipse that [`encode_ellipse`] packed.
+pub fn decode_ellipse(normal: [i16; 2], packed: u32) -> Ellipse {
     if packed == 0 {
-        return None;
+        return Ellipse::CIRCLE;
     }
-    let x = 2.0 * (packed >> 16) as f32 / STEPS - 1.0;
+    let x = 2.0 * (packed >> 16) as f32 / ELLIPSE_STEPS - 1.0;
     let y = 1.0 - x.abs();
     let [tangent, bitangent] = tangent_basis(oct_decode(normal));
-    Some(Ellipse {
+    Ellipse {
         axis: (tangent * x + bitangent * y).normalize(),
-        ratio: (packed & 0xffff) as f32 / STEPS,
-    })
+        ratio: (packed & 0xffff) as f32 / ELLIPSE_STEPS,
+    }
 }
 
 /// Two unit vectors across a unit vector and across each other.
@@ -88,19 +138,51 @@ mod tests {
         fn ellipses_survive_packing(
             packed_normal in prop::array::uniform2(-32767i16..=32767),
             along in prop::array::uniform3(-1.0f32..1.0),
-            ratio in 1e-4f32..=1.0,
+            ratio in 1e-4f32..1.0,
         ) {
             let normal = oct_decode(packed_normal);
             let axis = Vec3::from_array(along).reject_from(normal);
             prop_assume!(axis.length() > 1e-2);
             let axis = axis.normalize();
-            let packed = encode_ellipse(packed_normal, Some(Ellipse { axis, ratio }));
-            let found = decode_ellipse(packed_normal, packed).unwrap();
+            let packed = encode_ellipse(packed_normal, Ellipse { axis, ratio });
+            let found = decode_ellipse(packed_normal, packed);
             let off = found.axis.cross(axis).length().to_degrees();
             prop_assert!(off < 0.002, "{off} degrees");
             prop_assert!((found.ratio - ratio).abs() < 1e-5);
             prop_assert!(found.axis.dot(normal).abs() < 1e-5);
-            prop_assert_eq!(encode_ellipse(packed_normal, Some(Ellipse { axis: -axis, ratio })), packed);
+            prop_assert_eq!(encode_ellipse(packed_normal, Ellipse { axis: -axis, ratio }), packed);
+        }
+
+        /// The farthest and the nearest of many places on the rim are where the half axes end.
+        #[test]
+        fn conjugate_diameters_and_half_axes_are_of_one_ellipse(
+            p in prop::array::uniform3(-1.0f32..1.0),
+            q in prop::array::uniform3(-1.0f32..1.0),
+        ) {
+            const STEPS: usize = 3600;
+            let (p, q) = (Vec3::from_array(p), Vec3::from_array(q));
+            let area = p.cross(q).length();
+            prop_assume!(area > 1e-2);
+            let rim = (0..STEPS).map(|step| {
+                let (sine, cosine) = (std::f32::consts::TAU * step as f32 / STEPS as f32).sin_cos();
+                p * cosine + q * sine
+            });
+            let ellipse = Ellipse::of_conjugate_diameters(p, q);
+            let [longer, shorter] = ellipse.half_axes(area.sqrt());
+            let (mut nearest, mut farthest) = (f32::INFINITY, 0f32);
+            for place in rim {
+                (nearest, farthest) = (nearest.min(place.length()), farthest.max(place.length()));
+                let along = place.dot(ellipse.axis);
+                let across = place.reject_from(ellipse.axis).length();
+                let norm = if ellipse == Ellipse::CIRCLE {
+                    (place.length() / longer).powi(2)
+                } else {
+                    (along / longer).powi(2) + (across / shorter).powi(2)
+                };
+                prop_assert!((norm - 1.0).abs() < 1e-2, "{norm}");
+            }
+            prop_assert!((farthest / longer - 1.0).abs() < 1e-3, "{farthest} {longer}");
+            prop_assert!((nearest / shorter - 1.0).abs() < 1e-3, "{nearest} {shorter}");
         }
     }
 
@@ -108,23 +190,50 @@ mod tests {
     fn circles_are_zero() {
         for normal in [Vec3::Z, Vec3::NEG_Z, Vec3::X] {
             let normal = oct_encode(normal);
-            assert_eq!(encode_ellipse(normal, None), 0);
-            assert_eq!(decode_ellipse(normal, 0), None);
+            assert_eq!(encode_ellipse(normal, Ellipse::CIRCLE), 0);
+            assert_eq!(decode_ellipse(normal, 0), Ellipse::CIRCLE);
             // The thinnest is not taken for one.
             let axis = tangent_basis(oct_decode(normal))[0];
             for axis in [axis, -axis] {
-                assert_ne!(encode_ellipse(normal, Some(Ellipse { axis, ratio: 0.0 })), 0);
+                assert_ne!(encode_ellipse(normal, Ellipse { axis, ratio: 0.0 }), 0);
             }
         }
     }
 
     #[test]
-    fn the_radius_is_the_quadratic_mean_of_the_half_axes() {
-        for ratio in [0.0, 0.2, 1.0] {
-            let axis = Vec3::X;
-            let [longer, shorter] = Ellipse { axis, ratio }.half_axes(3.0);
-            assert!((0.5 * (longer * longer + shorter * shorter) - 9.0).abs() < 1e-5);
-            assert!((shorter - ratio * longer).abs() < 1e-6);
+    fn an_ellipse_has_the_area_of_the_disk_of_its_radius() {
+        for ratio in [0.01, 0.2, 1.0] {
+            let ellipse = Ellipse { axis: Vec3::X, ratio };
+            let [longer, shorter] = ellipse.half_axes(3.0);
+            assert!((longer * shorter - 9.0).abs() < 1e-5);
+            assert!((shorter - ratio * longer).abs() < 1e-5);
+            let mean = (0.5 * (longer * longer + shorter * shorter)).sqrt();
+            assert!((ellipse.radius_of_quadratic_mean(mean) - 3.0).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn what_has_no_area_or_no_axis_is_a_circle() {
+        for (axis, ratio) in [
+            (Vec3::ZERO, 0.5),
+            (Vec3::NAN, 0.5),
+            (Vec3::X, 0.0),
+            (Vec3::X, f32::NAN),
+            (Vec3::X, 2.0),
+        ] {
+            assert_eq!(Ellipse { axis, ratio }.usable(), Ellipse::CIRCLE);
+        }
+        assert_eq!(
+            Ellipse {
+                axis: Vec3::X * 3.0,
+                ratio: 0.5
+            }
+            .usable(),
+            Ellipse {
+                axis: Vec3::X,
+                ratio: 0.5
+            }
+        );
+        assert_eq!(Ellipse::of_conjugate_diameters(Vec3::X, Vec3::ZERO), Ellipse::CIRCLE);
     }
 }

@@ -3,15 +3,15 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
+use super::attributes::gather;
 use super::value_sample::{SharedSample, ValueSample};
-use super::{AxisConvention, LengthUnit, Positions, RawCloud, ScalarField, even_places, radius_factor};
+use super::{
+    Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, Positions, RawCloud, ScalarField, even_places,
+    radius_factor,
+};
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Points that are worth handing to another thread.
-const POINTS_PER_TASK: usize = 1 << 15;
 
 /// Why a decoded cloud cannot become a frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -21,7 +21,7 @@ pub enum CloudError {
     #[error("{attribute} has {found} entries for {expected} points")]
     LengthMismatch {
         /// Which attribute.
-        attribute: &'static str,
+        attribute: String,
         /// Number of points.
         expected: usize,
         /// Number of entries.
@@ -38,17 +38,16 @@ pub enum CloudError {
 /// One pose: a structure of arrays, all of one length.
 ///
 /// Invariants, held by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
-/// where the file gave none that can be used; radii are finite and not negative; points stand in the order of their
-/// Morton codes in the [`Cube`] around them, those in one finest cell in the order of the file.
+/// where the file gave none that can be used; radii are finite and not negative; ellipses are there beside normals and
+/// radii alone; points stand in the order of their Morton codes in the [`Cube`] around them, those in one finest cell
+/// in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,
     /// The index in the file of every point.
     file_index: Vec<u32>,
-    colors: Option<Vec<[u8; 4]>>,
-    normals: Option<Vec<Vec3>>,
-    radii: Option<Vec<f32>>,
-    scalars: Vec<ScalarField>,
+    attributes: Attributes,
+    grid: Option<ImageGrid>,
     sensor: Option<Vec3>,
     convention: Option<AxisConvention>,
     unit: Option<LengthUnit>,
@@ -71,30 +70,18 @@ impl Frame {
         check_lengths(&raw)?;
         let moved = move_to_origin(raw.positions, origin);
         let (bounds, file_index) = finite_in_morton_order(&moved);
+        let positions = gather(&moved, &file_index);
+        drop(moved);
+        let mut attributes = raw.attributes;
+        attributes.keep(&file_index);
+        // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
+        attributes.make_usable();
         Ok(Self {
             bounds,
             dropped_points: point_count - file_index.len(),
-            positions: gather(&moved, &file_index, |position| position),
-            colors: raw.colors.map(|colors| gather(&colors, &file_index, |color| color)),
-            normals: raw.normals.map(|normals| {
-                // First all to their places: a processor that waits for roots fetches little from memory meanwhile.
-                let mut normals = gather(&normals, &file_index, Vec3::from_array);
-                for normal in &mut normals {
-                    *normal = unit_or_zero(*normal);
-                }
-                normals
-            }),
-            radii: raw.radii.map(|radii| gather(&radii, &file_index, usable_radius)),
-            scalars: raw
-                .scalars
-                .into_iter()
-                .map(|field| ScalarField {
-                    values: gather(&field.values, &file_index, |scalar| {
-                        if scalar.is_finite() { scalar } else { f32::NAN }
-                    }),
-                    ..field
-                })
-                .collect(),
+            positions,
+            attributes,
+            grid: raw.grid,
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             convention: raw.convention,
             unit: raw.unit,
@@ -113,7 +100,9 @@ impl Frame {
             return Self::from_raw(raw, origin);
         }
         check_lengths(&raw)?;
-        raw.keep(&even_places(point_count, most_points));
+        let grid = raw.grid;
+        raw.keep(&even_slots(point_count, most_points));
+        raw.grid = grid;
         Self::from_sampled(raw, origin, point_count)
     }
 
@@ -122,15 +111,12 @@ impl Frame {
     /// # Panics
     /// Precondition: no more points than in the file.
     pub fn from_sampled(mut raw: RawCloud, origin: DVec3, point_count: usize) -> Result<Self, CloudError> {
-        let places = even_places(point_count, raw.positions.len());
+        let places = even_slots(point_count, raw.positions.len());
         assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
-        let factor = radius_factor(point_count, places.len());
-        for radius in raw.radii.iter_mut().flatten() {
-            *radius *= factor;
-        }
+        raw.attributes.scale_splats(radius_factor(point_count, places.len()));
         let mut frame = Self::from_raw(raw, origin)?;
         for index in &mut frame.file_index {
-            *index = places[*index as usize] as u32;
+            *index = places[*index as usize];
         }
         frame.left_out = point_count - places.len();
         Ok(frame)
@@ -139,45 +125,36 @@ impl Frame {
     /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
     /// the file grow, so that they cover what all cover.
     pub fn sample(&self, most_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
-        let taken: Vec<u32> = even_places(self.len(), most_points)
-            .into_iter()
-            .map(|slot| slot as u32)
-            .collect();
-        let factor = radius_factor(self.len(), taken.len());
-        let radii = self.radii();
-        let radii = radii.map(|radii| gather(radii, &taken, |radius| factor * radius));
-        self.part(&taken, radii)
+        let taken = even_slots(self.len(), most_points);
+        let mut attributes = self.attributes.gathered(&taken);
+        attributes.scale_splats(radius_factor(self.len(), taken.len()));
+        self.with_points(&taken, attributes)
     }
 
-    /// The points at these slots, with `radii` or none, and where each of them stands here.
-    pub(crate) fn part(&self, taken: &[u32], radii: Option<Vec<f32>>) -> Result<(Self, Vec<u32>), CloudError> {
+    /// The points at these slots without radii and ellipses.
+    pub(crate) fn part_without_splats(&self, taken: &[u32]) -> Result<Self, CloudError> {
+        let attributes = Attributes {
+            radii: None,
+            ellipses: None,
+            ..self.attributes.gathered(taken)
+        };
+        self.with_points(taken, attributes).map(|(part, _)| part)
+    }
+
+    /// The points at these slots with their `attributes`, and where each of them stands here.
+    fn with_points(&self, taken: &[u32], attributes: Attributes) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
-            positions: Positions::F32(gather(&self.positions, taken, |at| at.to_array())),
-            colors: self.colors().map(|colors| gather(colors, taken, |color| color)),
-            normals: self
-                .normals()
-                .map(|normals| gather(normals, taken, |normal| normal.to_array())),
-            radii,
-            scalars: self
-                .scalars
-                .iter()
-                .map(|field| ScalarField {
-                    name: field.name.clone(),
-                    values: gather(&field.values, taken, |value| value),
-                    offset: field.offset,
-                })
-                .collect(),
-            has_narrow_colors: false,
-            faces: Vec::new(),
+            attributes,
+            grid: self.grid,
             sensor: self.sensor.map(Vec3::as_dvec3),
             convention: self.convention,
-            assumption: None,
             unit: self.unit,
             warnings: self.warnings.clone(),
+            ..RawCloud::from_positions(Positions::F32(bytemuck::cast_vec(gather(&self.positions, taken))))
         };
         let mut part = Self::from_raw(raw, DVec3::ZERO)?;
-        let slots = gather(taken, &part.file_index, |slot| slot);
-        part.file_index = gather(&self.file_index, &slots, |index| index);
+        let slots = gather(taken, &part.file_index);
+        part.file_index = gather(&self.file_index, &slots);
         part.left_out = self.points_in_file() - slots.len();
         part.share_sample(Arc::clone(self.value_sample()));
         Ok((part, slots))
@@ -205,17 +182,27 @@ impl Frame {
 
     /// 8-bit colours of the file.
     pub fn colors(&self) -> Option<&[[u8; 4]]> {
-        self.colors.as_deref()
+        self.attributes.colors.as_deref()
     }
 
     /// Unit normals of the file, zero where it gave none that can be used.
     pub fn normals(&self) -> Option<&[Vec3]> {
-        self.normals.as_deref()
+        self.attributes.normals.as_deref().map(bytemuck::cast_slice)
     }
 
     /// Splat radii of the file.
     pub fn radii(&self) -> Option<&[f32]> {
-        self.radii.as_deref()
+        self.attributes.radii.as_deref()
+    }
+
+    /// Shapes of the splats of the file, each in the plane across its normal and with the area of a disk of its radius.
+    pub fn ellipses(&self) -> Option<&[Ellipse]> {
+        self.attributes.ellipses.as_deref()
+    }
+
+    /// The image that the points of the file are: `grid.cell(file_index)` is the cell of a point.
+    pub fn grid(&self) -> Option<ImageGrid> {
+        self.grid
     }
 
     /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one
@@ -223,7 +210,12 @@ impl Frame {
     pub fn value_sample(&self) -> &Arc<ValueSample> {
         self.sample.0.get_or_init(|| {
             let (positions, colors) = (self.positions(), self.colors());
-            Arc::new(ValueSample::of_arrays(positions, colors, &self.scalars, self.sensor))
+            Arc::new(ValueSample::of_arrays(
+                positions,
+                colors,
+                self.scalar_fields(),
+                self.sensor,
+            ))
         })
     }
 
@@ -235,12 +227,12 @@ impl Frame {
     /// The values of the first scalar field (intensity and the like), the best to colour by; NaN where the file has no
     /// finite number.
     pub fn scalars(&self) -> Option<&[f32]> {
-        self.scalars.first().map(|field| field.values.as_slice())
+        self.scalar_fields().first().map(|field| field.values.as_slice())
     }
 
     /// All scalar fields of the file; NaN where it has no finite number.
     pub fn scalar_fields(&self) -> &[ScalarField] {
-        &self.scalars
+        &self.attributes.scalars
     }
 
     /// Where the sensor stood, relative to the sequence origin.
@@ -290,12 +282,7 @@ impl Frame {
 
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
-        let per_point = size_of::<Vec3>()
-            + size_of::<u32>()
-            + self.colors.as_ref().map_or(0, |_| size_of::<[u8; 4]>())
-            + self.normals.as_ref().map_or(0, |_| size_of::<Vec3>())
-            + self.radii.as_ref().map_or(0, |_| size_of::<f32>())
-            + self.scalars.len() * size_of::<f32>();
+        let per_point = size_of::<Vec3>() + size_of::<u32>() + self.attributes.point_bytes();
         self.len() * per_point
     }
 }
@@ -303,27 +290,21 @@ impl Frame {
 /// Every attribute has one entry a point, and there are not too many points.
 fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
     let point_count = raw.positions.len();
-    check_length("color", point_count, raw.colors.as_deref())?;
-    check_length("normal", point_count, raw.normals.as_deref())?;
-    check_length("radius", point_count, raw.radii.as_deref())?;
-    for field in &raw.scalars {
-        check_length("scalar", point_count, Some(&field.values))?;
+    match raw.attributes.other_length(point_count) {
+        Some((attribute, found)) => Err(CloudError::LengthMismatch {
+            attribute: attribute.to_owned(),
+            expected: point_count,
+            found,
+        }),
+        None if point_count > Frame::MAX_POINTS => Err(CloudError::TooManyPoints { found: point_count }),
+        None => Ok(()),
     }
-    if point_count > Frame::MAX_POINTS {
-        return Err(CloudError::TooManyPoints { found: point_count });
-    }
-    Ok(())
 }
 
-fn check_length<T>(attribute: &'static str, expected: usize, entries: Option<&[T]>) -> Result<(), CloudError> {
-    match entries {
-        Some(entries) if entries.len() != expected => Err(CloudError::LengthMismatch {
-            attribute,
-            expected,
-            found: entries.len(),
-        }),
-        _ => Ok(()),
-    }
+/// [`even_places`] of no more points than a frame can hold.
+fn even_slots(count: usize, most: usize) -> Vec<u32> {
+    let places = even_places(count, most).into_iter();
+    places.map(|place| place as u32).collect()
 }
 
 /// Positions relative to `origin`: subtracted in f64, narrowed after. Not yet free of NaN and infinities.
@@ -347,7 +328,7 @@ fn finite_in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
         .filter(|(position, _)| position.is_finite())
         .unzip();
     let (bounds, order) = in_morton_order(&finite);
-    (bounds, gather(&index, &order, |index| index))
+    (bounds, gather(&index, &order))
 }
 
 fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
@@ -357,33 +338,6 @@ fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
         None => Vec::new(),
     };
     (bounds, order)
-}
-
-/// What `convert` makes of the values at `indices`.
-fn gather<T: Copy + Sync, U: Send>(values: &[T], indices: &[u32], convert: impl Fn(T) -> U + Sync) -> Vec<U> {
-    indices
-        .par_iter()
-        .with_min_len(POINTS_PER_TASK)
-        .map(|&index| convert(values[index as usize]))
-        .collect()
-}
-
-/// A normal of unit length, or zero where there is no direction. Most files have unit normals, and roots are slow.
-fn unit_or_zero(normal: Vec3) -> Vec3 {
-    if (normal.length_squared() - 1.0).abs() <= 1e-6 {
-        normal
-    } else {
-        normal.normalize_or_zero()
-    }
-}
-
-/// A radius that can be drawn; 0 where the file gave none.
-fn usable_radius(radius: f32) -> f32 {
-    if radius.is_nan() {
-        0.0
-    } else {
-        radius.clamp(0.0, f32::MAX)
-    }
 }
 
 #[cfg(test)]
@@ -398,9 +352,9 @@ mod tests {
             [4.0, 5.0, f32::INFINITY],
             [7.0, 8.0, 9.0],
         ]));
-        raw.colors = Some(vec![[1; 4], [2; 4], [3; 4], [4; 4]]);
-        raw.normals = Some(vec![[0.0, 0.0, 2.0], [1.0; 3], [1.0; 3], [f32::NAN; 3]]);
-        raw.radii = Some(vec![0.5, 1.0, 1.0, f32::NAN]);
+        raw.attributes.colors = Some(vec![[1; 4], [2; 4], [3; 4], [4; 4]]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 2.0], [1.0; 3], [1.0; 3], [f32::NAN; 3]]);
+        raw.attributes.radii = Some(vec![0.5, 1.0, 1.0, f32::NAN]);
         let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
         assert_eq!(frame.positions(), [Vec3::new(1.0, 2.0, 3.0), Vec3::new(7.0, 8.0, 9.0)]);
         assert_eq!(frame.colors(), Some([[1; 4], [4; 4]].as_slice()));
@@ -419,7 +373,7 @@ mod tests {
         positions.push(corner(0));
         let mut raw = RawCloud::from_positions(Positions::F32(positions.clone()));
         let values = (0..10).map(|index| index as f32).collect();
-        raw.scalars = vec![ScalarField::new("scalar", values)];
+        raw.attributes.scalars = vec![ScalarField::new("scalar", values)];
         let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
         assert_eq!(frame.file_index(), [8, 9, 7, 6, 5, 4, 2, 1, 0]);
         for ((&index, position), &scalar) in frame
@@ -437,7 +391,7 @@ mod tests {
     fn a_sample_knows_where_its_points_were() {
         let position = |i: usize| [(i * 7 % 100) as f32, (i % 10) as f32, (i / 10) as f32];
         let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
-        raw.radii = Some(vec![0.5; 100]);
+        raw.attributes.radii = Some(vec![0.5; 100]);
         let sample = Frame::from_raw_sample(raw.clone(), DVec3::ZERO, 25).unwrap();
         assert_eq!(
             (sample.len(), sample.points_in_file(), sample.is_sample()),
@@ -463,6 +417,59 @@ mod tests {
         }
     }
 
+    /// An image in which a place tells its column and row, one pixel without a point.
+    fn image(width: u32, height: u32) -> RawCloud {
+        let place = |index: u32| [(index % width) as f32, (index / width) as f32, 1.0];
+        let mut places: Vec<[f32; 3]> = (0..width * height).map(place).collect();
+        places[7] = [f32::NAN; 3];
+        RawCloud {
+            grid: ImageGrid::of(width, height, places.len()),
+            ..RawCloud::from_positions(Positions::F32(places))
+        }
+    }
+
+    #[test]
+    fn points_of_an_organised_cloud_know_their_cells() {
+        let whole = Frame::from_raw(image(16, 9), DVec3::ZERO).unwrap();
+        let (of_memory, _) = whole.sample(40).unwrap();
+        let part = whole.part_without_splats(&[70, 3, 11]).unwrap();
+        let of_file = Frame::from_raw_sample(image(16, 9), DVec3::ZERO, 30).unwrap();
+        for (frame, count) in [(whole, 144), (of_memory, 40), (part, 3), (of_file, 30)] {
+            let grid = frame.grid().unwrap();
+            assert_eq!(frame.len() + frame.dropped_points(), count);
+            for (&index, at) in frame.file_index().iter().zip(frame.positions()) {
+                let [column, row] = grid.cell(index);
+                assert_eq!(*at, Vec3::new(column as f32, row as f32, 1.0));
+            }
+        }
+        let mut few = image(16, 9);
+        few.keep(&[0, 1, 2]);
+        assert_eq!(few.grid, None, "indices are no cells any more");
+    }
+
+    #[test]
+    fn ellipses_of_a_sample_grow_with_its_radii() {
+        let mut raw = RawCloud::from_positions(Positions::F32((0..100).map(|x| [x as f32, 0.0, 0.0]).collect()));
+        let ellipse = Ellipse {
+            axis: Vec3::X,
+            ratio: 0.25,
+        };
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+        raw.attributes.radii = Some(vec![2.0; 100]);
+        raw.attributes.ellipses = Some(vec![ellipse; 100]);
+        let whole = Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap();
+        let of_file = Frame::from_raw_sample(raw, DVec3::ZERO, 25).unwrap();
+        let (of_memory, _) = whole.sample(25).unwrap();
+        for (frame, half_axes) in [(&whole, [4.0, 1.0]), (&of_file, [8.0, 2.0]), (&of_memory, [8.0, 2.0])] {
+            for (ellipse, &radius) in frame.ellipses().unwrap().iter().zip(frame.radii().unwrap()) {
+                assert_eq!((ellipse.axis, ellipse.half_axes(radius)), (Vec3::X, half_axes));
+            }
+        }
+        let part = whole.part_without_splats(&[1, 2]).unwrap();
+        assert_eq!((part.radii(), part.ellipses()), (None, None));
+        assert!(part.normals().is_some());
+    }
+
     #[test]
     fn millimetres_survive_at_ten_thousand_kilometres() {
         let raw = RawCloud::from_positions(Positions::F64(vec![[1e7 + 0.001, -1e7, 3e6 + 0.002]]));
@@ -473,11 +480,11 @@ mod tests {
     #[test]
     fn a_short_attribute_is_refused() {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 2]));
-        raw.scalars = vec![ScalarField::new("scalar", vec![1.0])];
+        raw.attributes.scalars = vec![ScalarField::new("scalar", vec![1.0])];
         assert_eq!(
             Frame::from_raw(raw, DVec3::ZERO),
             Err(CloudError::LengthMismatch {
-                attribute: "scalar",
+                attribute: "scalar".to_owned(),
                 expected: 2,
                 found: 1
             })

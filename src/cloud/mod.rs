@@ -1,23 +1,30 @@
 //! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
 
+mod attributes;
 mod ellipse;
 mod frame;
+mod image_grid;
 mod quantised_normal;
 mod raw;
 mod record;
 mod sample;
+mod scalar_field;
 mod unit;
 mod value_sample;
 
+pub use attributes::Attributes;
+pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
+pub use image_grid::ImageGrid;
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,
 };
-pub use raw::{AxisConvention, Positions, RawCloud, ScalarField};
+pub use raw::{AxisConvention, Positions, RawCloud};
 pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};
 pub(crate) use sample::{even_places, radius_factor};
+pub use scalar_field::ScalarField;
 pub use unit::LengthUnit;
 pub(crate) use value_sample::MAX_SAMPLE;
 pub use value_sample::{ValueKind, ValueSample};

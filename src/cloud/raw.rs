@@ -1,6 +1,7 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
-use super::LengthUnit;
+use super::attributes::gather;
+use super::{Attributes, ImageGrid, LengthUnit};
 use glam::DVec3;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
@@ -24,6 +25,14 @@ impl Positions {
     /// True when there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Bytes that the coordinates of a point take.
+    pub fn point_bytes(&self) -> usize {
+        match self {
+            Self::F32(_) => size_of::<[f32; 3]>(),
+            Self::F64(_) => size_of::<[f64; 3]>(),
+        }
     }
 
     /// Point `index` in file coordinates. Precondition: `index < len()`.
@@ -52,46 +61,6 @@ impl Positions {
     }
 }
 
-/// One number a point, under the name that the file has for it: intensity, classification, time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ScalarField {
-    /// The file's name for it.
-    pub name: String,
-    /// One entry a point.
-    pub values: Vec<f32>,
-    /// What is to be added to a value to get the number in the file: not zero where single precision would lose it, as
-    /// in GPS times.
-    pub offset: f64,
-}
-
-impl ScalarField {
-    /// Values as the file has them.
-    pub fn new(name: impl Into<String>, values: Vec<f32>) -> Self {
-        Self {
-            name: name.into(),
-            values,
-            offset: 0.0,
-        }
-    }
-
-    /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses
-    /// digits.
-    pub fn from_f64(name: impl Into<String>, values: &[f64]) -> Self {
-        let is_exact = |value: &f64| !value.is_finite() || f64::from(*value as f32) == *value;
-        let offset = if values.iter().all(is_exact) {
-            0.0
-        } else {
-            let finite = values.iter().copied().filter(|value| value.is_finite());
-            finite.reduce(f64::min).unwrap_or(0.0).floor()
-        };
-        Self {
-            name: name.into(),
-            values: values.iter().map(|value| (value - offset) as f32).collect(),
-            offset,
-        }
-    }
-}
-
 /// Which way the axes of a file point, as its format or its header says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisConvention {
@@ -117,14 +86,10 @@ impl AxisConvention {
 pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
     pub positions: Positions,
-    /// 8-bit red, green, blue, alpha.
-    pub colors: Option<Vec<[u8; 4]>>,
-    /// Normals of any length.
-    pub normals: Option<Vec<[f32; 3]>>,
-    /// Splat radii in file units.
-    pub radii: Option<Vec<f32>>,
-    /// Further numbers, the one to colour by first.
-    pub scalars: Vec<ScalarField>,
+    /// What the points have beside them.
+    pub attributes: Attributes,
+    /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
+    pub grid: Option<ImageGrid>,
     /// Whether the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
@@ -146,10 +111,8 @@ impl RawCloud {
     pub fn from_positions(positions: Positions) -> Self {
         Self {
             positions,
-            colors: None,
-            normals: None,
-            radii: None,
-            scalars: Vec::new(),
+            attributes: Attributes::default(),
+            grid: None,
             has_narrow_colors: false,
             faces: Vec::new(),
             sensor: None,
@@ -160,36 +123,27 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and no faces. Precondition: each is below the number of points
-    /// and of the entries of every attribute.
-    pub fn keep(&mut self, indices: &[usize]) {
-        fn gather<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
-            indices.iter().map(|&index| values[index]).collect()
-        }
+    /// Leaves the points at `indices`, in their order, and neither faces nor grid. Precondition: each is below the
+    /// number of points and of the entries of every attribute.
+    pub fn keep(&mut self, indices: &[u32]) {
         self.positions = match &self.positions {
             Positions::F32(positions) => Positions::F32(gather(positions, indices)),
             Positions::F64(positions) => Positions::F64(gather(positions, indices)),
         };
-        self.colors = self.colors.as_ref().map(|colors| gather(colors, indices));
-        self.normals = self.normals.as_ref().map(|normals| gather(normals, indices));
-        self.radii = self.radii.as_ref().map(|radii| gather(radii, indices));
-        for field in &mut self.scalars {
-            field.values = gather(&field.values, indices);
-        }
+        self.attributes.keep(indices);
         self.faces.clear();
+        self.grid = None;
     }
 
-    /// Names of the attributes that are there, positions first.
-    pub fn attributes(&self) -> Vec<&str> {
-        let arrays = [
-            ("position", true),
-            ("color", self.colors.is_some()),
-            ("normal", self.normals.is_some()),
-            ("radius", self.radii.is_some()),
-        ];
-        let names = arrays.into_iter().filter_map(|(name, there)| there.then_some(name));
-        names
-            .chain(self.scalars.iter().map(|field| field.name.as_str()))
-            .collect()
+    /// Names of what each point has, positions first.
+    pub fn point_names(&self) -> Vec<String> {
+        let names = std::iter::once("position").chain(self.attributes.names());
+        names.map(str::to_owned).collect()
+    }
+
+    /// Bytes of all arrays.
+    pub fn byte_size(&self) -> usize {
+        let point_bytes = self.positions.point_bytes() + self.attributes.point_bytes();
+        self.positions.len() * point_bytes + size_of_val(self.faces.as_slice())
     }
 }

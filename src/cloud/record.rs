@@ -20,7 +20,8 @@ pub struct PointRecord {
 pub struct ShapeRecord {
     /// Unit normal on the octahedron, see [`oct_encode`].
     pub normal: [i16; 2],
-    /// Half edge length of the splat in scene units.
+    /// Half edge length of the splat in scene units; of an ellipse the quadratic mean of its half axes, so that the
+    /// corners of the rectangle around it are √2 radii away however thin it is.
     pub radius: f32,
     /// Anisotropic extents, see [`super::encode_ellipse`]; 0 is a circle.
     pub ellipse: u32,

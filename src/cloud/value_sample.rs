@@ -53,14 +53,11 @@ impl ValueSample {
         let position = |index: usize| (raw.positions.get(index) - origin).as_vec3();
         let mut places = even_places(count, MAX_SAMPLE);
         places.retain(|&index| position(index).is_finite());
-        let colors = raw.colors.as_ref().filter(|colors| colors.len() == count);
-        let fields = raw.scalars.iter();
+        let colors = raw.attributes.colors.as_ref().filter(|colors| colors.len() == count);
+        let fields = raw.attributes.scalars.iter();
         let fields = fields.filter(|field| field.values.len() == count);
-        let sampled = |field: &ScalarField| ScalarField {
-            name: field.name.clone(),
-            values: places.iter().map(|&place| field.values[place]).collect(),
-            offset: field.offset,
-        };
+        let at_places = |values: &[f32]| places.iter().map(|&place| values[place]).collect();
+        let sampled = |field: &ScalarField| field.with_values(at_places(&field.values));
         Self {
             positions: places.iter().map(|&place| position(place)).collect(),
             colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
@@ -80,11 +77,8 @@ impl ValueSample {
         sensor: Option<Vec3>,
     ) -> Self {
         let places = even_places(positions.len(), MAX_SAMPLE);
-        let sampled = |field: &ScalarField| ScalarField {
-            name: field.name.clone(),
-            values: places.iter().map(|&place| field.values[place]).collect(),
-            offset: field.offset,
-        };
+        let at_places = |values: &[f32]| places.iter().map(|&place| values[place]).collect();
+        let sampled = |field: &ScalarField| field.with_values(at_places(&field.values));
         Self {
             positions: places.iter().map(|&place| positions[place]).collect(),
             colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
@@ -163,16 +157,16 @@ mod tests {
         let position = |index: usize| [index as f64 + 1e6, 2.0, 0.0];
         let mut raw = RawCloud::from_positions(Positions::F64((0..count).map(position).collect()));
         let values = (0..count).map(|index| (count - index) as f32).collect();
-        raw.scalars = vec![ScalarField::new("intensity", values)];
+        raw.attributes.scalars = vec![ScalarField::new("intensity", values)];
         raw
     }
 
     #[test]
     fn a_small_cloud_is_its_own_sample() {
         let mut raw = raw(4);
-        raw.scalars[0].values[1] = f32::NAN;
-        raw.scalars[0].values[2] = f32::INFINITY;
-        raw.scalars.push(ScalarField::new("short", vec![1.0]));
+        raw.attributes.scalars[0].values[1] = f32::NAN;
+        raw.attributes.scalars[0].values[2] = f32::INFINITY;
+        raw.attributes.scalars.push(ScalarField::new("short", vec![1.0]));
         let sample = ValueSample::of_raw(&raw, DVec3::new(1e6, 0.0, 0.0));
         assert_eq!(sample.positions[3], Vec3::new(3.0, 2.0, 0.0));
         assert_eq!(sample.scalars.len(), 1);

@@ -1,7 +1,7 @@
 //! What becomes of a frame on its way: moved, joined in cells, thinned out, given normals; in this order.
 
 use crate::analysis::estimate_surface;
-use crate::cloud::{Frame, Positions, RawCloud};
+use crate::cloud::{Attributes, Ellipse, Frame, Positions, RawCloud, ScalarField};
 use crate::math::{Cube, order_of_codes};
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 /// Changes to a frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Edit {
-    /// Applied to positions in double precision, to normals and radii accordingly.
+    /// Applied to positions in double precision, to normals, radii and ellipses accordingly.
     pub transform: Option<DMat4>,
     /// Edge of cells, in file units after the transform: the points of each become one, the mean of all they have.
     pub voxel_edge: Option<f64>,
@@ -59,7 +59,7 @@ impl Edit {
         if let Some(count) = self.sample_count {
             thin_out(cloud, count.get());
         }
-        if self.estimates_normals && cloud.normals.is_none() {
+        if self.estimates_normals && cloud.attributes.normals.is_none() {
             estimate_normals(cloud)?;
         }
         Ok(())
@@ -100,13 +100,20 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
     });
     cloud.positions = Positions::F64(moved.collect());
     let of_normals = linear.inverse().transpose();
-    for normal in cloud.normals.iter_mut().flatten() {
+    let attributes = &mut cloud.attributes;
+    let normals = attributes.normals.iter().flatten();
+    for (ellipse, normal) in attributes.ellipses.iter_mut().flatten().zip(normals) {
+        let across = Vec3::from_array(*normal).normalize_or_zero().cross(ellipse.axis);
+        let [p, q] = [ellipse.axis, ellipse.ratio * across].map(|half| (linear * half.as_dvec3()).as_vec3());
+        *ellipse = Ellipse::of_conjugate_diameters(p, q);
+    }
+    for normal in attributes.normals.iter_mut().flatten() {
         let turned = of_normals * Vec3::from_array(*normal).as_dvec3();
         *normal = turned.normalize_or_zero().as_vec3().to_array();
     }
     // Of a scale that differs by axis, the mean that keeps volumes.
     let scale = determinant.abs().cbrt() as f32;
-    for radius in cloud.radii.iter_mut().flatten() {
+    for radius in attributes.radii.iter_mut().flatten() {
         *radius *= scale;
     }
     cloud.sensor = cloud.sensor.map(|sensor| transform.transform_point3(sensor));
@@ -121,7 +128,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
 
 /// Sums of the points in a cell.
 #[derive(Default)]
-struct Cell {
+struct CellSums {
     count: f64,
     position: DVec3,
     color: [f64; 4],
@@ -140,7 +147,7 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         return Err(EditError::TooManyCells { edge, farthest });
     }
     let mut places: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut cells: Vec<Cell> = Vec::new();
+    let mut cells: Vec<CellSums> = Vec::new();
     for index in 0..cloud.positions.len() {
         let position = cloud.positions.get(index);
         if !position.is_finite() {
@@ -149,27 +156,27 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         // Cells lie on multiples of the edge, in every frame the same.
         let key = (position / edge).floor().as_i64vec3().to_array();
         let place = *places.entry(key).or_insert_with(|| {
-            cells.push(Cell {
-                scalars: vec![0.0; cloud.scalars.len()],
-                ..Cell::default()
+            cells.push(CellSums {
+                scalars: vec![0.0; cloud.attributes.scalars.len()],
+                ..CellSums::default()
             });
             cells.len() - 1
         });
         let cell = &mut cells[place];
         cell.count += 1.0;
         cell.position += position - min;
-        if let Some(colors) = &cloud.colors {
+        if let Some(colors) = &cloud.attributes.colors {
             for (sum, channel) in cell.color.iter_mut().zip(colors[index]) {
                 *sum += f64::from(channel);
             }
         }
-        if let Some(normals) = &cloud.normals {
+        if let Some(normals) = &cloud.attributes.normals {
             cell.normal += Vec3::from_array(normals[index]);
         }
-        if let Some(radii) = &cloud.radii {
+        if let Some(radii) = &cloud.attributes.radii {
             cell.radius += f64::from(radii[index]);
         }
-        for (sum, field) in cell.scalars.iter_mut().zip(&cloud.scalars) {
+        for (sum, field) in cell.scalars.iter_mut().zip(&cloud.attributes.scalars) {
             *sum += f64::from(field.values[index]);
         }
     }
@@ -178,17 +185,24 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         Positions::F32(_) => Positions::F32(means.map(|mean| mean.as_vec3().to_array()).collect()),
         Positions::F64(_) => Positions::F64(means.map(|mean| mean.to_array()).collect()),
     };
-    let color = |cell: &Cell| cell.color.map(|sum| (sum / cell.count).round() as u8);
-    cloud.colors = cloud.colors.take().map(|_| cells.iter().map(color).collect());
-    let normal = |cell: &Cell| cell.normal.normalize_or_zero().to_array();
-    cloud.normals = cloud.normals.take().map(|_| cells.iter().map(normal).collect());
+    let color = |cell: &CellSums| cell.color.map(|sum| (sum / cell.count).round() as u8);
+    let normal = |cell: &CellSums| cell.normal.normalize_or_zero().to_array();
     // What one point covers, each of the joined ones covered in part.
-    let radius = |cell: &Cell| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
-    cloud.radii = cloud.radii.take().map(|_| cells.iter().map(radius).collect());
-    for (place, field) in cloud.scalars.iter_mut().enumerate() {
-        let mean = |cell: &Cell| (cell.scalars[place] / cell.count) as f32;
-        field.values = cells.iter().map(mean).collect();
-    }
+    let radius = |cell: &CellSums| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
+    let scalar = |(place, field): (usize, &ScalarField)| {
+        let mean = |cell: &CellSums| (cell.scalars[place] / cell.count) as f32;
+        field.with_values(cells.iter().map(mean).collect())
+    };
+    let joined = &cloud.attributes;
+    cloud.attributes = Attributes {
+        colors: joined.colors.as_ref().map(|_| cells.iter().map(color).collect()),
+        normals: joined.normals.as_ref().map(|_| cells.iter().map(normal).collect()),
+        radii: joined.radii.as_ref().map(|_| cells.iter().map(radius).collect()),
+        // Splats of several directions together have none.
+        ellipses: None,
+        scalars: joined.scalars.iter().enumerate().map(scalar).collect(),
+    };
+    cloud.grid = None;
     cloud.faces.clear();
     Ok(())
 }
@@ -201,19 +215,19 @@ fn thin_out(cloud: &mut RawCloud, count: usize) {
     if finite_count <= count {
         return;
     }
-    let finite: Vec<usize> = (0..cloud.positions.len())
-        .filter(|&index| cloud.positions.get(index).is_finite())
+    let finite: Vec<u32> = (0..cloud.positions.len() as u32)
+        .filter(|&index| cloud.positions.get(index as usize).is_finite())
         .collect();
     let middle = min * 0.5 + max * 0.5;
     let near: Vec<Vec3> = finite
         .iter()
-        .map(|&index| (cloud.positions.get(index) - middle).as_vec3())
+        .map(|&index| (cloud.positions.get(index as usize) - middle).as_vec3())
         .collect();
     let order = match Cube::around(&near) {
         Some(cube) => order_of_codes(&cube.codes(&near)),
         None => (0..near.len() as u32).collect(),
     };
-    let mut kept: Vec<usize> = (0..count)
+    let mut kept: Vec<u32> = (0..count)
         .map(|place| finite[order[(2 * place + 1) * finite_count / (2 * count)] as usize])
         .collect();
     kept.sort_unstable();
@@ -237,7 +251,7 @@ fn estimate_normals(cloud: &mut RawCloud) -> Result<(), EditError> {
         normals[index as usize] = surface.normals[place].to_array();
         radii[index as usize] = surface.radii[place];
     }
-    cloud.normals = Some(normals);
-    cloud.radii.get_or_insert(radii);
+    cloud.attributes.normals = Some(normals);
+    cloud.attributes.radii.get_or_insert(radii);
     Ok(())
 }

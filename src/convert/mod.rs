@@ -56,7 +56,7 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     let Shard { index, count } = conversion.shard;
     let frames: Vec<usize> = range.filter(|frame| frame % count == index && *frame <= last).collect();
     progress.set(0, frames.len());
-    let outcomes: Vec<(usize, Option<Result<Outcome, ConvertError>>)> = frames
+    let outcomes: Vec<(usize, Option<Result<FrameOutcome, ConvertError>>)> = frames
         .par_iter()
         .map(|&frame| {
             if progress.is_cancelled() {
@@ -70,12 +70,12 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     let mut converted = Converted::default();
     for (frame, outcome) in outcomes {
         match outcome {
-            Some(Ok(Outcome::Written { warnings })) => {
+            Some(Ok(FrameOutcome::Written { warnings })) => {
                 converted.written += 1;
                 let warnings = warnings.into_iter().map(|warning| (frame, warning));
                 converted.warnings.extend(warnings);
             }
-            Some(Ok(Outcome::Left)) => converted.left += 1,
+            Some(Ok(FrameOutcome::Left)) => converted.left += 1,
             Some(Err(error)) => converted.failed.push((frame, error)),
             None => converted.is_cancelled = true,
         }
@@ -84,14 +84,14 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
 }
 
 /// What became of a frame.
-enum Outcome {
+enum FrameOutcome {
     /// It was written, without what the warnings name.
     Written { warnings: Vec<String> },
     /// It was finished before.
     Left,
 }
 
-fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<Outcome, ConvertError> {
+fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<FrameOutcome, ConvertError> {
     let entry = sequence.entry(index);
     let path = match &conversion.output {
         Output::File(path) => path.clone(),
@@ -105,7 +105,7 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
         }
     };
     if !conversion.overwrites && is_finished(&path, &entry) {
-        return Ok(Outcome::Left);
+        return Ok(FrameOutcome::Left);
     }
     let mut cloud = sequence.decode(index)?;
     conversion.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
@@ -118,7 +118,7 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
         file.sync_data()
     })
     .map_err(|reason| ConvertError::Write { path, reason })?;
-    Ok(Outcome::Written {
+    Ok(FrameOutcome::Written {
         warnings: cloud.warnings,
     })
 }

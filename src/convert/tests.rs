@@ -1,5 +1,5 @@
 use super::*;
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, Ellipse, ImageGrid, Positions, RawCloud, ScalarField};
 use crate::io::WriteFormat;
 use crate::progress::Progress;
 use crate::sequence::FrameEntry;
@@ -12,14 +12,23 @@ fn cube() -> RawCloud {
     let positions: Vec<[f64; 3]> = (0..1000)
         .map(|index| [index % 10, index / 10 % 10, index / 100].map(|value| f64::from(value) + 0.5))
         .collect();
-    RawCloud {
+    let intensity = (0..1000).map(|index| index as f32).collect();
+    let attributes = Attributes {
         colors: Some((0..1000).map(|index| [(index % 256) as u8, 7, 9, 255]).collect()),
         normals: Some(vec![[0.0, 0.0, 1.0]; 1000]),
         radii: Some(vec![0.5; 1000]),
-        scalars: vec![ScalarField::new(
-            "intensity",
-            (0..1000).map(|index| index as f32).collect(),
-        )],
+        ellipses: Some(vec![
+            Ellipse {
+                axis: glam::Vec3::X,
+                ratio: 0.25
+            };
+            1000
+        ]),
+        scalars: vec![ScalarField::new("intensity", intensity)],
+    };
+    RawCloud {
+        attributes,
+        grid: ImageGrid::of(10, 100, 1000),
         ..RawCloud::from_positions(Positions::F64(positions))
     }
 }
@@ -43,13 +52,30 @@ fn transforms_move_points_and_turn_normals() {
         ..Edit::default()
     });
     assert_eq!(cloud.positions.get(123), DVec3::new(5e6 + 3.0, 7.0, 5.0));
-    assert_eq!(cloud.normals.unwrap()[0], [1.0, 0.0, 0.0]);
-    assert!((cloud.radii.unwrap()[0] - 1.0).abs() < 1e-6);
+    assert_eq!(cloud.attributes.normals.unwrap()[0], [1.0, 0.0, 0.0]);
+    assert!((cloud.attributes.radii.unwrap()[0] - 1.0).abs() < 1e-6);
+    // The long axis, X, becomes Y.
+    let ellipse = cloud.attributes.ellipses.unwrap()[0];
+    assert!(ellipse.axis.abs_diff_eq(glam::Vec3::Y, 1e-6), "{ellipse:?}");
+    assert!((ellipse.ratio - 0.25).abs() < 1e-6, "{ellipse:?}");
+    assert_eq!(cloud.grid, cube().grid);
     let flat = Edit {
         transform: Some(DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0))),
         ..Edit::default()
     };
     assert_eq!(flat.apply(&mut cube()), Err(EditError::FlatTransform));
+}
+
+#[test]
+fn ellipses_are_stretched_with_their_splats() {
+    // Half axes are 4 along X and 1 along Y: 4 and 8 afterwards.
+    let cloud = edited(&Edit {
+        transform: Some(DMat4::from_scale(DVec3::new(1.0, 8.0, 1.0))),
+        ..Edit::default()
+    });
+    let ellipse = cloud.attributes.ellipses.unwrap()[0];
+    assert!(ellipse.axis.abs().abs_diff_eq(glam::Vec3::Y, 1e-6), "{ellipse:?}");
+    assert!((ellipse.ratio - 0.5).abs() < 1e-6, "{ellipse:?}");
 }
 
 #[test]
@@ -61,10 +87,11 @@ fn cells_join_what_is_in_them() {
     assert_eq!(cloud.positions.len(), 125);
     assert_eq!(cloud.positions.get(0), DVec3::ONE);
     // Points 0, 1, 10, 11, 100, 101, 110 and 111 are in the first cell.
-    assert_eq!(cloud.scalars[0].values[0], 55.5);
-    assert_eq!(cloud.colors.unwrap()[0], [56, 7, 9, 255]);
-    assert_eq!(cloud.normals.unwrap()[124], [0.0, 0.0, 1.0]);
-    assert_eq!(cloud.radii.unwrap()[0], 1.0);
+    assert_eq!(cloud.attributes.scalars[0].values[0], 55.5);
+    assert_eq!(cloud.attributes.colors.unwrap()[0], [56, 7, 9, 255]);
+    assert_eq!((&cloud.attributes.ellipses, cloud.grid), (&None, None));
+    assert_eq!(cloud.attributes.normals.unwrap()[124], [0.0, 0.0, 1.0]);
+    assert_eq!(cloud.attributes.radii.unwrap()[0], 1.0);
     let tiny = Edit {
         voxel_edge: Some(1e-18),
         ..Edit::default()
@@ -79,7 +106,7 @@ fn thinning_out_is_even_and_keeps_the_order() {
         ..Edit::default()
     });
     assert_eq!(cloud.positions.len(), 125);
-    let values = &cloud.scalars[0].values;
+    let values = &cloud.attributes.scalars[0].values;
     assert!(values.is_sorted());
     // Each octant of the cube has its share.
     let mut counts = [0; 8];
@@ -104,10 +131,10 @@ fn normals_are_estimated_where_there_are_none() {
         ..Edit::default()
     };
     edit.apply(&mut plane).unwrap();
-    let normals = plane.normals.unwrap();
+    let normals = plane.attributes.normals.unwrap();
     assert!(normals[..400].iter().all(|normal| normal[2].abs() > 0.999));
     assert_eq!(normals[400], [0.0; 3]);
-    assert!(plane.radii.unwrap()[210] > 0.3);
+    assert!(plane.attributes.radii.unwrap()[210] > 0.3);
 }
 
 /// Ten frames, each with its number in all coordinates; frame 3 fails.

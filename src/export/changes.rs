@@ -4,12 +4,12 @@ use image::RgbaImage;
 
 /// Columns and rows from `start` on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct ChangedRect {
     pub(super) start: [u32; 2],
     pub(super) size: [u32; 2],
 }
 
-impl Part {
+impl ChangedRect {
     /// The pixels of it.
     pub(super) fn of(self, picture: &RgbaImage) -> Vec<u8> {
         let [left, top] = self.start.map(|px| px as usize);
@@ -26,9 +26,9 @@ impl Part {
 
 /// The smallest part, beginning at multiples of `grid`, outside of which `picture` is as `before`: one pixel at least.
 /// All of it without a picture before.
-pub(super) fn changed_part(before: Option<&RgbaImage>, picture: &RgbaImage, grid: u32) -> Part {
+pub(super) fn changed_part(before: Option<&RgbaImage>, picture: &RgbaImage, grid: u32) -> ChangedRect {
     let (width, height) = picture.dimensions();
-    let whole = Part {
+    let whole = ChangedRect {
         start: [0, 0],
         size: [width, height],
     };
@@ -52,13 +52,13 @@ pub(super) fn changed_part(before: Option<&RgbaImage>, picture: &RgbaImage, grid
         }
     }
     if ends[1][1] == 0 {
-        return Part {
+        return ChangedRect {
             start: [0, 0],
             size: [1, 1],
         };
     }
     let start = ends.map(|[first, _]| first - first % grid);
-    Part {
+    ChangedRect {
         start,
         size: [0, 1].map(|axis| ends[axis][1] - start[axis]),
     }

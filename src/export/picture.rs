@@ -13,7 +13,7 @@
 
 use super::error::ExportError;
 use super::limits::MAX_EDGE_PX;
-use super::overlay::{Canvas, draw_legend};
+use super::overlay::{OverlayCanvas, draw_legend};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
@@ -175,7 +175,7 @@ fn for_each_strip(
             bar.paint(&mut strip, top);
         }
         if let Some(legend) = &legend {
-            let mut canvas = Canvas {
+            let mut canvas = OverlayCanvas {
                 rows: &mut strip,
                 top_px: top,
                 whole_px: size_px,
@@ -200,7 +200,7 @@ fn for_each_strip(
         let mut strip = RgbaImage::new(width, rows);
         for left in (0..width).step_by(part_width as usize) {
             let columns = part_width.min(width - left);
-            let part = Part::with_halo([left, top], [columns, rows], size_px, halo_px);
+            let part = PictureTile::with_halo([left, top], [columns, rows], size_px, halo_px);
             let packet = packet.part(part.start, part.size);
             let image = draw_part(headless, &packet, size.is_transparent)?;
             let [inset_x, inset_y] = part.inset;
@@ -215,7 +215,7 @@ fn for_each_strip(
 }
 
 /// A part of a picture as it is drawn, in pixels: with pixels around it, as eye-dome lighting looks at neighbours.
-struct Part {
+struct PictureTile {
     /// Its upper left pixel.
     start: [u32; 2],
     size: [u32; 2],
@@ -223,7 +223,7 @@ struct Part {
     inset: [u32; 2],
 }
 
-impl Part {
+impl PictureTile {
     fn with_halo(start: [u32; 2], size: [u32; 2], whole: [u32; 2], halo: u32) -> Self {
         let inset = start.map(|start| start.min(halo));
         let end = |axis: usize| (start[axis] + size[axis] + halo).min(whole[axis]);

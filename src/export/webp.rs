@@ -4,7 +4,7 @@
 //! picture: where the part lies that is not as before, how long it is shown, and its pixels (`VP8L`). See the WebP
 //! container specification (<https://developers.google.com/speed/webp/docs/riff_container>).
 
-use super::changes::{Part, changed_part};
+use super::changes::{ChangedRect, changed_part};
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
@@ -62,7 +62,7 @@ impl WebpFile {
     }
 
     /// Appends a part of a picture.
-    fn write(&mut self, part: Part, pixels: &[u8]) -> Result<(), ExportError> {
+    fn write(&mut self, part: ChangedRect, pixels: &[u8]) -> Result<(), ExportError> {
         let [width, height] = part.size;
         let opaque: Vec<u8>;
         let (pixels, color_type) = if self.stream.is_transparent {

@@ -85,7 +85,7 @@ pub(super) fn set_colors(cloud: &mut RawCloud, channels: [&Column<'_>; 3], alpha
     let scales = Scales::of(channels, alpha, count);
     let mut colors = Vec::with_capacity(count);
     append_colors(&mut colors, channels, alpha, &scales, count);
-    cloud.colors = Some(colors);
+    cloud.attributes.colors = Some(colors);
     cloud.has_narrow_colors = scales.is_narrow;
 }
 
@@ -213,7 +213,7 @@ mod tests {
     fn colors(channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) -> (Vec<[u8; 4]>, bool) {
         let mut cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
         set_colors(&mut cloud, channels, alpha, count);
-        (cloud.colors.unwrap(), cloud.has_narrow_colors)
+        (cloud.attributes.colors.unwrap(), cloud.has_narrow_colors)
     }
 
     #[test]

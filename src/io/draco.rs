@@ -61,7 +61,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     if let Some(normals) = attribute(GeometryAttributeType::Normal)
         && normals.num_components() == 3
     {
-        cloud.normals = Some(arrays::vectors_f32(columns(normals, count)?.each_ref(), count));
+        cloud.attributes.normals = Some(arrays::vectors_f32(columns(normals, count)?.each_ref(), count));
     }
     if let Some(colors) = attribute(GeometryAttributeType::Color)
         && (3..=4).contains(&colors.num_components())

@@ -15,7 +15,7 @@ use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
 use super::growing::Growing;
 use super::watched::cancelled;
-use crate::cloud::RawCloud;
+use crate::cloud::{ImageGrid, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
 use glam::DVec3;
@@ -42,7 +42,7 @@ const READ_AT_ONCE_BYTES: usize = 1 << 17;
 
 /// A number in each row.
 #[derive(Debug)]
-pub(super) struct Field {
+pub(super) struct RowField {
     pub(super) name: String,
     pub(super) scalar: Scalar,
     /// Bytes before it in the row.
@@ -57,9 +57,11 @@ pub(super) struct FixedRows {
     pub(super) row_bytes: usize,
     pub(super) count: usize,
     pub(super) big_endian: bool,
-    pub(super) fields: Vec<Field>,
+    pub(super) fields: Vec<RowField>,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
+    /// See [`RawCloud::grid`].
+    pub(super) grid: Option<ImageGrid>,
 }
 
 impl FixedRows {
@@ -70,7 +72,7 @@ impl FixedRows {
 
     /// The columns of rows that lie in `bytes` one after the other.
     pub(super) fn columns<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        let column = |field: &Field| Column {
+        let column = |field: &RowField| Column {
             name: field.name.clone(),
             scalar: field.scalar,
             values: Values::Packed {
@@ -92,9 +94,7 @@ impl FixedRows {
         let growing = Growing::new(roles, &self.columns(&[]), self.count);
         progress.set(0, self.count * self.row_bytes);
         self.append_pieces(file, &growing, PIECE_BYTES, progress)?;
-        let mut cloud = growing.finish();
-        cloud.sensor = self.sensor;
-        Ok(Some(cloud))
+        Ok(Some(self.finished(growing)))
     }
 
     /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for
@@ -132,14 +132,21 @@ impl FixedRows {
             .map(|()| {
                 let growing = Growing::new(roles, &self.columns(&[]), places.len());
                 growing.append(&self.columns(&rows), places.len(), ());
-                let mut cloud = growing.finish();
-                cloud.sensor = self.sensor;
-                Some(cloud)
+                Some(self.finished(growing))
             })
             .or_else(|error: io::Error| match error.kind() {
                 io::ErrorKind::TimedOut => Ok(None),
                 _ => Err(error),
             })
+    }
+
+    /// The points that were read, with what the header says of all of them.
+    fn finished(&self, growing: Growing) -> RawCloud {
+        RawCloud {
+            sensor: self.sensor,
+            grid: self.grid,
+            ..growing.finish()
+        }
     }
 
     /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as
@@ -148,7 +155,7 @@ impl FixedRows {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();
         let roles = roles.filter(|roles| roles.are_local(&columns));
-        let is_within = |field: &Field| field.offset + field.scalar.byte_size() <= self.row_bytes;
+        let is_within = |field: &RowField| field.offset + field.scalar.byte_size() <= self.row_bytes;
         let (Some(roles), Some(bytes), true) = (
             roles,
             self.count.checked_mul(self.row_bytes),
@@ -231,7 +238,7 @@ mod tests {
             let offset = row_bytes;
             row_bytes += scalar.byte_size();
             let name = name.to_owned();
-            Field { name, scalar, offset }
+            RowField { name, scalar, offset }
         });
         FixedRows {
             start: 0,
@@ -240,6 +247,7 @@ mod tests {
             big_endian,
             fields: fields.into(),
             sensor: None,
+            grid: None,
         }
     }
 
@@ -271,7 +279,7 @@ mod tests {
             let bytes = bytes(&rows);
             let whole = growing::cloud(&rows.columns(&bytes), COUNT).unwrap();
             assert_eq!(whole.positions.len(), COUNT);
-            assert_eq!(whole.scalars.len(), 2);
+            assert_eq!(whole.attributes.scalars.len(), 2);
             // NaN is not equal to itself, but is written alike.
             let whole = format!("{whole:?}");
             for threads in [1, 2, 3, 5] {
@@ -304,13 +312,14 @@ mod tests {
         let whole = rows.read(file.path(), &Progress::default()).unwrap().unwrap();
         for places in [vec![], vec![0, 1, 7, 500, COUNT - 1], (0..COUNT).collect()] {
             let mut expected = whole.clone();
-            expected.keep(&places);
+            let kept: Vec<u32> = places.iter().map(|&place| place as u32).collect();
+            expected.keep(&kept);
             let found = rows.read_at(file.path(), &places, Duration::MAX).unwrap();
             let found = found.unwrap();
-            assert_eq!(found.scalars.len(), 2);
+            assert_eq!(found.attributes.scalars.len(), 2);
             // GPS times have an offset of their own.
             let comparable = |mut cloud: RawCloud| {
-                cloud.scalars.retain(|field| field.name == "ring");
+                cloud.attributes.scalars.retain(|field| field.name == "ring");
                 format!("{cloud:?}")
             };
             if places.is_empty() {

@@ -4,7 +4,7 @@ use super::arrays::{Scales, append_colors, append_f32, append_f64};
 use super::attributes::{Colors, Roles};
 use super::column::Column;
 use super::error::Fault;
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, Positions, RawCloud, ScalarField};
 use crate::locks::lock;
 use std::sync::{Mutex, PoisonError};
 
@@ -16,22 +16,21 @@ use std::sync::{Mutex, PoisonError};
 pub(super) struct Growing {
     roles: Roles,
     positions: Mutex<Positions>,
-    attributes: Mutex<Attributes>,
+    others: Mutex<Others>,
 }
 
 /// All arrays but the positions.
 #[derive(Debug)]
-struct Attributes {
-    normals: Option<Vec<[f32; 3]>>,
-    colors: Option<Vec<[u8; 4]>>,
+struct Others {
+    /// Without scalars.
+    attributes: Attributes,
     scales: Option<Scales>,
-    radii: Option<Vec<f32>>,
-    scalars: Vec<(String, Numbers)>,
+    scalars: Vec<(String, ScalarValues)>,
 }
 
 /// Numbers of a scalar field, as wide as the file has them.
 #[derive(Debug)]
-enum Numbers {
+enum ScalarValues {
     Narrow(Vec<f32>),
     Wide(Vec<f64>),
 }
@@ -57,23 +56,26 @@ impl Growing {
         let scalar = |&index: &usize| {
             let column = &columns[index];
             let numbers = if column.scalar.is_wide() {
-                Numbers::Wide(Vec::with_capacity(count))
+                ScalarValues::Wide(Vec::with_capacity(count))
             } else {
-                Numbers::Narrow(Vec::with_capacity(count))
+                ScalarValues::Narrow(Vec::with_capacity(count))
             };
             (column.name.clone(), numbers)
         };
-        let attributes = Attributes {
-            normals: roles.normals.map(|_| Vec::with_capacity(count)),
-            colors: roles.colors.map(|_| Vec::with_capacity(count)),
+        let others = Others {
+            attributes: Attributes {
+                normals: roles.normals.map(|_| Vec::with_capacity(count)),
+                colors: roles.colors.map(|_| Vec::with_capacity(count)),
+                radii: roles.radii.map(|_| Vec::with_capacity(count)),
+                ..Attributes::default()
+            },
             scales,
-            radii: roles.radii.map(|_| Vec::with_capacity(count)),
             scalars: roles.scalars.iter().map(scalar).collect(),
         };
         Self {
             roles,
             positions: Mutex::new(positions),
-            attributes: Mutex::new(attributes),
+            others: Mutex::new(others),
         }
     }
 
@@ -87,28 +89,25 @@ impl Growing {
             Positions::F32(vectors) => append_f32(vectors, coordinates, count),
             Positions::F64(vectors) => append_f64(vectors, coordinates, count),
         }
-        let mut attributes = lock(&self.attributes);
+        let mut others = lock(&self.others);
         drop(positions);
-        attributes.append(&self.roles, columns, count);
+        others.append(&self.roles, columns, count);
     }
 
     /// The cloud of all rows that were appended.
     pub(super) fn finish(self) -> RawCloud {
         let positions = self.positions.into_inner();
         let mut cloud = RawCloud::from_positions(positions.unwrap_or_else(PoisonError::into_inner));
-        let attributes = self.attributes.into_inner();
-        let attributes = attributes.unwrap_or_else(PoisonError::into_inner);
-        cloud.normals = attributes.normals;
-        cloud.colors = attributes.colors;
-        cloud.has_narrow_colors = attributes.scales.is_some_and(|scales| scales.is_narrow);
-        cloud.radii = attributes.radii;
+        let others = self.others.into_inner().unwrap_or_else(PoisonError::into_inner);
+        cloud.has_narrow_colors = others.scales.is_some_and(|scales| scales.is_narrow);
+        cloud.attributes = others.attributes;
         let field = |(name, numbers)| match numbers {
-            Numbers::Narrow(values) => ScalarField::new(name, values),
-            Numbers::Wide(values) => ScalarField::from_f64(name, &values),
+            ScalarValues::Narrow(values) => ScalarField::new(name, values),
+            ScalarValues::Wide(values) => ScalarField::from_f64(name, &values),
         };
-        cloud.scalars = attributes.scalars.into_iter().map(field).collect();
+        cloud.attributes.scalars = others.scalars.into_iter().map(field).collect();
         // Writers that know no transparency leave zeros.
-        if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.colors)
+        if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.attributes.colors)
             && colors.iter().all(|color| color[3] == 0)
         {
             for color in colors {
@@ -119,13 +118,13 @@ impl Growing {
     }
 }
 
-impl Attributes {
+impl Others {
     fn append(&mut self, roles: &Roles, columns: &[Column<'_>], count: usize) {
         let three = |indices: [usize; 3]| indices.map(|index| &columns[index]);
-        if let (Some(normals), Some(indices)) = (&mut self.normals, roles.normals) {
+        if let (Some(normals), Some(indices)) = (&mut self.attributes.normals, roles.normals) {
             append_f32(normals, three(indices), count);
         }
-        match (&mut self.colors, roles.colors, &self.scales) {
+        match (&mut self.attributes.colors, roles.colors, &self.scales) {
             (Some(colors), Some(Colors::Channels { channels, alpha }), Some(scales)) => {
                 let alpha = alpha.map(|index| &columns[index]);
                 append_colors(colors, three(channels), alpha, scales, count);
@@ -135,13 +134,13 @@ impl Attributes {
             }
             _ => {}
         }
-        if let (Some(radii), Some(index)) = (&mut self.radii, roles.radii) {
+        if let (Some(radii), Some(index)) = (&mut self.attributes.radii, roles.radii) {
             columns[index].append_f32(radii, count);
         }
         for ((_, numbers), &index) in self.scalars.iter_mut().zip(&roles.scalars) {
             match numbers {
-                Numbers::Narrow(numbers) => columns[index].append_f32(numbers, count),
-                Numbers::Wide(numbers) => columns[index].append_f64(numbers, count),
+                ScalarValues::Narrow(numbers) => columns[index].append_f32(numbers, count),
+                ScalarValues::Wide(numbers) => columns[index].append_f64(numbers, count),
             }
         }
     }

@@ -14,7 +14,7 @@
 
 use super::error::Fault;
 use super::options::ReadOptions;
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, Positions, RawCloud};
 use glam::DVec3;
 use std::num::NonZeroUsize;
 
@@ -39,7 +39,7 @@ pub(super) fn strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
 
 /// A place on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub(super) struct MeshSample {
     /// Which face.
     pub(super) face: u32,
     /// Weight of each of the face's corners; they add up to one.
@@ -48,7 +48,7 @@ pub(super) struct Place {
 
 /// Places spread evenly over a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Places(pub(super) Vec<Place>);
+pub(super) struct Places(pub(super) Vec<MeshSample>);
 
 /// Replaces the vertices of `cloud` by `count` points spread evenly over its faces. A mesh whose faces have no area
 /// keeps its vertices.
@@ -63,15 +63,12 @@ pub(super) fn sample(cloud: &mut RawCloud, count: NonZeroUsize, options: &ReadOp
 
 /// Fails where `count` points with the attributes of `cloud` are more than the options allow.
 pub(super) fn check_memory(cloud: &RawCloud, count: NonZeroUsize, options: &ReadOptions) -> Result<(), Fault> {
-    let position_bytes = match cloud.positions {
-        Positions::F32(_) => 12,
-        Positions::F64(_) => 24,
-    };
-    let color_bytes = 4 * usize::from(cloud.colors.is_some());
-    let number_bytes = 4 * (usize::from(cloud.radii.is_some()) + cloud.scalars.len());
-    // Normals are there whether the mesh had them or not.
-    let point_bytes = position_bytes + color_bytes + number_bytes + 12;
-    check_bytes(count, point_bytes + size_of::<Place>(), options)
+    let mut point_bytes = cloud.positions.point_bytes() + cloud.attributes.point_bytes();
+    if cloud.attributes.normals.is_none() {
+        // They are there whether the mesh had them or not.
+        point_bytes += size_of::<[f32; 3]>();
+    }
+    check_bytes(count, point_bytes + size_of::<MeshSample>(), options)
 }
 
 fn check_bytes(count: NonZeroUsize, point_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
@@ -91,7 +88,7 @@ impl Places {
         count: NonZeroUsize,
         options: &ReadOptions,
     ) -> Result<Option<Self>, Fault> {
-        check_bytes(count, size_of::<Place>(), options)?;
+        check_bytes(count, size_of::<MeshSample>(), options)?;
         let ordered = along_curve(positions, faces);
         let total: f64 = ordered.iter().map(|&(_, area)| area).sum();
         if !(total > 0.0 && total.is_finite()) {
@@ -109,7 +106,7 @@ impl Places {
                 face = next;
                 end += area;
             }
-            places.push(Place {
+            places.push(MeshSample {
                 face,
                 weights: weights(index),
             });
@@ -119,8 +116,8 @@ impl Places {
 
     /// The points of `mesh` at these places. Precondition: the mesh has the faces that the places were found on.
     pub(super) fn apply(&self, mesh: &RawCloud) -> RawCloud {
-        let corners = |place: &Place| mesh.faces[place.face as usize].map(|corner| corner as usize);
-        let position = |place: &Place| {
+        let corners = |place: &MeshSample| mesh.faces[place.face as usize].map(|corner| corner as usize);
+        let position = |place: &MeshSample| {
             let [a, b, c] = corners(place).map(|corner| mesh.positions.get(corner));
             let [_, second, third] = place.weights.map(f64::from);
             // From the first corner on: large coordinates keep the digits that small faces need.
@@ -131,29 +128,30 @@ impl Places {
             Positions::F64(_) => Positions::F64(self.map(|place| position(place).to_array())),
         };
         let mut cloud = RawCloud::from_positions(positions);
-        cloud.normals = Some(self.map(|place| normal(mesh, corners(place), place.weights)));
-        cloud.colors = mesh.colors.as_ref().map(|colors| {
-            let channel = |place: &Place, channel: usize| {
+        let colors = |colors: &[[u8; 4]]| {
+            let channel = |place: &MeshSample, channel: usize| {
                 let values = corners(place).map(|corner| f32::from(colors[corner][channel]));
                 blend(values, place.weights).round() as u8
             };
             self.map(|place| [0, 1, 2, 3].map(|index| channel(place, index)))
-        });
+        };
         let blended =
             |values: &[f32]| self.map(|place| blend(corners(place).map(|corner| values[corner]), place.weights));
-        cloud.radii = mesh.radii.as_deref().map(blended);
-        let fields = mesh.scalars.iter().map(|field| ScalarField {
-            name: field.name.clone(),
-            values: blended(&field.values),
-            offset: field.offset,
-        });
-        cloud.scalars = fields.collect();
+        let scalars = mesh.attributes.scalars.iter();
+        cloud.attributes = Attributes {
+            colors: mesh.attributes.colors.as_deref().map(colors),
+            normals: Some(self.map(|place| normal(mesh, corners(place), place.weights))),
+            radii: mesh.attributes.radii.as_deref().map(blended),
+            // Directions have nothing between them.
+            ellipses: None,
+            scalars: scalars.map(|field| field.with_values(blended(&field.values))).collect(),
+        };
         cloud.sensor = mesh.sensor;
         cloud.warnings.clone_from(&mesh.warnings);
         cloud
     }
 
-    fn map<T>(&self, each: impl Fn(&Place) -> T) -> Vec<T> {
+    fn map<T>(&self, each: impl Fn(&MeshSample) -> T) -> Vec<T> {
         self.0.iter().map(each).collect()
     }
 }
@@ -225,7 +223,7 @@ fn blend(values: [f32; 3], weights: [f32; 3]) -> f32 {
 /// The normal within a face: between those of its corners, or its own where they have none or cancel out.
 fn normal(mesh: &RawCloud, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
     let unit = |vector: DVec3| vector.try_normalize().map(|unit| unit.as_vec3().to_array());
-    let between = mesh.normals.as_ref().and_then(|normals| {
+    let between = mesh.attributes.normals.as_ref().and_then(|normals| {
         let axis = |axis: usize| blend(corners.map(|corner| normals[corner][axis]), weights);
         unit(DVec3::from([0, 1, 2].map(|index| f64::from(axis(index)))))
     });
@@ -240,6 +238,7 @@ fn normal(mesh: &RawCloud, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::ScalarField;
 
     fn quad(width: f32, height: f32) -> RawCloud {
         let corners = [
@@ -305,7 +304,7 @@ mod tests {
         let far = points(&cloud).into_iter().filter(|point| point.x > 9.0).count();
         assert_eq!((cloud.positions.len(), far), (900, 600));
         assert!(points(&cloud).iter().all(|point| point.is_finite()));
-        let normals = cloud.normals.unwrap();
+        let normals = cloud.attributes.normals.unwrap();
         for (point, normal) in points(&sampled(&mesh, 900)).iter().zip(normals) {
             let expected = if point.x > 9.0 {
                 [1.0, 0.0, 0.0]
@@ -320,28 +319,28 @@ mod tests {
     #[test]
     fn attributes_lie_between_those_of_the_corners() {
         let mut mesh = quad(1.0, 1.0);
-        mesh.colors = Some(vec![
+        mesh.attributes.colors = Some(vec![
             [0, 0, 7, 255],
             [255, 0, 7, 255],
             [255, 255, 7, 255],
             [0, 255, 7, 255],
         ]);
-        mesh.scalars = vec![ScalarField {
+        mesh.attributes.scalars = vec![ScalarField {
             name: "t".to_owned(),
             values: vec![0.0, 1.0, 1.0, 0.0],
             offset: 5.0,
         }];
-        mesh.normals = Some(vec![[0.0, 0.0, -2.0]; 4]);
+        mesh.attributes.normals = Some(vec![[0.0, 0.0, -2.0]; 4]);
         let cloud = sampled(&mesh, 500);
         for (index, point) in points(&cloud).into_iter().enumerate() {
-            let [red, green, blue, alpha] = cloud.colors.as_ref().unwrap()[index];
+            let [red, green, blue, alpha] = cloud.attributes.colors.as_ref().unwrap()[index];
             assert!((f64::from(red) - point.x * 255.0).abs() < 0.51);
             assert!((f64::from(green) - point.y * 255.0).abs() < 0.51);
             assert_eq!((blue, alpha), (7, 255));
-            assert!((f64::from(cloud.scalars[0].values[index]) - point.x).abs() < 1e-6);
-            assert_eq!(cloud.normals.as_ref().unwrap()[index], [0.0, 0.0, -1.0]);
+            assert!((f64::from(cloud.attributes.scalars[0].values[index]) - point.x).abs() < 1e-6);
+            assert_eq!(cloud.attributes.normals.as_ref().unwrap()[index], [0.0, 0.0, -1.0]);
         }
-        assert_eq!(cloud.scalars[0].offset, 5.0);
+        assert_eq!(cloud.attributes.scalars[0].offset, 5.0);
     }
 
     #[test]

@@ -67,11 +67,11 @@ fn compare_names(left: &str, right: &str) -> Ordering {
             (Some(_), None) => return Ordering::Greater,
             (Some(left), Some(right)) => {
                 let order = match (left, right) {
-                    (Run::Digits(left), Run::Digits(right)) => compare_digits(left, right),
-                    (Run::Text(left), Run::Text(right)) => compare_text(left, right),
+                    (NamePiece::Digits(left), NamePiece::Digits(right)) => compare_digits(left, right),
+                    (NamePiece::Text(left), NamePiece::Text(right)) => compare_text(left, right),
                     // A number comes before any other character.
-                    (Run::Digits(_), Run::Text(_)) => Ordering::Less,
-                    (Run::Text(_), Run::Digits(_)) => Ordering::Greater,
+                    (NamePiece::Digits(_), NamePiece::Text(_)) => Ordering::Less,
+                    (NamePiece::Text(_), NamePiece::Digits(_)) => Ordering::Greater,
                 };
                 if order != Ordering::Equal {
                     return order;
@@ -96,7 +96,7 @@ fn compare_text(left: &str, right: &str) -> Ordering {
 
 /// A piece of a name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Run<'a> {
+pub(crate) enum NamePiece<'a> {
     /// ASCII digits only.
     Digits(&'a str),
     /// No ASCII digit.
@@ -108,9 +108,9 @@ pub(crate) enum Run<'a> {
 pub(crate) struct Runs<'a>(pub(crate) &'a str);
 
 impl<'a> Iterator for Runs<'a> {
-    type Item = Run<'a>;
+    type Item = NamePiece<'a>;
 
-    fn next(&mut self) -> Option<Run<'a>> {
+    fn next(&mut self) -> Option<NamePiece<'a>> {
         let is_digits = self.0.bytes().next()?.is_ascii_digit();
         // Digits are single bytes, so a cut beside one never splits a character.
         let end = self
@@ -120,7 +120,11 @@ impl<'a> Iterator for Runs<'a> {
             .unwrap_or(self.0.len());
         let (run, rest) = self.0.split_at(end);
         self.0 = rest;
-        Some(if is_digits { Run::Digits(run) } else { Run::Text(run) })
+        Some(if is_digits {
+            NamePiece::Digits(run)
+        } else {
+            NamePiece::Text(run)
+        })
     }
 }
 

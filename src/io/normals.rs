@@ -26,7 +26,7 @@ const TEXT_LINES: usize = 8;
 
 /// What the rows of a file are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rows {
+pub(crate) enum RowContents {
     /// They have coordinates.
     Points,
     /// They have normals and no coordinates.
@@ -36,7 +36,7 @@ pub(crate) enum Rows {
 }
 
 /// What the rows of the file at `path` are; `None` where its beginning does not tell.
-pub(crate) fn rows_of(path: &Path) -> Option<Rows> {
+pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
     // A pipe may never end.
     if !path.metadata().ok()?.is_file() {
         return None;
@@ -52,16 +52,16 @@ pub(crate) fn rows_of(path: &Path) -> Option<Rows> {
     let names = (columns.point_names)(&head)?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     Some(if attributes::has_positions(&names) {
-        Rows::Points
+        RowContents::Points
     } else if attributes::has_normals(&names) {
-        Rows::Normals
+        RowContents::Normals
     } else {
-        Rows::Other
+        RowContents::Other
     })
 }
 
 /// Text whose lines have fewer than three numbers holds no points. One such line says nothing: it may count the points.
-fn rows_of_text(head: &[u8]) -> Option<Rows> {
+fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     let is_separator = |byte: &u8| byte.is_ascii_whitespace() || b",;".contains(byte);
     let numbers_in = |line: &[u8]| {
         let words = line.split(is_separator).filter(|word| !word.is_empty());
@@ -70,7 +70,7 @@ fn rows_of_text(head: &[u8]) -> Option<Rows> {
     };
     let lines = head.split(|&byte| byte == b'\n').map(numbers_in);
     let counts: Vec<usize> = lines.filter(|&count| count > 0).take(TEXT_LINES).collect();
-    (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(Rows::Other)
+    (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(RowContents::Other)
 }
 
 /// [`super::read_part_observed`] of a whole file whose normals are in the file at `normals`. Normals of its own go
@@ -84,7 +84,7 @@ pub(crate) fn read_with_normals(
     // Normals are those of the vertices: a mesh is sampled when it has them.
     let of_vertices = options.with_sample_count(None).with_mesh_sample_count(None);
     let mut cloud = read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
-    if cloud.normals.is_none() {
+    if cloud.attributes.normals.is_none() {
         join(&mut cloud, path, normals, progress);
     }
     if progress.is_cancelled() {
@@ -102,7 +102,7 @@ pub(crate) fn read_with_normals(
 fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) {
     let points = cloud.positions.len();
     match read_normals(normals, progress) {
-        Ok(read) if read.len() == points => cloud.normals = Some(read),
+        Ok(read) if read.len() == points => cloud.attributes.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
             "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
              needed",
@@ -163,13 +163,16 @@ mod tests {
             fs::write(&path, text).unwrap();
             rows_of(&path)
         };
-        assert_eq!(rows("a.pcd", PCD), Some(Rows::Normals));
-        assert_eq!(rows("a.ply", PLY), Some(Rows::Normals));
-        assert_eq!(rows("a.ply", POINTS), Some(Rows::Points));
-        assert_eq!(rows("a.ply", &POINTS.replace(" y\n", " ny\n")), Some(Rows::Other));
+        assert_eq!(rows("a.pcd", PCD), Some(RowContents::Normals));
+        assert_eq!(rows("a.ply", PLY), Some(RowContents::Normals));
+        assert_eq!(rows("a.ply", POINTS), Some(RowContents::Points));
+        assert_eq!(
+            rows("a.ply", &POINTS.replace(" y\n", " ny\n")),
+            Some(RowContents::Other)
+        );
         let labels = PCD.replace("normal_z", "label");
-        assert_eq!(rows("a.pcd", &labels), Some(Rows::Other));
-        assert_eq!(rows("a.txt", "1\n2\n3\n"), Some(Rows::Other));
+        assert_eq!(rows("a.pcd", &labels), Some(RowContents::Other));
+        assert_eq!(rows("a.txt", "1\n2\n3\n"), Some(RowContents::Other));
         assert_eq!(rows("a.txt", "2\n1 2 3\n4 5 6\n"), None, "counted points");
         assert_eq!(rows("a.txt", "x y z\n1 2 3\n"), None);
         assert_eq!(rows("a.ply", "ply\nformat ascii 1.0\nelement"), None, "not written yet");
@@ -182,7 +185,7 @@ mod tests {
     fn normals_are_joined_whatever_their_format() {
         for normals in [PCD, PLY] {
             let cloud = read_pair(POINTS, normals);
-            assert_eq!(cloud.normals.as_deref(), Some(&NORMALS[..]));
+            assert_eq!(cloud.attributes.normals.as_deref(), Some(&NORMALS[..]));
             assert_eq!(cloud.positions.len(), 2);
             assert_eq!(cloud.warnings, [""; 0]);
         }
@@ -199,7 +202,7 @@ mod tests {
             ("", "there is no line `DATA`"),
         ] {
             let cloud = read_pair(POINTS, normals);
-            assert_eq!((cloud.positions.len(), cloud.normals), (2, None));
+            assert_eq!((cloud.positions.len(), cloud.attributes.normals), (2, None));
             let [warning] = cloud.warnings.as_slice() else {
                 panic!("{:?}", cloud.warnings)
             };
@@ -217,7 +220,7 @@ mod tests {
             )
             .replace("1 2 3\n4 5 6\n", "1 2 3 1 0 0\n4 5 6 1 0 0\n");
         let cloud = read_pair(&own, PCD);
-        assert_eq!(cloud.normals, Some(vec![[1.0, 0.0, 0.0]; 2]));
+        assert_eq!(cloud.attributes.normals, Some(vec![[1.0, 0.0, 0.0]; 2]));
     }
 
     #[test]
@@ -232,7 +235,7 @@ mod tests {
         let cloud = read_with_normals(&path, &beside, &options, &Progress::default()).unwrap();
         assert_eq!((cloud.positions.len(), cloud.faces.len()), (50, 0));
         // The triangle lies in a plane across Z; the normals of its vertices lean to Y.
-        assert!(cloud.normals.unwrap().iter().all(|normal| normal[1] > 0.0));
+        assert!(cloud.attributes.normals.unwrap().iter().all(|normal| normal[1] > 0.0));
         assert_eq!(cloud.warnings, [""; 0]);
     }
 }

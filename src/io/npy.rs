@@ -16,7 +16,7 @@ use std::io::{Cursor, Read as _};
 
 mod header;
 
-use header::{Array, Kind};
+use header::{Array, ArrayLayout};
 
 /// An array of numpy.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -57,8 +57,8 @@ const MAX_COLUMNS: usize = 64;
 pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
     let (columns, count) = match &array.kind {
-        Kind::Table(_) => table(&array, "x")?,
-        Kind::Records { .. } => {
+        ArrayLayout::Table(_) => table(&array, "x")?,
+        ArrayLayout::Records { .. } => {
             let count = array.shape.iter().product();
             (records(&array, count)?, count)
         }
@@ -85,8 +85,8 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
         });
     let (mut columns, count) = match positions {
         Some((_, array)) => match &array.kind {
-            Kind::Table(_) => table(array, "x")?,
-            Kind::Records { .. } => {
+            ArrayLayout::Table(_) => table(array, "x")?,
+            ArrayLayout::Records { .. } => {
                 let count = array.shape.iter().product();
                 (records(array, count)?, count)
             }
@@ -101,7 +101,7 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
         ),
     };
     for (name, array) in &arrays {
-        let Kind::Table(_) = array.kind else { continue };
+        let ArrayLayout::Table(_) = array.kind else { continue };
         let names: &[&str] = if is_one_of(&COLORS, name) {
             &["red", "green", "blue", "alpha"]
         } else if is_one_of(&NORMALS, name) {
@@ -215,7 +215,7 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
 
 /// The columns of an array of records; fields that are short arrays themselves are several.
 fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault> {
-    let Kind::Records { fields, row_bytes } = &array.kind else {
+    let ArrayLayout::Records { fields, row_bytes } = &array.kind else {
         return Ok(Vec::new());
     };
     let mut columns = Vec::new();

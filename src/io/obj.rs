@@ -143,14 +143,14 @@ impl Model {
         let count = self.positions.len();
         let mut cloud = RawCloud::from_positions(Positions::F64(self.positions));
         if self.has_colors {
-            cloud.colors = Some(colors(&self.colors));
+            cloud.attributes.colors = Some(colors(&self.colors));
         }
         if self.has_normals {
             self.vertex_normals.resize(count, [0.0; 3]);
-            cloud.normals = Some(self.vertex_normals);
+            cloud.attributes.normals = Some(self.vertex_normals);
         } else if self.normals.len() == count && self.faces.is_empty() {
             // A cloud with a normal for each point.
-            cloud.normals = Some(self.normals);
+            cloud.attributes.normals = Some(self.normals);
         }
         cloud.faces = self.faces;
         Ok(cloud)

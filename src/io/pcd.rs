@@ -10,7 +10,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
-use crate::cloud::RawCloud;
+use crate::cloud::{ImageGrid, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
 use pcd_rs::{DataKind, PcdMeta, ValueKind};
@@ -47,6 +47,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     let payload = (&bytes[..payload_start], &bytes[payload_start..]);
     let mut cloud = table.with_columns(header.data, payload, progress, growing::cloud)?;
     cloud.sensor = sensor(&header);
+    cloud.grid = grid(&header);
     Ok(cloud)
 }
 
@@ -72,6 +73,7 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let rows = Table::new(&header).ok().filter(|_| is_binary)?.rows(start);
     Some(FixedRows {
         sensor: sensor(&header),
+        grid: grid(&header),
         ..rows
     })
 }
@@ -107,7 +109,7 @@ fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
     ))
 }
 
-struct Field {
+struct PcdField {
     name: String,
     scalar: Scalar,
     count: usize,
@@ -115,7 +117,7 @@ struct Field {
 
 /// The points as the header describes them.
 struct Table {
-    fields: Vec<Field>,
+    fields: Vec<PcdField>,
     row_bytes: usize,
     rows: usize,
 }
@@ -146,7 +148,7 @@ impl Table {
             let count = usize::try_from(field.count).map_err(|_| claim())?;
             let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
             row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(Field {
+            fields.push(PcdField {
                 name: field.name.clone(),
                 scalar,
                 count,
@@ -179,7 +181,7 @@ impl Table {
 
     /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it
     /// is the first.
-    fn fields(&self) -> impl Iterator<Item = (&Field, usize)> {
+    fn fields(&self) -> impl Iterator<Item = (&PcdField, usize)> {
         let mut end = 0;
         let placed = self.fields.iter().map(move |field| {
             let offset = end;
@@ -189,8 +191,8 @@ impl Table {
         placed.filter(|(field, _)| field.name != "_")
     }
 
-    fn columns<'a>(&self, values: impl Fn(usize, &Field) -> Values<'a>) -> Vec<Column<'a>> {
-        let column = |(field, offset): (&Field, usize)| Column {
+    fn columns<'a>(&self, values: impl Fn(usize, &PcdField) -> Values<'a>) -> Vec<Column<'a>> {
+        let column = |(field, offset): (&PcdField, usize)| Column {
             name: field.name.clone(),
             scalar: field.scalar,
             values: values(offset, field),
@@ -200,7 +202,7 @@ impl Table {
 
     /// Point after point, behind `start` bytes.
     fn rows(&self, start: usize) -> FixedRows {
-        let field = |(field, offset): (&Field, usize)| fixed_rows::Field {
+        let field = |(field, offset): (&PcdField, usize)| fixed_rows::RowField {
             name: field.name.clone(),
             scalar: field.scalar,
             offset,
@@ -212,6 +214,7 @@ impl Table {
             big_endian: false,
             fields: self.fields().map(field).collect(),
             sensor: None,
+            grid: None,
         }
     }
 
@@ -336,6 +339,13 @@ impl Table {
             }
         }
     }
+}
+
+/// The lines of the points of an organised cloud.
+fn grid(header: &PcdMeta) -> Option<ImageGrid> {
+    let side = |points: u64| u32::try_from(points).ok();
+    let point_count = usize::try_from(header.num_points).ok()?;
+    ImageGrid::of(side(header.width)?, side(header.height)?, point_count)
 }
 
 /// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the

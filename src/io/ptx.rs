@@ -11,7 +11,7 @@ use super::format::{Format, Traits};
 use super::growing;
 use super::rows::{self, Dialect};
 use super::xyz;
-use crate::cloud::{AxisConvention, LengthUnit, Positions, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud};
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
 
@@ -53,8 +53,10 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     let mut lines = Lines::new(bytes);
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut sensors = Vec::new();
+    let mut grid = None;
     while sensors.is_empty() || !lines.is_at_end() {
-        let (count, matrix) = lines.header()?;
+        let ([scan_columns, scan_rows], matrix) = lines.header()?;
+        let count = (scan_columns * scan_rows) as usize;
         let first_line = lines.number;
         let text = lines.take(count).ok_or_else(|| {
             Fault::new(
@@ -97,6 +99,8 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             }
         }
         sensors.push(matrix.w_axis.truncate());
+        // A column of the scanner is a line of the file.
+        grid = ImageGrid::of(scan_rows as u32, scan_columns as u32, count);
     }
     let count = columns.first().map_or(0, Vec::len);
     if count == 0 {
@@ -112,11 +116,11 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         })
         .collect();
     let mut cloud = growing::cloud(&columns, count)?;
-    // Several scans were seen from several places.
-    cloud.sensor = match sensors.as_slice() {
-        [sensor] if sensor.is_finite() => Some(*sensor),
-        _ => None,
-    };
+    // Several scans were seen from several places, and are several images.
+    if let [sensor] = sensors.as_slice() {
+        cloud.sensor = sensor.is_finite().then_some(*sensor);
+        cloud.grid = grid;
+    }
     Ok(cloud)
 }
 
@@ -174,11 +178,11 @@ impl<'a> Lines<'a> {
         Some(&text[..text.len() - self.rest.len()])
     }
 
-    /// Number of points and pose of the next scan.
-    fn header(&mut self) -> Result<(usize, DMat4), Fault> {
+    /// Columns and rows, and pose of the next scan.
+    fn header(&mut self) -> Result<([f64; 2], DMat4), Fault> {
         let mut numbers: Vec<f64> = Vec::new();
         let mut matrix = [DVec4::ZERO; 4];
-        let mut count = 1f64;
+        let mut sides = [0.0; 2];
         for (index, expected) in HEADER_WIDTHS.into_iter().enumerate() {
             let line = loop {
                 match self.next() {
@@ -205,7 +209,7 @@ impl<'a> Lines<'a> {
                 if numbers[0] < 0.0 || numbers[0].fract() != 0.0 {
                     return fault(format!("found {} as a number of columns or rows", numbers[0]));
                 }
-                count *= numbers[0];
+                sides[index] = numbers[0];
             }
             if index >= MATRIX_LINE {
                 // A row of a matrix for row vectors is a column of one for column vectors.
@@ -213,6 +217,6 @@ impl<'a> Lines<'a> {
             }
         }
         let [x, y, z, w] = matrix;
-        Ok((count as usize, DMat4::from_cols(x, y, z, w)))
+        Ok((sides, DMat4::from_cols(x, y, z, w)))
     }
 }

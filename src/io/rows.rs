@@ -152,13 +152,13 @@ pub(super) struct Lone {
 
 /// Parsed lines.
 #[derive(Debug, Default)]
-pub(super) struct Rows {
+pub(super) struct ParsedRows {
     /// Column by column, all of the same length.
     pub(super) columns: Vec<Vec<f64>>,
     pub(super) lones: Vec<Lone>,
 }
 
-impl Rows {
+impl ParsedRows {
     pub(super) fn len(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
@@ -166,7 +166,7 @@ impl Rows {
 
 /// What a block of lines holds; lines and rows are counted from its start.
 #[derive(Default)]
-struct Block {
+struct LineBlock {
     /// Row after row.
     values: Vec<f64>,
     lones: Vec<Lone>,
@@ -182,12 +182,12 @@ pub(super) fn parse(
     width: usize,
     dialect: Dialect,
     progress: &Progress,
-) -> Result<Rows, Fault> {
-    let blocks: Vec<Block> = blocks(text)
+) -> Result<ParsedRows, Fault> {
+    let blocks: Vec<LineBlock> = blocks(text)
         .into_par_iter()
         .map(|block| {
             if progress.is_cancelled() {
-                return Block::default();
+                return LineBlock::default();
             }
             let parsed = parse_block(block, width, dialect);
             progress.advance(block.len());
@@ -222,7 +222,7 @@ pub(super) fn parse(
             values
         })
         .collect();
-    Ok(Rows { columns, lones })
+    Ok(ParsedRows { columns, lones })
 }
 
 /// Pieces that end where a line does.
@@ -241,8 +241,8 @@ fn blocks(mut text: &[u8]) -> Vec<&[u8]> {
     blocks
 }
 
-fn parse_block(text: &[u8], width: usize, dialect: Dialect) -> Block {
-    let mut block = Block::default();
+fn parse_block(text: &[u8], width: usize, dialect: Dialect) -> LineBlock {
+    let mut block = LineBlock::default();
     for line in text.split_inclusive(|&byte| byte == b'\n') {
         let number = block.lines;
         block.lines += 1;

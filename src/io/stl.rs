@@ -79,7 +79,7 @@ impl Mesh {
 
     fn into_cloud(self) -> RawCloud {
         let mut cloud = RawCloud::from_positions(Positions::F32(self.positions));
-        cloud.colors = self.has_colors.then_some(self.colors);
+        cloud.attributes.colors = self.has_colors.then_some(self.colors);
         cloud.faces = self.faces;
         cloud
     }

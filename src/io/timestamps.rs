@@ -19,7 +19,7 @@ use std::time::Duration;
 
 /// How a time is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum TimeNotation {
     Date,
     Seconds,
     Digits(usize),
@@ -56,7 +56,7 @@ pub(crate) fn times_of_lines(text: &str) -> Option<Vec<Duration>> {
     text.trim_end().lines().map(time).collect()
 }
 
-fn time_of_name(name: &str) -> Option<(Kind, Duration)> {
+fn time_of_name(name: &str) -> Option<(TimeNotation, Duration)> {
     let path = Path::new(name);
     let file = path.file_name()?.to_str()?;
     // What stands behind the last dot is an extension unless it is a number.
@@ -69,20 +69,20 @@ fn time_of_name(name: &str) -> Option<(Kind, Duration)> {
     (0..runs.len()).find_map(|first| {
         let runs = &runs[first..];
         date(runs)
-            .map(|time| (Kind::Date, time))
-            .or_else(|| seconds(runs).map(|time| (Kind::Seconds, time)))
+            .map(|time| (TimeNotation::Date, time))
+            .or_else(|| seconds(runs).map(|time| (TimeNotation::Seconds, time)))
             .or_else(|| digits(runs))
     })
 }
 
 /// A number, and the one character behind it where another number follows.
 #[derive(Debug, Clone, Copy)]
-struct Run<'a> {
+struct NumberRun<'a> {
     digits: &'a str,
     separator: Option<char>,
 }
 
-fn runs(text: &str) -> Vec<Run<'_>> {
+fn runs(text: &str) -> Vec<NumberRun<'_>> {
     /// More are no name of a frame.
     const MOST_RUNS: usize = 32;
     let mut runs = Vec::new();
@@ -93,7 +93,7 @@ fn runs(text: &str) -> Vec<Run<'_>> {
         let mut behind = found[end..].chars();
         let separator = behind.next();
         let is_digit_next = behind.next().is_some_and(|c| c.is_ascii_digit());
-        runs.push(Run {
+        runs.push(NumberRun {
             digits: &found[..end],
             separator: separator.filter(|_| is_digit_next),
         });
@@ -106,7 +106,7 @@ fn runs(text: &str) -> Vec<Run<'_>> {
 }
 
 /// Year, month, day, hour, minute, second and what is after the second.
-fn date(runs: &[Run<'_>]) -> Option<Duration> {
+fn date(runs: &[NumberRun<'_>]) -> Option<Duration> {
     let mut fields = Vec::new();
     let mut runs = runs.iter();
     // Date and time of day are one number each, or a number for each of their three parts.
@@ -181,7 +181,7 @@ fn fraction_nanos(digits: &str) -> Option<u32> {
     format!("{digits:0<NANO_DIGITS$}").parse().ok()
 }
 
-fn seconds(runs: &[Run<'_>]) -> Option<Duration> {
+fn seconds(runs: &[NumberRun<'_>]) -> Option<Duration> {
     let [whole, fraction, ..] = runs else {
         return None;
     };
@@ -192,7 +192,7 @@ fn seconds(runs: &[Run<'_>]) -> Option<Duration> {
     is_time.then(|| Some(Duration::new(seconds, fraction_nanos(fraction.digits)?)))?
 }
 
-fn digits(runs: &[Run<'_>]) -> Option<(Kind, Duration)> {
+fn digits(runs: &[NumberRun<'_>]) -> Option<(TimeNotation, Duration)> {
     let digits = runs.first()?.digits;
     let number: u64 = digits.parse().ok()?;
     let time = match digits.len() {
@@ -201,7 +201,7 @@ fn digits(runs: &[Run<'_>]) -> Option<(Kind, Duration)> {
         19 => Duration::from_nanos(number),
         _ => return None,
     };
-    Some((Kind::Digits(digits.len()), time))
+    Some((TimeNotation::Digits(digits.len()), time))
 }
 
 #[cfg(test)]

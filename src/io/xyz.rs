@@ -15,7 +15,7 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
-use super::rows::{self, Dialect, Rows};
+use super::rows::{self, Dialect, ParsedRows};
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
 
@@ -80,7 +80,7 @@ fn cut_short(claimed: usize, count: usize) -> Fault {
 }
 
 /// Points of all scans by the lone number before each: `.pts` files count their points there.
-fn claimed_points(first: Option<usize>, rows: &Rows, width: usize) -> Result<Option<usize>, Fault> {
+fn claimed_points(first: Option<usize>, rows: &ParsedRows, width: usize) -> Result<Option<usize>, Fault> {
     let mut claimed = first;
     for lone in &rows.lones {
         // A further count comes when all points of those before it are there.

@@ -34,7 +34,7 @@ impl From<FrameState> for Mark {
 
 /// Neighbouring frames with one mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Run {
+pub struct MarkRun {
     /// First frame.
     pub start: usize,
     /// One past the last frame.
@@ -44,13 +44,13 @@ pub struct Run {
 }
 
 /// Runs of equal states, in order, covering all frames.
-pub(super) fn runs(states: impl IntoIterator<Item = FrameState>) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+pub(super) fn runs(states: impl IntoIterator<Item = FrameState>) -> Vec<MarkRun> {
+    let mut runs: Vec<MarkRun> = Vec::new();
     for (index, state) in states.into_iter().enumerate() {
         let mark = Mark::from(state);
         match runs.last_mut() {
             Some(run) if run.mark == mark => run.end = index + 1,
-            _ => runs.push(Run {
+            _ => runs.push(MarkRun {
                 start: index,
                 end: index + 1,
                 mark,
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn equal_neighbours_become_one_run() {
         use FrameState::{Absent, Coarse, Failed, Loading, Ready, Stale};
-        let run = |start, end, mark| Run { start, end, mark };
+        let run = |start, end, mark| MarkRun { start, end, mark };
         assert_eq!(
             runs([Ready, Ready, Failed, Loading, Stale, Absent, Coarse]),
             [

@@ -10,6 +10,6 @@ mod pairing;
 mod player;
 
 pub use companion::Companion;
-pub use marks::{Mark, Run};
+pub use marks::{Mark, MarkRun};
 pub use pairing::{Pair, PairBy, PairTimes};
 pub use player::{Player, PlayerChange, can_draw};

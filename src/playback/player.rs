@@ -9,7 +9,7 @@
 //! even so *skips* frames. All of it is counted.
 
 use super::attributes::FirstAttributes;
-use super::marks::{Run, runs};
+use super::marks::{MarkRun, runs};
 use crate::scene::{Primitive, Scene, Style};
 use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
@@ -40,7 +40,7 @@ pub struct Player {
     /// The stopped clock goes on when the frame at the playhead is there.
     play_on_arrival: bool,
     requested: Option<(usize, Direction, Needs)>,
-    runs: Vec<Run>,
+    runs: Vec<MarkRun>,
     runs_revision: Option<u64>,
     shown_at: VecDeque<Duration>,
     frames_shown: u64,
@@ -166,7 +166,7 @@ impl Player {
     }
 
     /// Runs of frames with the same state, as of the last `refresh_runs`.
-    pub fn runs(&self) -> &[Run] {
+    pub fn runs(&self) -> &[MarkRun] {
         &self.runs
     }
 
@@ -430,6 +430,7 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
 pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
         Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
+        Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
         Primitive::Voxel => frame.levels.octree().is_some(),
         Primitive::Point => true,
     }

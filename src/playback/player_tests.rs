@@ -227,11 +227,11 @@ fn what_could_not_be_read_of_a_frame_is_told_once() {
 
 /// Frames that a test lets come and go.
 #[derive(Default)]
-struct Stream {
+struct LiveFrames {
     frames: Mutex<std::ops::Range<usize>>,
 }
 
-impl Source for Arc<Stream> {
+impl Source for Arc<LiveFrames> {
     fn frames(&self) -> std::ops::Range<usize> {
         self.frames.lock().unwrap().clone()
     }
@@ -251,7 +251,7 @@ impl Source for Arc<Stream> {
 
 #[test]
 fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
-    let stream = Arc::new(Stream::default());
+    let stream = Arc::new(LiveFrames::default());
     *stream.frames.lock().unwrap() = 0..1;
     let sequence = Arc::new(Sequence::of(Arc::clone(&stream)));
     let loader = LoaderOptions {

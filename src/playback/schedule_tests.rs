@@ -26,7 +26,7 @@ struct Theatre {
 }
 
 /// At so many milliseconds this frame was shown with so many points.
-type Shown = (u64, usize, usize);
+type TimedFrame = (u64, usize, usize);
 
 const FAST: Cost = Cost {
     decode_ms: 1.0,
@@ -69,7 +69,7 @@ impl Theatre {
     }
 
     /// Plays until `end_ms` and says what was shown.
-    fn play(&mut self, end_ms: u64) -> Vec<Shown> {
+    fn play(&mut self, end_ms: u64) -> Vec<TimedFrame> {
         let mut schedule = Vec::new();
         let end = Duration::from_millis(end_ms);
         while self.now < end {
@@ -198,7 +198,7 @@ fn broken_frames_are_passed_over_in_their_time() {
     let mut theatre = Theatre::new(|_| FAST, &[3, 4, 11]);
     let schedule = theatre.play(1000);
     let good = (1..25).filter(|number| ![3, 4, 11].contains(&(number % 12)));
-    let expected: Vec<Shown> = good
+    let expected: Vec<TimedFrame> = good
         .map(|number| (2 + 40 * number as u64, number % 12, POINTS))
         .collect();
     assert_eq!(schedule[2..], expected);

@@ -23,10 +23,7 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
     let sources = (0..frames).map(|number| FrameEntry::file(format!("{number}.ply")));
     let cloud = |places: Vec<usize>| {
         let positions = places.into_iter().map(position).collect();
-        RawCloud {
-            colors: None,
-            ..RawCloud::from_positions(Positions::F32(positions))
-        }
+        RawCloud::from_positions(Positions::F32(positions))
     };
     let frames = FrameList::new(sources.collect(), move |_, _| Ok(cloud((0..points).collect())));
     Arc::new(Sequence::of(frames.with_sample(move |_, most, fewest| {

@@ -24,8 +24,20 @@ pub(super) fn opaque_weight(surfels: &SurfelStyle) -> f32 {
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;
 /// White that is added where a surface faces the eye.
 pub(super) const HEAD_LIGHT_SPECULAR: f32 = 0.15;
+/// Exponent of that white. Renderers multiply, since it is worked out for every fragment of every layer: the cube of
+/// the eighth power.
+pub(super) const HEAD_LIGHT_SHININESS: u32 = 24;
 /// Factor on the colour of a surfel that is seen from behind, where that is to be told.
 pub(super) const BACK_SIDE: f32 = 0.8;
+
+/// Normals with more of the y axis are taken for parallel to it: another axis gives the directions of a surfel's
+/// square.
+pub(super) const UPRIGHT_NORMAL_Y: f32 = 0.99;
+
+/// How far the corners of a surfel's square are from its middle, in radii: √2, rounded up.
+pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;
+/// How far the corners of a cube are from its middle, in half edges: √3, rounded up.
+pub(super) const CUBE_REACH_HALF_EDGES: f32 = 1.7321;
 
 /// Greys of the nearest and the farthest depth in the picture of the visibility pass.
 pub(super) const NEAREST_GREY: f32 = 0.95;

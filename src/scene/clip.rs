@@ -110,7 +110,7 @@ impl Clip {
     }
 
     /// The indices of the records that are drawn, ascending.
-    pub(super) fn kept<T: Placed>(&self, records: &[T]) -> Vec<u32> {
+    pub(super) fn kept<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
         let tasks = records.par_chunks(RECORDS_PER_TASK).enumerate();
         let kept = tasks.flat_map_iter(|(task, records)| {
             let first = (task * RECORDS_PER_TASK) as u32;
@@ -124,18 +124,18 @@ impl Clip {
 }
 
 /// A record that is somewhere.
-pub(super) trait Placed: Sync {
+pub(super) trait HasPosition: Sync {
     /// Its middle, relative to the origin of the sequence.
     fn place(&self) -> Vec3;
 }
 
-impl Placed for PointRecord {
+impl HasPosition for PointRecord {
     fn place(&self) -> Vec3 {
         Vec3::from_array(self.position)
     }
 }
 
-impl Placed for VoxelRecord {
+impl HasPosition for VoxelRecord {
     fn place(&self) -> Vec3 {
         Vec3::from_array(self.center)
     }

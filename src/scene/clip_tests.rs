@@ -3,8 +3,8 @@
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
 use crate::scene::{
-    BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, OfSequence, Primitive, RendererChoice, Scene,
-    Style, SurfelStyle, UpAxis, pick,
+    BackFaces, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, Primitive, RendererChoice, Scene, Style, UpAxis,
+    pick,
 };
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete, prepare};
 use proptest::prelude::*;
@@ -19,8 +19,8 @@ fn frame(places: &[Vec3], origin: DVec3) -> PreparedFrame {
     let positions = places.iter().map(|place| (origin + place.as_dvec3()).to_array());
     let mut raw = RawCloud::from_positions(Positions::F64(positions.collect()));
     let normal = |place: &Vec3| (*place + 0.01).normalize_or(Vec3::Z).to_array();
-    raw.normals = Some(places.iter().map(normal).collect());
-    raw.radii = Some(vec![0.05; places.len()]);
+    raw.attributes.normals = Some(places.iter().map(normal).collect());
+    raw.attributes.radii = Some(vec![0.05; places.len()]);
     let frame = Arc::new(Frame::from_raw(raw, origin).unwrap());
     let needs = Needs {
         shapes: true,
@@ -41,13 +41,11 @@ fn camera(origin: DVec3) -> Camera {
 fn ways() -> Vec<Style> {
     let mut ways: Vec<Style> = Primitive::ALL
         .iter()
-        .map(|&primitive| Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
+        .map(|&primitive| {
+            Style::default().with(|style| {
+                style.primitive = primitive;
+                style.surfels.back_faces = BackFaces::Drawn;
+            })
         })
         .collect();
     ways.push(Style {
@@ -109,7 +107,7 @@ proptest! {
         for way in ways() {
             let frame = complete(&frame, &Scene::needs(&way), &PrepareCounters::default());
             let packet = |clip| {
-                let style = Style { of_sequence: OfSequence { clip, ..way.of_sequence }, ..way };
+                let style = way.with(|style| style.of_sequence.clip = clip);
                 Scene::default().packet(&frame, origin, &camera(origin), &style, SIZE)
             };
             let (all, clipped) = (packet(None), packet(Some(clip)));
@@ -145,7 +143,7 @@ proptest! {
         let frame = frame(&places, origin);
         let clip = Clip::to(shape.relative_to(-origin));
         for way in ways() {
-            let style = Style { of_sequence: OfSequence { clip: Some(clip), ..way.of_sequence }, ..way };
+            let style = way.with(|style| style.of_sequence.clip = Some(clip));
             let packet = Scene::default().packet(&frame, origin, &camera(origin), &style, SIZE);
             let at = [px.0, px.1].map(|edge| f64::from(edge) + 0.5);
             let Some(slot) = pick(&packet, &frame, at, 20.0) else { continue };
@@ -179,13 +177,7 @@ fn the_same_clip_is_the_same_allocation() {
             is_on,
             ..Clip::to(shape)
         };
-        let style = Style {
-            of_sequence: OfSequence {
-                clip: Some(clip),
-                ..OfSequence::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.of_sequence.clip = Some(clip));
         scene.packet(&frame, DVec3::ZERO, &camera(DVec3::ZERO), &style, SIZE)
     };
     let [first, again] = [packet(0.0, true), packet(0.0, true)];

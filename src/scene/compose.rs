@@ -100,6 +100,7 @@ impl Scene {
     pub fn needs(style: &Style) -> Needs {
         Needs {
             shapes: style.draws_surfels() || style.lights_voxels_by_normals(),
+            ellipses: style.primitive == Primitive::Ellipse,
             levels: style.levels_kind().map(|kind| LevelsKey {
                 kind,
                 stop: style.octree_stop(),
@@ -169,7 +170,7 @@ impl Scene {
         let points = || Arc::clone(&frame.points);
         let whole = match style.primitive {
             Primitive::Point => Content::Points(points()),
-            Primitive::Auto | Primitive::Surfel => match &frame.shapes {
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => match &frame.shapes {
                 Some(shapes) => Content::Surfels(Surfels {
                     points: points(),
                     shapes: Arc::clone(shapes),

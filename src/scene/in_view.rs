@@ -38,7 +38,7 @@ pub fn points_in_view(
     viewport_px: [u32; 2],
     clip: Option<&Clip>,
 ) -> Vec<u32> {
-    let grid = Grid::new(view, viewport_px);
+    let grid = PixelGrid::new(view, viewport_px);
     let seen_at = |position: Vec3| {
         let is_drawn = clip.is_none_or(|clip| clip.keeps(position.as_dvec3()));
         grid.pixel_of(position).filter(|_| is_drawn)
@@ -79,12 +79,12 @@ pub fn points_in_view(
 }
 
 /// The pixels of a picture, or larger squares where it has too many.
-struct Grid<'a> {
+struct PixelGrid<'a> {
     view: &'a ViewTransform,
     size: [usize; 2],
 }
 
-impl<'a> Grid<'a> {
+impl<'a> PixelGrid<'a> {
     fn new(view: &'a ViewTransform, viewport_px: [u32; 2]) -> Self {
         let [width, height] = viewport_px.map(f64::from);
         let scale = (MOST_PIXELS as f64 / (width * height)).sqrt().min(1.0);

@@ -24,7 +24,7 @@ pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};
 pub use content::{CodedCells, Content, Surfels, Voxels};
 pub use eye_dome::EyeDomeLight;
-pub use first_look::{FirstLook, Kind, Standpoint};
+pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
 pub use in_view::points_in_view;
 pub use legend::{Legend, LegendBody, field_title};

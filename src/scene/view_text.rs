@@ -90,7 +90,7 @@ impl FromStr for Camera {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parts = text.trim().strip_prefix(HEAD);
-        let mut words = Words(parts.ok_or(ParseViewError::NoView)?.split_whitespace());
+        let mut words = TextTokens(parts.ok_or(ParseViewError::NoView)?.split_whitespace());
         words.expect("target")?;
         let finite = |what| (what, "a finite number");
         let is_finite = |value: &f64| value.is_finite();
@@ -122,9 +122,9 @@ impl FromStr for Camera {
 }
 
 /// What is left of a text.
-struct Words<'a>(std::str::SplitWhitespace<'a>);
+struct TextTokens<'a>(std::str::SplitWhitespace<'a>);
 
-impl<'a> Words<'a> {
+impl<'a> TextTokens<'a> {
     fn next(&mut self, what: &'static str) -> Result<&'a str, ParseViewError> {
         self.0.next().ok_or(ParseViewError::Missing { what })
     }

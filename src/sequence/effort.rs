@@ -18,7 +18,7 @@ mod points;
 
 use super::Detail;
 use average::Average;
-use drawing::Drawing;
+use drawing::DrawingPace;
 use points::power_of_two;
 use std::time::Duration;
 
@@ -52,7 +52,7 @@ pub(super) struct Effort {
     /// Of the largest frame.
     points_in_file: usize,
     made_for: Option<u32>,
-    drawing: Drawing,
+    drawing: DrawingPace,
 }
 
 impl Effort {
@@ -64,7 +64,7 @@ impl Effort {
             rest_ns_per_point: Average::default(),
             points_in_file: 0,
             made_for: None,
-            drawing: Drawing::default(),
+            drawing: DrawingPace::default(),
         }
     }
 
@@ -185,7 +185,7 @@ mod tests {
     /// Where the first pictures have taken no time.
     fn played_at(fps: f64) -> Effort {
         let mut effort = opened_at(fps);
-        for _ in 0..Drawing::LOOKED_AT_IF_CLEAR {
+        for _ in 0..DrawingPace::LOOKED_AT_IF_CLEAR {
             effort.note_drawn(FIRST_POINTS as usize, 0.0);
         }
         effort
@@ -208,7 +208,7 @@ mod tests {
         effort.note_made(&made(1.0, 1.0, FIRST_POINTS as usize));
         assert_eq!(effort.in_time(), Detail::at_most(FIRST_POINTS));
         // 32 of 40 ms are planned: in proportion, they are enough for eight times the points, and for a little less.
-        for _ in 0..Drawing::LOOKED_AT_IF_CLEAR {
+        for _ in 0..DrawingPace::LOOKED_AT_IF_CLEAR {
             effort.note_drawn(FIRST_POINTS as usize, 3.0);
         }
         assert_eq!(effort.in_time(), Detail::at_most(8 * FIRST_POINTS));

@@ -6,7 +6,7 @@
 //! the merged frame lead back: those below the number of the pose's points are its slots, all others are ghosts.
 
 use super::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
-use crate::cloud::{CloudError, Frame, Positions, RawCloud, oct_decode};
+use crate::cloud::{CloudError, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, oct_decode};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -41,14 +41,12 @@ impl Ghost {
 /// are asked for, ghosts without shapes are left out.
 pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Result<PreparedFrame, CloudError> {
     let has_shapes = pose.shapes.is_some() && needs.shapes;
-    let (mut positions, mut colors) = (Vec::new(), Vec::new());
-    let (mut normals, mut radii) = (Vec::new(), Vec::new());
+    let (mut positions, mut colors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
     let mut add = |frame: &PreparedFrame, slot: usize, color: [u8; 4]| {
         positions.push(frame.points[slot].position);
         colors.push(color);
-        if let Some(shapes) = frame.shapes.as_ref().filter(|_| has_shapes) {
-            normals.push(oct_decode(shapes[slot].normal).to_array());
-            radii.push(shapes[slot].radius);
+        if let Some(known) = frame.shapes.as_ref().filter(|_| has_shapes) {
+            shapes.push(known[slot]);
         }
     };
     for (slot, point) in pose.points.iter().enumerate() {
@@ -63,9 +61,19 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
         }
     }
     let mut raw = RawCloud::from_positions(Positions::F32(positions));
-    raw.colors = Some(colors);
-    raw.normals = has_shapes.then_some(normals);
-    raw.radii = has_shapes.then_some(radii);
+    raw.attributes.colors = Some(colors);
+    if has_shapes {
+        let normal = |shape: &ShapeRecord| oct_decode(shape.normal).to_array();
+        // As they are drawn: shapes that once were asked for as ellipses may be drawn as disks now.
+        let ellipse = |shape: &ShapeRecord| {
+            let packed = if needs.ellipses { shape.ellipse } else { 0 };
+            decode_ellipse(shape.normal, packed)
+        };
+        let radius = |shape: &ShapeRecord| ellipse(shape).radius_of_quadratic_mean(shape.radius);
+        raw.attributes.normals = Some(shapes.iter().map(normal).collect());
+        raw.attributes.radii = Some(shapes.iter().map(radius).collect());
+        raw.attributes.ellipses = needs.ellipses.then(|| shapes.iter().map(ellipse).collect());
+    }
     raw.unit = pose.frame.unit();
     let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);
     let needs = Needs {
@@ -81,6 +89,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::Ellipse;
     use crate::levels::octree::StopCriterion;
     use crate::levels::{LevelsKey, LevelsKind};
     use glam::Vec3;
@@ -90,9 +99,9 @@ mod tests {
         let positions = (0..count).map(|point| [start + point as f32, 0.0, 0.0]);
         let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
         let color = |point| [[0, 0, 0, 255], [255; 4]][point % 2];
-        raw.colors = Some((0..count).map(color).collect());
-        raw.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
-        raw.radii = Some(vec![0.25; count]);
+        raw.attributes.colors = Some((0..count).map(color).collect());
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; count]);
+        raw.attributes.radii = Some(vec![0.25; count]);
         let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
         let counters = PrepareCounters::default();
         Arc::new(prepare(index, frame, 0.0, needs, &counters))
@@ -152,6 +161,53 @@ mod tests {
         let points = |needs: &Needs| with_ghosts(&now, bare, needs).unwrap().points.len();
         assert_eq!(points(&needs()), 10);
         assert_eq!(points(&Needs::default()), 20);
+    }
+
+    #[test]
+    fn ellipses_of_a_file_stay_beside_those_that_were_estimated() {
+        let needs = Needs {
+            ellipses: true,
+            ..needs()
+        };
+        let in_rows = (0..100).map(|point| [(point % 10) as f32, (point / 10) as f32, 0.0]);
+        let mut raw = RawCloud::from_positions(Positions::F32(in_rows.collect()));
+        let prepared = |raw: &RawCloud| {
+            let frame = Arc::new(Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap());
+            Arc::new(prepare(0, frame, 0.0, &needs, &PrepareCounters::default()))
+        };
+        let estimated = prepared(&raw);
+        let ellipse = Ellipse {
+            axis: Vec3::new(0.6, 0.8, 0.0),
+            ratio: 0.3,
+        };
+        raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 100]);
+        raw.attributes.radii = Some(vec![0.25; 100]);
+        raw.attributes.ellipses = Some(vec![ellipse; 100]);
+        let of_file = prepared(&raw);
+        let ghost = Ghost {
+            frame: Arc::clone(&estimated),
+            share: 1.0,
+            tint: [255; 3],
+        };
+        let merged = with_ghosts(&of_file, &[ghost], &needs).unwrap();
+        let half_axes =
+            |shape: &ShapeRecord| decode_ellipse(shape.normal, shape.ellipse).half_axes_of_quadratic_mean(shape.radius);
+        let shapes = merged.shapes.as_ref().unwrap();
+        for (&index, shape) in merged.frame.file_index().iter().zip(shapes.iter()) {
+            let expected = match index {
+                0..100 => ellipse.half_axes(0.25),
+                ghost => half_axes(&estimated.shapes.as_ref().unwrap()[ghost as usize - 100]),
+            };
+            for (found, expected) in half_axes(shape).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4 * expected, "{found} for {expected}");
+            }
+        }
+        let disks = Needs {
+            ellipses: false,
+            ..needs
+        };
+        let alone = with_ghosts(&estimated, &[], &disks).unwrap();
+        assert_eq!(alone.frame.ellipses(), None);
     }
 
     #[test]

@@ -8,6 +8,8 @@ use crate::levels::LevelsKey;
 pub struct Needs {
     /// Normals and radii: for surfels, and for light on voxels.
     pub shapes: bool,
+    /// How much longer than wide splats are, and along what; nothing without `shapes`.
+    pub ellipses: bool,
     /// Levels of detail; those that are made of shapes only where `shapes` are asked for as well.
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.

@@ -159,27 +159,13 @@ impl OriginFinder {
         lock(&self.kept)
             .values()
             .filter_map(|kept| kept.as_ref().ok())
-            .map(|(raw, _)| raw_byte_size(raw))
+            .map(|(raw, _)| raw.byte_size())
             .sum()
     }
 
     pub(super) fn drop_kept(&self) {
         lock(&self.kept).retain(|_, kept| kept.is_err());
     }
-}
-
-/// Bytes of all arrays.
-fn raw_byte_size(raw: &RawCloud) -> usize {
-    let position_bytes = match &raw.positions {
-        crate::cloud::Positions::F32(_) => 12,
-        crate::cloud::Positions::F64(_) => 24,
-    };
-    let per_point = position_bytes
-        + raw.colors.as_ref().map_or(0, |_| 4)
-        + raw.normals.as_ref().map_or(0, |_| 12)
-        + raw.radii.as_ref().map_or(0, |_| 4)
-        + raw.scalars.len() * 4;
-    raw.positions.len() * per_point + size_of_val(raw.faces.as_slice())
 }
 
 /// Middle and diagonal of finite coordinates between `min` and `max`.

@@ -3,8 +3,8 @@
 use super::Paint;
 use super::coloring::UNIFORM_RGB;
 use super::scaled::{field, points_in_class_colors, points_on_scale};
-use crate::analysis::{Orientation, Surface, fake_color, splat_radii};
-use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::analysis::{Orientation, Surface, fake_color, splat_ellipses, splat_radii};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, encode_ellipse, oct_decode, oct_encode};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -101,23 +101,48 @@ fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn
     }
 }
 
-/// One record a point; a scalar that the file does not have, or is no number there, is 0.
+/// One record a point, all disks; a scalar that the file does not have, or is no number there, is 0.
 pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec<ShapeRecord> {
-    let record = |(&normal, &radius): (&Vec3, &f32), scalar| ShapeRecord {
-        normal: oct_encode(normal),
-        radius,
-        ellipse: 0,
-        scalar,
+    let scalars = frame.scalars();
+    let record = |slot: usize, normal: Vec3, radius: f32| {
+        let scalar = scalars.map_or(0.0, |scalars| scalars[slot]);
+        ShapeRecord {
+            normal: oct_encode(normal),
+            radius,
+            ellipse: 0,
+            scalar: if scalar.is_nan() { 0.0 } else { scalar },
+        }
     };
     let shapes = surface.normals.par_iter().zip(surface.radii.par_iter());
-    let shapes = shapes.with_min_len(POINTS_PER_TASK);
-    match frame.scalars() {
-        Some(scalars) => shapes
-            .zip(scalars.par_iter())
-            .map(|(shape, &scalar)| record(shape, if scalar.is_nan() { 0.0 } else { scalar }))
-            .collect(),
-        None => shapes.map(|shape| record(shape, 0.0)).collect(),
-    }
+    shapes
+        .enumerate()
+        .with_min_len(POINTS_PER_TASK)
+        .map(|(slot, (&normal, &radius))| record(slot, normal, radius))
+        .collect()
+}
+
+/// The same shapes with the ellipses of the file, or where it has none with those that close the surface: see
+/// [`splat_ellipses`]. Radii are the quadratic means of half axes, as [`ShapeRecord`] has them.
+pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<ShapeRecord> {
+    let Some(ellipses) = frame.ellipses() else {
+        let normals: Vec<Vec3> = shapes.par_iter().map(|shape| oct_decode(shape.normal)).collect();
+        let closing = splat_ellipses(frame.positions(), &normals);
+        let shapes = shapes.par_iter().zip(closing).with_min_len(POINTS_PER_TASK);
+        return shapes
+            .map(|(&shape, ellipse)| ShapeRecord {
+                ellipse: ellipse.map_or(0, |ellipse| encode_ellipse(shape.normal, ellipse)),
+                ..shape
+            })
+            .collect();
+    };
+    let shapes = shapes.par_iter().zip(ellipses).with_min_len(POINTS_PER_TASK);
+    shapes
+        .map(|(&shape, &ellipse)| ShapeRecord {
+            ellipse: encode_ellipse(shape.normal, ellipse),
+            radius: ellipse.quadratic_mean(shape.radius),
+            ..shape
+        })
+        .collect()
 }
 
 /// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks

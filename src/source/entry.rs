@@ -6,14 +6,14 @@ use std::time::Duration;
 
 /// Where the bytes of a frame are.
 #[derive(Clone, PartialEq, Eq)]
-pub enum Content {
+pub enum FrameBytes {
     /// In the file at [`FrameEntry::path`], which may hold others too.
     File(Part),
     /// In the program; [`FrameEntry::path`] is only a name.
     Embedded(&'static [u8]),
 }
 
-impl Content {
+impl FrameBytes {
     /// Bytes in the program; none of a file.
     pub(super) fn embedded(&self) -> &'static [u8] {
         match self {
@@ -23,7 +23,7 @@ impl Content {
     }
 }
 
-impl std::fmt::Debug for Content {
+impl std::fmt::Debug for FrameBytes {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(part) => write!(formatter, "File({part:?})"),
@@ -44,7 +44,7 @@ pub struct FrameEntry {
     /// When it was taken, since whatever moment its file or its name counts from.
     pub time: Option<Duration>,
     /// Where the bytes are.
-    pub content: Content,
+    pub content: FrameBytes,
     /// A file beside it with the normals of its points, which the file itself need not have.
     pub normals: Option<PathBuf>,
 }
@@ -52,12 +52,12 @@ pub struct FrameEntry {
 impl FrameEntry {
     /// The file at `path`.
     pub fn file(path: impl Into<PathBuf>) -> Self {
-        Self::new(path.into(), Content::File(Part::Whole))
+        Self::new(path.into(), FrameBytes::File(Part::Whole))
     }
 
     /// A frame of a file that holds several.
     pub(super) fn entry(path: impl Into<PathBuf>, entry: io::Entry) -> Self {
-        let mut frame = Self::new(path.into(), Content::File(entry.part));
+        let mut frame = Self::new(path.into(), FrameBytes::File(entry.part));
         if !entry.name.is_empty() {
             frame.name = format!("{}: {}", frame.name, entry.name);
         }
@@ -67,10 +67,10 @@ impl FrameEntry {
 
     /// Bytes in the program, under a name whose extension tells their format where their first bytes do not.
     pub fn embedded(name: impl Into<PathBuf>, bytes: &'static [u8]) -> Self {
-        Self::new(name.into(), Content::Embedded(bytes))
+        Self::new(name.into(), FrameBytes::Embedded(bytes))
     }
 
-    fn new(path: PathBuf, content: Content) -> Self {
+    fn new(path: PathBuf, content: FrameBytes) -> Self {
         let name = path.file_name().map_or_else(
             || path.display().to_string(),
             |name| name.to_string_lossy().into_owned(),

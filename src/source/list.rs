@@ -6,16 +6,16 @@ use crate::progress::Progress;
 use std::ops::Range;
 use std::sync::Arc;
 
-type Decode = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
+type DecodeFn = dyn Fn(&FrameEntry, &Progress) -> Result<RawCloud, DecodeFailure> + Send + Sync;
 
 /// Reads some points of a frame alone: see [`Source::sample`].
-type Sample = dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
+type SampleFn = dyn Fn(&FrameEntry, usize, usize) -> Result<Option<FrameSample>, DecodeFailure> + Send + Sync;
 
 /// Frames that one function decodes, called from several threads at once.
 pub struct FrameList {
     entries: Vec<Arc<FrameEntry>>,
-    decode: Arc<Decode>,
-    sample: Option<Box<Sample>>,
+    decode: Arc<DecodeFn>,
+    sample: Option<Box<SampleFn>>,
 }
 
 impl FrameList {

@@ -19,7 +19,7 @@ mod spin;
 mod traits;
 
 pub use demo::demo;
-pub use entry::{Content, FrameEntry};
+pub use entry::{FrameBytes, FrameEntry};
 pub use error::SequenceError;
 pub use files::{Files, Recording};
 pub use generated::Generated;

@@ -171,11 +171,10 @@ impl Shape {
             let [red, green, blue] = Self::color_at(position.as_dvec3());
             [red, green, blue, 255]
         };
-        RawCloud {
-            colors: Some(positions.iter().map(color).collect()),
-            normals: Some(normals.iter().map(Vec3::to_array).collect()),
-            ..RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()))
-        }
+        let mut cloud = RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()));
+        cloud.attributes.colors = Some(positions.iter().map(color).collect());
+        cloud.attributes.normals = Some(normals.iter().map(Vec3::to_array).collect());
+        cloud
     }
 }
 

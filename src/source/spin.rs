@@ -130,12 +130,12 @@ impl Decoder for SpinDecoder {
             // Shapes are sampled in single precision.
             Positions::F64(_) => Vec::new(),
         };
-        let normals = at_rest.normals.as_ref();
-        Ok(RawCloud {
-            colors: at_rest.colors.clone(),
-            normals: normals.map(|normals| normals.iter().map(turned).collect()),
-            ..RawCloud::from_positions(Positions::F32(positions))
-        })
+        let mut cloud = RawCloud::from_positions(Positions::F32(positions));
+        cloud.attributes.clone_from(&at_rest.attributes);
+        for normal in cloud.attributes.normals.iter_mut().flatten() {
+            *normal = turned(normal);
+        }
+        Ok(cloud)
     }
 }
 
@@ -178,7 +178,7 @@ mod tests {
             // A quarter about Y: z goes to x.
             assert!(after.abs_diff_eq(Vec3::new(before.z, before.y, -before.x), 1e-5));
         }
-        assert_eq!(begin.colors, quarter.colors);
+        assert_eq!(begin.attributes.colors, quarter.attributes.colors);
         assert_eq!(begin.positions.len(), 500);
     }
 }

@@ -9,8 +9,8 @@ use pointreel::math::Aabb;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Backdrop, Background, Camera, Content, LightStyle, Lighting, Primitive, Projection, ScenePacket, Splatting, Style,
-    SurfelStyle, Surfels, UpAxis, Voxels,
+    Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Splatting, Style, Surfels, UpAxis,
+    Voxels,
 };
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
@@ -55,21 +55,11 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
 
 /// Settings whose colours can be predicted: no light, black background. Splats reach over what lies between them.
 pub(crate) fn plain() -> Style {
-    Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPassEnlarged,
-            ..SurfelStyle::default()
-        },
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([0, 0, 0]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+    Style::default().with(|style| {
+        style.surfels.splatting = Splatting::TwoPassEnlarged;
+        style.light.lighting = Lighting::Unlit;
+        style.backdrop.background = Background::solid([0, 0, 0]);
+    })
 }
 
 /// A camera on +Z at `distance`, looking at the origin, 90 degrees high and wide on a square viewport.
@@ -94,7 +84,7 @@ pub(crate) struct Surfel {
     pub(crate) color: [u8; 3],
 }
 
-/// A packet of surfels (or of points, by the settings).
+/// A packet of surfels, or by the settings of points, or of ellipses: thin ones and circles, in many directions.
 pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewport_px: [u32; 2]) -> ScenePacket {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.position).collect();
     let points = surfels.iter().map(|surfel| PointRecord {
@@ -102,10 +92,11 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
         color: [surfel.color[0], surfel.color[1], surfel.color[2], 255],
     });
     let points = Arc::new(points.collect());
-    let shapes = surfels.iter().map(|surfel| ShapeRecord {
+    let are_ellipses = style.primitive == Primitive::Ellipse;
+    let shapes = (0u32..).zip(surfels).map(|(index, surfel)| ShapeRecord {
         normal: oct_encode(surfel.normal),
         radius: surfel.radius,
-        ellipse: 0,
+        ellipse: u32::from(are_ellipses) * (((index * 9973) << 16) | ((index % 4) * 16_000)),
         scalar: 0.0,
     });
     ScenePacket {

@@ -8,10 +8,7 @@ use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{
-    Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStyle, LightStyle, PointStyle, Primitive,
-    Splatting, Strategy, Style, SurfelStyle,
-};
+use pointreel::scene::{Background, EyeDome, Footprint, PointStyle, Primitive, Splatting, Strategy, Style};
 use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
@@ -58,34 +55,23 @@ fn ways() -> Vec<Style> {
             },
             ..style()
         },
-        Style {
-            levels: LevelStyle {
-                surfel_lod: true,
-                lod: Lod::Budget(900),
-                ..style().levels
-            },
-            ..style()
-        },
+        style().with(|style| {
+            style.levels.surfel_lod = true;
+            style.levels.lod = Lod::Budget(900);
+        }),
     ];
-    ways.extend(Splatting::ALL.iter().map(|&splatting| Style {
-        surfels: SurfelStyle {
-            splatting,
-            ..style().surfels
-        },
-        ..style()
-    }));
+    ways.extend(
+        Splatting::ALL
+            .iter()
+            .map(|&splatting| style().with(|style| style.surfels.splatting = splatting)),
+    );
     // In parts neighbours are seen beyond them, and lines go on.
-    ways.extend([Primitive::Surfel, Primitive::Voxel].map(|primitive| Style {
-        primitive,
-        light: LightStyle {
-            eye_dome: EyeDome::On,
-            ..style().light
-        },
-        backdrop: Backdrop {
-            grid: true,
-            ..style().backdrop
-        },
-        ..style()
+    ways.extend([Primitive::Surfel, Primitive::Voxel].map(|primitive| {
+        style().with(|style| {
+            style.primitive = primitive;
+            style.light.eye_dome = EyeDome::On;
+            style.backdrop.grid = true;
+        })
     }));
     ways
 }
@@ -104,13 +90,7 @@ fn the_processor_draws_the_same_picture_in_parts() {
 #[test]
 fn byte_codes_are_nearly_the_same_in_parts() {
     for (footprint, least_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {
-        let style = Style {
-            codes: CodeStyle {
-                footprint,
-                ..style().codes
-            },
-            ..style()
-        };
+        let style = style().with(|style| style.codes.footprint = footprint);
         let (db, _) = parts_beside_whole(AnyRenderer::cpu(), &style);
         assert!(db >= least_db, "{db} dB: {footprint}");
     }
@@ -119,13 +99,11 @@ fn byte_codes_are_nearly_the_same_in_parts() {
 #[test]
 fn the_graphics_library_draws_the_same_picture_in_parts() {
     let mut ways = ways();
-    ways.extend(Strategy::ALL.iter().map(|&strategy| Style {
-        drawing: DrawingStyle {
-            strategy,
-            ..style().drawing
-        },
-        ..style()
-    }));
+    ways.extend(
+        Strategy::ALL
+            .iter()
+            .map(|&strategy| style().with(|style| style.drawing.strategy = strategy)),
+    );
     for style in ways {
         let renderer = AnyRenderer::gpu(common::context()).unwrap();
         let (db, _) = parts_beside_whole(renderer, &style);
@@ -153,18 +131,11 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         .into_iter()
         .flat_map(|primitive| [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, eye_dome)))
     {
-        let style = Style {
-            primitive,
-            light: LightStyle {
-                eye_dome,
-                ..LightStyle::default()
-            },
-            backdrop: Backdrop {
-                background: Background::solid([200, 60, 120]),
-                ..Backdrop::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.light.eye_dome = eye_dome;
+            style.backdrop.background = Background::solid([200, 60, 120]);
+        });
         let mut headless = headless(AnyRenderer::cpu());
         let (frame, camera) = near_by(&headless, &style);
         let mut draw = |is_transparent| {
@@ -265,13 +236,7 @@ fn what_cannot_be_drawn_is_refused_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.png");
     let mut headless = headless(AnyRenderer::cpu());
-    let style = Style {
-        drawing: DrawingStyle {
-            resolution: 0.5,
-            ..style().drawing
-        },
-        ..style()
-    };
+    let style = style().with(|style| style.drawing.resolution = 0.5);
     let (frame, camera) = near_by(&headless, &style);
     let mut write = |size: PictureSize| write_picture(&mut headless, &frame, &camera, &style, size, &file).unwrap_err();
     let huge = write(PictureSize::opaque([MAX_EDGE_PX + 1, 4]));

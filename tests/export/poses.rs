@@ -9,9 +9,7 @@ use pointreel::headless::Headless;
 use pointreel::math::Aabb;
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{
-    Backdrop, Background, Camera, CameraPath, LightStyle, Lighting, PointStyle, Primitive, Style, UpAxis,
-};
+use pointreel::scene::{Background, Camera, CameraPath, Lighting, Primitive, Style, UpAxis};
 use pointreel::sequence::{ColorSource, Coloring, FrameEntry, OnionSkin, Sequence, TrailRequest, Trails};
 use std::collections::HashSet;
 
@@ -28,31 +26,21 @@ fn walk() -> Headless {
         let frame: f32 = source.name[..1].parse()?;
         let place = |point: i32| [2.0 * frame, 0.05 * point as f32 - 1.0, 0.0];
         let mut cloud = RawCloud::from_positions(Positions::F32((0..40).map(place).collect()));
-        cloud.colors = Some(vec![[255; 4]; 40]);
+        cloud.attributes.colors = Some(vec![[255; 4]; 40]);
         Ok(cloud)
     });
     headless_of(sequence, AnyRenderer::cpu())
 }
 
 fn style() -> Style {
-    Style {
-        primitive: Primitive::Point,
+    Style::default().with(|style| {
+        style.primitive = Primitive::Point;
         // All points are white, which says nothing to the automatic choice.
-        colors: Coloring::of(ColorSource::File),
-        points: PointStyle {
-            size_px: 3.0,
-            ..PointStyle::default()
-        },
-        light: LightStyle {
-            lighting: Lighting::Unlit,
-            ..LightStyle::default()
-        },
-        backdrop: Backdrop {
-            background: Background::solid([0; 3]),
-            ..Backdrop::default()
-        },
-        ..Style::default()
-    }
+        style.colors = Coloring::of(ColorSource::File);
+        style.points.size_px = 3.0;
+        style.light.lighting = Lighting::Unlit;
+        style.backdrop.background = Background::solid([0; 3]);
+    })
 }
 
 /// The whole way, from the front.

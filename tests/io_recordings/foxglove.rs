@@ -131,9 +131,9 @@ fn write(path: &Path, encoding: &str, messages: &[Vec<u8>], options: mcap::Write
 
 fn check_attributes(cloud: &RawCloud) {
     let colors = (0..5).map(|index| [index, 20, 30, 255]).collect();
-    assert_eq!(cloud.colors, Some(colors));
-    assert_eq!(cloud.scalars[0].name, "ring");
-    assert_eq!(cloud.scalars[0].values, [-1.0, 0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(cloud.attributes.colors, Some(colors));
+    assert_eq!(cloud.attributes.scalars[0].name, "ring");
+    assert_eq!(cloud.attributes.scalars[0].values, [-1.0, 0.0, 1.0, 2.0, 3.0]);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use pointreel::app::{
     BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions, Tool, apply_theme,
 };
 use pointreel::bench::Table;
-use pointreel::scene::{PointStyle, Primitive, Style};
+use pointreel::scene::{Primitive, Style};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -223,14 +223,10 @@ fn a_benchmark() {
 #[test]
 fn values_of_a_point_and_a_tooltip() {
     let mut shown = window();
-    shown.state().style = Style {
-        primitive: Primitive::Point,
-        points: PointStyle {
-            size_px: 9.0,
-            ..PointStyle::default()
-        },
-        ..Style::default()
-    };
+    shown.state().style = Style::default().with(|style| {
+        style.primitive = Primitive::Point;
+        style.points.size_px = 9.0;
+    });
     load_all(shown.state());
     shown.harness.run();
     shown.state().next_packet().unwrap();

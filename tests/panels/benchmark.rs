@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
 use pointreel::bench::Step;
 use pointreel::bench::{LabPoint, Quality, Table};
-use pointreel::scene::{Background, DrawingStyle, PointStyle, Primitive, RendererChoice, Style};
+use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Style};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -126,13 +126,7 @@ fn point(draw_ms: f64, flip: f64, style: Style) -> Arc<LabPoint> {
 
 /// Points of 2 px, voxels at half the resolution, surfels, and points that voxels beat.
 fn points() -> Vec<Arc<LabPoint>> {
-    let cpu = Style {
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
-            ..DrawingStyle::default()
-        },
-        ..Style::default()
-    };
+    let cpu = Style::default().with(|style| style.drawing.renderer = RendererChoice::Cpu);
     let points_2_px = Style {
         primitive: Primitive::Point,
         points: PointStyle {
@@ -141,14 +135,10 @@ fn points() -> Vec<Arc<LabPoint>> {
         },
         ..cpu
     };
-    let voxels = Style {
-        primitive: Primitive::Voxel,
-        drawing: DrawingStyle {
-            resolution: 0.5,
-            ..cpu.drawing
-        },
-        ..cpu
-    };
+    let voxels = cpu.with(|style| {
+        style.primitive = Primitive::Voxel;
+        style.drawing.resolution = 0.5;
+    });
     let beaten = Style {
         primitive: Primitive::Point,
         ..cpu

@@ -10,7 +10,7 @@ use glam::DVec3;
 use pointreel::app::{Command, Layout, Side, State, StateOptions, Tool, WindowRequest};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::PairBy;
-use pointreel::scene::{PointStyle, Primitive, Scene, Style};
+use pointreel::scene::{Primitive, Scene, Style};
 use pointreel::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -54,14 +54,10 @@ fn beside(b: &Arc<Sequence>) -> Harness<'static, State> {
 
 fn beside_with(a: Arc<Sequence>, b: &Arc<Sequence>, options: StateOptions) -> Harness<'static, State> {
     let mut harness = window_on(a, options);
-    harness.state_mut().style = Style {
-        primitive: Primitive::Point,
-        points: PointStyle {
-            size_px: 9.0,
-            ..PointStyle::default()
-        },
-        ..Style::default()
-    };
+    harness.state_mut().style = Style::default().with(|style| {
+        style.primitive = Primitive::Point;
+        style.points.size_px = 9.0;
+    });
     load_all(harness.state_mut());
     harness.state_mut().compare_with(Arc::clone(b));
     load_both(&mut harness);

@@ -19,8 +19,8 @@ fn window(is_bare: bool) -> Harness<'static, State> {
     let sequence = Sequence::with_decoder(sources.collect(), move |_| {
         let position = |index: usize| [(index % 10) as f32, (index / 10) as f32, 0.1 * index as f32];
         let mut cloud = RawCloud::from_positions(Positions::F32((0..100).map(position).collect()));
-        cloud.colors = (!is_bare).then(|| (0..100).map(|index| [index, 9, 9, 255]).collect());
-        cloud.scalars = vec![
+        cloud.attributes.colors = (!is_bare).then(|| (0..100).map(|index| [index, 9, 9, 255]).collect());
+        cloud.attributes.scalars = vec![
             ScalarField::new("scalar_Heat", (0..100).map(|index| index as f32).collect()),
             ScalarField::new("classification", (0..100).map(|index| [2.0, 6.0][index % 2]).collect()),
         ];

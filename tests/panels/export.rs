@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use image::AnimationDecoder as _;
 use image::codecs::gif::GifDecoder;
-use pointreel::app::{Command, PanelId, Severity, State, Subject, WorkKind};
+use pointreel::app::{Command, ExportSubject, PanelId, Severity, State, WorkKind};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::export::VideoFormat;
 use pointreel::scene::{Primitive, RendererChoice};
@@ -176,7 +176,7 @@ fn what_a_format_has_not_is_not_offered() {
 fn a_picture_is_what_is_on_the_screen() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
-    assert_eq!(harness.state().export.subject, Subject::Picture);
+    assert_eq!(harness.state().export.subject, ExportSubject::Picture);
     click(&mut harness, "Export");
     let said = finish(&mut harness);
     let file = folder.path().join("pointreel-walk-picture.png");
@@ -213,7 +213,7 @@ fn a_cancelled_export_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (open, gate) = sync_channel::<()>(0);
     let mut harness = exporting_of(gated(gate), folder.path());
-    harness.state_mut().choose_export(Subject::Sequence);
+    harness.state_mut().choose_export(ExportSubject::Sequence);
     harness.run();
     click(&mut harness, "Export");
     // Three pictures are drawn, the fourth waits for its frame.
@@ -254,7 +254,7 @@ fn what_cannot_be_written_is_said_and_leaves_nothing() {
 fn frames_that_cannot_be_read_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting_of(sequence(&[2]), folder.path());
-    harness.state_mut().choose_export(Subject::Sequence);
+    harness.state_mut().choose_export(ExportSubject::Sequence);
     harness.run();
     let told = harness.state().notices.list().len();
     click(&mut harness, "Export");
@@ -277,7 +277,7 @@ fn frames_that_cannot_be_read_are_named() {
 fn every_control_of_the_export_has_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
-    for subject in [Subject::Picture, Subject::Turntable, Subject::Path] {
+    for subject in [ExportSubject::Picture, ExportSubject::Turntable, ExportSubject::Path] {
         harness.state_mut().choose_export(subject);
         harness.run();
         assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
@@ -299,7 +299,7 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
         state.run(command);
     }
     state.export.format = VideoFormat::PngFiles;
-    let mut export = |subject: Subject, name: &str, is_on: bool| {
+    let mut export = |subject: ExportSubject, name: &str, is_on: bool| {
         let state = harness.state_mut();
         state.temporal.onion.is_on = is_on;
         state.temporal.change.is_on = is_on;
@@ -312,9 +312,9 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
         harness.state_mut().notices.dismiss(id);
     };
     // The player is at the last frame that plays.
-    export(Subject::Picture, "single", true);
-    export(Subject::Sequence, "with", true);
-    export(Subject::Sequence, "without", false);
+    export(ExportSubject::Picture, "single", true);
+    export(ExportSubject::Sequence, "with", true);
+    export(ExportSubject::Sequence, "without", false);
     let open = |name: &str| image::open(folder.path().join(name)).unwrap().to_rgba8();
     let single = open("single.png");
     assert!(open("with-0002.png") == single, "the picture of the same frame");

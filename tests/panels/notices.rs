@@ -17,7 +17,7 @@ fn frames_that_have_less_are_told_of_once() {
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]]));
         let is_bare = ["5.ply", "7.ply"].contains(&source.name.as_str());
-        cloud.colors = (!is_bare).then(|| vec![[255; 4]; 2]);
+        cloud.attributes.colors = (!is_bare).then(|| vec![[255; 4]; 2]);
         Ok(cloud)
     });
     let mut harness = window_on(Arc::new(sequence), options());

@@ -49,7 +49,7 @@ fn long_texts_do_not_widen_the_panel() {
             [x, y, 2.5 + 0.2 * x]
         });
         let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
-        raw.scalars = vec![ScalarField {
+        raw.attributes.scalars = vec![ScalarField {
             name: "scalar of a name as other programs give them, from several words".to_owned(),
             values: (0..10_000).map(|index| index as f32).collect(),
             offset: 0.0,

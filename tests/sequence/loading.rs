@@ -129,7 +129,7 @@ fn broken_frames_are_said_and_played_over() {
             2 => panic!("index out of bounds"),
             3 => {
                 let mut raw = complete_sheet(4, 0);
-                raw.normals = Some(Vec::new());
+                raw.attributes.normals = Some(Vec::new());
                 Ok(raw)
             }
             time => Ok(complete_sheet(4, time)),

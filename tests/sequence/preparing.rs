@@ -68,7 +68,7 @@ fn a_part_has_the_points_of_these_slots_and_radii_that_close_their_surface() {
 fn only_what_is_missing_is_estimated() {
     let counters = PrepareCounters::default();
     let mut raw = complete_sheet(10, 0);
-    raw.radii = None;
+    raw.attributes.radii = None;
     prepare(0, frame_of(raw), 0.0, &SURFELS, &counters);
     assert_eq!(work(&counters)[1..3], [0, 1]);
     let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &SURFELS, &counters);
@@ -88,9 +88,9 @@ fn points_alone_need_nothing_else() {
 fn zero_normals_and_radii_are_replaced_and_the_others_kept() {
     let mut raw = complete_sheet(10, 0);
     let tilted = Vec3::new(0.6, 0.8, 0.0);
-    raw.normals = Some(vec![tilted.to_array(); 100]);
-    raw.normals.as_mut().unwrap()[42] = [0.0; 3];
-    raw.radii.as_mut().unwrap()[17] = 0.0;
+    raw.attributes.normals = Some(vec![tilted.to_array(); 100]);
+    raw.attributes.normals.as_mut().unwrap()[42] = [0.0; 3];
+    raw.attributes.radii.as_mut().unwrap()[17] = 0.0;
     let prepared = prepare(0, frame_of(raw), 0.0, &SURFELS, &PrepareCounters::default());
     let shapes = by_file(&prepared.frame, &prepared.shapes.unwrap());
     let normal_of = |i: usize| oct_decode(shapes[i].normal);
@@ -109,14 +109,14 @@ fn colors_come_from_the_best_there_is() {
     };
     assert_eq!(auto(complete_sheet(10, 9)), (ColorSource::File, [0, 9, 7, 255]));
     let mut raw = complete_sheet(10, 0);
-    raw.colors = None;
+    raw.attributes.colors = None;
     assert_eq!(auto(raw.clone()), (ColorSource::Normal, fake_color(Vec3::Y)));
     let values = (0..100).map(|i| i as f32).collect();
-    raw.scalars = vec![ScalarField::new("intensity", values)];
+    raw.attributes.scalars = vec![ScalarField::new("intensity", values)];
     let (source, color) = auto(raw.clone());
     assert_eq!(source.to_string(), "scalar:intensity");
     assert_eq!(color, ColorMap::Viridis.color(0.0));
-    raw.scalars[0].values.fill(7.0);
+    raw.attributes.scalars[0].values.fill(7.0);
     assert_eq!(auto(raw).0, ColorSource::Normal, "it says nothing");
 
     let uniform = Needs {
@@ -234,6 +234,7 @@ fn frames_without_points_and_with_one_are_prepared() {
         for source in ColorSource::ALL {
             let needs = Needs {
                 shapes: true,
+                ellipses: true,
                 levels: Some(levels(LevelsKind::Codes, 0.05)),
                 colors: Coloring::of(source),
                 hints: ColorHints::NONE,

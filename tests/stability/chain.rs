@@ -7,9 +7,7 @@ use image::RgbaImage;
 use pointreel::cloud::oct_decode;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::levels::{LevelsKey, LevelsKind, SelectView};
-use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, PointStyle, Primitive, Scene, Style, SurfelStyle, UpAxis,
-};
+use pointreel::scene::{BackFaces, Background, Camera, Primitive, Scene, Style, UpAxis};
 use pointreel::sequence::{ColorHints, Coloring, Loader, LoaderOptions, Needs, PreparedFrame, Sequence};
 use pointreel::timeline::Direction;
 use std::collections::BTreeMap;
@@ -46,6 +44,7 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default()).unwrap();
     let needs = Needs {
         shapes: true,
+        ellipses: false,
         levels: Some(LevelsKey {
             kind: LevelsKind::Surfels,
             stop: StopCriterion::Loss(delta),
@@ -88,22 +87,12 @@ impl Chain {
 
     /// The picture of it as `primitive`; nothing is culled for facing away.
     pub(crate) fn draw(&self, camera: &Camera, primitive: Primitive) -> RgbaImage {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            points: PointStyle {
-                size_px: 3.0,
-                ..PointStyle::default()
-            },
-            backdrop: Backdrop {
-                background: Background::solid(BACKGROUND),
-                ..Backdrop::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+            style.points.size_px = 3.0;
+            style.backdrop.background = Background::solid(BACKGROUND);
+        });
         let packet = Scene::default().packet(&self.frame, self.origin, camera, &style, SIZE_PX);
         common::draw(&packet)
     }

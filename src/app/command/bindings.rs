@@ -79,23 +79,6 @@ pub struct Binding {
     pub repeats: bool,
 }
 
-const fn binding(
-    group: &'static str,
-    keys: &'static str,
-    text: &'static str,
-    command: Command,
-    chords: &'static [Chord],
-) -> Binding {
-    Binding {
-        group,
-        keys,
-        text,
-        command,
-        chords,
-        repeats: false,
-    }
-}
-
 const fn repeating(binding: Binding) -> Binding {
     Binding {
         repeats: true,
@@ -103,369 +86,89 @@ const fn repeating(binding: Binding) -> Binding {
     }
 }
 
-const PLAY: &str = "Playing";
-const VIEW: &str = "View";
-const POINTS: &str = "Points";
-const FILE: &str = "File and window";
+/// Writes the table once: for each group its keys as a person reads them, their combinations, the command, and what it
+/// does.
+macro_rules! bindings {
+    ($($group:literal {
+        $($($repeating:ident)? $keys:literal [$($chord:ident $key:ident),+] => $command:expr, $text:literal;)+
+    })+) => {
+        &[$($($($repeating)?(Binding {
+            group: $group,
+            keys: $keys,
+            text: $text,
+            command: $command,
+            chords: &[$(Chord::$chord(Key::$key)),+],
+            repeats: false,
+        }),)+)+]
+    };
+}
 
 /// Every key, grouped.
-pub const BINDINGS: &[Binding] = &[
-    binding(
-        PLAY,
-        "Space",
-        "Play or pause",
-        Command::TogglePlay,
-        &[Chord::plain(Key::Space)],
-    ),
-    repeating(binding(
-        PLAY,
-        "Right",
-        "Next frame",
-        Command::Step(1),
-        &[Chord::plain(Key::ArrowRight)],
-    )),
-    repeating(binding(
-        PLAY,
-        "Left",
-        "Previous frame",
-        Command::Step(-1),
-        &[Chord::plain(Key::ArrowLeft)],
-    )),
-    repeating(binding(
-        PLAY,
-        "Shift+Right",
-        "Ten frames on",
-        Command::Step(10),
-        &[Chord::shift(Key::ArrowRight)],
-    )),
-    repeating(binding(
-        PLAY,
-        "Shift+Left",
-        "Ten frames back",
-        Command::Step(-10),
-        &[Chord::shift(Key::ArrowLeft)],
-    )),
-    binding(PLAY, "Home", "First frame", Command::First, &[Chord::plain(Key::Home)]),
-    binding(PLAY, "End", "Last frame", Command::Last, &[Chord::plain(Key::End)]),
-    binding(
-        PLAY,
-        "Shift+End",
-        "Follow the newest frame of a folder that grows",
-        Command::ToggleFollow,
-        &[Chord::shift(Key::End)],
-    ),
-    binding(
-        PLAY,
-        "L",
-        "Loop mode: off, loop, ping-pong",
-        Command::NextLoopMode,
-        &[Chord::plain(Key::L)],
-    ),
-    repeating(binding(
-        PLAY,
-        "[",
-        "Slower",
-        Command::Slower,
-        &[Chord::any_shift(Key::OpenBracket)],
-    )),
-    repeating(binding(
-        PLAY,
-        "]",
-        "Faster",
-        Command::Faster,
-        &[Chord::any_shift(Key::CloseBracket)],
-    )),
-    binding(
-        PLAY,
-        "Backspace",
-        "Play the other way",
-        Command::Reverse,
-        &[Chord::plain(Key::Backspace)],
-    ),
-    binding(
-        PLAY,
-        "Shift+I",
-        "In point: play from here",
-        Command::SetIn,
-        &[Chord::shift(Key::I)],
-    ),
-    binding(
-        PLAY,
-        "Shift+O",
-        "Out point: play to here",
-        Command::SetOut,
-        &[Chord::shift(Key::O)],
-    ),
-    binding(
-        PLAY,
-        "Shift+X",
-        "Clear in and out point",
-        Command::ClearRange,
-        &[Chord::shift(Key::X)],
-    ),
-    binding(
-        PLAY,
-        "Ctrl+M",
-        "Add or remove a marker",
-        Command::ToggleMarker,
-        &[Chord::ctrl(Key::M)],
-    ),
-    binding(
-        PLAY,
-        "Shift+M",
-        "Next marker",
-        Command::NextMarker,
-        &[Chord::shift(Key::M)],
-    ),
-    binding(
-        PLAY,
-        "Ctrl+Shift+M",
-        "Previous marker",
-        Command::PreviousMarker,
-        &[Chord::ctrl_shift(Key::M)],
-    ),
-    binding(VIEW, "R", "Reset the view", Command::ResetView, &[Chord::plain(Key::R)]),
-    binding(
-        VIEW,
-        "Shift+R",
-        "Frame everything",
-        Command::FrameAll,
-        &[Chord::shift(Key::R)],
-    ),
-    binding(
-        VIEW,
-        "1",
-        "Front",
-        Command::Look(ViewPreset::Front),
-        &[Chord::plain(Key::Num1)],
-    ),
-    binding(
-        VIEW,
-        "2",
-        "Back",
-        Command::Look(ViewPreset::Back),
-        &[Chord::plain(Key::Num2)],
-    ),
-    binding(
-        VIEW,
-        "3",
-        "Left",
-        Command::Look(ViewPreset::Left),
-        &[Chord::plain(Key::Num3)],
-    ),
-    binding(
-        VIEW,
-        "4",
-        "Right",
-        Command::Look(ViewPreset::Right),
-        &[Chord::plain(Key::Num4)],
-    ),
-    binding(
-        VIEW,
-        "5",
-        "Top",
-        Command::Look(ViewPreset::Top),
-        &[Chord::plain(Key::Num5)],
-    ),
-    binding(
-        VIEW,
-        "6",
-        "Bottom",
-        Command::Look(ViewPreset::Bottom),
-        &[Chord::plain(Key::Num6)],
-    ),
-    binding(
-        VIEW,
-        "O",
-        "Orthographic, perspective",
-        Command::ToggleOrthographic,
-        &[Chord::plain(Key::O)],
-    ),
-    binding(
-        VIEW,
-        "T",
-        "Turntable",
-        Command::ToggleTurntable,
-        &[Chord::plain(Key::T)],
-    ),
-    binding(
-        VIEW,
-        "G",
-        "Grid on the ground",
-        Command::ToggleGrid,
-        &[Chord::plain(Key::G)],
-    ),
-    binding(
-        VIEW,
-        "F",
-        "Focus on what the pointer is over",
-        Command::Focus,
-        &[Chord::plain(Key::F)],
-    ),
-    binding(
-        VIEW,
-        "Ctrl+C",
-        "Copy the view as text",
-        Command::CopyView,
-        &[Chord::ctrl(Key::C)],
-    ),
-    binding(
-        VIEW,
-        "Ctrl+V",
-        "Paste a view",
-        Command::PasteView,
-        &[Chord::ctrl(Key::V)],
-    ),
-    repeating(binding(
-        VIEW,
-        "+",
-        "Larger splats or points",
-        Command::Larger,
-        &[Chord::any_shift(Key::Plus), Chord::any_shift(Key::Equals)],
-    )),
-    repeating(binding(
-        VIEW,
-        "-",
-        "Smaller splats or points",
-        Command::Smaller,
-        &[Chord::any_shift(Key::Minus)],
-    )),
-    binding(
-        VIEW,
-        "C",
-        "Compare two ways to draw",
-        Command::ToggleComparison,
-        &[Chord::plain(Key::C)],
-    ),
-    binding(
-        VIEW,
-        "Shift+C",
-        "Two sequences: side by side, or a line over the same view",
-        Command::NextLayout,
-        &[Chord::shift(Key::C)],
-    ),
-    binding(
-        VIEW,
-        "F2",
-        "Settings",
-        Command::TogglePanel(PanelId::SETTINGS),
-        &[Chord::plain(Key::F2)],
-    ),
-    binding(
-        VIEW,
-        "F3",
-        "Statistics",
-        Command::TogglePanel(PanelId::STATISTICS),
-        &[Chord::plain(Key::F3)],
-    ),
-    binding(
-        VIEW,
-        "F4",
-        "Camera path",
-        Command::TogglePanel(PanelId::CAMERA_PATH),
-        &[Chord::plain(Key::F4)],
-    ),
-    binding(
-        VIEW,
-        "K",
-        "Add a keyframe of what is shown",
-        Command::AddKeyframe,
-        &[Chord::plain(Key::K)],
-    ),
-    binding(
-        VIEW,
-        "Shift+K",
-        "Play the camera path, or stop",
-        Command::TogglePreview,
-        &[Chord::shift(Key::K)],
-    ),
-    binding(
-        VIEW,
-        "F11",
-        "Full screen",
-        Command::FullScreen,
-        &[Chord::plain(Key::F11)],
-    ),
-    binding(
-        POINTS,
-        "I",
-        "Show the values of points",
-        Command::ToggleTool(Tool::Point),
-        &[Chord::plain(Key::I)],
-    ),
-    binding(
-        POINTS,
-        "M",
-        "Measure",
-        Command::ToggleTool(Tool::Measure),
-        &[Chord::plain(Key::M)],
-    ),
-    binding(
-        POINTS,
-        "Shift+T",
-        "Trails of the picked points",
-        Command::ToggleTrails,
-        &[Chord::shift(Key::T)],
-    ),
-    binding(FILE, "Ctrl+O", "Open files", Command::OpenFiles, &[Chord::ctrl(Key::O)]),
-    binding(
-        FILE,
-        "Ctrl+Shift+O",
-        "Compare with files",
-        Command::CompareFiles,
-        &[Chord::ctrl_shift(Key::O)],
-    ),
-    binding(
-        FILE,
-        "P",
-        "Save a picture",
-        Command::Screenshot,
-        &[Chord::plain(Key::P)],
-    ),
-    binding(
-        FILE,
-        "Shift+P",
-        "Export a picture or a video",
-        Command::ToggleExport,
-        &[Chord::shift(Key::P)],
-    ),
-    binding(
-        FILE,
-        "Ctrl+Z",
-        "Undo the last change of settings or path",
-        Command::Undo,
-        &[Chord::ctrl(Key::Z)],
-    ),
-    binding(
-        FILE,
-        "Ctrl+Y, Ctrl+Shift+Z",
-        "Redo it",
-        Command::Redo,
-        &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
-    ),
-    binding(
-        FILE,
-        "Ctrl+P",
-        "Find a command by its name",
-        Command::TogglePalette,
-        &[Chord::ctrl(Key::P)],
-    ),
-    binding(
-        FILE,
-        "F1",
-        "This list",
-        Command::TogglePanel(PanelId::HELP),
-        &[Chord::plain(Key::F1)],
-    ),
-    binding(
-        FILE,
-        "Esc",
-        "Stop, close this list, clear points, leave full screen",
-        Command::Escape,
-        &[Chord::plain(Key::Escape)],
-    ),
-    binding(FILE, "Ctrl+Q", "Quit", Command::Quit, &[Chord::ctrl(Key::Q)]),
-];
+pub const BINDINGS: &[Binding] = bindings! {
+    "Playing" {
+        "Space" [plain Space] => Command::TogglePlay, "Play or pause";
+        repeating "Right" [plain ArrowRight] => Command::Step(1), "Next frame";
+        repeating "Left" [plain ArrowLeft] => Command::Step(-1), "Previous frame";
+        repeating "Shift+Right" [shift ArrowRight] => Command::Step(10), "Ten frames on";
+        repeating "Shift+Left" [shift ArrowLeft] => Command::Step(-10), "Ten frames back";
+        "Home" [plain Home] => Command::First, "First frame";
+        "End" [plain End] => Command::Last, "Last frame";
+        "Shift+End" [shift End] => Command::ToggleFollow, "Follow the newest frame of a folder that grows";
+        "L" [plain L] => Command::NextLoopMode, "Loop mode: off, loop, ping-pong";
+        repeating "[" [any_shift OpenBracket] => Command::Slower, "Slower";
+        repeating "]" [any_shift CloseBracket] => Command::Faster, "Faster";
+        "Backspace" [plain Backspace] => Command::Reverse, "Play the other way";
+        "Shift+I" [shift I] => Command::SetIn, "In point: play from here";
+        "Shift+O" [shift O] => Command::SetOut, "Out point: play to here";
+        "Shift+X" [shift X] => Command::ClearRange, "Clear in and out point";
+        "Ctrl+M" [ctrl M] => Command::ToggleMarker, "Add or remove a marker";
+        "Shift+M" [shift M] => Command::NextMarker, "Next marker";
+        "Ctrl+Shift+M" [ctrl_shift M] => Command::PreviousMarker, "Previous marker";
+    }
+    "View" {
+        "R" [plain R] => Command::ResetView, "Reset the view";
+        "Shift+R" [shift R] => Command::FrameAll, "Frame everything";
+        "1" [plain Num1] => Command::Look(ViewPreset::Front), "Front";
+        "2" [plain Num2] => Command::Look(ViewPreset::Back), "Back";
+        "3" [plain Num3] => Command::Look(ViewPreset::Left), "Left";
+        "4" [plain Num4] => Command::Look(ViewPreset::Right), "Right";
+        "5" [plain Num5] => Command::Look(ViewPreset::Top), "Top";
+        "6" [plain Num6] => Command::Look(ViewPreset::Bottom), "Bottom";
+        "O" [plain O] => Command::ToggleOrthographic, "Orthographic, perspective";
+        "T" [plain T] => Command::ToggleTurntable, "Turntable";
+        "G" [plain G] => Command::ToggleGrid, "Grid on the ground";
+        "F" [plain F] => Command::Focus, "Focus on what the pointer is over";
+        "Ctrl+C" [ctrl C] => Command::CopyView, "Copy the view as text";
+        "Ctrl+V" [ctrl V] => Command::PasteView, "Paste a view";
+        repeating "+" [any_shift Plus, any_shift Equals] => Command::Larger, "Larger splats or points";
+        repeating "-" [any_shift Minus] => Command::Smaller, "Smaller splats or points";
+        "C" [plain C] => Command::ToggleComparison, "Compare two ways to draw";
+        "Shift+C" [shift C] => Command::NextLayout, "Two sequences: side by side, or a line over the same view";
+        "F2" [plain F2] => Command::TogglePanel(PanelId::SETTINGS), "Settings";
+        "F3" [plain F3] => Command::TogglePanel(PanelId::STATISTICS), "Statistics";
+        "F4" [plain F4] => Command::TogglePanel(PanelId::CAMERA_PATH), "Camera path";
+        "K" [plain K] => Command::AddKeyframe, "Add a keyframe of what is shown";
+        "Shift+K" [shift K] => Command::TogglePreview, "Play the camera path, or stop";
+        "F11" [plain F11] => Command::FullScreen, "Full screen";
+    }
+    "Points" {
+        "I" [plain I] => Command::ToggleTool(Tool::Point), "Show the values of points";
+        "M" [plain M] => Command::ToggleTool(Tool::Measure), "Measure";
+        "Shift+T" [shift T] => Command::ToggleTrails, "Trails of the picked points";
+    }
+    "File and window" {
+        "Ctrl+O" [ctrl O] => Command::OpenFiles, "Open files";
+        "Ctrl+Shift+O" [ctrl_shift O] => Command::CompareFiles, "Compare with files";
+        "P" [plain P] => Command::Screenshot, "Save a picture";
+        "Shift+P" [shift P] => Command::ToggleExport, "Export a picture or a video";
+        "Ctrl+Z" [ctrl Z] => Command::Undo, "Undo the last change of settings or path";
+        "Ctrl+Y, Ctrl+Shift+Z" [ctrl Y, ctrl_shift Z] => Command::Redo, "Redo it";
+        "Ctrl+P" [ctrl P] => Command::TogglePalette, "Find a command by its name";
+        "F1" [plain F1] => Command::TogglePanel(PanelId::HELP), "This list";
+        "Esc" [plain Escape] => Command::Escape, "Stop, close this list, clear points, leave full screen";
+        "Ctrl+Q" [ctrl Q] => Command::Quit, "Quit";
+    }
+};
 
 /// What the mouse and the fly keys do, for the help window.
 pub const GESTURES: &[(&str, &str)] = &[

@@ -9,7 +9,7 @@ use super::levels::REST;
 use crate::analysis::MOST_JOINED;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Clip, Primitive, Scene, Style, ViewTransform, points_in_view};
+use crate::scene::{Camera, Clip, Scene, Style, ViewTransform, points_in_view};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare_part};
 use glam::DVec3;
 use std::sync::Arc;
@@ -73,8 +73,7 @@ impl SurfelsInView {
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
-        let are_missing =
-            matches!(style.primitive, Primitive::Auto | Primitive::Surfel) && !can_draw(frame, style.primitive);
+        let are_missing = style.draws_surfels() && !can_draw(frame, style.primitive);
         if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
             self.wanted = None;
             self.made = None;
@@ -150,6 +149,7 @@ mod tests {
     use crate::app::Outcome;
     use crate::cloud::{Frame, Positions, RawCloud};
     use crate::math::Aabb;
+    use crate::scene::Primitive;
     use crate::scene::UpAxis;
     use crate::sequence::prepare;
     use glam::Vec3;

@@ -8,7 +8,7 @@
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::levels::Lod;
 use crate::playback::can_draw;
-use crate::scene::{Camera, LevelStyle, Primitive, Scene, Style};
+use crate::scene::{Camera, Primitive, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 use std::time::Duration;
@@ -134,14 +134,10 @@ impl Levels {
 
 /// The same settings, by as many cells of the octree as can be drawn in time.
 fn in_cells(style: &Style) -> Style {
-    Style {
-        levels: LevelStyle {
-            surfel_lod: true,
-            lod: Lod::FrameTimeMs(SMOOTH_MS),
-            ..style.levels
-        },
-        ..*style
-    }
+    style.with(|style| {
+        style.levels.surfel_lod = true;
+        style.levels.lod = Lod::FrameTimeMs(SMOOTH_MS);
+    })
 }
 
 #[cfg(test)]

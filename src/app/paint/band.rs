@@ -9,7 +9,7 @@ use super::blend::lay;
 use super::canvas::Canvas;
 use super::image::Image;
 use super::pieces::{Piece, PixelMesh};
-use super::textures::Source;
+use super::textures::SampledTexture;
 use super::triangle;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -25,13 +25,13 @@ const WORTH_SHARING_PX: u64 = 4_000_000;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layer<'a> {
     mesh: &'a PixelMesh,
-    source: Source<'a>,
+    source: SampledTexture<'a>,
     /// Pixels that show nothing of the layers before.
     hides: PixelRect,
 }
 
 impl<'a> Layer<'a> {
-    pub(super) fn new(mesh: &'a PixelMesh, source: Source<'a>) -> Self {
+    pub(super) fn new(mesh: &'a PixelMesh, source: SampledTexture<'a>) -> Self {
         let hides = if source.is_opaque() {
             mesh.hidden_by_image
         } else {

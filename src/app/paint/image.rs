@@ -8,9 +8,9 @@
 use super::PixelRect;
 use super::blend::{OPAQUE, alpha, dimmed, over, times};
 use super::canvas::Canvas;
-use super::pieces::Place;
+use super::pieces::TexturePlacement;
 use super::scaled;
-use super::textures::{Source, Texels, swizzled};
+use super::textures::{SampledTexture, Texels, swizzled};
 
 /// How far texels may be from pixels, in texels: a 1024th changes no channel by a step.
 const ON_PIXEL: f32 = 1.0 / 1024.0;
@@ -18,8 +18,8 @@ const ON_PIXEL: f32 = 1.0 / 1024.0;
 /// An image to paint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Image<'a> {
-    pub(super) source: Source<'a>,
-    pub(super) place: Place,
+    pub(super) source: SampledTexture<'a>,
+    pub(super) place: TexturePlacement,
     pub(super) tint: u32,
     /// All pixels it covers: what is painted must not depend on which of them are.
     pub(super) area: PixelRect,

@@ -20,20 +20,20 @@ const LOOK_AHEAD: usize = 48;
 
 /// A shape and what it is in pixels.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(super) struct TessellatedShape {
     shape: ClippedShape,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<TessellatedMesh>,
 }
 
 /// One mesh of a shape.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct TessellatedMesh {
     pub(super) mesh: PixelMesh,
     /// That of its texture when it was last damage.
     texture_version: u64,
 }
 
-impl Entry {
+impl TessellatedShape {
     /// Calls `damage` with the bounds of meshes whose texture is another one by now.
     pub(super) fn follow_textures(&mut self, textures: &Textures, mut damage: impl FnMut(PixelRect)) {
         for part in &mut self.parts {
@@ -47,17 +47,17 @@ impl Entry {
 
 /// The window that shapes are painted to.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Screen {
+pub(super) struct WindowScale {
     pub(super) size_px: [u32; 2],
     pub(super) pixels_per_point: f32,
 }
 
 /// Puts `shapes` in place of `entries`, and calls `damage` with the bounds of what is only in one of them.
 pub(super) fn replace(
-    entries: &mut Vec<Entry>,
+    entries: &mut Vec<TessellatedShape>,
     shapes: Vec<ClippedShape>,
     ctx: &Context,
-    screen: Screen,
+    screen: WindowScale,
     textures: &Textures,
     mut damage: impl FnMut(PixelRect),
 ) {
@@ -70,7 +70,7 @@ pub(super) fn replace(
     let new = leaves.iter().zip(&kept).filter(|(_, kept)| kept.is_none());
     let mut meshes = tessellated(new.map(|(shape, _)| shape.clone()).collect(), ctx, screen);
     let mut old = old.into_iter().enumerate();
-    let mut changed = |entry: &Entry| {
+    let mut changed = |entry: &TessellatedShape| {
         for part in &entry.parts {
             damage(part.mesh.bounds);
         }
@@ -79,12 +79,12 @@ pub(super) fn replace(
     for (shape, kept) in leaves.into_iter().zip(kept) {
         let Some(kept) = kept else {
             let parts = meshes.next().unwrap_or_default().into_iter();
-            let parts = parts.map(|mesh| Part {
+            let parts = parts.map(|mesh| TessellatedMesh {
                 texture_version: textures.version(mesh.texture),
                 mesh,
             });
             let parts = parts.collect();
-            let entry = Entry { shape, parts };
+            let entry = TessellatedShape { shape, parts };
             changed(&entry);
             entries.push(entry);
             continue;
@@ -130,8 +130,8 @@ fn flatten(shape: ClippedShape, leaves: &mut Vec<ClippedShape>) {
 }
 
 /// For each new shape the old entry it is equal to, in ascending order.
-fn matches(old: &[Entry], new: &[ClippedShape]) -> Vec<Option<usize>> {
-    let is_same = |(old, new): &(&Entry, &ClippedShape)| are_same(&old.shape, new);
+fn matches(old: &[TessellatedShape], new: &[ClippedShape]) -> Vec<Option<usize>> {
+    let is_same = |(old, new): &(&TessellatedShape, &ClippedShape)| are_same(&old.shape, new);
     let before = old.iter().zip(new).take_while(is_same).count();
     let (old_rest, new_rest) = (&old[before..], &new[before..]);
     let after = old_rest.iter().rev().zip(new_rest.iter().rev());
@@ -176,7 +176,7 @@ fn are_same_text(a: &TextShape, b: &TextShape) -> bool {
 ///
 /// egui puts neighbours into one mesh and does not tell which is whose. Callbacks are always by themselves, so one
 /// stands between any two shapes.
-fn tessellated(shapes: Vec<ClippedShape>, ctx: &Context, screen: Screen) -> impl Iterator<Item = Vec<PixelMesh>> {
+fn tessellated(shapes: Vec<ClippedShape>, ctx: &Context, screen: WindowScale) -> impl Iterator<Item = Vec<PixelMesh>> {
     let separator = ClippedShape {
         clip_rect: Rect::EVERYTHING,
         shape: Shape::Callback(PaintCallback {

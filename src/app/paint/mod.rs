@@ -33,7 +33,7 @@ pub use self::pixel_rect::PixelRect;
 
 use self::band::Layer;
 use self::damage::Damage;
-use self::list::{Entry, Screen};
+use self::list::{TessellatedShape, WindowScale};
 use self::textures::Textures;
 use ::image::RgbaImage;
 use egui::epaint::{ClippedShape, TessellationOptions};
@@ -43,15 +43,15 @@ use egui::{Context, TextureFilter, TextureId, TexturesDelta};
 #[derive(Debug, Default)]
 pub struct SoftwarePainter {
     textures: Textures,
-    entries: Vec<Entry>,
+    entries: Vec<TessellatedShape>,
     damage: Damage,
-    shown: Shown,
+    shown: TessellatedFor,
 }
 
 /// What all entries were tessellated for.
 #[derive(Debug, Default, PartialEq)]
-struct Shown {
-    screen: Screen,
+struct TessellatedFor {
+    screen: WindowScale,
     /// Texture coordinates of glyphs are those of one atlas.
     atlas: u64,
     tessellation: Option<TessellationOptions>,
@@ -87,8 +87,8 @@ impl SoftwarePainter {
     ///
     /// If `ctx` has not been run yet: it has no fonts then.
     pub fn show(&mut self, ctx: &Context, shapes: Vec<ClippedShape>, pixels_per_point: f32, size_px: [u32; 2]) {
-        let shown = Shown {
-            screen: Screen {
+        let shown = TessellatedFor {
+            screen: WindowScale {
                 size_px,
                 pixels_per_point,
             },

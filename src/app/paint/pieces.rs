@@ -24,18 +24,22 @@ pub(super) enum Piece {
     /// Pixels of one colour.
     Fill { area: PixelRect, color: u32 },
     /// A part of the texture, its rows and columns those of the window.
-    Image { area: PixelRect, place: Place, tint: u32 },
+    Image {
+        area: PixelRect,
+        place: TexturePlacement,
+        tint: u32,
+    },
     /// Anything else; corners are those of the mesh.
     Triangle {
         area: PixelRect,
         corners: [u32; 3],
-        kind: Kind,
+        kind: TriangleFill,
     },
 }
 
 /// What has to be worked out for a triangle's pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum TriangleFill {
     /// One colour.
     Flat,
     /// A colour for each corner.
@@ -46,13 +50,13 @@ pub(super) enum Kind {
 
 /// Where a texture is in the window: at `corner_px` it is at `corner_uv`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct TexturePlacement {
     corner_px: [f32; 2],
     corner_uv: [f32; 2],
     uv_per_px: [f32; 2],
 }
 
-impl Place {
+impl TexturePlacement {
     /// The coordinate along an axis at the centre of a pixel, times the texture's edge.
     #[inline(always)]
     pub(super) fn texel_at(&self, axis: usize, pixel: u32, edge: usize) -> f32 {
@@ -180,7 +184,7 @@ impl PixelMesh {
         }
         let [[left, right], [top, bottom]] = uv.map(|edges| edges.map(Option::unwrap_or_default));
         let size_px = high - low;
-        let place = Place {
+        let place = TexturePlacement {
             corner_px: [low.x, low.y],
             corner_uv: [left, top],
             uv_per_px: [(right - left) / size_px.x, (bottom - top) / size_px.y],
@@ -203,11 +207,11 @@ impl PixelMesh {
             return;
         }
         let kind = if !is_plain {
-            Kind::Textured
+            TriangleFill::Textured
         } else if colors == [colors[0]; 3] {
-            Kind::Flat
+            TriangleFill::Flat
         } else {
-            Kind::Shaded
+            TriangleFill::Shaded
         };
         let corners = indices;
         self.push(Piece::Triangle { area, corners, kind });

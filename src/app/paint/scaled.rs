@@ -8,8 +8,8 @@
 use super::PixelRect;
 use super::blend::{OPAQUE, over, times};
 use super::canvas::Canvas;
-use super::pieces::Place;
-use super::textures::{Source, Texels, swizzled};
+use super::pieces::TexturePlacement;
+use super::textures::{SampledTexture, Texels, swizzled};
 
 /// Bits of a channel after its point.
 const FRACTION: u32 = 6;
@@ -36,17 +36,23 @@ struct Columns {
 }
 
 /// A row of texels mixed for the columns of the window.
-struct Row {
+struct TexelRow {
     index: usize,
     channels: Vec<i16>,
 }
 
 /// Paints `area` with the source at `place`.
 #[inline(always)]
-pub(super) fn paint(source: &Source<'_>, place: &Place, tint: u32, area: &PixelRect, canvas: &mut Canvas<'_>) {
+pub(super) fn paint(
+    source: &SampledTexture<'_>,
+    place: &TexturePlacement,
+    tint: u32,
+    area: &PixelRect,
+    canvas: &mut Canvas<'_>,
+) {
     let mut columns = Columns::new(source, place, area);
     let count = columns.between.len();
-    let row = || Row {
+    let row = || TexelRow {
         index: usize::MAX,
         channels: vec![0; 4 * count],
     };
@@ -82,7 +88,7 @@ pub(super) fn paint(source: &Source<'_>, place: &Place, tint: u32, area: &PixelR
     }
 }
 
-fn between(source: &Source<'_>, place: &Place, axis: usize, pixel: u32) -> Between {
+fn between(source: &SampledTexture<'_>, place: &TexturePlacement, axis: usize, pixel: u32) -> Between {
     let at = place.texel_at(axis, pixel, source.size[axis]);
     let (first, second, share) = source.between(axis, at);
     Between {
@@ -93,7 +99,7 @@ fn between(source: &Source<'_>, place: &Place, axis: usize, pixel: u32) -> Betwe
 }
 
 impl Columns {
-    fn new(source: &Source<'_>, place: &Place, area: &PixelRect) -> Self {
+    fn new(source: &SampledTexture<'_>, place: &TexturePlacement, area: &PixelRect) -> Self {
         let columns = area.min[0]..area.max[0];
         let between: Vec<Between> = columns.map(|x| between(source, place, 0, x)).collect();
         let count = between.len();
@@ -116,10 +122,10 @@ impl Columns {
     }
 }
 
-impl Row {
+impl TexelRow {
     /// Makes it that of another row of texels.
     #[inline(always)]
-    fn load(&mut self, index: usize, source: &Source<'_>, columns: &mut Columns) {
+    fn load(&mut self, index: usize, source: &SampledTexture<'_>, columns: &mut Columns) {
         if self.index == index {
             return;
         }

@@ -133,11 +133,15 @@ impl Textures {
     }
 
     /// What to paint with.
-    pub(super) fn source<'a>(&'a self, id: TextureId, pictures: &[(TextureId, &'a RgbaImage)]) -> Option<Source<'a>> {
+    pub(super) fn source<'a>(
+        &'a self,
+        id: TextureId,
+        pictures: &[(TextureId, &'a RgbaImage)],
+    ) -> Option<SampledTexture<'a>> {
         if let Some(picture) = self.pictures.get(&id) {
             let (_, image) = pictures.iter().find(|(picture, _)| *picture == id)?;
             let (pixels, _) = image.as_raw().as_chunks::<4>();
-            return Source::new(
+            return SampledTexture::new(
                 [image.width() as usize, image.height() as usize],
                 Texels::Picture(pixels),
                 picture.filter == TextureFilter::Linear,
@@ -145,7 +149,7 @@ impl Textures {
             );
         }
         let texture = self.held.get(&id)?;
-        Source::new(
+        SampledTexture::new(
             texture.size,
             Texels::Words(&texture.texels),
             texture.options.magnification == TextureFilter::Linear,
@@ -164,7 +168,7 @@ pub(super) enum Texels<'a> {
 
 /// A texture while it is painted with; it has at least one texel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(super) struct SampledTexture<'a> {
     pub(super) size: [usize; 2],
     pub(super) texels: Texels<'a>,
     pub(super) is_linear: bool,
@@ -178,7 +182,7 @@ pub(super) fn swizzled(pixel: [u8; 4]) -> u32 {
     (word & 0xff) << 16 | word & 0xff00 | word >> 16 & 0xff
 }
 
-impl<'a> Source<'a> {
+impl<'a> SampledTexture<'a> {
     fn new(size: [usize; 2], texels: Texels<'a>, is_linear: bool, wrap: TextureWrapMode) -> Option<Self> {
         let count = match texels {
             Texels::Words(words) => words.len(),

@@ -11,26 +11,32 @@
 use super::PixelRect;
 use super::blend::{channels, lay, over, packed, rounded};
 use super::canvas::Canvas;
-use super::pieces::{Kind, SUBPIXELS, fixed};
-use super::textures::Source;
+use super::pieces::{SUBPIXELS, TriangleFill, fixed};
+use super::textures::SampledTexture;
 use egui::Pos2;
 use egui::epaint::Vertex;
 
 /// Paints what of a triangle is in `area`, which is on the canvas.
 #[inline(always)]
-pub(super) fn paint(corners: &[Vertex; 3], kind: Kind, source: &Source<'_>, area: &PixelRect, canvas: &mut Canvas<'_>) {
+pub(super) fn paint(
+    corners: &[Vertex; 3],
+    kind: TriangleFill,
+    source: &SampledTexture<'_>,
+    area: &PixelRect,
+    canvas: &mut Canvas<'_>,
+) {
     let Some(edges) = edges(corners, area.min) else {
         return;
     };
     match kind {
-        Kind::Flat => {
+        TriangleFill::Flat => {
             let color = packed(corners[0].color);
             for_spans(edges, area, |y, from, to| {
                 lay(color, canvas.span(y, from, to));
             });
         }
-        Kind::Shaded => {
-            let color = Plane::new(corners, colors(corners));
+        TriangleFill::Shaded => {
+            let color = TriangleInterpolant::new(corners, colors(corners));
             for_spans(edges, area, |y, from, to| {
                 let row = color.row(y);
                 for (x, pixel) in (from..).zip(canvas.span(y, from, to)) {
@@ -38,13 +44,13 @@ pub(super) fn paint(corners: &[Vertex; 3], kind: Kind, source: &Source<'_>, area
                 }
             });
         }
-        Kind::Textured => {
-            let color = Plane::new(corners, colors(corners));
+        TriangleFill::Textured => {
+            let color = TriangleInterpolant::new(corners, colors(corners));
             let size = [source.size[0] as f32, source.size[1] as f32];
             let texel_at = |uv: Pos2| [uv.x * size[0], uv.y * size[1]];
             let [a, b, c] = corners;
             let texels = [texel_at(a.uv), texel_at(b.uv), texel_at(c.uv)];
-            let texel = Plane::new(corners, texels);
+            let texel = TriangleInterpolant::new(corners, texels);
             for_spans(edges, area, |y, from, to| {
                 let (color, texel) = (color.row(y), texel.row(y));
                 for (x, pixel) in (from..).zip(canvas.span(y, from, to)) {
@@ -139,7 +145,7 @@ fn for_spans(mut edges: [Edge; 3], area: &PixelRect, mut span: impl FnMut(u32, u
 }
 
 /// Values that are linear over a triangle.
-struct Plane<const N: usize> {
+struct TriangleInterpolant<const N: usize> {
     corner_px: [f32; 2],
     at_corner: [f32; N],
     per_column: [f32; N],
@@ -147,13 +153,13 @@ struct Plane<const N: usize> {
 }
 
 /// The same along a row.
-struct Row<const N: usize> {
+struct RowInterpolant<const N: usize> {
     corner_px: f32,
     at_corner: [f32; N],
     per_column: [f32; N],
 }
 
-impl<const N: usize> Plane<N> {
+impl<const N: usize> TriangleInterpolant<N> {
     #[inline(always)]
     fn new(corners: &[Vertex; 3], [a, b, c]: [[f32; N]; 3]) -> Self {
         let (origin, second, third) = (corners[0].pos, corners[1].pos, corners[2].pos);
@@ -174,13 +180,13 @@ impl<const N: usize> Plane<N> {
     }
 
     #[inline(always)]
-    fn row(&self, y: u32) -> Row<N> {
+    fn row(&self, y: u32) -> RowInterpolant<N> {
         let down_px = y as f32 + 0.5 - self.corner_px[1];
         let mut at_corner = self.at_corner;
         for (value, per_row) in at_corner.iter_mut().zip(self.per_row) {
             *value += per_row * down_px;
         }
-        Row {
+        RowInterpolant {
             corner_px: self.corner_px[0],
             at_corner,
             per_column: self.per_column,
@@ -188,7 +194,7 @@ impl<const N: usize> Plane<N> {
     }
 }
 
-impl<const N: usize> Row<N> {
+impl<const N: usize> RowInterpolant<N> {
     #[inline(always)]
     fn at(&self, x: u32) -> [f32; N] {
         let right_px = x as f32 + 0.5 - self.corner_px;

@@ -1,5 +1,6 @@
 //! Panels of features in the window: what each is given of the state, and what becomes of what it asks for.
 
+use super::settings::{SettingsContext, SettingsRequest, settings_ui};
 use crate::app::command::Command;
 use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::features::beside::panel::{BesideRequest, beside_ui};
@@ -15,6 +16,7 @@ use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::{PanelId, State};
+use crate::bench::suites;
 use crate::scene::Scene;
 use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
@@ -127,6 +129,38 @@ pub(super) fn change(ui: &mut Ui, state: &mut State) {
     let colors = state.style.colors.map;
     let corner = state.viewport.rect.right_top();
     change_ui(ui, &mut state.temporal, shown, colors, corner);
+}
+
+pub(super) fn settings(ui: &mut Ui, state: &mut State) {
+    let drawn = state.drawn_style();
+    let look = state.first_look();
+    let primitive = look.map(|look| (look.primitive, look.primitive_why));
+    let up_why = look.map(|look| look.up_why);
+    let mut has_legend = state.panels.has(PanelId::LEGEND);
+    let mut context = SettingsContext {
+        player: state.player.as_ref(),
+        style: &mut state.style,
+        drawn,
+        primitive,
+        up_why,
+        angle: state.inspection.last_angle(),
+        quality: &mut state.quality,
+        camera: &mut state.camera,
+        turntable: &mut state.motion.turntable,
+        present: &mut state.appearance.present,
+        has_legend: &mut has_legend,
+        thumbnails: &mut state.thumbnails,
+        trails: &mut state.trails,
+        temporal: &mut state.temporal,
+    };
+    let request = settings_ui(ui, &mut context);
+    state.panels.set(PanelId::LEGEND, has_legend);
+    match request {
+        Some(SettingsRequest::Measure) => state.start_benchmark(suites::ERROR),
+        Some(SettingsRequest::ChooseUp(up)) => state.choose_up(up),
+        Some(SettingsRequest::Reset) => state.reset_settings(),
+        None => {}
+    }
 }
 
 /// The list of commands, `more` of them beside those that have keys.

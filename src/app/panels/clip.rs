@@ -1,7 +1,6 @@
 //! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
 
 use super::settings::{choice, heading, row, rows};
-use crate::app::{Gauge, State};
 use crate::math::Aabb;
 use crate::scene::{Clip, ClipShape};
 use egui::{DragValue, Ui};
@@ -13,31 +12,23 @@ const DRAG_POINTS: f64 = 300.0;
 const AXES: [(&str, DVec3); 3] = [("X", DVec3::X), ("Y", DVec3::Y), ("Z", DVec3::Z)];
 
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum ClipKind {
     Off,
     Box,
     Plane,
 }
 
 /// The shown frame: the box around it and the origin of its positions.
-struct Shown {
-    bounds: Aabb,
-    origin: DVec3,
+pub(super) struct ClippedFrame {
+    pub(super) bounds: Aabb,
+    pub(super) origin: DVec3,
 }
 
-impl Shown {
-    fn of(state: &State) -> Option<Self> {
-        let player = state.player.as_ref()?;
-        Some(Self {
-            bounds: player.shown()?.frame.bounds(),
-            origin: player.sequence().origin(),
-        })
-    }
-
-    fn shape(&self, kind: Kind) -> ClipShape {
+impl ClippedFrame {
+    fn shape(&self, kind: ClipKind) -> ClipShape {
         match kind {
-            Kind::Plane => self.plane(DVec3::X),
-            Kind::Box | Kind::Off => ClipShape::around(&self.bounds, self.origin),
+            ClipKind::Plane => self.plane(DVec3::X),
+            ClipKind::Box | ClipKind::Off => ClipShape::around(&self.bounds, self.origin),
         }
     }
 
@@ -56,25 +47,23 @@ impl Shown {
     }
 }
 
-fn kind_of(clip: Option<Clip>) -> Kind {
+fn kind_of(clip: Option<Clip>) -> ClipKind {
     match clip {
         Some(Clip { is_on: true, shape, .. }) => match shape {
-            ClipShape::Box { .. } => Kind::Box,
-            ClipShape::Plane { .. } => Kind::Plane,
+            ClipShape::Box { .. } => ClipKind::Box,
+            ClipShape::Plane { .. } => ClipKind::Plane,
         },
-        _ => Kind::Off,
+        _ => ClipKind::Off,
     }
 }
 
-/// The section of the settings.
-pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
+/// The section of the settings. `angle` are the points of the last angle that was measured.
+pub(super) fn clip_ui(ui: &mut Ui, clip: &mut Option<Clip>, shown: Option<ClippedFrame>, angle: Option<[DVec3; 3]>) {
     heading(ui, "Clip");
-    let Some(shown) = Shown::of(state) else {
+    let Some(shown) = shown else {
         ui.weak("Nothing is shown yet");
         return;
     };
-    let angle = last_angle(state);
-    let clip = &mut state.style.of_sequence.clip;
     rows(ui, "clip", |ui| {
         kind(ui, clip, &shown);
         if let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) {
@@ -93,7 +82,7 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
         let tooltip = "The box around the frame that is shown; of a plane, the one through its middle";
         if fit.on_hover_text(tooltip).clicked() {
             clip.shape = match clip.shape {
-                ClipShape::Box { .. } => shown.shape(Kind::Box),
+                ClipShape::Box { .. } => shown.shape(ClipKind::Box),
                 ClipShape::Plane { normal, .. } => shown.plane(normal),
             };
         }
@@ -112,17 +101,7 @@ pub(super) fn clip_ui(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// The points of the last angle that was measured.
-fn last_angle(state: &State) -> Option<[DVec3; 3]> {
-    let measurements = &state.inspection.measurements;
-    let angle = measurements
-        .iter()
-        .rfind(|measurement| measurement.gauge == Gauge::Angle)?;
-    let places: Vec<DVec3> = angle.points.iter().map(|point| point.place).collect();
-    places.try_into().ok()
-}
-
-fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &Shown) {
+fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &ClippedFrame) {
     let before = kind_of(*clip);
     let mut chosen = before;
     choice(
@@ -132,9 +111,9 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &Shown) {
          cut: their surfels are drawn as disks meanwhile",
         &mut chosen,
         &[
-            ("Off", Kind::Off, "All is drawn"),
-            ("To a box", Kind::Box, "What is between two corners"),
-            ("At a plane", Kind::Plane, "What is on one side of a plane"),
+            ("Off", ClipKind::Off, "All is drawn"),
+            ("To a box", ClipKind::Box, "What is between two corners"),
+            ("At a plane", ClipKind::Plane, "What is on one side of a plane"),
         ],
     );
     if chosen == before {
@@ -142,8 +121,8 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &Shown) {
     }
     let known = clip.filter(|clip| kind_of(Some(Clip { is_on: true, ..*clip })) == chosen);
     *clip = match (chosen, *clip) {
-        (Kind::Off, Some(clip)) => Some(Clip { is_on: false, ..clip }),
-        (Kind::Off, None) => None,
+        (ClipKind::Off, Some(clip)) => Some(Clip { is_on: false, ..clip }),
+        (ClipKind::Off, None) => None,
         (kind, _) => {
             let clip = known.unwrap_or_else(|| Clip::to(shown.shape(kind)));
             Some(Clip { is_on: true, ..clip })
@@ -187,7 +166,7 @@ fn edges(ui: &mut Ui, [min, max]: [&mut DVec3; 2], speed: f64) {
     }
 }
 
-fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &Shown) {
+fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &ClippedFrame) {
     let ClipShape::Plane { normal, offset } = shape else {
         return;
     };

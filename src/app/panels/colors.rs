@@ -4,7 +4,6 @@ use super::settings::{choice, heading, note_below, row, rows};
 use super::style::word;
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
-use crate::app::{PanelId, State};
 use crate::cloud::Frame;
 use crate::scene::describe::{Described, Word};
 use crate::scene::{Legend, coloring, field_title};
@@ -18,13 +17,15 @@ use std::sync::Arc;
 /// Fields that the list has room for.
 const MAX_FIELDS: usize = 64;
 
-/// The section of the settings.
-pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
-    let shown = state.player.as_ref().and_then(|player| player.shown().cloned());
-    let shown = shown.as_ref();
+/// The section of the settings: colours of the `shown` frame, and whether their legend is open.
+pub(super) fn colors_ui(
+    ui: &mut Ui,
+    coloring: &mut Coloring,
+    shown: Option<&Arc<PreparedFrame>>,
+    has_legend: &mut bool,
+) {
     heading(ui, "Colours");
-    let before = state.style.colors;
-    let coloring = &mut state.style.colors;
+    let before = *coloring;
     rows(ui, "colours", |ui| {
         source(ui, coloring, shown);
         match coloring.source {
@@ -44,18 +45,15 @@ pub(super) fn colors_ui(ui: &mut Ui, state: &mut State) {
         ramp_ui(ui, coloring.map);
         range(ui, coloring, (&frame.frame, &values, &scale));
     }
-    let has_legend = shown.is_some_and(|frame| Legend::of(frame).is_some());
-    if has_legend {
-        let mut is_open = state.panels.has(PanelId::LEGEND);
+    if shown.is_some_and(|frame| Legend::of(frame).is_some()) {
         rows(ui, "legend", |ui| {
             row(
                 ui,
                 "Legend",
                 "What the colours mean, over the picture at the right",
-                Checkbox::new(&mut is_open, "Shown"),
+                Checkbox::new(has_legend, "Shown"),
             );
         });
-        state.panels.set(PanelId::LEGEND, is_open);
     }
 }
 

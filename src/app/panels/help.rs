@@ -1,6 +1,7 @@
 //! The list of keys, from the table that dispatches them.
 
 use crate::app::theme::ACCENT;
+use crate::app::widgets::rows::heading_of_list;
 use crate::app::{BINDINGS, GESTURES, PanelId, State};
 use egui::{Grid, RichText, ScrollArea, Ui, Window};
 
@@ -27,7 +28,7 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
                     bindings(left, "Points");
                     bindings(left, "File and window");
                     bindings(right, "View");
-                    heading(right, "Mouse and flying");
+                    heading_of_list(right, "Mouse and flying");
                     table(right, "gestures", GESTURES.iter().copied());
                 });
             });
@@ -35,13 +36,8 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
     state.panels.set(PanelId::HELP, open);
 }
 
-fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong().size(14.5));
-}
-
 fn bindings(ui: &mut Ui, group: &str) {
-    heading(ui, group);
+    heading_of_list(ui, group);
     let rows = BINDINGS.iter().filter(|binding| binding.group == group);
     table(ui, group, rows.map(|binding| (binding.keys, binding.text)));
 }

@@ -3,7 +3,7 @@
 use crate::app::features::camera_path::marks::paint_path;
 use crate::app::features::inspection::marks::paint_inspection;
 use crate::app::features::trails::panel::paint_trails;
-use crate::app::widgets::canvas::Canvas;
+use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::{PanelId, State};
 use egui::{Rect, Ui};
 
@@ -18,7 +18,7 @@ pub(super) fn marks_ui(ui: &Ui, state: &State) {
 
 fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let painter = ui.painter_at(rect);
-    let canvas = Canvas::new(&painter, rect, size_px, &state.camera);
+    let canvas = PictureOverlay::new(&painter, rect, size_px, &state.camera);
     if let Some(path) = state.path.draft.path()
         && state.panels.has(PanelId::CAMERA_PATH)
         && !state.path.is_playing()

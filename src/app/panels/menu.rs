@@ -33,7 +33,16 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn item(ui: &mut Ui, state: &mut State, text: &str, command: Command) {
-    if ui.add(Button::new(text).shortcut_text(keys_of(command))).clicked() {
+    run_by(ui, state, Button::new(text), command, "");
+}
+
+/// Runs `command` once `button` is clicked.
+fn run_by(ui: &mut Ui, state: &mut State, button: Button<'_>, command: Command, tooltip: &str) {
+    let mut button = ui.add(button.shortcut_text(keys_of(command)));
+    if !tooltip.is_empty() {
+        button = button.on_hover_text(tooltip);
+    }
+    if button.clicked() {
         state.run(command);
         ui.close();
     }
@@ -58,13 +67,8 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         item(ui, state, "Save picture", Command::Screenshot);
         item(ui, state, "Save picture as…", Command::SaveScreenshotAs);
-        let export = Command::ToggleExport;
-        let button = Button::new("Export…").shortcut_text(keys_of(export));
         let tooltip = "Pictures of any size, turntables, camera paths and the sequence as videos";
-        if ui.add(button).on_hover_text(tooltip).clicked() {
-            state.run(export);
-            ui.close();
-        }
+        run_by(ui, state, Button::new("Export…"), Command::ToggleExport, tooltip);
     });
     ui.separator();
     item(ui, state, "Quit", Command::Quit);
@@ -198,11 +202,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
 
 /// An item that shows whether it is on.
 fn choice(ui: &mut Ui, state: &mut State, (text, is_on): (&str, bool), command: Command) {
-    let button = Button::selectable(is_on, text).shortcut_text(keys_of(command));
-    if ui.add(button).clicked() {
-        state.run(command);
-        ui.close();
-    }
+    run_by(ui, state, Button::selectable(is_on, text), command, "");
 }
 
 fn theme_menu(ui: &mut Ui, state: &mut State) {
@@ -237,12 +237,8 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
             "Clicks on points measure distances, angles and heights",
         ),
     ] {
-        let command = Command::ToggleTool(tool);
-        let button = Button::selectable(state.inspection.tool == tool, text).shortcut_text(keys_of(command));
-        if ui.add(button).on_hover_text(tooltip).clicked() {
-            state.run(command);
-            ui.close();
-        }
+        let button = Button::selectable(state.inspection.tool == tool, text);
+        run_by(ui, state, button, Command::ToggleTool(tool), tooltip);
     }
 }
 

@@ -17,13 +17,12 @@ mod settings;
 mod statistics;
 mod style;
 mod table;
-mod time;
 mod viewport;
 
 use super::State;
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
 use menu::menu_ui;
-use table::{PANELS, PanelRow, Place, without_keys};
+use table::{Dock, PANELS, PanelRow, without_keys};
 use viewport::viewport_ui;
 
 /// Everything in the window, keys included.
@@ -47,7 +46,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
     for row in PANELS {
-        if matches!(row.place, Place::Window) {
+        if matches!(row.place, Dock::Window) {
             (row.show)(ui, state);
         }
     }
@@ -66,9 +65,9 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
         return;
     };
     let (panel, width, range) = match &row.place {
-        Place::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
-        Place::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
-        Place::Window => return,
+        Dock::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
+        Dock::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
+        Dock::Window => return,
     };
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     panel

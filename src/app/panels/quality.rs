@@ -1,35 +1,31 @@
 //! From fast to exact by one slider, once it is known what each way to draw takes and how wrong it is.
 
 use super::settings::{heading, row, rows};
-use crate::app::State;
-use crate::bench::{Quality, suites};
+use crate::app::{MeasuredQuality, QualityLimits};
+use crate::bench::{Quality, QualityChoice};
+use crate::scene::Style;
 use egui::{Button, DragValue, Slider, Ui};
 
-/// A slider over the ways that no other beats, and the two limits that choose one of them.
-pub(super) fn quality_ui(ui: &mut Ui, state: &mut State) {
-    if state.player.is_none() {
-        return;
-    }
+/// A slider over the ways that no other beats, and the two limits that choose one of them. True if they are to be
+/// measured.
+pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &mut Style) -> bool {
     heading(ui, "Quality");
-    if let Some(quality) = state.quality.known.clone() {
-        choose(ui, state, &quality);
-        return;
+    if let Some(known) = &quality.known {
+        choose(ui, known, &mut quality.limits, style);
+        return false;
     }
     let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
         Then one slider chooses from fast to exact. What was measured is kept for this sequence";
-    let measure = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
-    if measure.clicked() {
-        state.start_benchmark(suites::ERROR);
-    }
+    ui.add(Button::new("Measure…")).on_hover_text(tooltip).clicked()
 }
 
-fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
+fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &mut Style) {
     let choices = quality.choices();
     let current = choices
         .iter()
-        .position(|choice| state.style.drawn_as(&choice.style) == state.style);
+        .position(|choice| style.drawn_as(&choice.style) == *style);
     let mut wanted = current;
-    let mut limits = state.quality.limits;
+    let before = *limits;
     rows(ui, "quality", |ui| {
         // Without a place among the choices, the slider stands where the time of pictures would put it.
         let mut place = current.unwrap_or(choices.len() - 1);
@@ -64,13 +60,12 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
             time,
         );
     });
-    let place_of = |chosen: &crate::bench::QualityChoice| choices.iter().position(|choice| choice == chosen);
-    if limits.flip != state.quality.limits.flip {
+    let place_of = |chosen: &QualityChoice| choices.iter().position(|choice| choice == chosen);
+    if limits.flip != before.flip {
         wanted = place_of(quality.fastest_below(limits.flip));
-    } else if limits.draw_ms != state.quality.limits.draw_ms {
+    } else if limits.draw_ms != before.draw_ms {
         wanted = place_of(quality.best_within(limits.draw_ms));
     }
-    state.quality.limits = limits;
     match wanted.and_then(|place| choices.get(place)) {
         Some(choice) => {
             ui.weak(format!(
@@ -78,7 +73,7 @@ fn choose(ui: &mut Ui, state: &mut State, quality: &Quality) {
                 choice.draw_ms, choice.flip, choice.label
             ));
             if wanted != current {
-                state.draw_as(&choice.style);
+                *style = style.drawn_as(&choice.style);
             }
         }
         None => {

@@ -1,30 +1,80 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::clip::clip_ui;
+use super::clip::{ClippedFrame, clip_ui};
 use super::colors::colors_ui;
 use super::quality::quality_ui;
 use super::style::{section_rows, section_ui, word};
-use super::time::time_ui;
+use crate::app::features::temporal::panel::poses_ui;
+use crate::app::features::thumbnails::panel::thumbnails_ui;
+use crate::app::features::trails::panel::field_ui;
 pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
-use crate::app::{PresentChoice, State, Turntable};
+use crate::app::{MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
+use crate::playback::Player;
 use crate::scene::describe::Section;
-use crate::scene::{Primitive, Projection, RendererChoice, UpAxis};
+use crate::scene::{Camera, Primitive, Projection, RendererChoice, Style, UpAxis};
 use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
+use glam::DVec3;
+
+/// The parts of the window that settings are about.
+pub(super) struct SettingsContext<'a> {
+    pub(super) player: Option<&'a Player>,
+    pub(super) style: &'a mut Style,
+    /// The style with what was guessed in place of what is left open.
+    pub(super) drawn: Style,
+    /// What was guessed, with the reason: the primitive.
+    pub(super) primitive: Option<(Primitive, &'static str)>,
+    /// Why the up axis was guessed so.
+    pub(super) up_why: Option<&'static str>,
+    /// The points of the last angle that was measured.
+    pub(super) angle: Option<[DVec3; 3]>,
+    pub(super) quality: &'a mut MeasuredQuality,
+    pub(super) camera: &'a mut Camera,
+    pub(super) turntable: &'a mut Turntable,
+    pub(super) present: &'a mut PresentChoice,
+    pub(super) has_legend: &'a mut bool,
+    pub(super) thumbnails: &'a mut Thumbnails,
+    pub(super) trails: &'a mut Trails,
+    pub(super) temporal: &'a mut Temporal,
+}
+
+/// What settings ask of the window.
+pub(super) enum SettingsRequest {
+    /// Measure the ways to draw.
+    Measure,
+    /// Another axis is up.
+    ChooseUp(UpAxis),
+    /// All settings of the picture as they are at first.
+    Reset,
+}
 
 /// The panel at the right.
-pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
+pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
+    let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        quality_ui(ui, state);
-        picture(ui, state);
-        colors_ui(ui, state);
-        clip_ui(ui, state);
-        time_ui(ui, state);
-        let drawn = state.drawn_style();
+        if context.player.is_some() && quality_ui(ui, context.quality, context.style) {
+            request = Some(SettingsRequest::Measure);
+        }
+        picture(ui, context);
+        let shown = context.player.and_then(Player::shown);
+        colors_ui(ui, &mut context.style.colors, shown, context.has_legend);
+        let frame = context.player.zip(shown).map(|(player, shown)| ClippedFrame {
+            bounds: shown.frame.bounds(),
+            origin: player.sequence().origin(),
+        });
+        clip_ui(ui, &mut context.style.of_sequence.clip, frame, context.angle);
+        heading(ui, "Time");
+        thumbnails_ui(ui, context.thumbnails);
+        field_ui(ui, context.trails);
+        poses_ui(ui, context.temporal);
         for section in [("Shading", Section::Shading), ("Background", Section::Background)] {
-            section_ui(ui, &mut state.style, &drawn, section);
+            section_ui(ui, context.style, &context.drawn, section);
         }
         heading(ui, "Camera");
-        rows(ui, "camera", |ui| camera(ui, state));
+        rows(ui, "camera", |ui| {
+            if let Some(up) = camera(ui, context) {
+                request = Some(SettingsRequest::ChooseUp(up));
+            }
+        });
         heading(ui, "Window");
         rows(ui, "window", |ui| {
             let texts = (
@@ -32,7 +82,7 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
                 "Who paints the panels and brings the window onto the screen",
             );
             let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
-            word(ui, texts, &mut state.appearance.present, all, words);
+            word(ui, texts, context.present, all, words);
         });
         ui.add_space(12.0);
         if ui
@@ -40,26 +90,26 @@ pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
             .on_hover_text("Every setting of the picture as it is at first; the camera stays")
             .clicked()
         {
-            state.reset_settings();
+            request = Some(SettingsRequest::Reset);
         }
     });
+    request
 }
 
 /// What is drawn and how, but for colours and light.
-fn picture(ui: &mut Ui, state: &mut State) {
+fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     heading(ui, "Picture");
-    primitive(ui, state);
-    let drawn = state.drawn_style();
-    let style = &mut state.style;
+    let SettingsContext { style, drawn, .. } = context;
+    primitive(ui, &mut style.primitive, context.primitive);
     rows(ui, "picture", |ui| {
-        section_rows(ui, style, &drawn, Section::Picture);
+        section_rows(ui, style, drawn, Section::Picture);
     });
-    section_ui(ui, style, &drawn, ("Surfels", Section::Surfels));
+    section_ui(ui, style, drawn, ("Surfels", Section::Surfels));
     let on_processor = drawn.drawing.renderer == RendererChoice::Cpu;
     let has_footprints = on_processor && style.surfels.splatting.has_visibility_pass();
     ui.add_enabled_ui(has_footprints, |ui| {
         rows(ui, "footprints", |ui| {
-            section_rows(ui, style, &drawn, Section::Footprints);
+            section_rows(ui, style, drawn, Section::Footprints);
         });
     });
     for section in [
@@ -68,28 +118,29 @@ fn picture(ui: &mut Ui, state: &mut State) {
         ("Octree", Section::Octree),
         ("Level of detail", Section::LevelOfDetail),
     ] {
-        section_ui(ui, style, &drawn, section);
+        section_ui(ui, style, drawn, section);
     }
 }
 
-fn primitive(ui: &mut Ui, state: &mut State) {
-    ui.horizontal(|ui| {
+fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &str)>) {
+    ui.horizontal_wrapped(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
-            let button =
-                Button::selectable(state.style.primitive == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
+            let button = Button::selectable(*chosen == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
             if ui.add(button).on_hover_text(word.hint).clicked() {
-                state.style.primitive = primitive;
+                *chosen = primitive;
             }
         }
     });
-    if let (Primitive::Auto, Some(look)) = (state.style.primitive, state.first_look()) {
-        let text = format!("Drawn as {}s: {}", look.primitive, look.primitive_why);
+    if let (Primitive::Auto, Some((primitive, why))) = (*chosen, guessed) {
+        let text = format!("Drawn as {primitive}s: {why}");
         ui.label(RichText::new(text).weak());
     }
     ui.add_space(4.0);
 }
 
-fn camera(ui: &mut Ui, state: &mut State) {
+/// The rows of the camera; the axis that is to be up, where another one is chosen.
+fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
+    let SettingsContext { camera, turntable, .. } = context;
     let axes = UpAxis::ALL.iter().map(|&(name, axis)| {
         let text = match name {
             "y" => "+Y",
@@ -102,7 +153,7 @@ fn camera(ui: &mut Ui, state: &mut State) {
         (text, axis, "The axis of the file that points up in the picture")
     });
     let axes: Vec<_> = axes.collect();
-    let mut up = state.camera.up;
+    let mut up = camera.up;
     choice(
         ui,
         "Up axis",
@@ -110,18 +161,15 @@ fn camera(ui: &mut Ui, state: &mut State) {
         &mut up,
         &axes,
     );
-    if up != state.camera.up {
-        state.choose_up(up);
-    }
-    if let Some(look) = state.first_look() {
-        note_below(ui, look.up_why);
+    if let Some(why) = context.up_why {
+        note_below(ui, why);
     }
     let texts = ("Projection", "Whether what is farther away is smaller (O)");
     let (all, words) = (Projection::ALL, Projection::WORDS);
-    word(ui, texts, &mut state.camera.projection, all, words);
-    if state.camera.projection == Projection::Perspective {
+    word(ui, texts, &mut camera.projection, all, words);
+    if camera.projection == Projection::Perspective {
         // The slider rounds what it shows: what comes from a path or a text is not its to change.
-        let before = state.camera.fov_deg.round().clamp(5.0, 120.0);
+        let before = camera.fov_deg.round().clamp(5.0, 120.0);
         let mut shown = before;
         let fov = Slider::new(&mut shown, 5.0..=120.0).max_decimals(0).suffix(" °");
         row(
@@ -131,10 +179,9 @@ fn camera(ui: &mut Ui, state: &mut State) {
             fov,
         );
         if shown != before {
-            state.camera.fov_deg = shown;
+            camera.fov_deg = shown;
         }
     }
-    let turntable = &mut state.motion.turntable;
     row(
         ui,
         "Turntable",
@@ -150,4 +197,5 @@ fn camera(ui: &mut Ui, state: &mut State) {
         "How fast the turntable turns, degrees a second; negative the other way",
         pace,
     );
+    (up != camera.up).then_some(up)
 }

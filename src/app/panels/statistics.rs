@@ -3,6 +3,7 @@
 use crate::app::State;
 use crate::app::meter::Redraw;
 use crate::app::widgets::numbers::{bytes, grouped};
+use crate::app::widgets::rows::heading_of_list;
 use crate::levels::octree::Octree;
 use crate::playback::Player;
 use crate::scene::SceneStats;
@@ -22,18 +23,13 @@ pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
             shown_frame(ui, state, &frame);
         }
         memory(ui, state);
-        heading(ui, "Adapter");
+        heading_of_list(ui, "Adapter");
         ui.add(Label::new(&state.graphics.adapter).wrap());
     });
 }
 
-fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong().size(14.5));
-}
-
 fn section(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
-    heading(ui, name);
+    heading_of_list(ui, name);
     Grid::new(name)
         .num_columns(2)
         .min_col_width(NAME_WIDTH)

@@ -7,7 +7,6 @@ use super::help::help_ui;
 use super::notices::notices_ui;
 use super::presets::preset_name_ui;
 use super::question::question_ui;
-use super::settings::settings_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
 use crate::app::features::palette::CommandEntry;
@@ -21,13 +20,13 @@ pub(super) struct PanelRow {
     pub(super) id: Option<PanelId>,
     /// Its item of the menu View; `None` of one that is opened from elsewhere.
     menu: Option<&'static str>,
-    pub(super) place: Place,
+    pub(super) place: Dock,
     /// Shows it. A window is asked in each pass, and knows whether it is open.
     pub(super) show: fn(&mut Ui, &mut State),
 }
 
 /// Where a panel is.
-pub(super) enum Place {
+pub(super) enum Dock {
     /// Beside the picture, at the left; how wide at first, and how wide it can be, points.
     Left(f32, RangeInclusive<f32>),
     /// The same at the right.
@@ -41,13 +40,13 @@ pub(super) const PANELS: &[PanelRow] = &[
     PanelRow {
         id: Some(PanelId::SETTINGS),
         menu: Some("Settings"),
-        place: Place::Right(312.0, 280.0..=460.0),
-        show: settings_ui,
+        place: Dock::Right(312.0, 280.0..=460.0),
+        show: bound::settings,
     },
     PanelRow {
         id: Some(PanelId::STATISTICS),
         menu: Some("Statistics"),
-        place: Place::Left(272.0, 240.0..=420.0),
+        place: Dock::Left(272.0, 240.0..=420.0),
         show: statistics_ui,
     },
     by_itself(bound::point),
@@ -56,7 +55,7 @@ pub(super) const PANELS: &[PanelRow] = &[
     PanelRow {
         id: Some(PanelId::CAMERA_PATH),
         menu: Some("Camera path…"),
-        place: Place::Window,
+        place: Dock::Window,
         show: bound::camera_path,
     },
     window(PanelId::EXPORT, bound::export),
@@ -72,7 +71,7 @@ const fn window(id: PanelId, show: fn(&mut Ui, &mut State)) -> PanelRow {
     PanelRow {
         id: Some(id),
         menu: None,
-        place: Place::Window,
+        place: Dock::Window,
         show,
     }
 }
@@ -82,7 +81,7 @@ const fn by_itself(show: fn(&mut Ui, &mut State)) -> PanelRow {
     PanelRow {
         id: None,
         menu: None,
-        place: Place::Window,
+        place: Dock::Window,
         show,
     }
 }
@@ -114,7 +113,7 @@ mod tests {
             let others = || PANELS[index + 1..].iter();
             assert!(row.id.is_none() || others().all(|other| other.id != row.id));
             assert!(row.menu.is_none() || row.id.is_some(), "{:?}", row.menu);
-            let is_window = matches!(row.place, Place::Window);
+            let is_window = matches!(row.place, Dock::Window);
             assert!(is_window || row.id.is_some(), "a side panel is opened");
         }
     }

@@ -89,25 +89,13 @@ const OF_VERSION_6: &str = include_str!("versions/6.json");
 fn of_version_6() -> Preferences {
     let unusual = unusual();
     Preferences {
-        settings: Style {
-            voxels: VoxelStyle {
-                light: VoxelLight::Normals,
-            },
-            light: LightStyle {
-                eye_dome: EyeDome::Auto,
-                eye_dome_strength: 1.0,
-                ..unusual.settings.light
-            },
-            backdrop: Backdrop {
-                grid: false,
-                ..unusual.settings.backdrop
-            },
-            points: PointStyle {
-                shape: PointShape::Square,
-                ..unusual.settings.points
-            },
-            ..unusual.settings
-        },
+        settings: unusual.settings.with(|style| {
+            style.voxels.light = VoxelLight::Normals;
+            style.light.eye_dome = EyeDome::Auto;
+            style.light.eye_dome_strength = 1.0;
+            style.backdrop.grid = false;
+            style.points.shape = PointShape::Square;
+        }),
         present: PresentChoice::Auto,
         scale_bar: true,
         ..unusual
@@ -161,21 +149,17 @@ fn all_choices_survive() {
 fn of_versions() -> [(&'static str, Preferences); 7] {
     let usual = Preferences::default();
     let last = Preferences {
-        settings: Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Darker,
-                ..unusual().settings.surfels
-            },
-            colors: Coloring {
+        settings: unusual().settings.with(|style| {
+            style.surfels.back_faces = BackFaces::Darker;
+            style.colors = Coloring {
                 source: ColorSource::Scalar(Some(FieldName::new("intensity"))),
                 map: ColorMap::Turbo,
                 range: ColorRange::Fixed { low: 3.0, high: 7.0 },
                 is_logarithmic: true,
                 one_color: [9, 8, 7],
-            },
-            points: of_version_6().settings.points,
-            ..unusual().settings
-        },
+            };
+            style.points = of_version_6().settings.points;
+        }),
         ..unusual()
     };
     let sixth = of_version_6();

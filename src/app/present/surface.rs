@@ -4,7 +4,7 @@
 //! so only when the next image is asked for. [`acquire`] decides: an image is shown, a moment without one is waited
 //! out, an outdated surface is configured for the window's present size, a lost one is made anew. A repair is tried
 //! once for each picture; what still has no image then is asked again later. A window without any area has no images:
-//! it is not even asked. [`Target`] keeps the decisions apart from wgpu, so that tests can give every answer.
+//! it is not even asked. [`SurfaceImages`] keeps the decisions apart from wgpu, so that tests can give every answer.
 
 use crate::render::RenderError;
 use crate::render::gpu::Context;
@@ -31,7 +31,7 @@ pub(super) enum Answer<T> {
 }
 
 /// What gives images.
-pub(super) trait Target {
+pub(super) trait SurfaceImages {
     /// An image to draw to.
     type Image;
 
@@ -49,7 +49,7 @@ pub(super) trait Target {
 }
 
 /// The next image of `target`; `None` if there is none now.
-pub(super) fn acquire<T: Target>(target: &mut T) -> Result<Option<T::Image>, RenderError> {
+pub(super) fn acquire<T: SurfaceImages>(target: &mut T) -> Result<Option<T::Image>, RenderError> {
     for attempt in 1..=MAX_ATTEMPTS {
         let size_px = target.window_size_px();
         if size_px.contains(&0) {
@@ -124,7 +124,7 @@ impl WindowSurface {
     }
 }
 
-impl Target for WindowSurface {
+impl SurfaceImages for WindowSurface {
     type Image = wgpu::SurfaceTexture;
 
     fn window_size_px(&self) -> [u32; 2] {
@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    impl Target for Scripted {
+    impl SurfaceImages for Scripted {
         type Image = &'static str;
 
         fn window_size_px(&self) -> [u32; 2] {

@@ -142,13 +142,7 @@ fn files_of_version_1_are_read_as_they_were_meant() {
 fn each_value_is_read_by_itself() {
     let whole = of_version_1();
     let default = Style::default();
-    let scale = |splat_scale| Style {
-        surfels: SurfelStyle {
-            splat_scale,
-            ..whole.surfels
-        },
-        ..whole
-    };
+    let scale = |splat_scale| whole.with(|style| style.surfels.splat_scale = splat_scale);
     let cases = [
         ("\"splat_scale\": 1.25,", "", scale(1.0), true),
         ("1.25,", "1.25, \"of later\": {\"a\": 1},", whole, true),
@@ -166,13 +160,7 @@ fn each_value_is_read_by_itself() {
         (
             "\"threshold_px\"",
             "\"of later\"",
-            Style {
-                levels: LevelStyle {
-                    lod: default.levels.lod,
-                    ..whole.levels
-                },
-                ..whole
-            },
+            whole.with(|style| style.levels.lod = default.levels.lod),
             false,
         ),
         ("\"version\": 1", "\"version\": 2", whole, false),

@@ -7,7 +7,7 @@ use crate::app::command::{self, Command};
 use crate::app::features::benchmark::Benchmark;
 use crate::app::features::camera_path::Question;
 use crate::app::features::comparison::Comparison;
-use crate::app::features::export::Subject;
+use crate::app::features::export::ExportSubject;
 use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
 use crate::app::open_panels::PanelId;
@@ -79,7 +79,7 @@ impl State {
                 self.ask(DialogKind::SavePicture, Some(name));
             }
             Command::ToggleExport => self.toggle_export(None),
-            Command::ExportPath => self.toggle_export(Some(Subject::Path)),
+            Command::ExportPath => self.toggle_export(Some(ExportSubject::Path)),
             Command::AddKeyframe => self.add_keyframe(),
             Command::TogglePreview => self.toggle_preview(),
             Command::NewPath => self.ask_or_do(Question::New),
@@ -201,7 +201,7 @@ impl State {
     fn scale_size(&mut self, factor: f32) {
         let scaled = match self.drawn_style().primitive {
             Primitive::Point => &PointStyle::SIZE_PX,
-            Primitive::Auto | Primitive::Surfel | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
         self.style.edit(&mut |described, value| match value {
             Value::Number(size) if described.key == scaled.key => {

@@ -3,7 +3,7 @@
 use super::State;
 use super::dialogs::DialogKind;
 use crate::app::features::export::job::{ExportJob, Shows, run};
-use crate::app::features::export::{ExportEnded, Exportable, Subject};
+use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
 use crate::app::open_panels::PanelId;
 use crate::app::work::files::picture_folder;
 use crate::app::work::works::WorkKind;
@@ -21,7 +21,7 @@ const LAST_WAIT: Duration = Duration::from_secs(2);
 
 impl State {
     /// Shows the choices, of `subject` if one is named, or closes them.
-    pub(super) fn toggle_export(&mut self, subject: Option<Subject>) {
+    pub(super) fn toggle_export(&mut self, subject: Option<ExportSubject>) {
         let is_open = subject.is_some() || !self.panels.has(PanelId::EXPORT);
         self.panels.set(PanelId::EXPORT, is_open);
         if is_open {
@@ -31,7 +31,7 @@ impl State {
     }
 
     /// Chooses what is exported; the rate becomes the usual one of that.
-    pub fn choose_export(&mut self, subject: Subject) {
+    pub fn choose_export(&mut self, subject: ExportSubject) {
         let clock = self.player.as_ref().map(Player::clock);
         self.export.choose(subject, clock);
     }
@@ -66,7 +66,7 @@ impl State {
     pub(in crate::app) fn ask_for_place(&mut self) {
         let name = self.export.file_stem(&self.sequence_stem());
         let (dialog, name) = match (self.export.subject, self.export.format) {
-            (Subject::Picture, _) => (DialogKind::ExportTo("png"), name + ".png"),
+            (ExportSubject::Picture, _) => (DialogKind::ExportTo("png"), name + ".png"),
             (_, VideoFormat::PngFiles) => (DialogKind::ExportFolder, name),
             (_, VideoFormat::Gif) => (DialogKind::ExportTo("gif"), name + ".gif"),
             (_, VideoFormat::Webp) => (DialogKind::ExportTo("webp"), name + ".webp"),
@@ -114,20 +114,20 @@ impl State {
         let frame = player.waiting_for().unwrap_or(player.clock().frame());
         let clock = player.clock().clone();
         Some(match export.subject {
-            Subject::Picture => Shows::Picture { camera, frame },
-            Subject::Path => Shows::Path(self.path.draft.path()?.clone()),
-            Subject::Turntable if export.holds_frame => {
+            ExportSubject::Picture => Shows::Picture { camera, frame },
+            ExportSubject::Path => Shows::Path(self.path.draft.path()?.clone()),
+            ExportSubject::Turntable if export.holds_frame => {
                 let pictures = [export.pictures as f64, export.per_second];
                 let path = CameraPath::turntable(camera, turns, pictures, [frame as f64, 0.0]);
                 Shows::Path(path.ok()?)
             }
-            Subject::Turntable => Shows::Turntable {
+            ExportSubject::Turntable => Shows::Turntable {
                 camera,
                 turns,
                 pictures: export.pictures,
                 clock,
             },
-            Subject::Sequence => Shows::Sequence { camera, clock },
+            ExportSubject::Sequence => Shows::Sequence { camera, clock },
         })
     }
 

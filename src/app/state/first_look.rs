@@ -6,7 +6,7 @@
 //! markers.
 
 use super::State;
-use crate::app::first_look::{Chosen, FirstView, Looked, LookedAtMore};
+use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
 use crate::math::Aabb;
 use crate::scene::{Camera, FirstLook, Primitive, Style, UpAxis};
 use crate::sequence::PreparedFrame;
@@ -43,7 +43,7 @@ impl State {
 
     /// Takes what was chosen for the sequence that is being opened.
     pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
-        self.looked = Looked::default();
+        self.looked = SequenceLook::default();
         let usual = self.options.preferences.settings.primitive;
         let asked = self.options.primitive.take();
         self.style.primitive = asked.or(chosen.primitive).unwrap_or(usual);
@@ -86,12 +86,12 @@ impl State {
         self.tasks.start("first look", move || {
             let look = FirstLook::of_sequence(&frame.frame, &sequence);
             let sequence = Arc::downgrade(&sequence);
-            Box::new(LookedAtMore { sequence, look })
+            Box::new(RefinedLook { sequence, look })
         });
     }
 
     /// Takes what a thread made of several frames of the open sequence.
-    pub(super) fn take_more(&mut self, more: LookedAtMore) {
+    pub(super) fn take_more(&mut self, more: RefinedLook) {
         let is_open = self.player.as_ref().is_some_and(|player| {
             let opened = more.sequence.upgrade();
             opened.is_some_and(|opened| Arc::ptr_eq(&opened, player.sequence()))

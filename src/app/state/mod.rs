@@ -24,7 +24,7 @@ mod timeline;
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
-pub use parts::{Change, Counters, GraphicsInfo, Viewport, WindowRequest};
+pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
@@ -43,7 +43,7 @@ use crate::app::features::temporal::Temporal;
 use crate::app::features::thumbnails::Thumbnails;
 use crate::app::features::timeline::Timeline;
 use crate::app::features::trails::Trails;
-use crate::app::first_look::Looked;
+use crate::app::first_look::SequenceLook;
 use crate::app::history::History;
 use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
@@ -124,7 +124,7 @@ pub struct State {
     options: StateOptions,
     now: Duration,
     /// What is made of the open sequence.
-    looked: Looked,
+    looked: SequenceLook,
     requests: Vec<WindowRequest>,
     /// The picture of the open sequence.
     main: MainPicture,
@@ -165,7 +165,7 @@ impl State {
             dialogs: Dialogs::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
             now: Duration::ZERO,
-            looked: Looked::default(),
+            looked: SequenceLook::default(),
             requests: Vec::new(),
             main: MainPicture::default(),
             options,
@@ -209,7 +209,7 @@ impl State {
     }
 
     /// Moves on to `now`: takes in what threads finished, moves the playhead. Says what can be seen to change.
-    pub fn update(&mut self, now: Duration) -> Change {
+    pub fn update(&mut self, now: Duration) -> VisibleChange {
         let before = std::mem::replace(&mut self.now, now);
         let outcomes = self.tasks.take();
         let mut visible = !outcomes.is_empty();
@@ -231,7 +231,7 @@ impl State {
         self.keep_primitive();
         let style = self.drawn_style();
         let Some(player) = &mut self.player else {
-            return Change::of_panels(visible);
+            return VisibleChange::of_panels(visible);
         };
         let (change, of_b) = match &mut self.beside {
             Some(beside) => {
@@ -250,12 +250,12 @@ impl State {
             visible |= self.follow_beside(of_b);
         }
         let of_frame = match is_another_frame {
-            true if self.panels_show_frame() => Change::Panels,
-            true => Change::Frame,
-            false if self.is_picture_due() => Change::Picture,
-            false => Change::Nothing,
+            true if self.panels_show_frame() => VisibleChange::Panels,
+            true => VisibleChange::Frame,
+            false if self.is_picture_due() => VisibleChange::Picture,
+            false => VisibleChange::Nothing,
         };
-        Change::of_panels(visible).max(of_frame)
+        VisibleChange::of_panels(visible).max(of_frame)
     }
 
     /// Says what is new about frames that were read, of `count`.

@@ -11,7 +11,7 @@ use crate::app::features::export::ExportEnded;
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::features::thumbnails::Delivery;
 use crate::app::features::trails::Traced;
-use crate::app::first_look::LookedAtMore;
+use crate::app::first_look::RefinedLook;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
@@ -69,7 +69,7 @@ outcomes! {
     /// Surfels of what a view shows were estimated.
     InView(Arc<InView>),
     /// Several frames of a sequence were looked at.
-    Looked(Box<LookedAtMore>),
+    Looked(Box<RefinedLook>),
     /// A small picture of a frame was made.
     Thumbnail(Box<Delivery>),
     /// Points were followed through the frames.

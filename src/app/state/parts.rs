@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// What can be seen to have changed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Change {
+pub enum VisibleChange {
     /// Nothing.
     #[default]
     Nothing,
@@ -19,7 +19,7 @@ pub enum Change {
     Panels,
 }
 
-impl Change {
+impl VisibleChange {
     /// All, or nothing.
     pub(super) fn of_panels(is_changed: bool) -> Self {
         if is_changed { Self::Panels } else { Self::Nothing }

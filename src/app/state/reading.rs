@@ -2,7 +2,7 @@
 //! more.
 
 use super::State;
-use crate::app::first_look::Looked;
+use crate::app::first_look::SequenceLook;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
 use crate::playback::Player;
@@ -135,7 +135,7 @@ impl State {
         self.style.of_sequence.clip = None;
         // Its threads end what they are on; nobody waits for that here.
         close(before);
-        self.looked = Looked::default();
+        self.looked = SequenceLook::default();
         self.motion.glide = None;
         self.main.drawing.forget_frame();
         self.temporal.forget_frames();

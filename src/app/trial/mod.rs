@@ -15,7 +15,7 @@ use super::meter::{GpuWork, Redraw};
 use super::state::{PictureStage, State};
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::playback::Player;
-use crate::scene::{DrawingStyle, Primitive, RendererChoice, Style};
+use crate::scene::{Primitive, RendererChoice, Style};
 use egui::Event;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -203,13 +203,7 @@ impl Trial {
     fn begin(&self, step: Step, now: Duration, state: &mut State) -> Watched {
         let input = &self.inputs[step.input];
         state.ask_for_primitive(step.primitive);
-        state.style = Style {
-            drawing: DrawingStyle {
-                renderer: self.renderer,
-                ..DrawingStyle::default()
-            },
-            ..Style::default()
-        };
+        state.style = Style::default().with(|style| style.drawing.renderer = self.renderer);
         let is_opened = step.action == Action::Open;
         if is_opened {
             Processor::forget_peak();

@@ -12,7 +12,7 @@ const DRIVER: [&str; 5] = ["llvmpipe", "WSI", "vk", "[vk", "lavapipe"];
 
 /// What single threads are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ThreadRole {
     /// Preparing frames.
     Prepare,
     /// A driver's.
@@ -21,7 +21,7 @@ enum Kind {
     Helper,
 }
 
-impl Kind {
+impl ThreadRole {
     fn of(name: &str) -> Self {
         let begins_with = |prefixes: &[&str]| prefixes.iter().any(|prefix| name.starts_with(prefix));
         if begins_with(&PREPARE) {
@@ -39,7 +39,7 @@ impl Kind {
 pub(in crate::app) struct Processor {
     all_ms: f64,
     /// Of all threads but the first, which the window is on. Empty where the system does not tell.
-    threads: HashMap<Pid, (Kind, f64)>,
+    threads: HashMap<Pid, (ThreadRole, f64)>,
 }
 
 /// Processor time of a while, milliseconds.
@@ -76,7 +76,7 @@ impl Processor {
             threads: threads
                 .filter(|thread| thread.pid() != own)
                 .map(|thread| {
-                    let kind = Kind::of(&thread.name().to_string_lossy());
+                    let kind = ThreadRole::of(&thread.name().to_string_lossy());
                     (thread.pid(), (kind, thread.accumulated_cpu_time() as f64))
                 })
                 .collect(),
@@ -96,9 +96,9 @@ impl Processor {
         for (thread, (kind, ms)) in &self.threads {
             let ms_before = before.threads.get(thread).map_or(0.0, |(_, ms)| *ms);
             let sum = match kind {
-                Kind::Prepare => &mut used.prepare_ms,
-                Kind::Driver => &mut used.driver_ms,
-                Kind::Helper => &mut used.helpers_ms,
+                ThreadRole::Prepare => &mut used.prepare_ms,
+                ThreadRole::Driver => &mut used.driver_ms,
+                ThreadRole::Helper => &mut used.helpers_ms,
             };
             // The system may give the number of a thread that has ended to another.
             *sum += (ms - ms_before).max(0.0);
@@ -152,29 +152,29 @@ mod tests {
 
     #[test]
     fn threads_are_told_apart_by_their_names() {
-        assert_eq!(Kind::of("frame loader 3"), Kind::Prepare);
-        assert_eq!(Kind::of("frame stages 0"), Kind::Prepare);
-        assert_eq!(Kind::of("llvmpipe-1"), Kind::Driver);
-        assert_eq!(Kind::of("pointreel"), Kind::Helper);
+        assert_eq!(ThreadRole::of("frame loader 3"), ThreadRole::Prepare);
+        assert_eq!(ThreadRole::of("frame stages 0"), ThreadRole::Prepare);
+        assert_eq!(ThreadRole::of("llvmpipe-1"), ThreadRole::Driver);
+        assert_eq!(ThreadRole::of("pointreel"), ThreadRole::Helper);
     }
 
     #[test]
     fn a_while_is_the_difference_of_each_thread() {
-        let at = |all_ms, threads: &[(u32, Kind, f64)]| Processor {
+        let at = |all_ms, threads: &[(u32, ThreadRole, f64)]| Processor {
             all_ms,
             threads: threads
                 .iter()
                 .map(|&(id, kind, ms)| (Pid::from_u32(id), (kind, ms)))
                 .collect(),
         };
-        let before = at(100.0, &[(2, Kind::Prepare, 40.0), (3, Kind::Helper, 30.0)]);
+        let before = at(100.0, &[(2, ThreadRole::Prepare, 40.0), (3, ThreadRole::Helper, 30.0)]);
         // The third has ended, the fourth and the fifth are new.
         let now = at(
             190.0,
             &[
-                (2, Kind::Prepare, 60.0),
-                (4, Kind::Driver, 7.0),
-                (5, Kind::Prepare, 5.0),
+                (2, ThreadRole::Prepare, 60.0),
+                (4, ThreadRole::Driver, 7.0),
+                (5, ThreadRole::Prepare, 5.0),
             ],
         );
         let expected = Used {
@@ -216,7 +216,7 @@ mod tests {
             Processor::now()
         });
         let seen = seen.unwrap().join().unwrap();
-        let is_loader = |(kind, ms): &&(Kind, f64)| *kind == Kind::Prepare && *ms >= 50.0;
+        let is_loader = |(kind, ms): &&(ThreadRole, f64)| *kind == ThreadRole::Prepare && *ms >= 50.0;
         assert!(seen.threads.values().any(|thread| is_loader(&thread)), "{seen:?}");
         assert!(seen.all_ms >= 50.0);
     }

@@ -1,8 +1,8 @@
 //! What panels are made of.
 
-pub(super) mod canvas;
 pub(super) mod names;
 pub(super) mod numbers;
+pub(super) mod overlay;
 pub(super) mod picture;
 pub(super) mod ramp;
 pub(super) mod rows;

@@ -3,9 +3,15 @@
 use egui::{ComboBox, Grid, Label, RichText, Ui, Widget};
 
 pub(in crate::app) fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(10.0);
-    ui.label(RichText::new(text).strong().size(14.5));
+    ui.add_space(4.0);
+    heading_of_list(ui, text);
     ui.add_space(2.0);
+}
+
+/// Above lines of text, which are closer together than controls.
+pub(in crate::app) fn heading_of_list(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).strong().size(14.5));
 }
 
 pub(in crate::app) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {

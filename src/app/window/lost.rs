@@ -1,7 +1,7 @@
 //! A graphics card that is lost, or has no memory left.
 
 use super::egui_before::EguiBefore;
-use super::{App, Screen};
+use super::{App, OpenWindow};
 use crate::app::notices::Severity;
 use crate::app::present_choice::PresentChoice;
 use crate::render::RenderError;
@@ -20,9 +20,9 @@ impl App {
     pub(super) fn rebuild(
         &mut self,
         event_loop: &ActiveEventLoop,
-        screen: Screen,
+        screen: OpenWindow,
         error: RenderError,
-    ) -> Option<Screen> {
+    ) -> Option<OpenWindow> {
         let now = self.now();
         self.rebuilt_at.retain(|&at| now.saturating_sub(at) < RELOSS_WINDOW);
         let is_given_up = self.rebuilt_at.len() >= MAX_REBUILDS;
@@ -47,8 +47,8 @@ impl App {
     }
 
     /// The same window with another presenter.
-    pub(super) fn open_anew(&mut self, event_loop: &ActiveEventLoop, screen: Screen) -> Option<Screen> {
-        let Screen {
+    pub(super) fn open_anew(&mut self, event_loop: &ActiveEventLoop, screen: OpenWindow) -> Option<OpenWindow> {
+        let OpenWindow {
             window,
             presenter,
             choice,

@@ -12,7 +12,7 @@ use super::pacing::{Agenda, Sight};
 use super::preferences::{Preferences, PreferencesFile};
 use super::present::{self, Presenter};
 use super::present_choice::PresentChoice;
-use super::state::{Change, PictureStage, State, StateOptions};
+use super::state::{PictureStage, State, StateOptions, VisibleChange};
 use super::theme::apply_theme;
 use super::trial::Trial;
 use crate::app::side::Side;
@@ -140,7 +140,7 @@ fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>,
 }
 
 /// What exists while there is a window.
-struct Screen {
+struct OpenWindow {
     window: Arc<Window>,
     presenter: Box<dyn Presenter>,
     /// What was chosen to present.
@@ -157,7 +157,7 @@ struct Screen {
 struct App {
     state: State,
     options: Options,
-    screen: Option<Screen>,
+    screen: Option<OpenWindow>,
     messages: EventLoopProxy<Message>,
     /// A screen reader asks what is in the window.
     is_read_aloud: bool,
@@ -171,7 +171,7 @@ struct App {
     /// How much of its frame the last presented picture had.
     stage_shown: Option<PictureStage>,
     /// What has changed since the last redraw.
-    change: Change,
+    change: VisibleChange,
     /// The window system asks for the window that it has lost.
     is_exposed: bool,
     /// A redraw was asked for.
@@ -226,7 +226,7 @@ impl App {
             sight: Sight::default(),
             has_been_shown: false,
             stage_shown: None,
-            change: Change::Panels,
+            change: VisibleChange::Panels,
             is_exposed: false,
             is_redraw_queued: false,
             repaint_at: None,
@@ -278,7 +278,7 @@ impl App {
         event_loop: &ActiveEventLoop,
         window: Arc<Window>,
         before: &mut Option<EguiBefore>,
-    ) -> Result<Screen, AppError> {
+    ) -> Result<OpenWindow, AppError> {
         let choice = self.state.appearance.present;
         let presenter = present::open(choice, &window)?;
         let egui = egui::Context::default();
@@ -314,9 +314,9 @@ impl App {
         self.state.graphics.paints_on_processor = info.paints_on_processor;
         self.state.graphics.has_timestamps = info.has_timestamps;
         self.state.forget_picture();
-        self.change = Change::Panels;
+        self.change = VisibleChange::Panels;
         self.note_refresh_rate(&window);
-        Ok(Screen {
+        Ok(OpenWindow {
             window,
             presenter,
             choice,
@@ -347,7 +347,7 @@ impl App {
         let events = trial.advance(now, &mut self.state);
         if !events.is_empty() {
             screen.input.egui_input_mut().events.extend(events);
-            self.change = Change::Panels;
+            self.change = VisibleChange::Panels;
         }
         let deadline = trial.next_deadline();
         if deadline.is_none() {
@@ -380,7 +380,7 @@ impl App {
         self.options.preferences_file.note(preferences, now);
     }
 
-    fn set_title(&self, screen: &mut Screen) {
+    fn set_title(&self, screen: &mut OpenWindow) {
         let title = match self.state.sequence_name() {
             Some(name) => format!("{name} – pointreel"),
             None => "pointreel".to_owned(),
@@ -452,7 +452,7 @@ impl ApplicationHandler<Message> for App {
             _ => {}
         }
         if is_changed {
-            self.change = Change::Panels;
+            self.change = VisibleChange::Panels;
         }
     }
 

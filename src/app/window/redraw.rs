@@ -5,13 +5,13 @@
 //! picture alone. The picture is drawn if its packet differs from the last one. Presenting does what these two have
 //! left to do, which may be nothing.
 
-use super::{App, AppError, NEWS_INTERVAL, Screen};
+use super::{App, AppError, NEWS_INTERVAL, OpenWindow};
 use crate::app::focus;
 use crate::app::meter::Redraw;
 use crate::app::panels::window_ui;
 use crate::app::present::Panels;
 use crate::app::side::Side;
-use crate::app::state::{Change, PictureStage, WindowRequest};
+use crate::app::state::{PictureStage, VisibleChange, WindowRequest};
 use crate::app::trial::Processor;
 use crate::app::work::files::save_png;
 use crate::render::RenderError;
@@ -61,7 +61,7 @@ impl App {
         };
     }
 
-    fn redraw_on(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+    fn redraw_on(&mut self, event_loop: &ActiveEventLoop, screen: &mut OpenWindow) -> Result<(), RenderError> {
         let size = screen.window.inner_size();
         if size.width == 0 || size.height == 0 {
             return Ok(());
@@ -95,7 +95,7 @@ impl App {
             self.tell_of_stage();
         }
         if !painted.presented && !self.sight.is_occluded {
-            self.change = Change::Panels;
+            self.change = VisibleChange::Panels;
             self.repaint_at = Some(now + NEWS_INTERVAL);
         }
         self.read_back(screen, wanted)?;
@@ -116,7 +116,7 @@ impl App {
     }
 
     /// Reads pictures back and hands them to whom they are for.
-    fn read_back(&mut self, screen: &mut Screen, wanted: ReadBack) -> Result<(), RenderError> {
+    fn read_back(&mut self, screen: &mut OpenWindow, wanted: ReadBack) -> Result<(), RenderError> {
         if wanted.comparison
             && let Some(other) = screen.presenter.read(Side::B, self.state.viewport.other_size_px)?
             && let Some(edited) = screen.presenter.read(Side::A, self.state.viewport.size_px)?
@@ -132,7 +132,7 @@ impl App {
     }
 
     /// Takes notice of how long a redraw took.
-    fn note_redraw(&mut self, screen: &Screen, redraw: Redraw, is_shown: bool) {
+    fn note_redraw(&mut self, screen: &OpenWindow, redraw: Redraw, is_shown: bool) {
         // A wait for the next picture of the screen costs nothing; what is beyond it is a driver, or a window system,
         // that is behind.
         let idle = redraw.waiting.min(self.refresh_interval);
@@ -142,7 +142,7 @@ impl App {
             let is_presented = is_shown && redraw.painted_px > 0;
             let is_due = trial.note(&redraw, is_presented, self.begin.elapsed(), &self.state);
             if is_due {
-                self.change = Change::Panels;
+                self.change = VisibleChange::Panels;
             }
         }
     }
@@ -170,16 +170,18 @@ impl App {
     }
 
     /// Whether egui is to be run.
-    fn are_panels_due(&self, change: Change, now: Duration) -> bool {
+    fn are_panels_due(&self, change: VisibleChange, now: Duration) -> bool {
         let is_due = |at: Option<Duration>| at.is_some_and(|at| at <= now);
         match change {
-            Change::Panels => true,
-            Change::Frame if now.saturating_sub(self.last_panels) >= PANELS_INTERVAL => true,
-            Change::Frame | Change::Picture | Change::Nothing => is_due(self.repaint_at) || is_due(self.news_at),
+            VisibleChange::Panels => true,
+            VisibleChange::Frame if now.saturating_sub(self.last_panels) >= PANELS_INTERVAL => true,
+            VisibleChange::Frame | VisibleChange::Picture | VisibleChange::Nothing => {
+                is_due(self.repaint_at) || is_due(self.news_at)
+            }
         }
     }
 
-    fn run_panels(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen, now: Duration) -> FullOutput {
+    fn run_panels(&mut self, event_loop: &ActiveEventLoop, screen: &mut OpenWindow, now: Duration) -> FullOutput {
         self.last_panels = now;
         self.news_at = None;
         let raw_input = screen.input.take_egui_input(&screen.window);
@@ -197,7 +199,7 @@ impl App {
         output
     }
 
-    fn draw_picture(&mut self, screen: &mut Screen) -> Result<(), RenderError> {
+    fn draw_picture(&mut self, screen: &mut OpenWindow) -> Result<(), RenderError> {
         let budget_bytes = self.state.graphics.budget_bytes;
         screen.presenter.set_resident_budget_bytes(budget_bytes);
         if let Some(packet) = self.state.next_packet() {
@@ -218,7 +220,7 @@ impl App {
     }
 
     /// What is seen of the 3-D pictures.
-    fn read_joined(&self, screen: &mut Screen) -> Result<Option<image::RgbaImage>, RenderError> {
+    fn read_joined(&self, screen: &mut OpenWindow) -> Result<Option<image::RgbaImage>, RenderError> {
         let viewport = &self.state.viewport;
         let Some(image) = screen.presenter.read(Side::A, viewport.size_px)? else {
             return Ok(None);
@@ -231,7 +233,7 @@ impl App {
     }
 
     /// Does what only the window can do; returns what pictures are to be read back for.
-    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> ReadBack {
+    fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut OpenWindow) -> ReadBack {
         let mut wanted = ReadBack::default();
         for request in self.state.take_requests() {
             match request {
@@ -256,7 +258,11 @@ impl App {
     }
 
     /// `--screenshot`: writes the picture after enough frames and ends.
-    fn take_screenshot_if_due(&mut self, event_loop: &ActiveEventLoop, screen: &mut Screen) -> Result<(), RenderError> {
+    fn take_screenshot_if_due(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        screen: &mut OpenWindow,
+    ) -> Result<(), RenderError> {
         let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
             return Ok(());
         };

@@ -117,18 +117,18 @@ mod tests {
     use super::*;
 
     #[derive(Debug, PartialEq)]
-    enum Outcome {
+    enum TestOutcome {
         Number(u8),
         Failed(String),
     }
 
-    impl From<u8> for Outcome {
+    impl From<u8> for TestOutcome {
         fn from(number: u8) -> Self {
             Self::Number(number)
         }
     }
 
-    impl From<TaskFailed> for Outcome {
+    impl From<TaskFailed> for TestOutcome {
         fn from(TaskFailed(text): TaskFailed) -> Self {
             Self::Failed(text)
         }
@@ -137,15 +137,15 @@ mod tests {
     #[test]
     fn outcomes_come_back_with_a_wake() {
         let (woken, wakes) = sync_channel(1);
-        let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
+        let mut tasks = Tasks::<TestOutcome>::new(Arc::new(move || woken.send(()).unwrap()));
         tasks.start("number", || 7);
         wakes.recv().unwrap();
-        assert_eq!(tasks.take(), [Outcome::Number(7)]);
+        assert_eq!(tasks.take(), [TestOutcome::Number(7)]);
         tasks.try_start("nothing", || -> Result<u8, _> {
             Err(TaskFailed("it is too late".to_owned()))
         });
         wakes.recv().unwrap();
-        assert_eq!(tasks.take(), [Outcome::Failed("it is too late".to_owned())]);
+        assert_eq!(tasks.take(), [TestOutcome::Failed("it is too late".to_owned())]);
         assert_eq!(tasks.take(), []);
     }
 }

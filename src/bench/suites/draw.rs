@@ -12,7 +12,7 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
-use crate::scene::{DrawingStyle, Scene, ScenePacket, Strategy, Style};
+use crate::scene::{Scene, ScenePacket, Strategy, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ fn name_of(way: Option<Strategy>) -> &'static str {
     way.map_or("processor", Strategy::name)
 }
 
-/// Columns of both suites, in the order in which [`Samples::row`] fills them.
+/// Columns of both suites, in the order in which [`DrawSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("strategy", "strategy"),
@@ -86,7 +86,7 @@ pub const VOXELS: &Suite = &Suite {
 
 /// What was measured of one sequence with one strategy.
 #[derive(Default)]
-struct Samples {
+struct DrawSamples {
     draw_ms: Vec<f64>,
     gpu_ms: Vec<f64>,
     upload_ms: Vec<f64>,
@@ -122,7 +122,7 @@ fn measure_sequence(
     steps_per_frame: usize,
 ) -> Result<(), BenchError> {
     let needs = Scene::needs(style);
-    let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
+    let mut samples: Vec<DrawSamples> = ways.iter().map(|_| DrawSamples::default()).collect();
     let (mut point_counts, mut depths) = (Vec::new(), Vec::new());
     let mut coverages = Vec::new();
     let mut first_failure = None;
@@ -179,18 +179,14 @@ fn measure_way(
     run: &mut Run<'_>,
     packets: &[ScenePacket],
     way: Option<Strategy>,
-    samples: &mut Samples,
+    samples: &mut DrawSamples,
 ) -> Result<(), BenchError> {
     let packets: Vec<ScenePacket> = packets
         .iter()
         .map(|packet| ScenePacket {
-            style: Style {
-                drawing: DrawingStyle {
-                    strategy: way.unwrap_or(packet.style.drawing.strategy),
-                    ..packet.style.drawing
-                },
-                ..packet.style
-            },
+            style: packet
+                .style
+                .with(|style| style.drawing.strategy = way.unwrap_or(packet.style.drawing.strategy)),
             ..packet.clone()
         })
         .collect();
@@ -228,7 +224,7 @@ fn measure_way(
     Ok(())
 }
 
-impl Samples {
+impl DrawSamples {
     fn row(&self, sequence: &str, way: Option<Strategy>, points: f64, depth: Option<f64>) -> Row {
         let draw = Quantiles::of(&self.draw_ms);
         let gpu = Quantiles::of(&self.gpu_ms);

@@ -35,7 +35,7 @@ const LOD_PX: f32 = 1.0;
 /// One step to prepare a frame, one to place its viewpoints, one for each δ.
 const STEPS_PER_FRAME: usize = 2 + DELTAS.len();
 
-/// In the order in which [`Samples::row`] fills them.
+/// In the order in which [`OctreeSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::percent("delta", "δ", 0),
@@ -135,21 +135,21 @@ const WAYS: [Way; 4] = [
 ];
 
 /// Points to build from.
-struct Points {
+struct BuildInput {
     positions: Vec<Vec3>,
     colors: Vec<[u8; 4]>,
 }
 
 /// What builds of a frame begin with.
 struct Beginnings<'a> {
-    file_order: Points,
-    morton_order: Points,
+    file_order: BuildInput,
+    morton_order: BuildInput,
     one_thread: &'a ThreadPool,
 }
 
 /// What was measured of one sequence at one δ.
 #[derive(Default)]
-struct Samples {
+struct OctreeSamples {
     loss: Vec<f64>,
     depth: Vec<f64>,
     nodes: Vec<f64>,
@@ -175,7 +175,7 @@ fn one_thread() -> Result<ThreadPool, BenchError> {
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &ThreadPool) -> Result<(), BenchError> {
     // What placing viewpoints needs; octrees are built by the clock.
     let needs = Scene::needs(&surfel_style());
-    let mut samples: Vec<Samples> = DELTAS.iter().map(|_| Samples::default()).collect();
+    let mut samples: Vec<OctreeSamples> = DELTAS.iter().map(|_| OctreeSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -214,7 +214,7 @@ fn measure_builds(
     run: &Run<'_>,
     beginnings: &Beginnings<'_>,
     delta: f32,
-    samples: &mut Samples,
+    samples: &mut OctreeSamples,
 ) -> Result<Octree, BenchError> {
     let mut octree = WAYS[0].build(beginnings, delta);
     for round in 0..(run.options.warmup + run.options.repeat) * run.options.viewpoints {
@@ -239,7 +239,7 @@ fn measure_builds(
 
 impl Way {
     fn build(self, beginnings: &Beginnings<'_>, delta: f32) -> Octree {
-        let Points { positions, colors } = if self.is_of_file_order {
+        let BuildInput { positions, colors } = if self.is_of_file_order {
             &beginnings.file_order
         } else {
             &beginnings.morton_order
@@ -255,7 +255,7 @@ impl Way {
 
 impl<'a> Beginnings<'a> {
     fn of(frame: &PreparedFrame, one_thread: &'a ThreadPool) -> Self {
-        let morton_order = Points {
+        let morton_order = BuildInput {
             positions: frame.frame.positions().to_vec(),
             colors: frame.points.iter().map(|point| point.color).collect(),
         };
@@ -267,7 +267,7 @@ impl<'a> Beginnings<'a> {
     }
 }
 
-impl Points {
+impl BuildInput {
     /// The same points, in the order of `file_index`.
     fn in_file_order(&self, file_index: &[u32]) -> Self {
         let mut places: Vec<usize> = (0..file_index.len()).collect();
@@ -284,7 +284,7 @@ fn percent(delta: f32) -> f64 {
     f64::from(delta * 100.0).round()
 }
 
-impl Samples {
+impl OctreeSamples {
     fn row(&self, sequence: &str, delta: f32, points: f64) -> Row {
         let times = |times_ms: &[f64]| {
             let quantiles = Quantiles::of(times_ms);
@@ -334,7 +334,7 @@ mod tests {
         positions[7] = [f32::NAN; 3];
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
         let color = |index: u32| [index as u8, (index >> 8) as u8, 0, 255];
-        raw.colors = Some((0..5000).map(color).collect());
+        raw.attributes.colors = Some((0..5000).map(color).collect());
         raw
     }
 
@@ -352,13 +352,13 @@ mod tests {
             panic!("single precision");
         };
         let mut expected: Vec<Vec3> = positions.iter().map(|&at| at.into()).collect();
-        let mut colors = raw.colors.unwrap();
+        let mut colors = raw.attributes.colors.unwrap();
         expected.remove(7);
         colors.remove(7);
         assert_eq!(beginnings.file_order.positions, expected);
         assert_eq!(beginnings.file_order.colors, colors);
         let cube = crate::math::Cube::around(&expected).unwrap();
-        let is_sorted = |points: &Points| cube.codes(&points.positions).is_sorted();
+        let is_sorted = |points: &BuildInput| cube.codes(&points.positions).is_sorted();
         assert!(is_sorted(&beginnings.morton_order) && !is_sorted(&beginnings.file_order));
     }
 

@@ -120,7 +120,7 @@ fn play(run: &Run<'_>, subject: &Subject<'_>, style: &Style) -> Result<Played, B
     let (wake, woken) = sync_channel(1);
     let options = loader_options(run.options.budget_bytes, wake);
     let mut player = Player::new(Arc::clone(subject.sequence), options, true)?;
-    let mut screen = Screen::new(run, subject, style)?;
+    let mut screen = PlayedPictures::new(run, subject, style)?;
     let mut memory = Memory::new();
     let seconds = play_by_the_clock(run, &mut player, &mut screen, &mut memory, &woken)?;
     let stats = player.loader().stats();
@@ -160,7 +160,7 @@ fn loader_options(budget_bytes: Option<usize>, wake: SyncSender<()>) -> LoaderOp
 fn play_by_the_clock(
     run: &Run<'_>,
     player: &mut Player,
-    screen: &mut Screen<'_>,
+    screen: &mut PlayedPictures<'_>,
     memory: &mut Memory,
     woken: &Receiver<()>,
 ) -> Result<f64, BenchError> {
@@ -222,7 +222,7 @@ fn sleep(woken: &Receiver<()>, deadline: Option<Duration>, begin: Instant) {
 }
 
 /// What draws, and what it drew.
-struct Screen<'a> {
+struct PlayedPictures<'a> {
     renderer: AnyRenderer,
     scene: Scene,
     camera: Option<Camera>,
@@ -234,7 +234,7 @@ struct Screen<'a> {
     points_in_files: u64,
 }
 
-impl<'a> Screen<'a> {
+impl<'a> PlayedPictures<'a> {
     fn new(run: &Run<'_>, subject: &'a Subject<'a>, style: &'a Style) -> Result<Self, BenchError> {
         Ok(Self {
             renderer: AnyRenderer::open(style.drawing.renderer)?,

@@ -17,7 +17,7 @@ use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 
-/// Columns, in the order in which [`Samples::row`] fills them.
+/// Columns, in the order in which [`RenderSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("primitive", "primitive"),
@@ -69,7 +69,7 @@ const STEPS_PER_FRAME: usize = 1 + PRIMITIVES.len();
 
 /// What was measured of one sequence, one primitive and one distance.
 #[derive(Default)]
-struct Samples {
+struct RenderSamples {
     records: Vec<f64>,
     processor_ms: Vec<f64>,
     adapter_ms: Vec<f64>,
@@ -86,7 +86,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
 fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<(), BenchError> {
     let mut needs = Scene::needs(&style(Primitive::Voxel));
     needs.shapes = true;
-    let mut samples: [[Samples; VIEWS.len()]; PRIMITIVES.len()] = Default::default();
+    let mut samples: [[RenderSamples; VIEWS.len()]; PRIMITIVES.len()] = Default::default();
     let mut point_counts = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -144,7 +144,7 @@ fn packets(
     views.into_iter().map(packet).collect()
 }
 
-impl Samples {
+impl RenderSamples {
     fn measure(
         &mut self,
         run: &mut Run<'_>,

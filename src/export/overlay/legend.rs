@@ -1,6 +1,6 @@
 //! The legend at the upper right of a picture, as in the window.
 
-use super::Canvas;
+use super::OverlayCanvas;
 use super::text::Line;
 use crate::scene::{Legend, LegendBody};
 
@@ -19,7 +19,7 @@ const RAMP_HEIGHT: f32 = 220.0;
 const GAP: f32 = 10.0;
 
 /// Draws the part of a legend that is in these rows.
-pub(in crate::export) fn draw_legend(canvas: &mut Canvas<'_>, legend: &Legend) {
+pub(in crate::export) fn draw_legend(canvas: &mut OverlayCanvas<'_>, legend: &Legend) {
     let [width, height] = canvas.whole_px.map(|edge| edge as f32);
     // Readable in small pictures too, where there is room for it.
     let unit = (height.min(width) / USUAL_HEIGHT_PX).max(0.6);
@@ -107,7 +107,7 @@ mod tests {
             let height = strip_rows.min(size[1] - top_px);
             let strip = image::imageops::crop_imm(&whole, 0, top_px, size[0], height);
             let mut rows = strip.to_image();
-            let mut canvas = Canvas {
+            let mut canvas = OverlayCanvas {
                 rows: &mut rows,
                 top_px,
                 whole_px: size,

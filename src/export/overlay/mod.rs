@@ -13,7 +13,7 @@ use image::{Rgba, RgbaImage};
 
 /// Some rows of a picture.
 #[derive(Debug)]
-pub(super) struct Canvas<'a> {
+pub(super) struct OverlayCanvas<'a> {
     /// The rows.
     pub(super) rows: &'a mut RgbaImage,
     /// How many rows of the whole picture are above.
@@ -22,7 +22,7 @@ pub(super) struct Canvas<'a> {
     pub(super) whole_px: [u32; 2],
 }
 
-impl Canvas<'_> {
+impl OverlayCanvas<'_> {
     /// Lays `color` over a pixel of the whole picture, with an alpha of 0 to 1. What is outside of the rows is left
     /// out.
     fn blend(&mut self, [x, y]: [i64; 2], color: [u8; 3], alpha: f32) {
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn edges_within_pixels_cover_them_in_part() {
         let mut image = RgbaImage::from_pixel(4, 3, Rgba([0, 0, 0, 255]));
-        let mut canvas = Canvas {
+        let mut canvas = OverlayCanvas {
             rows: &mut image,
             top_px: 10,
             whole_px: [4, 100],

@@ -1,6 +1,6 @@
 //! Lines of text in pictures, in the font of the window.
 
-use super::Canvas;
+use super::OverlayCanvas;
 use ab_glyph::{Font as _, FontRef, GlyphId, Point, PxScale, ScaleFont as _};
 use epaint_default_fonts::UBUNTU_LIGHT;
 use std::sync::OnceLock;
@@ -50,7 +50,7 @@ impl Line {
     }
 
     /// Draws it with its upper left corner at `at` pixels of the whole picture.
-    pub(super) fn draw(&self, canvas: &mut Canvas<'_>, at: [f32; 2], color: [u8; 3]) {
+    pub(super) fn draw(&self, canvas: &mut OverlayCanvas<'_>, at: [f32; 2], color: [u8; 3]) {
         let Some(font) = font() else { return };
         for &(glyph, x) in &self.glyphs {
             let place = Point {

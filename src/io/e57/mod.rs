@@ -195,9 +195,9 @@ fn merge(scans: Vec<Scan>) -> RawCloud {
         }
     }
     let mut cloud = RawCloud::from_positions(Positions::F64(positions));
-    cloud.colors = colors;
-    cloud.normals = normals;
-    cloud.scalars = fields
+    cloud.attributes.colors = colors;
+    cloud.attributes.normals = normals;
+    cloud.attributes.scalars = fields
         .into_iter()
         .map(|(name, values)| ScalarField::from_f64(name, &values))
         .collect();

@@ -1,6 +1,6 @@
 //! The points of one scan: from its fields to positions, colours, normals and scalars, in the coordinates of the file.
 
-use super::streams::{self, Pages, Stream, bits};
+use super::streams::{self, FieldStream, Pages, bits};
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 use crate::progress::Progress;
@@ -70,7 +70,7 @@ impl Scan {
         } else {
             streams::read(index, scan, pages, progress)?
         };
-        let fields = Fields { scan, streams, count };
+        let fields = ScanFields { scan, streams, count };
         let rotation = rotation(scan);
         Ok(Self {
             positions: fields.positions(index, rotation)?,
@@ -95,19 +95,19 @@ impl Scan {
     }
 }
 
-struct Fields<'a> {
+struct ScanFields<'a> {
     scan: &'a PointCloud,
-    streams: Vec<Stream<'a>>,
+    streams: Vec<FieldStream<'a>>,
     count: usize,
 }
 
-impl Fields<'_> {
+impl ScanFields<'_> {
     /// Whether the scan has such a field, be it without a point.
     fn has(&self, name: &RecordName) -> bool {
         self.scan.prototype.iter().any(|record| record.name == *name)
     }
 
-    fn stream(&self, name: &RecordName) -> Option<&Stream<'_>> {
+    fn stream(&self, name: &RecordName) -> Option<&FieldStream<'_>> {
         self.streams.iter().find(|stream| stream.record.name == *name)
     }
 

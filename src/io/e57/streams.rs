@@ -47,14 +47,14 @@ pub(super) fn bits(kind: &RecordDataType) -> u32 {
 }
 
 /// The numbers of one field of a scan.
-pub(super) struct Stream<'a> {
+pub(super) struct FieldStream<'a> {
     pub(super) record: &'a Record,
     /// One behind the other, and [`PAD_BYTES`].
     bytes: Vec<u8>,
     progress: Progress,
 }
 
-impl Stream<'_> {
+impl FieldStream<'_> {
     /// Hands over the first `count` numbers with their indices, none of them once nobody wants them. Precondition:
     /// [`read`] was asked for as many.
     pub(super) fn for_each(&self, count: usize, mut each: impl FnMut(usize, f64)) {
@@ -102,7 +102,7 @@ pub(super) fn read<'a>(
     scan: &'a PointCloud,
     pages: &Pages,
     progress: &Progress,
-) -> Result<Vec<Stream<'a>>, Fault> {
+) -> Result<Vec<FieldStream<'a>>, Fault> {
     const SECTION_BYTES: usize = 32;
     /// Where the header of the section says where the packets begin.
     const PACKETS_AT: usize = 16;
@@ -116,16 +116,16 @@ pub(super) fn read<'a>(
     if section[0] != 1 {
         return Err(fault("its points are not where its description says"));
     }
-    let mut streams: Vec<Stream<'a>> = scan
+    let mut streams: Vec<FieldStream<'a>> = scan
         .prototype
         .iter()
-        .map(|record| Stream {
+        .map(|record| FieldStream {
             record,
             bytes: Vec::new(),
             progress: progress.clone(),
         })
         .collect();
-    let is_whole = |stream: &Stream<'_>| {
+    let is_whole = |stream: &FieldStream<'_>| {
         let needed = u128::from(scan.records) * u128::from(bits(&stream.record.data_type));
         stream.bytes.len() as u128 * 8 >= needed
     };

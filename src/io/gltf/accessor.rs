@@ -8,7 +8,7 @@ use super::document::{Accessor, Document, at};
 use std::cell::Cell;
 
 /// What accessors are read from.
-pub(super) struct Source<'a> {
+pub(super) struct AccessorSource<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
     pub(super) options: &'a ReadOptions,
@@ -25,7 +25,7 @@ struct Entries<'a> {
     normalized: bool,
 }
 
-impl<'a> Source<'a> {
+impl<'a> AccessorSource<'a> {
     /// Nothing is read yet.
     pub(super) fn new(document: &'a Document, buffers: &'a Buffers<'a>, options: &'a ReadOptions) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl<'a> Source<'a> {
     }
 }
 
-impl Source<'_> {
+impl AccessorSource<'_> {
     /// Fails where `bytes` and what was read before are more than one frame may take.
     pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
         let spent = self.spent_bytes.get().saturating_add(bytes);

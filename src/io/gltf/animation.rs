@@ -4,14 +4,14 @@
 //! each object its own animation write them.
 
 use super::super::error::Fault;
-use super::accessor::Source;
+use super::accessor::AccessorSource;
 use super::document::{Sampler, at};
 use glam::{DQuat, DVec3};
 use std::collections::HashSet;
 
 /// What animations change of a node.
 #[derive(Debug, Default, Clone)]
-pub(super) struct Change {
+pub(super) struct NodePose {
     pub(super) translation: Option<DVec3>,
     pub(super) rotation: Option<DQuat>,
     pub(super) scale: Option<DVec3>,
@@ -26,7 +26,7 @@ enum Interpolation {
 }
 
 /// The indices of the animations that are played, and how long the longest takes in seconds; none where nothing moves.
-pub(super) fn played(source: &Source<'_>) -> Result<(Vec<usize>, f64), Fault> {
+pub(super) fn played(source: &AccessorSource<'_>) -> Result<(Vec<usize>, f64), Fault> {
     let mut timed = Vec::new();
     for (index, animation) in source.document.animations.iter().enumerate() {
         let mut end = 0.0f64;
@@ -61,8 +61,8 @@ pub(super) fn played(source: &Source<'_>) -> Result<(Vec<usize>, f64), Fault> {
 }
 
 /// What the animations of these indices change of each node at `time` in seconds.
-pub(super) fn changes(source: &Source<'_>, animations: &[usize], time: f64) -> Result<Vec<Change>, Fault> {
-    let mut changes = vec![Change::default(); source.document.nodes.len()];
+pub(super) fn changes(source: &AccessorSource<'_>, animations: &[usize], time: f64) -> Result<Vec<NodePose>, Fault> {
+    let mut changes = vec![NodePose::default(); source.document.nodes.len()];
     for &animation in animations {
         let animation = at(&source.document.animations, animation, "animation")?;
         for channel in &animation.channels {
@@ -102,13 +102,13 @@ pub(super) fn unit(rotation: DQuat) -> DQuat {
     }
 }
 
-fn vector(source: &Source<'_>, sampler: &Sampler, time: f64) -> Result<Option<DVec3>, Fault> {
+fn vector(source: &AccessorSource<'_>, sampler: &Sampler, time: f64) -> Result<Option<DVec3>, Fault> {
     let keys: Vec<[f32; 3]> = source.read(sampler.output)?;
     let value = sample(source, sampler, time, &keys, lerp)?;
     Ok(value.map(|key| DVec3::from_array(key.map(f64::from))))
 }
 
-fn weights(source: &Source<'_>, sampler: &Sampler, time: f64) -> Result<Option<Vec<f32>>, Fault> {
+fn weights(source: &AccessorSource<'_>, sampler: &Sampler, time: f64) -> Result<Option<Vec<f32>>, Fault> {
     let numbers: Vec<[f32; 1]> = source.read(sampler.output)?;
     let key_count = source.count(sampler.input)?
         * if interpolation(sampler) == Interpolation::Cubic {
@@ -139,7 +139,7 @@ fn lerp<const N: usize>(a: [f32; N], b: [f32; N], fraction: f32) -> [f32; N] {
 
 /// The value at `time`; before the first and behind the last moment theirs.
 fn sample<const N: usize>(
-    source: &Source<'_>,
+    source: &AccessorSource<'_>,
     sampler: &Sampler,
     time: f64,
     keys: &[[f32; N]],

@@ -2,10 +2,10 @@
 
 use super::super::error::Fault;
 use super::super::mesh::{fan, strip};
-use super::accessor::Source;
-use super::animation::Change;
+use super::accessor::AccessorSource;
+use super::animation::NodePose;
 use super::document::{Document, Mesh, Node, Primitive, at};
-use super::nodes::Placed;
+use super::nodes::PlacedNodes;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Bytes that a vertex takes while it is read, and a triangle.
@@ -30,7 +30,11 @@ pub(super) struct Geometry {
 }
 
 /// Everything that the scene shows.
-pub(super) fn gather(source: &Source<'_>, placed: &Placed, changes: &[Change]) -> Result<Geometry, Fault> {
+pub(super) fn gather(
+    source: &AccessorSource<'_>,
+    placed: &PlacedNodes,
+    changes: &[NodePose],
+) -> Result<Geometry, Fault> {
     let mut geometry = Geometry::default();
     for &index in &placed.shown {
         let node = &source.document.nodes[index];
@@ -48,7 +52,7 @@ pub(super) fn gather(source: &Source<'_>, placed: &Placed, changes: &[Change]) -
     Ok(geometry)
 }
 
-fn weights<'a>(node: &'a Node, mesh: &'a Mesh, change: &'a Change) -> &'a [f32] {
+fn weights<'a>(node: &'a Node, mesh: &'a Mesh, change: &'a NodePose) -> &'a [f32] {
     match &change.weights {
         Some(weights) => weights,
         None if node.weights.is_empty() => &mesh.weights,
@@ -57,7 +61,7 @@ fn weights<'a>(node: &'a Node, mesh: &'a Mesh, change: &'a Change) -> &'a [f32] 
 }
 
 /// The transform of each bone from the place where its skin was bound to it.
-fn bones(source: &Source<'_>, placed: &Placed, skin: usize) -> Result<Vec<DAffine3>, Fault> {
+fn bones(source: &AccessorSource<'_>, placed: &PlacedNodes, skin: usize) -> Result<Vec<DAffine3>, Fault> {
     let skin = at(&source.document.skins, skin, "skin")?;
     let bound: Vec<[f32; 16]> = match skin.inverse_bind_matrices {
         Some(accessor) => source.read(accessor)?,
@@ -77,7 +81,7 @@ fn bones(source: &Source<'_>, placed: &Placed, skin: usize) -> Result<Vec<DAffin
 type Joints = (Vec<[f32; 4]>, Vec<[f32; 4]>);
 
 /// Attributes of a primitive before its vertices are placed.
-struct Shape {
+struct PrimitiveAttributes {
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     colors: Option<Vec<[f32; 4]>>,
@@ -89,7 +93,7 @@ struct Shape {
 impl Geometry {
     fn add(
         &mut self,
-        source: &Source<'_>,
+        source: &AccessorSource<'_>,
         primitive: &Primitive,
         weights: &[f32],
         transform: &DAffine3,
@@ -102,7 +106,7 @@ impl Geometry {
         let Some(&position) = primitive.attributes.get("POSITION") else {
             return Ok(());
         };
-        let shape = Shape::read(source, primitive, position, weights)?;
+        let shape = PrimitiveAttributes::read(source, primitive, position, weights)?;
         let count = shape.positions.len();
         let indices = primitive
             .indices
@@ -157,7 +161,7 @@ impl Geometry {
 
     fn vertex(
         &mut self,
-        shape: &Shape,
+        shape: &PrimitiveAttributes,
         index: usize,
         transform: &DAffine3,
         bones: Option<&[DAffine3]>,
@@ -183,8 +187,13 @@ impl Geometry {
     }
 }
 
-impl Shape {
-    fn read(source: &Source<'_>, primitive: &Primitive, position: usize, weights: &[f32]) -> Result<Self, Fault> {
+impl PrimitiveAttributes {
+    fn read(
+        source: &AccessorSource<'_>,
+        primitive: &Primitive,
+        position: usize,
+        weights: &[f32],
+    ) -> Result<Self, Fault> {
         let mut positions: Vec<[f32; 3]> = source.read(position)?;
         let count = positions.len();
         let attribute = |name: &str| primitive.attributes.get(name).copied();

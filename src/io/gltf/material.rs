@@ -5,7 +5,7 @@
 //! on without change. A texture that cannot be read leaves the other two: what the shape is does not depend on it.
 
 use super::super::error::Fault;
-use super::accessor::Source;
+use super::accessor::AccessorSource;
 use super::buffers::resource;
 use super::document::{Material, at};
 use super::geometry::Geometry;
@@ -24,7 +24,7 @@ pub(super) struct Textures(Vec<Option<RgbaImage>>);
 
 impl Textures {
     /// Those of the file `path` that `geometry` needs.
-    pub(super) fn load(source: &Source<'_>, geometry: &Geometry, path: &Path) -> Result<Self, Fault> {
+    pub(super) fn load(source: &AccessorSource<'_>, geometry: &Geometry, path: &Path) -> Result<Self, Fault> {
         let materials = &source.document.materials;
         let mut is_used = vec![false; materials.len()];
         for material in geometry.materials.iter().flatten() {
@@ -92,7 +92,7 @@ impl Surfaces<'_> {
     }
 }
 
-fn picture(source: &Source<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {
+fn picture(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {
     let texture = at(&source.document.textures, texture, "texture")?;
     // Extensions have pictures in formats that are not read.
     let Some(image) = texture.source else {

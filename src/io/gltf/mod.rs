@@ -22,7 +22,7 @@ use super::error::{Fault, IoError};
 use super::format::{Format, Holding, Magic, Traits};
 use super::options::ReadOptions;
 use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
-use accessor::Source;
+use accessor::AccessorSource;
 use buffers::Buffers;
 pub(super) use scene::Scene;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
         return Ok(vec![Entry::whole()]);
     }
     let buffers = Buffers::load(&document, binary, path, options)?;
-    let source = Source::new(&document, &buffers, options);
+    let source = AccessorSource::new(&document, &buffers, options);
     let (animations, seconds) = animation::played(&source)?;
     // What is damaged fails here, and not in each of many frames.
     animation::changes(&source, &animations, 0.0)?;

@@ -1,18 +1,18 @@
 //! Where the nodes of the scene are, each within its parent.
 
 use super::super::error::Fault;
-use super::animation::{Change, unit};
+use super::animation::{NodePose, unit};
 use super::document::{Document, Node, at};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 /// The transform of every node into the scene, and the nodes that the scene shows in the order of the file's tree.
-pub(super) struct Placed {
+pub(super) struct PlacedNodes {
     pub(super) transforms: Vec<DAffine3>,
     pub(super) shown: Vec<usize>,
 }
 
 /// Places the nodes, moved by `changes` (one a node).
-pub(super) fn place(document: &Document, changes: &[Change]) -> Result<Placed, Fault> {
+pub(super) fn place(document: &Document, changes: &[NodePose]) -> Result<PlacedNodes, Fault> {
     let mut transforms = vec![DAffine3::IDENTITY; document.nodes.len()];
     let mut is_placed = vec![false; document.nodes.len()];
     let mut shown = Vec::new();
@@ -42,7 +42,7 @@ pub(super) fn place(document: &Document, changes: &[Change]) -> Result<Placed, F
             waiting.extend(children.map(|&child| (child, transforms[index])));
         }
     }
-    Ok(Placed { transforms, shown })
+    Ok(PlacedNodes { transforms, shown })
 }
 
 fn scene_roots(document: &Document) -> Result<Vec<usize>, Fault> {
@@ -68,7 +68,7 @@ fn free_nodes(document: &Document) -> impl Iterator<Item = usize> {
     (0..is_free.len()).filter(move |&node| is_free[node])
 }
 
-fn local(node: &Node, change: &Change) -> DAffine3 {
+fn local(node: &Node, change: &NodePose) -> DAffine3 {
     let (mut scale, mut rotation, mut translation) = match node.matrix {
         Some(matrix) => {
             let matrix = DAffine3::from_mat4(DMat4::from_cols_array(&matrix));

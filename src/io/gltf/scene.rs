@@ -3,8 +3,8 @@
 use super::super::error::Fault;
 use super::super::mesh::{self, Places};
 use super::super::options::ReadOptions;
-use super::accessor::Source;
-use super::animation::{self, Change};
+use super::accessor::AccessorSource;
+use super::animation::{self, NodePose};
 use super::buffers::Buffers;
 use super::document::{self, Document};
 use super::geometry::{self, Geometry};
@@ -39,7 +39,7 @@ impl<'a> Scene<'a> {
     pub(in crate::io) fn open(path: &Path, bytes: &'a [u8], options: &ReadOptions) -> Result<Self, Fault> {
         let (document, binary) = document::parse(bytes, options)?;
         let buffers = Buffers::load(&document, binary, path, options)?;
-        let source = Source::new(&document, &buffers, options);
+        let source = AccessorSource::new(&document, &buffers, options);
         let (played, _) = animation::played(&source)?;
         // What is damaged fails here, and not in each frame.
         animation::changes(&source, &played, 0.0)?;
@@ -92,7 +92,7 @@ impl<'a> Scene<'a> {
     }
 
     fn posed(&self, time_s: f64) -> Result<Geometry, Fault> {
-        let source = Source::new(&self.document, &self.buffers, &self.options);
+        let source = AccessorSource::new(&self.document, &self.buffers, &self.options);
         source.spent_bytes.set(self.spent_bytes);
         let geometry = pose(&source, &self.played, Some(time_s))?;
         check_shown(&geometry)?;
@@ -125,10 +125,10 @@ fn spread(geometry: &Geometry, count: NonZeroUsize, options: &ReadOptions) -> Re
 }
 
 /// The shapes at `time`; as the nodes are without any animation for `None`.
-fn pose(source: &Source<'_>, animations: &[usize], time: Option<f64>) -> Result<Geometry, Fault> {
+fn pose(source: &AccessorSource<'_>, animations: &[usize], time: Option<f64>) -> Result<Geometry, Fault> {
     let changes = match time {
         Some(time) => animation::changes(source, animations, time)?,
-        None => vec![Change::default(); source.document.nodes.len()],
+        None => vec![NodePose::default(); source.document.nodes.len()],
     };
     let placed = nodes::place(source.document, &changes)?;
     geometry::gather(source, &placed, &changes)
@@ -143,7 +143,7 @@ fn sampled(
 ) -> Result<RawCloud, Fault> {
     // Colours are those of the surface there, not between those of the corners: textures are finer than meshes.
     let colors = surfaces.has_colors(&geometry).then(|| {
-        let color = |place: &mesh::Place| {
+        let color = |place: &mesh::MeshSample| {
             let corners = geometry.faces[place.face as usize].map(|corner| corner as usize);
             let blend = |values: [f32; 3]| {
                 values
@@ -162,7 +162,7 @@ fn sampled(
     let mesh = bare(geometry);
     mesh::check_memory(&mesh, count, options)?;
     let mut cloud = places.apply(&mesh);
-    cloud.colors = colors;
+    cloud.attributes.colors = colors;
     Ok(cloud)
 }
 
@@ -178,7 +178,7 @@ fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {
         (0..geometry.positions.len()).map(color).collect()
     });
     let mut cloud = bare(geometry);
-    cloud.colors = colors;
+    cloud.attributes.colors = colors;
     cloud
 }
 
@@ -199,7 +199,7 @@ fn bare(geometry: Geometry) -> RawCloud {
                 .collect(),
         )
     });
-    cloud.normals = geometry.has_normals.then_some(geometry.normals);
+    cloud.attributes.normals = geometry.has_normals.then_some(geometry.normals);
     cloud.faces = geometry.faces;
     cloud
 }

@@ -5,8 +5,8 @@
 //! more entries than bytes for them, and the points of all voxels must be those that the header counts. Where that is
 //! not so, the file is read like any other LAZ file.
 
-use super::header::{Header, Record, take};
-use super::laz::Chunk;
+use super::header::{LasHeader, Record, take};
+use super::laz::LazChunk;
 use std::collections::HashSet;
 
 /// Bytes of an entry: level, three indices, where its chunk or page is, how long that is, and how many points.
@@ -17,10 +17,10 @@ const MAX_LEVEL: i32 = 63;
 
 /// The voxels by level, coarse ones first; `None` if the file has none or they do not fit together.
 pub(super) fn levels<'a>(
-    header: &Header,
+    header: &LasHeader,
     mut records: impl Iterator<Item = Record<'a>>,
     bytes: &[u8],
-) -> Option<Vec<Vec<Chunk>>> {
+) -> Option<Vec<Vec<LazChunk>>> {
     let info = records.find(|record| record.is(b"copc", 1))?.data;
     let number = |at: usize| {
         let raw = info.get(at..at + 8)?;
@@ -32,10 +32,10 @@ pub(super) fn levels<'a>(
 }
 
 /// Follows the pages from the one at `root`, which is its start and length.
-fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<Chunk>>> {
+fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<LazChunk>>> {
     /// In place of a count of points: the entry is a further page.
     const PAGE: i32 = -1;
-    let mut levels: Vec<Vec<Chunk>> = Vec::new();
+    let mut levels: Vec<Vec<LazChunk>> = Vec::new();
     let mut pages = vec![root];
     let mut seen = HashSet::from([root.0]);
     let mut entries = 0;
@@ -72,7 +72,7 @@ fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<Chunk>>> {
             if levels.len() <= level {
                 levels.resize(level + 1, Vec::new());
             }
-            levels[level].push(Chunk {
+            levels[level].push(LazChunk {
                 bytes: start..end,
                 points,
             });

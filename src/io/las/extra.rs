@@ -1,6 +1,6 @@
 //! Further numbers a point, which the standard record of extra bytes describes.
 
-use super::header::{Header, Record, take};
+use super::header::{LasHeader, Record, take};
 use crate::io::column::Scalar;
 
 /// Fields that are taken.
@@ -36,7 +36,7 @@ impl ExtraField {
 }
 
 /// The fields that `records` describe, as far as they lie within a point.
-pub(super) fn fields<'a>(header: &Header, records: impl Iterator<Item = Record<'a>>) -> Vec<ExtraField> {
+pub(super) fn fields<'a>(header: &LasHeader, records: impl Iterator<Item = Record<'a>>) -> Vec<ExtraField> {
     /// Names that other fields of the cloud have.
     const TAKEN: [&str; 6] = [
         "intensity",

@@ -16,7 +16,7 @@ const POINT_BYTES: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
 
 /// What the header says.
 #[derive(Debug, Clone)]
-pub(super) struct Header {
+pub(super) struct LasHeader {
     /// Point format, 0 to 10.
     pub(super) format: u8,
     /// True when the points are compressed (LAZ).
@@ -56,7 +56,7 @@ pub(in crate::io) fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     raw
 }
 
-impl Header {
+impl LasHeader {
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Fault> {
         if bytes.len() < MIN_HEADER_BYTES || !bytes.starts_with(b"LASF") {
             return Err(Fault::header(format!(
@@ -133,13 +133,13 @@ impl Header {
 
     /// The records behind the header, then those behind the points, as far as there are bytes for them.
     pub(super) fn records<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = Record<'a>> {
-        let early = Records {
+        let early = VariableLengthRecords {
             bytes: &bytes[..self.points_start],
             at: self.records.0,
             left: self.records.1,
             length_bytes: 2,
         };
-        let late = Records {
+        let late = VariableLengthRecords {
             bytes,
             at: usize::try_from(self.late_records.0).unwrap_or(usize::MAX),
             left: self.late_records.1,
@@ -149,7 +149,7 @@ impl Header {
     }
 }
 
-struct Records<'a> {
+struct VariableLengthRecords<'a> {
     bytes: &'a [u8],
     at: usize,
     left: u32,
@@ -157,7 +157,7 @@ struct Records<'a> {
     length_bytes: usize,
 }
 
-impl<'a> Iterator for Records<'a> {
+impl<'a> Iterator for VariableLengthRecords<'a> {
     type Item = Record<'a>;
 
     fn next(&mut self) -> Option<Record<'a>> {

@@ -6,7 +6,7 @@
 //! that goes.
 
 use super::fields::{self, LAYERED_VERSION};
-use super::header::{Header, take};
+use super::header::{LasHeader, take};
 use crate::io::error::{Fault, Place};
 use crate::progress::Progress;
 use laz::laszip::ChunkTable;
@@ -25,7 +25,7 @@ const TABLE_OFFSET_BYTES: usize = 8;
 
 /// Points that are unpacked alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Chunk {
+pub(super) struct LazChunk {
     pub(super) bytes: Range<usize>,
     pub(super) points: usize,
 }
@@ -42,7 +42,7 @@ pub(super) struct Compression {
 
 impl Compression {
     /// From the record that describes it.
-    pub(super) fn new(header: &Header, data: &[u8]) -> Result<Self, Fault> {
+    pub(super) fn new(header: &LasHeader, data: &[u8]) -> Result<Self, Fault> {
         let unknown = |reason: String| {
             Fault::header(format!(
                 "the compression is not understood ({reason}): rewrite the file with another program, or without \
@@ -69,7 +69,7 @@ impl Compression {
     }
 
     /// All points of the file, in its order.
-    pub(super) fn unpack_all(&self, header: &Header, bytes: &[u8], progress: &Progress) -> Result<Vec<u8>, Fault> {
+    pub(super) fn unpack_all(&self, header: &LasHeader, bytes: &[u8], progress: &Progress) -> Result<Vec<u8>, Fault> {
         let count = header.count as usize;
         if count == 0 {
             return Ok(Vec::new());
@@ -111,7 +111,7 @@ impl Compression {
     }
 
     /// The chunks by the table, if it is there and agrees with the file.
-    fn chunks_of_table(&self, header: &Header, bytes: &[u8]) -> Option<Vec<Chunk>> {
+    fn chunks_of_table(&self, header: &LasHeader, bytes: &[u8]) -> Option<Vec<LazChunk>> {
         let offset_at = |at: usize| {
             let raw = bytes.get(at..at.checked_add(TABLE_OFFSET_BYTES)?)?;
             let offset = usize::try_from(i64::from_le_bytes(take(raw, 0))).ok()?;
@@ -145,7 +145,7 @@ impl Compression {
             };
             let points = claimed.min(left);
             if points > 0 {
-                chunks.push(Chunk {
+                chunks.push(LazChunk {
                     bytes: start..end,
                     points: points as usize,
                 });
@@ -163,7 +163,7 @@ impl Compression {
         start: usize,
         count: usize,
         chunk_points: usize,
-    ) -> Result<Vec<Chunk>, Fault> {
+    ) -> Result<Vec<LazChunk>, Fault> {
         let mut chunks = Vec::new();
         let (mut start, mut left) = (start, count);
         while left > 0 {
@@ -173,7 +173,7 @@ impl Compression {
                 .filter(|&end| end <= bytes.len())
                 .ok_or_else(|| cut_short(chunks.len(), bytes.len()))?;
             let points = left.min(chunk_points);
-            chunks.push(Chunk {
+            chunks.push(LazChunk {
                 bytes: start..end,
                 points,
             });
@@ -198,7 +198,7 @@ impl Compression {
 
     /// The points of `chunks`, in their order; they are the steps that `progress` is told of. The caller has checked
     /// that there is memory for them.
-    pub(super) fn unpack(&self, bytes: &[u8], chunks: &[Chunk], progress: &Progress) -> Result<Vec<u8>, Fault> {
+    pub(super) fn unpack(&self, bytes: &[u8], chunks: &[LazChunk], progress: &Progress) -> Result<Vec<u8>, Fault> {
         let points: usize = chunks.iter().map(|chunk| chunk.points).sum();
         progress.set(0, points);
         let mut rows = vec![0; points * self.point_bytes];

@@ -26,8 +26,8 @@ use super::format::{Format, Magic, Traits};
 use super::options::ReadOptions;
 use crate::cloud::{AxisConvention, RawCloud};
 use crate::progress::Progress;
-use header::Header;
-use laz::{Chunk, Compression};
+use header::LasHeader;
+use laz::{Compression, LazChunk};
 
 /// ASPRS LAS, LAZ and COPC.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -47,7 +47,7 @@ const COMPRESSION_ID: u16 = 22204;
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
 pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
-    let header = Header::read(bytes)?;
+    let header = LasHeader::read(bytes)?;
     let extra = extra::fields(&header, header.records(bytes));
     let cloud_bytes = points::Layout::of(header.format).cloud_bytes(&extra) as u64;
     let fits = |points: u64, point_bytes: u64| {
@@ -111,7 +111,7 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
 }
 
 /// The points of a file without compression.
-fn rows<'a>(header: &Header, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
+fn rows<'a>(header: &LasHeader, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
     let available = &bytes[header.points_start..];
     usize::try_from(header.count)
         .ok()
@@ -130,7 +130,7 @@ fn rows<'a>(header: &Header, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
 }
 
 /// The chunks of as many levels as `fits` their points, from the coarsest on, and the number of these points.
-fn coarse(levels: Vec<Vec<Chunk>>, fits: impl Fn(u64) -> bool) -> (Vec<Chunk>, u64) {
+fn coarse(levels: Vec<Vec<LazChunk>>, fits: impl Fn(u64) -> bool) -> (Vec<LazChunk>, u64) {
     let mut chunks = Vec::new();
     let mut points = 0u64;
     for level in levels {

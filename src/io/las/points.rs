@@ -1,7 +1,7 @@
 //! From records of points to a cloud: where each field lies in which format.
 
 use super::extra::ExtraField;
-use super::header::{Header, take};
+use super::header::{LasHeader, take};
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::arrays;
 use crate::io::column::{Column, Scalar, Values};
@@ -47,7 +47,7 @@ impl Layout {
 }
 
 /// The cloud of the points in `rows`. Precondition: their length is a multiple of the bytes of a point.
-pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCloud {
+pub(super) fn cloud(header: &LasHeader, extra: &[ExtraField], rows: &[u8]) -> RawCloud {
     let (step, count) = (header.point_bytes, rows.len() / header.point_bytes);
     let layout = Layout::of(header.format);
     let column = |name: &str, scalar: Scalar, start: usize| Column {
@@ -78,7 +78,7 @@ pub(super) fn cloud(header: &Header, extra: &[ExtraField], rows: &[u8]) -> RawCl
         let channels = [0, 2, 4].map(|channel| column("color", Scalar::U16, start + channel));
         arrays::set_colors(&mut cloud, channels.each_ref(), None, count);
     }
-    let scalars = &mut cloud.scalars;
+    let scalars = &mut cloud.attributes.scalars;
     scalars.push(plain("intensity", Scalar::U16, 12));
     scalars.push(if layout.is_wide {
         plain("classification", Scalar::U8, 16)

@@ -6,7 +6,7 @@
 //! bits.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::io::write::{Encoder, Output};
+use crate::io::write::{Encoder, WriteSeek};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::io::{Error, Result};
 
@@ -100,8 +100,8 @@ pub(in crate::io) const LAZ: &Encoder = &Encoder {
 };
 
 /// Writes the finite points of `cloud`, with colours, `intensity`, `classification` and `gps_time` if they are there.
-pub(super) fn write(out: &mut dyn Output, cloud: &RawCloud, compressed: bool) -> Result<()> {
-    let points = Points::new(cloud);
+pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool) -> Result<()> {
+    let points = LasPoints::new(cloud);
     let compression = compressed
         .then(|| LazVlrBuilder::default().with_point_format(points.format(), 0))
         .transpose()
@@ -132,7 +132,7 @@ pub(super) fn write(out: &mut dyn Output, cloud: &RawCloud, compressed: bool) ->
 }
 
 /// A cloud as the file will have it.
-struct Points<'a> {
+struct LasPoints<'a> {
     cloud: &'a RawCloud,
     axes: [Axis; 3],
     /// Corners as integers.
@@ -143,7 +143,7 @@ struct Points<'a> {
     gps_time: Option<&'a ScalarField>,
 }
 
-impl<'a> Points<'a> {
+impl<'a> LasPoints<'a> {
     fn new(cloud: &'a RawCloud) -> Self {
         let (count, bounds) = cloud.positions.finite_bounds();
         let (min, max) = bounds.unwrap_or_default();
@@ -160,7 +160,7 @@ impl<'a> Points<'a> {
         });
         let field = |name: &str| {
             let is_named = |field: &&ScalarField| field.name.eq_ignore_ascii_case(name);
-            cloud.scalars.iter().find(is_named)
+            cloud.attributes.scalars.iter().find(is_named)
         };
         Self {
             cloud,
@@ -178,11 +178,11 @@ impl<'a> Points<'a> {
     }
 
     fn format(&self) -> u8 {
-        if self.cloud.colors.is_some() { 7 } else { 6 }
+        if self.cloud.attributes.colors.is_some() { 7 } else { 6 }
     }
 
     fn point_bytes(&self) -> u16 {
-        if self.cloud.colors.is_some() { 36 } else { 30 }
+        if self.cloud.attributes.colors.is_some() { 36 } else { 30 }
     }
 
     /// The header, and behind it the record of the compression if it is not empty.
@@ -246,7 +246,7 @@ impl<'a> Points<'a> {
             rows.extend([RETURNS, 0, class, 0, 0, 0, 0, 0]);
             let time = self.gps_time.map_or(0.0, number);
             rows.extend(if time.is_finite() { time } else { 0.0 }.to_le_bytes());
-            if let Some(colors) = &self.cloud.colors {
+            if let Some(colors) = &self.cloud.attributes.colors {
                 /// From 8 bits to 16, both full.
                 const WIDER: u16 = 257;
                 for channel in &colors[index][..3] {

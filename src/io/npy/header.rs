@@ -7,23 +7,23 @@ use super::super::error::{Fault, Place};
 #[derive(Debug)]
 pub(super) struct Array<'a> {
     pub(super) shape: Vec<usize>,
-    pub(super) kind: Kind,
+    pub(super) kind: ArrayLayout,
     is_fortran: bool,
     pub(super) payload: &'a [u8],
 }
 
 /// What the entries are.
 #[derive(Debug)]
-pub(super) enum Kind {
+pub(super) enum ArrayLayout {
     /// Numbers.
     Table(Number),
     /// Named numbers.
-    Records { fields: Vec<Field>, row_bytes: usize },
+    Records { fields: Vec<RecordField>, row_bytes: usize },
 }
 
 /// A field of a record.
 #[derive(Debug)]
-pub(super) struct Field {
+pub(super) struct RecordField {
     pub(super) name: String,
     /// None for text and other things.
     pub(super) number: Option<Number>,
@@ -108,8 +108,8 @@ impl<'a> Array<'a> {
 
     fn row_bytes(&self) -> usize {
         match &self.kind {
-            Kind::Table(number) => number.bytes(),
-            Kind::Records { row_bytes, .. } => *row_bytes,
+            ArrayLayout::Table(number) => number.bytes(),
+            ArrayLayout::Records { row_bytes, .. } => *row_bytes,
         }
     }
 
@@ -136,7 +136,7 @@ impl<'a> Array<'a> {
 
     /// Column `index` of `width` in a table with `count` rows.
     pub(super) fn column(&self, name: String, index: usize, width: usize, count: usize) -> Column<'a> {
-        let Kind::Table(number) = self.kind else {
+        let ArrayLayout::Table(number) = self.kind else {
             return Column {
                 name,
                 scalar: Scalar::F64,
@@ -236,10 +236,10 @@ impl Dictionary<'_> {
         Some(numbers)
     }
 
-    fn kind(&mut self) -> Option<Kind> {
+    fn kind(&mut self) -> Option<ArrayLayout> {
         if self.sign('[').is_none() {
             let (number, _) = element(&self.string()?)?;
-            return number.map(Kind::Table);
+            return number.map(ArrayLayout::Table);
         }
         let mut fields = Vec::new();
         let mut offset = 0usize;
@@ -265,7 +265,7 @@ impl Dictionary<'_> {
             }
             self.sign(')')?;
             let _ = self.sign(',');
-            fields.push(Field {
+            fields.push(RecordField {
                 name,
                 number,
                 offset,
@@ -273,7 +273,7 @@ impl Dictionary<'_> {
             });
             offset = offset.checked_add(bytes.checked_mul(length)?)?;
         }
-        Some(Kind::Records {
+        Some(ArrayLayout::Records {
             fields,
             row_bytes: offset,
         })

@@ -6,14 +6,14 @@ use super::super::column::Column;
 use super::super::error::{Fault, Place};
 use super::super::numbers::{Tokens, note_row, quoted};
 use super::faces::{FaceList, Faces};
-use super::header::{Element, Header, Kind, Property};
+use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
 use crate::progress::Progress;
 
 /// The columns of `vertex` and the triangles in the file `bytes`, of whose elements the first are `elements`.
 pub(super) fn read(
     bytes: &[u8],
-    (header, elements, vertex): (&Header, &[Element], &Element),
+    (header, elements, vertex): (&PlyHeader, &[Element], &Element),
     progress: &Progress,
 ) -> Result<(Vec<Column<'static>>, Faces), Fault> {
     let payload = &bytes[header.byte_size..];
@@ -105,8 +105,8 @@ fn ascii_step(
     mut item: impl FnMut(f64),
 ) -> Result<Option<f64>, Fault> {
     match property.kind {
-        Kind::Scalar(_) => ascii_number(tokens, property, list, row).map(Some),
-        Kind::List { .. } => {
+        PropertyKind::Scalar(_) => ascii_number(tokens, property, list, row).map(Some),
+        PropertyKind::List { .. } => {
             let length = ascii_number(tokens, property, list, row)?;
             if length < 0.0 || length.fract() != 0.0 {
                 return Err(Fault::new(

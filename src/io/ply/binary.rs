@@ -5,9 +5,9 @@
 
 use super::super::column::{Column, Scalar};
 use super::super::error::Fault;
-use super::super::fixed_rows::{Field, FixedRows};
+use super::super::fixed_rows::{FixedRows, RowField};
 use super::faces::{FaceList, Faces};
-use super::header::{Element, Header, Kind, Property};
+use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
 
 /// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`.
@@ -61,10 +61,10 @@ fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
     let mut row_bytes = 0;
     let mut fields = Vec::with_capacity(vertex.properties.len());
     for property in &vertex.properties {
-        let Kind::Scalar(scalar) = property.kind else {
+        let PropertyKind::Scalar(scalar) = property.kind else {
             return None;
         };
-        fields.push(Field {
+        fields.push(RowField {
             name: property.name.clone(),
             scalar,
             offset: row_bytes,
@@ -78,12 +78,13 @@ fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
         big_endian,
         fields,
         sensor: None,
+        grid: None,
     })
 }
 
 /// Where the points are in a file with this header, if their rows are of one length, all before them is, and no faces
 /// follow.
-pub(super) fn fixed_rows(header: &Header, big_endian: bool) -> Option<FixedRows> {
+pub(super) fn fixed_rows(header: &PlyHeader, big_endian: bool) -> Option<FixedRows> {
     let has_faces = |element: &Element| element.count > 0 && FaceList::of(element).is_some();
     if header.elements.iter().any(has_faces) {
         return None;
@@ -146,7 +147,7 @@ impl<'a> Cursor<'a> {
         for row in 0..element.count {
             for (index, property) in element.properties.iter().enumerate() {
                 match property.kind {
-                    Kind::List { length, item } if index == list.property => {
+                    PropertyKind::List { length, item } if index == list.property => {
                         let big_endian = self.big_endian;
                         let items = self.list(length, item, &element.name, row)?;
                         for bytes in items.chunks_exact(item.byte_size()) {
@@ -166,8 +167,8 @@ impl<'a> Cursor<'a> {
     /// Steps over a property of a row; the value, if it is no list.
     fn step(&mut self, property: &Property, list: &str, row: usize) -> Result<Option<f64>, Fault> {
         match property.kind {
-            Kind::Scalar(scalar) => self.number(scalar, list, row).map(Some),
-            Kind::List { length, item } => self.list(length, item, list, row).map(|_| None),
+            PropertyKind::Scalar(scalar) => self.number(scalar, list, row).map(Some),
+            PropertyKind::List { length, item } => self.list(length, item, list, row).map(|_| None),
         }
     }
 

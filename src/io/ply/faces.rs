@@ -9,7 +9,7 @@
 
 use super::super::error::Fault;
 use super::super::mesh;
-use super::header::{Element, Kind};
+use super::header::{Element, PropertyKind};
 use crate::cloud::RawCloud;
 
 /// Names of the list with the vertices of a face.
@@ -19,7 +19,7 @@ const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 const RESTART: f64 = -1.0;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Shape {
+enum FaceKind {
     Polygon,
     Strip,
 }
@@ -40,19 +40,19 @@ pub(super) struct Faces {
 pub(super) struct FaceList {
     /// Which of the properties.
     pub(super) property: usize,
-    shape: Shape,
+    shape: FaceKind,
 }
 
 impl FaceList {
     /// The faces in `element`, if there are such.
     pub(super) fn of(element: &Element) -> Option<Self> {
         let shape = match element.name.as_str() {
-            "face" => Shape::Polygon,
-            "tristrips" => Shape::Strip,
+            "face" => FaceKind::Polygon,
+            "tristrips" => FaceKind::Strip,
             _ => return None,
         };
         let property = element.properties.iter().position(|property| {
-            INDICES.contains(&property.name.as_str()) && matches!(property.kind, Kind::List { .. })
+            INDICES.contains(&property.name.as_str()) && matches!(property.kind, PropertyKind::List { .. })
         })?;
         Some(Self { property, shape })
     }
@@ -74,7 +74,7 @@ impl Faces {
         if self.fault.is_some() {
             return;
         }
-        if kind.shape == Shape::Strip && index == RESTART {
+        if kind.shape == FaceKind::Strip && index == RESTART {
             self.end_list(kind);
             return;
         }
@@ -104,8 +104,8 @@ impl Faces {
     /// The list is complete.
     pub(super) fn end_list(&mut self, kind: FaceList) {
         match kind.shape {
-            Shape::Polygon => mesh::fan(&self.list, &mut self.triangles),
-            Shape::Strip => mesh::strip(&self.list, &mut self.triangles),
+            FaceKind::Polygon => mesh::fan(&self.list, &mut self.triangles),
+            FaceKind::Strip => mesh::strip(&self.list, &mut self.triangles),
         }
         self.list.clear();
     }

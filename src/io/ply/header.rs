@@ -11,7 +11,7 @@ const MAX_HEADER_BYTES: usize = 1 << 20;
 
 /// What the header says.
 #[derive(Debug)]
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
     /// Bytes up to the payload.
@@ -32,16 +32,16 @@ pub(super) struct Element {
 #[derive(Debug)]
 pub(super) struct Property {
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: PropertyKind,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum PropertyKind {
     Scalar(Scalar),
     List { length: Scalar, item: Scalar },
 }
 
-impl Header {
+impl PlyHeader {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
         if !bytes.starts_with(b"ply") {
             return Err(Fault::new(
@@ -165,8 +165,8 @@ impl From<ElementDef> for Element {
                 .map(|(_, property)| Property {
                     name: property.name,
                     kind: match property.data_type {
-                        PropertyType::Scalar(scalar) => Kind::Scalar(scalar.into()),
-                        PropertyType::List(length, item) => Kind::List {
+                        PropertyType::Scalar(scalar) => PropertyKind::Scalar(scalar.into()),
+                        PropertyType::List(length, item) => PropertyKind::List {
                             length: length.into(),
                             item: item.into(),
                         },
@@ -198,8 +198,8 @@ impl Element {
         self.properties
             .iter()
             .map(|property| match property.kind {
-                Kind::Scalar(scalar) => Some(scalar.byte_size()),
-                Kind::List { .. } => None,
+                PropertyKind::Scalar(scalar) => Some(scalar.byte_size()),
+                PropertyKind::List { .. } => None,
             })
             .sum()
     }
@@ -209,8 +209,8 @@ impl Element {
         self.properties
             .iter()
             .map(|property| match property.kind {
-                Kind::Scalar(scalar) => scalar.byte_size(),
-                Kind::List { length, .. } => length.byte_size(),
+                PropertyKind::Scalar(scalar) => scalar.byte_size(),
+                PropertyKind::List { length, .. } => length.byte_size(),
             })
             .sum()
     }
@@ -236,8 +236,8 @@ impl Element {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Header {
-        Header::parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
+    fn parse(text: &str) -> PlyHeader {
+        PlyHeader::parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
     }
 
     #[test]
@@ -287,7 +287,7 @@ mod tests {
         let mut file = b"ply\nformat ascii 1.0\n".to_vec();
         file.resize(file.len() + 2 * MAX_HEADER_BYTES, b'\n');
         file.extend(b"end_header\n");
-        let fault = Header::parse(&file).unwrap_err();
+        let fault = PlyHeader::parse(&file).unwrap_err();
         assert!(fault.problem.contains("no line `end_header`"), "{}", fault.problem);
     }
 }

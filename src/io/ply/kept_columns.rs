@@ -2,7 +2,7 @@
 
 use super::super::attributes;
 use super::super::column::{Column, Values};
-use super::header::{Element, Kind};
+use super::header::{Element, PropertyKind};
 use super::splats;
 
 /// The element whose rows are points.
@@ -24,7 +24,7 @@ impl KeptColumns {
         let is_used = |name: &str| attributes::is_used(name) || splats::is_used(name);
         for property in &vertex.properties {
             let scalar = match property.kind {
-                Kind::Scalar(scalar) if is_used(&property.name) => Some(scalar),
+                PropertyKind::Scalar(scalar) if is_used(&property.name) => Some(scalar),
                 _ => None,
             };
             kept.column_of.push(scalar.map(|_| kept.columns.len()));

@@ -21,7 +21,7 @@ use super::growing;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use faces::{FaceList, Faces};
-use header::Header;
+use header::PlyHeader;
 use kept_columns::POINTS;
 use ply_rs_bw::ply::Encoding;
 
@@ -34,7 +34,7 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 });
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
-    let Rows { columns, count, faces } = read_rows(bytes, progress)?;
+    let PlyRows { columns, count, faces } = read_rows(bytes, progress)?;
     let mut cloud = growing::cloud(&columns, count)?;
     splats::apply(&columns, &mut cloud);
     faces.put_into(&mut cloud);
@@ -49,14 +49,14 @@ pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>
 
 /// Names of what each point has in a file that begins with `head`.
 pub(super) fn point_names(head: &[u8]) -> Option<Vec<String>> {
-    let mut elements = Header::parse(head).ok()?.elements.into_iter();
+    let mut elements = PlyHeader::parse(head).ok()?.elements.into_iter();
     let vertex = elements.find(|element| element.name == POINTS)?;
     let properties = vertex.properties.into_iter();
     Some(properties.map(|property| property.name).collect())
 }
 
 /// What the rows of a file say.
-struct Rows<'a> {
+struct PlyRows<'a> {
     /// Of the points.
     columns: Vec<Column<'a>>,
     /// How many points there are.
@@ -64,8 +64,8 @@ struct Rows<'a> {
     faces: Faces,
 }
 
-fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<Rows<'a>, Fault> {
-    let header = Header::parse(bytes)?;
+fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<PlyRows<'a>, Fault> {
+    let header = PlyHeader::parse(bytes)?;
     let Some(vertex) = header.elements.iter().find(|element| element.name == POINTS) else {
         return Err(Fault::header(
             "there is no element `vertex`: a point cloud keeps its points there",
@@ -83,7 +83,7 @@ fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<Rows<'a>, Fault
             binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
         }
     };
-    Ok(Rows {
+    Ok(PlyRows {
         columns,
         count: vertex.count,
         faces,
@@ -92,7 +92,7 @@ fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<Rows<'a>, Fault
 
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
 pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
-    let header = Header::parse(head).ok()?;
+    let header = PlyHeader::parse(head).ok()?;
     let rows = match header.encoding {
         Encoding::Ascii => None,
         Encoding::BinaryLittleEndian => binary::fixed_rows(&header, false),

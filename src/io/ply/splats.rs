@@ -2,14 +2,14 @@
 //! Splatting": each point is an ellipsoid with three sizes, a rotation, an opacity, and a colour as spherical
 //! harmonics.
 //!
-//! They are shown as disks: what is seen of an ellipsoid from most sides is its two large axes, so the disk lies across
-//! the smallest one and has the geometric mean of the others for its radius, which keeps the area. The harmonics'
-//! constant term is the colour seen on average from all sides; those that change with direction (`f_rest_*`) are left
-//! out.
+//! What is seen of an ellipsoid from most sides is its two large axes, so the splat lies across the smallest one: an
+//! ellipse with these half axes, and their geometric mean for its radius. They are shown as disks of that radius, which
+//! keeps the area. The harmonics' constant term is the colour seen on average from all sides; those that change with
+//! direction (`f_rest_*`) are left out.
 
 use super::super::column::Column;
-use crate::cloud::RawCloud;
-use glam::{Mat3, Quat};
+use crate::cloud::{Ellipse, RawCloud};
+use glam::{Mat3, Quat, Vec3};
 
 /// Constant term of spherical harmonics: 1 / (2 √π).
 const HARMONIC: f32 = 0.282_094_79;
@@ -26,8 +26,8 @@ pub(super) fn is_used(name: &str) -> bool {
     COLORS.contains(&name) || name == OPACITY || SCALES.contains(&name) || ROTATION.contains(&name)
 }
 
-/// Gives `cloud` the colours, radii and normals of the splats in `columns`, if there are any: the normals that such
-/// files have are zeros.
+/// Gives `cloud` the colours, normals, radii and ellipses of the splats in `columns`, if there are any: the normals
+/// that such files have are zeros.
 pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
     let count = cloud.positions.len();
     let find = |name: &str| {
@@ -68,13 +68,20 @@ pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
             Mat3::IDENTITY
         }
     };
-    cloud.colors = Some((0..count).map(color).collect());
-    cloud.radii = Some((0..count).map(|index| radius(log_scales(index))).collect());
-    cloud.normals = Some(
-        (0..count)
-            .map(|index| rotation(index).col(smallest(log_scales(index))).to_array())
-            .collect(),
-    );
+    let splat = |index: usize| {
+        let Splat {
+            normal,
+            radius,
+            ellipse,
+        } = Splat::of(log_scales(index), rotation(index));
+        (normal.to_array(), (radius, ellipse))
+    };
+    let (normals, (radii, ellipses)) = (0..count).map(splat).unzip();
+    let attributes = &mut cloud.attributes;
+    attributes.colors = Some((0..count).map(color).collect());
+    attributes.normals = Some(normals);
+    attributes.radii = Some(radii);
+    attributes.ellipses = Some(ellipses);
 }
 
 /// A fraction as 8 bits; 0 for what is not a number.
@@ -82,15 +89,27 @@ fn byte(fraction: f32) -> u8 {
     (fraction.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// Index of the smallest axis.
-fn smallest(log_scales: [f32; 3]) -> usize {
-    let [x, y, z] = log_scales;
-    if z <= x && z <= y { 2 } else { usize::from(y <= x) }
+/// What is seen of an ellipsoid.
+struct Splat {
+    normal: Vec3,
+    radius: f32,
+    ellipse: Ellipse,
 }
 
-/// Geometric mean of the two larger sizes, of which the file has the logarithms.
-fn radius(log_scales: [f32; 3]) -> f32 {
-    let left_out = smallest(log_scales);
-    let others = (0..3).filter(|&axis| axis != left_out);
-    (others.map(|axis| log_scales[axis]).sum::<f32>() / 2.0).exp()
+impl Splat {
+    /// Of sizes, of which the file has the logarithms, along the columns of `axes`.
+    fn of(log_scales: [f32; 3], axes: Mat3) -> Self {
+        let [x, y, z] = log_scales;
+        let smallest = if z <= x && z <= y { 2 } else { usize::from(y <= x) };
+        let [a, b] = [(smallest + 1) % 3, (smallest + 2) % 3];
+        let [longer, shorter] = if log_scales[a] >= log_scales[b] { [a, b] } else { [b, a] };
+        Self {
+            normal: axes.col(smallest),
+            radius: f32::midpoint(log_scales[longer], log_scales[shorter]).exp(),
+            ellipse: Ellipse {
+                axis: axes.col(longer),
+                ratio: (log_scales[shorter] - log_scales[longer]).exp(),
+            },
+        }
+    }
 }

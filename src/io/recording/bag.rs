@@ -7,7 +7,7 @@ use super::super::error::{Fault, Place};
 use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
-use super::chunk::Chunk;
+use super::chunk::MessageChunk;
 use super::encoding::encoding_of;
 use super::found::Found;
 use super::message::MessagePlace;
@@ -29,7 +29,7 @@ const CONNECTION: u8 = 0x07;
 
 /// The fields of a header that are looked at.
 #[derive(Default)]
-struct Header {
+struct RecordHeader {
     op: u8,
     connection: Option<u32>,
     time: Option<Duration>,
@@ -39,7 +39,7 @@ struct Header {
     unpacked_bytes: Option<u32>,
 }
 
-impl Header {
+impl RecordHeader {
     fn parse(bytes: &[u8]) -> Option<Self> {
         let mut header = Self::default();
         let mut fields = Bytes::new(bytes);
@@ -83,7 +83,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
         ));
     }
     let mut found = Found::default();
-    let mut chunks: Vec<(Chunk, Vec<u32>)> = Vec::new();
+    let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     while walk.left() > 0 {
         let start = walk.position();
         if record(walk, &mut found, &mut chunks).is_none() {
@@ -107,13 +107,13 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
 }
 
 /// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
-fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(Chunk, Vec<u32>)>) -> Option<()> {
+fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(MessageChunk, Vec<u32>)>) -> Option<()> {
     let mut length = |most: u64| {
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
         (length <= most).then_some(length)
     };
     let header_bytes = length(MOST_HEADER_BYTES)?;
-    let header = Header::parse(&walk.take(header_bytes)?)?;
+    let header = RecordHeader::parse(&walk.take(header_bytes)?)?;
     let data_bytes = u64::from(Bytes::new(&walk.take(4)?).u32()?);
     let offset = walk.position();
     let end = offset + data_bytes;
@@ -147,7 +147,7 @@ fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(Chunk, Vec<u32>)
                 }
             };
             if let (Some(packing), Some(unpacked_bytes)) = (packing, header.unpacked_bytes) {
-                let chunk = Chunk {
+                let chunk = MessageChunk {
                     offset,
                     packed_bytes: data_bytes,
                     unpacked_bytes: unpacked_bytes.into(),
@@ -168,11 +168,11 @@ fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(Chunk, Vec<u32>)
 }
 
 /// Reads what is in a chunk.
-fn records_of(bytes: &[u8], chunk: Chunk, found: &mut Found) {
+fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut Found) {
     let mut records = Bytes::new(bytes);
     while !records.is_empty() {
         let mut next = || {
-            let header = Header::parse(records.counted()?)?;
+            let header = RecordHeader::parse(records.counted()?)?;
             let data = records.counted()?;
             Some((header, records.position() - data.len(), data))
         };
@@ -195,8 +195,8 @@ fn records_of(bytes: &[u8], chunk: Chunk, found: &mut Found) {
     }
 }
 
-fn connection(header: &Header, data: &[u8], found: &mut Found) {
-    let kind = Header::parse(data).and_then(|connection| connection.kind);
+fn connection(header: &RecordHeader, data: &[u8], found: &mut Found) {
+    let kind = RecordHeader::parse(data).and_then(|connection| connection.kind);
     if let (Some(id), Some(kind)) = (header.connection, kind) {
         let topic = header.topic.clone().unwrap_or_default();
         let encoding = encoding_of(&kind, "ros1");
@@ -204,7 +204,7 @@ fn connection(header: &Header, data: &[u8], found: &mut Found) {
     }
 }
 
-fn message(header: &Header, start: &[u8], place: MessagePlace, found: &mut Found) {
+fn message(header: &RecordHeader, start: &[u8], place: MessagePlace, found: &mut Found) {
     if let (Some(connection), Some(time)) = (header.connection, header.time) {
         found.add(connection, time, start, place);
     }

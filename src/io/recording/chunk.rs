@@ -6,7 +6,7 @@ use std::io::{Read as _, SeekFrom};
 
 /// Where many messages are packed together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Chunk {
+pub(super) struct MessageChunk {
     pub(super) offset: u64,
     pub(super) packed_bytes: u64,
     pub(super) unpacked_bytes: u64,
@@ -15,7 +15,7 @@ pub(super) struct Chunk {
     pub(super) crc: u32,
 }
 
-impl Chunk {
+impl MessageChunk {
     /// The chunk's bytes; the error is a sentence without its place.
     pub(super) fn unpack(
         &self,

@@ -5,7 +5,7 @@ use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
 use super::super::growing;
 use super::super::options::ReadOptions;
-use super::protobuf::{Fields, Value};
+use super::protobuf::{MessageFields, Value};
 use crate::cloud::{Positions, RawCloud};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -23,7 +23,7 @@ const TIMESTAMP: &[u8] = b"\"timestamp\"";
 struct Cloud<'a> {
     pose: Pose,
     point_stride: u64,
-    fields: Vec<Field>,
+    fields: Vec<PackedElementField>,
     data: Cow<'a, [u8]>,
 }
 
@@ -31,14 +31,14 @@ struct Cloud<'a> {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Pose {
-    position: Numbers,
-    orientation: Numbers,
+    position: PoseComponents,
+    orientation: PoseComponents,
 }
 
 /// A vector or a quaternion.
 #[derive(Default, Deserialize)]
 #[serde(default)]
-struct Numbers {
+struct PoseComponents {
     x: f64,
     y: f64,
     z: f64,
@@ -47,7 +47,7 @@ struct Numbers {
 
 #[derive(Default, Deserialize)]
 #[serde(default)]
-struct Field {
+struct PackedElementField {
     name: String,
     offset: u64,
     #[serde(rename = "type")]
@@ -59,7 +59,7 @@ struct JsonCloud {
     #[serde(default)]
     pose: Pose,
     point_stride: u64,
-    fields: Vec<Field>,
+    fields: Vec<PackedElementField>,
     data: String,
 }
 
@@ -72,10 +72,10 @@ struct JsonTime {
 
 /// When the cloud was taken, if `start`, the first bytes of a message of Protocol Buffers, says so.
 pub(super) fn protobuf_stamp(start: &[u8]) -> Option<Duration> {
-    let time = Fields::new(start).map_while(|field| field);
+    let time = MessageFields::new(start).map_while(|field| field);
     let time = time.into_iter().find(|(number, _)| *number == 1)?.1.bytes();
     let (mut seconds, mut nanos) = (0, 0);
-    for field in Fields::new(time) {
+    for field in MessageFields::new(time) {
         match field? {
             (1, value) => seconds = value.number(),
             (2, value) => nanos = value.number(),
@@ -131,7 +131,7 @@ pub(super) fn decode_json(message: &[u8], options: &ReadOptions) -> Result<RawCl
 
 fn parse(message: &[u8]) -> Option<Cloud<'_>> {
     let mut cloud = Cloud::default();
-    for field in Fields::new(message) {
+    for field in MessageFields::new(message) {
         match field? {
             (3, value) => cloud.pose = pose(value)?,
             (4, value) => cloud.point_stride = value.number(),
@@ -145,7 +145,7 @@ fn parse(message: &[u8]) -> Option<Cloud<'_>> {
 
 fn pose(message: Value<'_>) -> Option<Pose> {
     let mut pose = Pose::default();
-    for field in Fields::new(message.bytes()) {
+    for field in MessageFields::new(message.bytes()) {
         match field? {
             (1, value) => pose.position = numbers(value)?,
             (2, value) => pose.orientation = numbers(value)?,
@@ -155,9 +155,9 @@ fn pose(message: Value<'_>) -> Option<Pose> {
     Some(pose)
 }
 
-fn numbers(message: Value<'_>) -> Option<Numbers> {
-    let mut numbers = Numbers::default();
-    for field in Fields::new(message.bytes()) {
+fn numbers(message: Value<'_>) -> Option<PoseComponents> {
+    let mut numbers = PoseComponents::default();
+    for field in MessageFields::new(message.bytes()) {
         match field? {
             (1, value) => numbers.x = value.double(),
             (2, value) => numbers.y = value.double(),
@@ -169,9 +169,9 @@ fn numbers(message: Value<'_>) -> Option<Numbers> {
     Some(numbers)
 }
 
-fn packed_field(message: Value<'_>) -> Option<Field> {
-    let mut packed = Field::default();
-    for field in Fields::new(message.bytes()) {
+fn packed_field(message: Value<'_>) -> Option<PackedElementField> {
+    let mut packed = PackedElementField::default();
+    for field in MessageFields::new(message.bytes()) {
         match field? {
             (1, value) => packed.name = String::from_utf8_lossy(value.bytes()).into_owned(),
             (2, value) => packed.offset = value.number(),
@@ -204,7 +204,7 @@ impl Cloud<'_> {
         Ok(cloud)
     }
 
-    fn column(&self, field: &Field) -> Result<Column<'_>, Fault> {
+    fn column(&self, field: &PackedElementField) -> Result<Column<'_>, Fault> {
         let Some(scalar) = scalar(field.kind) else {
             return Err(Fault::header(format!(
                 "field `{}` is of type {}, expected 1 to 8",
@@ -253,7 +253,7 @@ impl Pose {
             (0..cloud.positions.len()).map(|index| (rotation * cloud.positions.get(index) + position).to_array());
         cloud.positions = Positions::F64(points.collect());
         let rotation = rotation.as_quat();
-        for normal in cloud.normals.iter_mut().flatten() {
+        for normal in cloud.attributes.normals.iter_mut().flatten() {
             *normal = (rotation * glam::Vec3::from_array(*normal)).to_array();
         }
         Ok(())

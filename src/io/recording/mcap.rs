@@ -8,7 +8,7 @@ use super::super::error::{Fault, Place};
 use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
-use super::chunk::Chunk;
+use super::chunk::MessageChunk;
 use super::encoding::{Encoding, encoding_of};
 use super::found::Found;
 use super::message::MessagePlace;
@@ -50,7 +50,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
         ));
     }
     let mut finder = Finder::default();
-    let mut chunks: Vec<(Chunk, Vec<u32>)> = Vec::new();
+    let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     loop {
         let start = walk.position();
         let read = finder.record(walk, &mut chunks);
@@ -80,7 +80,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
 
 impl Finder {
     /// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
-    fn record(&mut self, walk: &mut Walk, chunks: &mut Vec<(Chunk, Vec<u32>)>) -> Option<u8> {
+    fn record(&mut self, walk: &mut Walk, chunks: &mut Vec<(MessageChunk, Vec<u32>)>) -> Option<u8> {
         let head = walk.take(HEAD_BYTES)?;
         let mut head = Bytes::new(&head);
         let (kind, length) = (head.u8()?, head.u64()?);
@@ -121,7 +121,7 @@ impl Finder {
     }
 
     /// Reads what is in a chunk.
-    fn records_of(&mut self, bytes: &[u8], chunk: Chunk) {
+    fn records_of(&mut self, bytes: &[u8], chunk: MessageChunk) {
         let mut records = Bytes::new(bytes);
         while !records.is_empty() {
             let mut next = || {
@@ -182,7 +182,7 @@ impl Finder {
 }
 
 /// The chunk whose record's body begins at `body` with `start`; `None` for what is none that can be unpacked.
-fn chunk(start: &[u8], body: u64, length: u64) -> Option<Chunk> {
+fn chunk(start: &[u8], body: u64, length: u64) -> Option<MessageChunk> {
     let mut head = Bytes::new(start);
     let _times = (head.u64()?, head.u64()?);
     let unpacked_bytes = head.u64()?;
@@ -199,7 +199,7 @@ fn chunk(start: &[u8], body: u64, length: u64) -> Option<Chunk> {
             return None;
         }
     };
-    (packed_bytes <= length - head.position() as u64).then_some(Chunk {
+    (packed_bytes <= length - head.position() as u64).then_some(MessageChunk {
         offset,
         packed_bytes,
         unpacked_bytes,

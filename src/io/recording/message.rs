@@ -1,6 +1,6 @@
 //! Where a message with a point cloud is.
 
-use super::chunk::Chunk;
+use super::chunk::MessageChunk;
 use super::encoding::Encoding;
 
 /// A message with a point cloud.
@@ -15,7 +15,11 @@ pub(super) enum MessagePlace {
     /// So many bytes from there on in the file.
     File { offset: u64, byte_count: u64 },
     /// The same within an unpacked chunk.
-    Chunk { chunk: Chunk, offset: u64, byte_count: u64 },
+    Chunk {
+        chunk: MessageChunk,
+        offset: u64,
+        byte_count: u64,
+    },
     /// The row with this id in the table of messages.
     Row(i64),
 }

@@ -5,7 +5,7 @@ use super::super::error::Fault;
 use super::super::growing;
 use super::super::options::ReadOptions;
 use super::bytes::Bytes;
-use crate::cloud::{AxisConvention, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use std::borrow::Cow;
 use std::time::Duration;
 
@@ -56,7 +56,7 @@ pub(super) fn stamp(start: &[u8], serialisation: Serialisation) -> Option<Durati
     Some(Duration::new(seconds.into(), nanos))
 }
 
-struct Field {
+struct PointField {
     name: String,
     offset: u32,
     datatype: u8,
@@ -68,7 +68,7 @@ struct Cloud<'a> {
     frame_id: &'a [u8],
     height: u32,
     width: u32,
-    fields: Vec<Field>,
+    fields: Vec<PointField>,
     big_endian: bool,
     point_step: u32,
     row_step: u32,
@@ -87,7 +87,7 @@ fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
     // Not allocated for the count that is claimed: every field takes bytes that must be there.
     let mut list = Vec::new();
     for _ in 0..field_count {
-        list.push(Field {
+        list.push(PointField {
             name: fields.text()?,
             offset: fields.u32()?,
             datatype: fields.u8()?,
@@ -121,6 +121,7 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
     let columns = columns.collect::<Result<Vec<_>, Fault>>()?;
     let mut read = growing::cloud(&columns, grid.count() as usize)?;
     read.convention = Some(convention(&cloud));
+    read.grid = ImageGrid::of(cloud.width, cloud.height, read.positions.len());
     Ok(read)
 }
 
@@ -176,7 +177,7 @@ impl Grid {
 }
 
 /// The numbers of a field. Some drivers count a lone number as none; of several the first is read.
-fn column<'a>(field: &Field, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Column<'a>, Fault> {
+fn column<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Column<'a>, Fault> {
     let Some(scalar) = scalar(field.datatype) else {
         return Err(Fault::header(format!(
             "field `{}` is of type {}, expected 1 to 8",

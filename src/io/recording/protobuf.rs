@@ -49,9 +49,9 @@ impl<'a> Value<'a> {
 
 /// The fields of a message one after the other.
 #[derive(Debug, Clone)]
-pub(super) struct Fields<'a>(Bytes<'a>);
+pub(super) struct MessageFields<'a>(Bytes<'a>);
 
-impl<'a> Fields<'a> {
+impl<'a> MessageFields<'a> {
     pub(super) fn new(message: &'a [u8]) -> Self {
         Self(Bytes::new(message))
     }
@@ -84,7 +84,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-impl<'a> Iterator for Fields<'a> {
+impl<'a> Iterator for MessageFields<'a> {
     /// Number and value; `None` where the message is cut or is none.
     type Item = Option<(u64, Value<'a>)>;
 
@@ -120,7 +120,7 @@ mod tests {
             &[0x80, 0x7d, 0],
         ]
         .concat();
-        let fields: Vec<_> = Fields::new(&message).map(Option::unwrap).collect();
+        let fields: Vec<_> = MessageFields::new(&message).map(Option::unwrap).collect();
         assert_eq!(
             fields,
             [
@@ -148,7 +148,7 @@ mod tests {
             &[0x0b],
             &[0x08, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 1],
         ] {
-            let fields: Vec<_> = Fields::new(broken).collect();
+            let fields: Vec<_> = MessageFields::new(broken).collect();
             assert_eq!(fields, [None], "{broken:?}");
         }
     }

@@ -1,7 +1,7 @@
 //! Steps over the records of a file, reading only what is asked for.
 
 use super::super::options::ReadOptions;
-use super::chunk::Chunk;
+use super::chunk::MessageChunk;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
@@ -54,7 +54,7 @@ impl Walk {
     }
 
     /// The bytes of a chunk; the place stays.
-    pub(super) fn unpack(&mut self, chunk: &Chunk, options: &ReadOptions) -> Result<Vec<u8>, String> {
+    pub(super) fn unpack(&mut self, chunk: &MessageChunk, options: &ReadOptions) -> Result<Vec<u8>, String> {
         let unpacked = chunk.unpack(&mut self.file, options);
         self.file
             .seek(SeekFrom::Start(self.at))

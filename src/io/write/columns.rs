@@ -1,10 +1,10 @@
-//! The attributes of a cloud as named columns.
+//! The attributes of a cloud as named columns. Ellipses are left out: no other program would know them by a name.
 
 use crate::cloud::{Positions, RawCloud};
 use std::fmt::Write as _;
 
 /// A column.
-pub(super) struct Column<'a> {
+pub(super) struct WrittenColumn<'a> {
     pub(super) name: String,
     data: Data<'a>,
 }
@@ -48,19 +48,20 @@ pub(super) fn columns<'a>(
     colors: Colors,
     normal_names: [&str; 3],
     names: impl Fn(&str) -> String,
-) -> Vec<Column<'a>> {
-    let mut columns: Vec<Column<'a>> = Vec::new();
+) -> Vec<WrittenColumn<'a>> {
+    let attributes = &cloud.attributes;
+    let mut columns: Vec<WrittenColumn<'a>> = Vec::new();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let data = match &cloud.positions {
             Positions::F32(positions) => Data::Vectors32(positions, axis),
             Positions::F64(positions) => Data::Vectors64(positions, axis),
         };
-        columns.push(Column {
+        columns.push(WrittenColumn {
             name: name.to_owned(),
             data,
         });
     }
-    if let Some(values) = cloud.colors.as_deref().filter(|_| colors != Colors::None) {
+    if let Some(values) = attributes.colors.as_deref().filter(|_| colors != Colors::None) {
         let has_alpha = values.iter().any(|color| color[3] != u8::MAX);
         let scaled = |channels: std::ops::Range<usize>| {
             let is_dark = values
@@ -80,40 +81,40 @@ pub(super) fn columns<'a>(
             } else {
                 Data::Channel(values, channel)
             };
-            columns.push(Column {
+            columns.push(WrittenColumn {
                 name: name.to_owned(),
                 data,
             });
         }
     }
-    if let Some(normals) = &cloud.normals {
+    if let Some(normals) = &attributes.normals {
         for (axis, name) in normal_names.into_iter().enumerate() {
-            columns.push(Column {
+            columns.push(WrittenColumn {
                 name: name.to_owned(),
                 data: Data::Vectors32(normals, axis),
             });
         }
     }
-    if let Some(radii) = &cloud.radii {
-        columns.push(Column {
+    if let Some(radii) = &attributes.radii {
+        columns.push(WrittenColumn {
             name: "radius".to_owned(),
             data: Data::Numbers(radii),
         });
     }
-    for field in &cloud.scalars {
+    for field in &attributes.scalars {
         let data = if field.offset == 0.0 {
             Data::Numbers(&field.values)
         } else {
             Data::Offset(&field.values, field.offset)
         };
         let name = unique(names(&field.name), &columns);
-        columns.push(Column { name, data });
+        columns.push(WrittenColumn { name, data });
     }
     columns
 }
 
 /// `name`, or `scalar_` before it, or with a number behind, until no column has it.
-fn unique(name: String, columns: &[Column<'_>]) -> String {
+fn unique(name: String, columns: &[WrittenColumn<'_>]) -> String {
     let is_free = |name: &str| !columns.iter().any(|column| column.name.eq_ignore_ascii_case(name));
     if is_free(&name) && !super::super::attributes::is_reserved(&name) {
         return name;
@@ -126,7 +127,7 @@ fn unique(name: String, columns: &[Column<'_>]) -> String {
         .unwrap_or(marked)
 }
 
-impl Column<'_> {
+impl WrittenColumn<'_> {
     /// Writes numbers of single precision with the digits that they have in double precision: where nothing says the
     /// type of a column, readers take fewer for a rounded double.
     pub(super) fn widen(&mut self) {

@@ -4,9 +4,9 @@ use crate::cloud::RawCloud;
 use std::io::{Seek, Write};
 
 /// Where a file goes.
-pub(in crate::io) trait Output: Write + Seek + Send + Sync {}
+pub(in crate::io) trait WriteSeek: Write + Seek + Send + Sync {}
 
-impl<T: Write + Seek + Send + Sync> Output for T {}
+impl<T: Write + Seek + Send + Sync> WriteSeek for T {}
 
 /// A format that is written, or one of the ways to write it.
 pub(in crate::io) struct Encoder {
@@ -15,5 +15,5 @@ pub(in crate::io) struct Encoder {
     /// Without dot. Where several have one, it means the first.
     pub(in crate::io) extension: &'static str,
     /// Writes as much of a cloud as the format holds.
-    pub(in crate::io) write: fn(&mut dyn Output, &RawCloud) -> std::io::Result<()>,
+    pub(in crate::io) write: fn(&mut dyn WriteSeek, &RawCloud) -> std::io::Result<()>,
 }

@@ -11,5 +11,5 @@ pub(super) mod pcd;
 pub(super) mod ply;
 pub(super) mod text;
 
-pub(super) use encoder::{Encoder, Output};
+pub(super) use encoder::{Encoder, WriteSeek};
 pub use format::{WriteFormat, write};

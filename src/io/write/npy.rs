@@ -5,8 +5,8 @@
 //! (normals that are all upright look like a dark colour), rows are records with the names of their fields.
 
 use super::super::xyz;
-use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns};
-use super::encoder::{Encoder, Output};
+use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
+use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
 /// A bare table of numpy: positions, with colours and normals, or with one scalar.
@@ -16,7 +16,7 @@ pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     write: |out, cloud| write(out, cloud),
 };
 
-fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
     let columns = told_by_number(columns, cloud);
     let is_double = columns.iter().any(|column| column.kind() == Type::F64);
@@ -52,10 +52,10 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     out.write_all(&chunk)
 }
 
-fn told_by_number<'a>(columns: Vec<Column<'a>>, cloud: &RawCloud) -> Vec<Column<'a>> {
-    let (has_colors, has_normals) = (cloud.colors.is_some(), cloud.normals.is_some());
-    let scalar = match cloud.scalars.first() {
-        Some(_) if !has_normals => Some(columns.len() - cloud.scalars.len()),
+fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<WrittenColumn<'a>> {
+    let (has_colors, has_normals) = (cloud.attributes.colors.is_some(), cloud.attributes.normals.is_some());
+    let scalar = match cloud.attributes.scalars.first() {
+        Some(_) if !has_normals => Some(columns.len() - cloud.attributes.scalars.len()),
         _ => None,
     };
     let wanted = |name: &str| match name {
@@ -79,7 +79,7 @@ fn told_by_number<'a>(columns: Vec<Column<'a>>, cloud: &RawCloud) -> Vec<Column<
 }
 
 /// Whether readers that know nothing but the values take each column for what it is.
-fn are_told(columns: &[Column<'_>], rows: usize) -> bool {
+fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
     // Fewer columns are told by their number, and these by the first behind the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
         let is_looked_at = columns.len() >= 6 && (3..7).contains(&index);

@@ -1,17 +1,20 @@
 //! PCD, binary: point after point.
+//!
+//! Lines of an organised cloud stay lines if it is known where the sensor stood: readers take the viewpoint of such a
+//! file for true, even where it is the origin.
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
-use super::encoder::{Encoder, Output};
+use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
-/// PCD 0.7, binary: all but faces.
+/// PCD 0.7, binary: all but ellipses and faces.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "pcd",
     extension: "pcd",
     write: |out, cloud| write(out, cloud),
 };
 
-fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let name = |name: &str| match plain_name(name, |sign| sign.is_ascii_graphic()) {
         // Alone it is the name of padding.
         plain if plain == "_" => "scalar__".to_owned(),
@@ -19,12 +22,10 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
     };
     let columns = columns(cloud, Colors::None, ["normal_x", "normal_y", "normal_z"], name);
     let count = cloud.positions.len();
-    let has_alpha = cloud.colors.iter().flatten().any(|color| color[3] != u8::MAX);
+    let colors = cloud.attributes.colors.as_deref();
+    let has_alpha = colors.is_some_and(|colors| colors.iter().any(|color| color[3] != u8::MAX));
     // PCL keeps colours in the bits of a float, those with alpha in an unsigned integer.
-    let color = cloud
-        .colors
-        .is_some()
-        .then_some(if has_alpha { ("rgba", "U") } else { ("rgb", "F") });
+    let color = colors.map(|_| if has_alpha { ("rgba", "U") } else { ("rgb", "F") });
 
     let mut lines = ["FIELDS", "SIZE", "TYPE", "COUNT"].map(str::to_owned);
     let columns_then_color = columns
@@ -41,10 +42,12 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
         }
     }
     let sensor = cloud.sensor.unwrap_or_default();
+    let grid = cloud.grid.filter(|_| cloud.sensor.is_some());
+    let (width, height) = grid.map_or((count, 1), |grid| (grid.width() as usize, grid.height()));
     write!(
         out,
-        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT {} {} {} 1 0 \
-         0 0\nPOINTS {count}\nDATA binary\n",
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\nWIDTH {width}\nHEIGHT {height}\nVIEWPOINT {} {} \
+         {} 1 0 0 0\nPOINTS {count}\nDATA binary\n",
         lines.join("\n"),
         sensor.x,
         sensor.y,
@@ -55,7 +58,7 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
         for column in &columns {
             column.put_bytes(row, &mut bytes);
         }
-        if let Some([red, green, blue, alpha]) = cloud.colors.as_ref().map(|colors| colors[row]) {
+        if let Some([red, green, blue, alpha]) = colors.map(|colors| colors[row]) {
             bytes.extend([blue, green, red, if has_alpha { alpha } else { 0 }]);
         }
         if bytes.len() >= CHUNK_BYTES {

@@ -1,10 +1,10 @@
 //! PLY, binary and as text.
 
-use super::columns::{CHUNK_BYTES, Colors, Column, Type, columns, plain_name};
-use super::encoder::{Encoder, Output};
+use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_name};
+use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
-/// PLY, little endian: holds all but where the sensor stood.
+/// PLY, little endian: holds all but ellipses and where the sensor stood.
 pub(in crate::io) const BINARY: &Encoder = &Encoder {
     name: "ply",
     extension: "ply",
@@ -18,7 +18,7 @@ pub(in crate::io) const ASCII: &Encoder = &Encoder {
     write: |out, cloud| write(out, cloud, true),
 };
 
-fn write(out: &mut dyn Output, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Typed, ["nx", "ny", "nz"], name);
     header(out, cloud, &columns, is_text)?;
     if is_text {
@@ -38,7 +38,12 @@ fn name(name: &str) -> String {
     }
 }
 
-fn header(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>], is_text: bool) -> std::io::Result<()> {
+fn header(
+    out: &mut dyn WriteSeek,
+    cloud: &RawCloud,
+    columns: &[WrittenColumn<'_>],
+    is_text: bool,
+) -> std::io::Result<()> {
     let encoding = if is_text { "ascii" } else { "binary_little_endian" };
     writeln!(out, "ply\nformat {encoding} 1.0\ncomment written by pointreel")?;
     writeln!(out, "element vertex {}", cloud.positions.len())?;
@@ -66,7 +71,7 @@ fn index_type(cloud: &RawCloud) -> &'static str {
     }
 }
 
-fn binary(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
+fn binary(out: &mut dyn WriteSeek, cloud: &RawCloud, columns: &[WrittenColumn<'_>]) -> std::io::Result<()> {
     let mut bytes = Vec::new();
     for row in 0..cloud.positions.len() {
         for column in columns {
@@ -87,7 +92,7 @@ fn binary(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>]) -> std
     Ok(())
 }
 
-fn text(out: &mut dyn Output, cloud: &RawCloud, columns: &[Column<'_>]) -> std::io::Result<()> {
+fn text(out: &mut dyn WriteSeek, cloud: &RawCloud, columns: &[WrittenColumn<'_>]) -> std::io::Result<()> {
     super::text::rows(out, cloud.positions.len(), columns)?;
     for [a, b, c] in &cloud.faces {
         writeln!(out, "3 {a} {b} {c}")?;

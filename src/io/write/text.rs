@@ -1,7 +1,7 @@
 //! Text with a point a line.
 
-use super::columns::{CHUNK_BYTES, Colors, Column, columns, plain_name};
-use super::encoder::{Encoder, Output};
+use super::columns::{CHUNK_BYTES, Colors, WrittenColumn, columns, plain_name};
+use super::encoder::{Encoder, WriteSeek};
 use crate::cloud::RawCloud;
 
 /// A point a line and the names of the columns in its first: all but faces and the sensor.
@@ -11,14 +11,14 @@ pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     write: |out, cloud| write(out, cloud),
 };
 
-fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let name = |name: &str| {
         plain_name(name, |sign| {
             !sign.is_whitespace() && !sign.is_control() && !",;\"#".contains(sign)
         })
     };
     let mut columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], name);
-    for scalar in columns.iter_mut().rev().take(cloud.scalars.len()) {
+    for scalar in columns.iter_mut().rev().take(cloud.attributes.scalars.len()) {
         scalar.widen();
     }
     let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
@@ -27,7 +27,7 @@ fn write(out: &mut dyn Output, cloud: &RawCloud) -> std::io::Result<()> {
 }
 
 /// A line for each of the `count` rows.
-pub(super) fn rows(out: &mut dyn Output, count: usize, columns: &[Column<'_>]) -> std::io::Result<()> {
+pub(super) fn rows(out: &mut dyn WriteSeek, count: usize, columns: &[WrittenColumn<'_>]) -> std::io::Result<()> {
     let mut text = String::new();
     for row in 0..count {
         for (index, column) in columns.iter().enumerate() {

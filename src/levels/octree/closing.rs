@@ -36,7 +36,7 @@ const AXES: [(u32, u64); 3] = [
 const STEPS: [usize; 3] = [1, 3, 9];
 
 /// Of a block and those around it, x fastest: cells, bit `x + 4y + 16z`.
-type Words = [u64; 27];
+type BlockNeighbourhood = [u64; 27];
 
 /// The middle of 27.
 const MIDDLE: usize = 13;
@@ -47,18 +47,18 @@ const NEAREST_FIRST: [usize; 26] = [
 ];
 
 /// All cells of a level that hold points.
-pub(super) struct Cells {
+pub(super) struct LevelCells {
     level: u8,
     /// The first point of each, and the number of points.
     firsts: Vec<u32>,
     /// The first stands for all that there are not.
-    blocks: Vec<Block>,
+    blocks: Vec<OccupancyBlock>,
     /// Numbers of blocks by their places; 0 where there is none.
     table: Vec<u32>,
 }
 
 #[derive(Debug, Clone, Default)]
-struct Block {
+struct OccupancyBlock {
     place: [u32; 3],
     /// The number of its first cell.
     first_cell: u32,
@@ -78,13 +78,13 @@ struct Site {
     candidates: u64,
 }
 
-impl Cells {
+impl LevelCells {
     /// Those of `level`. The leaves of the tree are in `runs`, of this level and others.
     pub(super) fn of_level(points: &SortedPoints, level: u32, runs: &[LeafRun]) -> Self {
         let partings = (0..).zip(&points.partings);
         let begins = partings.filter(|&(_, &parting)| u32::from(parting) <= level);
         let mut firsts: Vec<u32> = begins.map(|(point, _)| point).collect();
-        let mut blocks = vec![Block::default()];
+        let mut blocks = vec![OccupancyBlock::default()];
         let mut run = 0;
         for (number, &first) in (0..).zip(&firsts) {
             while runs[run].end <= first {
@@ -95,10 +95,10 @@ impl Cells {
             let place = cell.map(|coordinate| coordinate / EDGE);
             let last = blocks.len() - 1;
             if last == 0 || blocks[last].place != place {
-                blocks.push(Block {
+                blocks.push(OccupancyBlock {
                     place,
                     first_cell: number,
-                    ..Block::default()
+                    ..OccupancyBlock::default()
                 });
             }
             if let Some(block) = blocks.last_mut() {
@@ -160,7 +160,7 @@ impl Cells {
 
     /// Numbers of blocks that have leaves or touch some. Those without points are made.
     fn blocks_with_leaves_and_beside(&mut self) -> Vec<u32> {
-        let beside = |block: &Block| {
+        let beside = |block: &OccupancyBlock| {
             let leaves = block.leaves;
             let place = block.place;
             let touched = (0..27).filter(move |&direction| leaves & border(direction) != 0);
@@ -177,9 +177,9 @@ impl Cells {
             let mut number = self.number_at(place);
             if number == 0 {
                 number = self.blocks.len() as u32;
-                self.blocks.push(Block {
+                self.blocks.push(OccupancyBlock {
                     place,
-                    ..Block::default()
+                    ..OccupancyBlock::default()
                 });
             }
             numbers.push(number);
@@ -199,7 +199,7 @@ impl Cells {
         }
     }
 
-    fn leaves(&self, around: &[u32; 27]) -> Words {
+    fn leaves(&self, around: &[u32; 27]) -> BlockNeighbourhood {
         around.map(|number| self.blocks[number as usize].leaves)
     }
 
@@ -253,7 +253,7 @@ impl Cells {
 }
 
 /// Numbers of blocks by their places: open addressing with as many slots again as there are blocks, or more.
-fn table_of(blocks: &[Block]) -> Vec<u32> {
+fn table_of(blocks: &[OccupancyBlock]) -> Vec<u32> {
     let slots = (2 * blocks.len()).next_power_of_two();
     let mut table = vec![0; slots];
     for (number, block) in (0..).zip(blocks).skip(1) {
@@ -319,14 +319,14 @@ fn border(direction: usize) -> u64 {
 
 /// For each direction, the cells of the middle block whose neighbour in it is one of these.
 #[inline(always)]
-fn beside(words: Words) -> Words {
+fn beside(words: BlockNeighbourhood) -> BlockNeighbourhood {
     shifted::<2>(shifted::<1>(shifted::<0>(words)))
 }
 
 /// Of each line of three blocks along an axis: what is one cell below each cell of the middle one, it itself, and what
 /// is one above.
 #[inline(always)]
-fn shifted<const AXIS: usize>(words: Words) -> Words {
+fn shifted<const AXIS: usize>(words: BlockNeighbourhood) -> BlockNeighbourhood {
     let ((step, low), count) = (AXES[AXIS], STEPS[AXIS]);
     let across = (EDGE - 1) * step;
     let high = low << across;

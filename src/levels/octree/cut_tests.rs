@@ -16,9 +16,9 @@ fn torus_tree(count: usize) -> Octree {
     Octree::build(&torus.positions, &vec![[0; 4]; count], StopCriterion::Loss(0.02))
 }
 
-type Cell = (u32, [u32; 3]);
+type CellIndex = (u32, [u32; 3]);
 
-fn cells(tree: &Octree, cut: &Cut) -> Vec<Cell> {
+fn cells(tree: &Octree, cut: &Cut) -> Vec<CellIndex> {
     let mut voxels = Vec::new();
     tree.write_voxels(cut, &mut voxels);
     assert_eq!(voxels.len(), cut.node_count());
@@ -176,7 +176,7 @@ fn cells_one_by_one(
     view: &SelectView,
     before: Option<&Cut>,
     back_faces: Option<&LodSurfels>,
-) -> Vec<Cell> {
+) -> Vec<CellIndex> {
     struct Plain<'a> {
         tree: &'a Octree,
         view: &'a SelectView,
@@ -184,7 +184,7 @@ fn cells_one_by_one(
         levels_before: HashMap<usize, u32>,
     }
     impl Plain<'_> {
-        fn visit(&self, node: &NodeRange, cell: [u32; 3], found: &mut Vec<Cell>) {
+        fn visit(&self, node: &NodeRange, cell: [u32; 3], found: &mut Vec<CellIndex>) {
             let (view, cube) = (self.view, self.tree.cube());
             let edge = cube.cell_edge(node.level);
             let center = cube.cell_center(node.level, cell);

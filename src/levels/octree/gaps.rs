@@ -8,7 +8,7 @@
 //!
 //! What it costs beside the rest of the tree is in `benches/octree.rs`.
 
-use super::closing::{Cells, neighbour};
+use super::closing::{LevelCells, neighbour};
 use super::gap::Gap;
 use super::sorted_points::SortedPoints;
 use super::stop::{LeafRun, Leaves};
@@ -42,7 +42,7 @@ impl SortedPoints {
         levels.dedup();
         let mut gaps: Vec<Gap> = levels
             .into_iter()
-            .flat_map(|level| Cells::of_level(self, level, runs).gaps())
+            .flat_map(|level| LevelCells::of_level(self, level, runs).gaps())
             .collect();
         gaps.par_sort_unstable_by_key(|gap| (gap.leaf[0], gap.direction));
         gaps

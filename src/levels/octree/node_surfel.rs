@@ -1,6 +1,9 @@
 //! The surfel of one node: the mean of its points, a disk that covers theirs, and the cone of their normals.
+//!
+//! Where points are ellipses, so is the node: its axes are those of the points' second moments in its plane, in which
+//! each ellipse counts as evenly filled.
 
-use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::cloud::{Ellipse, PointRecord, ShapeRecord, decode_ellipse, encode_ellipse, oct_decode, oct_encode};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
@@ -22,9 +25,9 @@ pub struct NodeSurfel {
 const CONE_SLACK: f32 = 1e-3;
 
 impl NodeSurfel {
-    /// Of a node with these points. Precondition: there is one.
+    /// Of a node with these points, which are disks unless `are_ellipses`. Precondition: there is one.
     #[inline(always)]
-    pub(super) fn of(points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
+    pub(super) fn of(points: &[PointRecord], shapes: &[ShapeRecord], are_ellipses: bool) -> Self {
         if let ([point], [shape]) = (points, shapes) {
             return Self {
                 point: *point,
@@ -69,7 +72,11 @@ impl NodeSurfel {
             shape: ShapeRecord {
                 normal: oct_encode(normal),
                 radius,
-                ellipse: 0,
+                ellipse: if are_ellipses {
+                    merged_ellipse(points, shapes, center, normal)
+                } else {
+                    0
+                },
                 scalar: (scalar * share) as f32,
             },
             cone_cosine: if has_mean { cone_cosine } else { -1.0 },
@@ -94,5 +101,84 @@ impl NodeSurfel {
         let between = oct_decode(self.shape.normal).dot(from_eye) / distance;
         let limit = alpha + beta + CONE_SLACK;
         limit < std::f32::consts::FRAC_PI_2 && between > limit.sin()
+    }
+}
+
+/// The packed ellipse of the second moments of ellipses around `center`, in the plane across `normal`.
+fn merged_ellipse(points: &[PointRecord], shapes: &[ShapeRecord], center: Vec3, normal: Vec3) -> u32 {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    // Moments of x², xy and y², in f64 as other sums over points.
+    let mut moments = DVec3::ZERO;
+    let mut add = |along: Vec3, weight: f64| {
+        let [x, y] = [tangent, bitangent].map(|axis| f64::from(axis.dot(along)));
+        moments += weight * DVec3::new(x * x, x * y, y * y);
+    };
+    for (point, shape) in points.iter().zip(shapes) {
+        add(Vec3::from_array(point.position) - center, 1.0);
+        let normal = oct_decode(shape.normal);
+        let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+        let axes = if ellipse == Ellipse::CIRCLE {
+            <[Vec3; 2]>::from(normal.any_orthonormal_pair()).map(|axis| axis * shape.radius)
+        } else {
+            let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(shape.radius);
+            [ellipse.axis * longer, normal.cross(ellipse.axis) * shorter]
+        };
+        // The second moment of an evenly filled ellipse along a half axis is a quarter of its square.
+        for axis in axes {
+            add(axis, 0.25);
+        }
+    }
+    let [xx, xy, yy] = moments.to_array();
+    let (mean, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    let spread = half_difference.hypot(xy);
+    if spread == 0.0 {
+        return 0;
+    }
+    let ratio = ((mean - spread).max(0.0) / (mean + spread)).sqrt() as f32;
+    let angle = 0.5 * xy.atan2(half_difference);
+    let axis = tangent * angle.cos() as f32 + bitangent * angle.sin() as f32;
+    encode_ellipse(oct_encode(normal), Ellipse { axis, ratio })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two ellipses on the x axis with half axes of these lengths, this far from the middle.
+    fn merged(apart: f32, along: f32, across: f32) -> [f32; 2] {
+        let normal = oct_encode(Vec3::Z);
+        let ratio = across / along;
+        let radius = (0.5 * (along * along + across * across)).sqrt();
+        let ellipse = encode_ellipse(normal, Ellipse { axis: Vec3::X, ratio });
+        let at = |x: f32| PointRecord {
+            position: [x, 0.0, 0.0],
+            color: [255; 4],
+        };
+        let shape = ShapeRecord {
+            normal,
+            radius,
+            ellipse,
+            scalar: 0.0,
+        };
+        let surfel = NodeSurfel::of(&[at(-apart), at(apart)], &[shape; 2], true);
+        assert_eq!(
+            NodeSurfel::of(&[at(-apart), at(apart)], &[shape; 2], false)
+                .shape
+                .ellipse,
+            0
+        );
+        let ellipse = decode_ellipse(surfel.shape.normal, surfel.shape.ellipse);
+        [ellipse.axis.x.abs(), ellipse.ratio]
+    }
+
+    #[test]
+    fn moments_of_ellipses_add_up() {
+        // Along x: a quarter of 4 and the square of 3; across: a quarter of 1.
+        let [x, ratio] = merged(3.0, 2.0, 1.0);
+        assert!((x - 1.0).abs() < 1e-4);
+        assert!((ratio - (0.25f32 / 10.0).sqrt()).abs() < 1e-4, "{ratio}");
+        let [x, ratio] = merged(0.0, 2.0, 0.5);
+        assert!((x - 1.0).abs() < 1e-4);
+        assert!((ratio - 0.25).abs() < 1e-4, "{ratio}");
     }
 }

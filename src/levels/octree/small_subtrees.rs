@@ -38,7 +38,7 @@ const LANES: usize = 8;
 
 /// At most [`BLOCK`] consecutive cells of one level, and what was found out about each, the first one in the lowest
 /// bit.
-struct Block {
+struct CellBlock {
     level: u32,
     /// The first points of the cells, then the point after the last cell; what follows is of no importance.
     firsts: [u32; BLOCK + LANES],
@@ -47,7 +47,7 @@ struct Block {
     must_stop: u64,
 }
 
-impl Block {
+impl CellBlock {
     fn new(level: u32) -> Self {
         Self {
             level,
@@ -71,7 +71,7 @@ impl Traversal<'_> {
         let mut next = points.start;
         while next < points.end {
             let block_end = points.end.min(next + BLOCK);
-            let mut block = Block::new(level);
+            let mut block = CellBlock::new(level);
             let count = dispatch!(
                 self.simd,
                 simd => self.test_block(simd, next..block_end, subtree.planes, &mut block)
@@ -90,7 +90,7 @@ impl Traversal<'_> {
         }
     }
 
-    fn emit_block(&self, block: &Block, subtree: &Subtree, cut: &mut Cut) {
+    fn emit_block(&self, block: &CellBlock, subtree: &Subtree, cut: &mut Cut) {
         let stop = self.stopping(block, subtree.depth);
         cut.tested.emitted += stop.count_ones() as usize;
         let level = block.level;
@@ -111,7 +111,7 @@ impl Traversal<'_> {
     }
 
     /// The cells in view that are not divided.
-    fn stopping(&self, block: &Block, depth: u32) -> u64 {
+    fn stopping(&self, block: &CellBlock, depth: u32) -> u64 {
         if block.level == depth {
             return block.in_view;
         }
@@ -129,7 +129,7 @@ impl Traversal<'_> {
     }
 
     /// Takes cells out of view whose points all face away, if this is the level to know it.
-    fn drop_back_faces(&self, surfels: &LodSurfels, block: &mut Block) {
+    fn drop_back_faces(&self, surfels: &LodSurfels, block: &mut CellBlock) {
         let Some(surfels) = surfels.cones(block.level, block.firsts[0] as usize) else {
             return;
         };
@@ -152,7 +152,7 @@ impl Traversal<'_> {
 
     /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; how many they are.
     #[inline(always)]
-    fn test_block<S: Simd>(&self, simd: S, points: Range<usize>, planes: PlaneMask, block: &mut Block) -> usize {
+    fn test_block<S: Simd>(&self, simd: S, points: Range<usize>, planes: PlaneMask, block: &mut CellBlock) -> usize {
         let level = block.level;
         let first = points.start as u32;
         let partings = &self.tree.points.partings[points];

@@ -28,6 +28,7 @@ pub struct LodSurfels {
     pub(super) octree: Arc<Octree>,
     points: Arc<Vec<PointRecord>>,
     pub(super) shapes: Arc<Vec<ShapeRecord>>,
+    are_ellipses: bool,
     /// The one level whose nodes are tested for facing away: the finest at which that is less than drawing them. Those
     /// above it would each take a pass over all points, to spare some visits.
     cone_level: Option<u32>,
@@ -59,6 +60,7 @@ impl LodSurfels {
             cone_level: cone_level(&octree),
             octree,
             points,
+            are_ellipses: shapes.iter().any(|shape| shape.ellipse != 0),
             shapes,
             levels: KeptLevels::default(),
             normals: KeptLevels::default(),
@@ -188,7 +190,7 @@ impl NodeWriter for LodSurfels {
         let ends = nodes.ends.iter();
         for (surfel, (&first, &end)) in out.iter_mut().zip(nodes.firsts.iter().zip(ends)) {
             let points = first as usize..end as usize;
-            *surfel = NodeSurfel::of(&self.points[points.clone()], &self.shapes[points]);
+            *surfel = NodeSurfel::of(&self.points[points.clone()], &self.shapes[points], self.are_ellipses);
         }
     }
 }

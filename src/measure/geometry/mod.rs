@@ -171,21 +171,21 @@ struct Ways<'a> {
 
 /// From where a way leads to where.
 #[derive(Clone, Copy)]
-enum Target {
+enum TargetPoint {
     Test(u32),
     Reference(u32),
 }
 
 impl Ways<'_> {
     /// `squared_error` of all ways.
-    fn distances(&self, squared_error: impl Fn(Target, DVec3) -> f64 + Sync) -> Distances {
+    fn distances(&self, squared_error: impl Fn(TargetPoint, DVec3) -> f64 + Sync) -> Distances {
         let [reference, test] = [self.reference, self.test];
         Distances {
             from_reference: one_way(reference, test, &self.from_reference, |target, way| {
-                squared_error(Target::Test(target), way)
+                squared_error(TargetPoint::Test(target), way)
             }),
             from_test: one_way(test, reference, &self.from_test, |target, way| {
-                squared_error(Target::Reference(target), way)
+                squared_error(TargetPoint::Reference(target), way)
             }),
         }
     }
@@ -195,8 +195,8 @@ impl Ways<'_> {
         let of_test = self.normals_of_test(&of_reference);
         self.distances(|target, way| {
             let normal = match target {
-                Target::Test(index) => of_test[index as usize],
-                Target::Reference(index) => of_reference[index as usize],
+                TargetPoint::Test(index) => of_test[index as usize],
+                TargetPoint::Reference(index) => of_reference[index as usize],
             };
             normal.map_or(way.length_squared(), |normal| way.dot(normal).powi(2))
         })

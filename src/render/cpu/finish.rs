@@ -3,7 +3,7 @@
 use super::deferred::{Surface, shade};
 use super::eight::Vectors;
 use super::pixels::{OPAQUE_ALPHA, opaque};
-use super::rows::Rows;
+use super::rows::TileRow;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, opaque_weight};
@@ -126,7 +126,7 @@ impl Tile {
         view: &PixelView,
         held: Held,
         gradient: &Gradient,
-        rows: &mut Rows<'_>,
+        rows: &mut TileRow<'_>,
     ) {
         let clip = self.rect().intersection(PixelRect::of_picture(view.size_px));
         let width_px = view.size_px[0] as usize;
@@ -135,18 +135,18 @@ impl Tile {
             let columns = width_px * row + columns.start..width_px * row + columns.end;
             let byte_columns = 4 * columns.start..4 * columns.end;
             match rows {
-                Rows::Bytes(bytes) => {
+                TileRow::Bytes(bytes) => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
                     self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
                 }
-                Rows::Unfinished { bytes, depths } => {
+                TileRow::Unfinished { bytes, depths } => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
                     self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
                     let depths = &mut depths[columns];
                     self.write_depths(row, held, depths);
                     self.write_opacities(row, held, depths, pixels);
                 }
-                Rows::Distances(distances) => {
+                TileRow::Distances(distances) => {
                     let distances = &mut distances[columns];
                     self.write_depths(row, held, distances);
                     for distance in distances {

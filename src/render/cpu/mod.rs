@@ -16,6 +16,7 @@ mod facet;
 mod finish;
 mod grid;
 mod linear;
+mod packed_ellipses;
 mod packed_normals;
 mod painter;
 mod pixels;
@@ -36,7 +37,7 @@ use crate::scene::{Content, ScenePacket};
 use blocks::Blocks;
 use image::RgbaImage;
 use primitives::{Drawable, of_surfaces};
-use rows::{Rows, bands_of};
+use rows::{TileRow, bands_of};
 use screen::Screen;
 use std::time::Instant;
 
@@ -77,7 +78,7 @@ impl CpuRenderer {
         let packet = of_surfaces(packet);
         let size_px = packet.viewport_px;
         let mut depth = vec![f32::INFINITY; size_px.map(|edge| edge as usize).iter().product()];
-        let bands = bands_of(&packet, &mut depth, 1).map(Rows::Distances);
+        let bands = bands_of(&packet, &mut depth, 1).map(TileRow::Distances);
         Drawable::of_surface(&packet).draw(&packet, blocks, bands.collect());
         Ok(DepthImage { size_px, depth })
     }
@@ -122,11 +123,12 @@ impl Renderer for CpuRenderer {
         let pixels = self.image.len() / 4;
         self.depths.resize(if screen.is_some() { pixels } else { 0 }, 0.0);
         let bytes = bands_of(packet, &mut self.image, 4);
-        let bands: Vec<Rows<'_>> = if screen.is_some() {
+        let bands: Vec<TileRow<'_>> = if screen.is_some() {
             let both = bytes.zip(bands_of(packet, &mut self.depths, 1));
-            both.map(|(bytes, depths)| Rows::Unfinished { bytes, depths }).collect()
+            both.map(|(bytes, depths)| TileRow::Unfinished { bytes, depths })
+                .collect()
         } else {
-            bytes.map(Rows::Bytes).collect()
+            bytes.map(TileRow::Bytes).collect()
         };
         let drawable = Drawable::of(packet);
         let drawn_records = drawable.draw(packet, blocks, bands);

@@ -1,7 +1,7 @@
 //! The loop over the tiles of a picture, the same for whatever is drawn into them.
 
 use super::finish::{Gradient, Held};
-use super::rows::Rows;
+use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::scene::ScenePacket;
@@ -36,7 +36,7 @@ impl Painter {
     }
 
     /// Draws every tile, and writes it to its place in its row of the picture.
-    pub(super) fn paint<T: InTiles>(&self, content: &T, bands: Vec<Rows<'_>>) {
+    pub(super) fn paint<T: InTiles>(&self, content: &T, bands: Vec<TileRow<'_>>) {
         let level = Level::new();
         bands.into_par_iter().enumerate().for_each_init(
             || (Tile::new(), T::Scratch::default()),
@@ -57,7 +57,7 @@ impl Painter {
         tile: &mut Tile,
         scratch: &mut T::Scratch,
         [column, row]: [usize; 2],
-        rows: &mut Rows<'_>,
+        rows: &mut TileRow<'_>,
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
         tile.begin(origin, self.held, &self.gradient);

@@ -4,7 +4,7 @@ use super::blocks::{Blocks, Placed, TileLists};
 use super::finish::Held;
 use super::painter::{InTiles, Painter};
 use super::raster;
-use super::rows::Rows;
+use super::rows::TileRow;
 use super::tile::Tile;
 use super::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, ScenePacket};
@@ -12,7 +12,7 @@ use fearless_simd::Simd;
 use std::ops::Range;
 
 /// The records of a primitive, and how they are drawn.
-pub(super) trait Records: Placed {
+pub(super) trait DrawnRecords: Placed {
     /// What a thread keeps from tile to tile.
     type Scratch: Default;
 
@@ -35,7 +35,12 @@ pub(super) trait Records: Placed {
 }
 
 /// Draws records in blocks; how many were handed to tiles.
-pub(super) fn draw<R: Records>(records: &R, blocks: &Blocks, packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
+pub(super) fn draw<R: DrawnRecords>(
+    records: &R,
+    blocks: &Blocks,
+    packet: &ScenePacket,
+    bands: Vec<TileRow<'_>>,
+) -> u64 {
     let held = records.held(packet);
     let painter = Painter::new(packet, held);
     let (scale, margin_px) = records.extent();
@@ -62,7 +67,7 @@ struct InBlocks<'a, R> {
     are_rays_measured: bool,
 }
 
-impl<R: Records> InTiles for InBlocks<'_, R> {
+impl<R: DrawnRecords> InTiles for InBlocks<'_, R> {
     type Scratch = R::Scratch;
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use super::tile::HEIGHT;
 use crate::scene::ScenePacket;
 
 /// A row of tiles of what is made of their pixels.
-pub(super) enum Rows<'a> {
+pub(super) enum TileRow<'a> {
     /// Of a picture, four bytes a pixel.
     Bytes(&'a mut [u8]),
     /// Of a picture that [`Screen`](super::screen::Screen) finishes: the fourth byte of a pixel is its opacity. And

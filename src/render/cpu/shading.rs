@@ -1,5 +1,6 @@
 //! The head light of `shaders/common/light.wgsl`.
 
+use crate::render::constants::HEAD_LIGHT_SHININESS;
 use crate::scene::Lighting;
 use glam::Vec3;
 
@@ -45,6 +46,9 @@ impl Light {
         }
     }
 }
+
+// The exponent of the multiplications below, and of those of `raster.rs`.
+const _: () = assert!(HEAD_LIGHT_SHININESS == 3 * 8);
 
 /// It shines from the eye, along a vector of any length.
 pub(super) fn head_light(normal: Vec3, from_eye: Vec3) -> [f32; 2] {

@@ -3,12 +3,25 @@
 use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL, LIGHTING_PER_VERTEX,
 };
+use crate::cloud::ELLIPSE_STEPS;
 use crate::render::constants::{
-    BACK_SIDE, COARSE_LINES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR, MASK_FALLOFF,
-    NARROWEST_CELL_PX, NEAREST_GREY, USUAL_LINES, WIDEST_CELL_PX,
+    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT,
+    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT,
+    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
 use crate::scene::{EyeDomeLight, Lights, MOST_LAMPS as MOST_LAMPS_COUNT};
 use std::fmt::Debug;
+
+/// Bind groups: the view is that of every pass.
+pub(super) const VIEW_GROUP: u32 = 0;
+/// Of a pass over the screen: the texture that it reads.
+pub(super) const SOURCE_GROUP: u32 = 1;
+/// Of a pass over records: points or voxels, or the corners that the strategy `compute` has made of them.
+pub(super) const STREAM_GROUP: u32 = 1;
+/// Of a pass over records: the stream of shapes.
+pub(super) const SHAPE_GROUP: u32 = STREAM_GROUP + 1;
+/// What the compute stage writes.
+pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 
 /// Records that the strategy `compute` hands to a workgroup.
 pub(super) const GROUP_RECORDS: u32 = 256;
@@ -42,10 +55,13 @@ pub(super) fn shared() -> String {
         BACK_SIDE,
         BATCH_RECORDS,
         COARSE_LINES,
+        CUBE_REACH_HALF_EDGES,
+        ELLIPSE_STEPS,
         FARTHEST_GREY,
         FINE_LINES,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
+        HEAD_LIGHT_SHININESS,
         HEAD_LIGHT_SPECULAR,
         INDICES_PER_QUAD,
         LIGHTING_PER_FRAGMENT,
@@ -56,9 +72,17 @@ pub(super) fn shared() -> String {
         MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
+        OPAQUE_WEIGHT,
+        OUTPUT_GROUP,
+        SHAPE_GROUP,
+        SOURCE_GROUP,
+        SQUARE_REACH_RADII,
+        STREAM_GROUP,
+        UPRIGHT_NORMAL_Y,
         SHININESS,
         USUAL_LINES,
         VERTICES_PER_QUAD,
+        VIEW_GROUP,
         WIDEST_CELL_PX,
     ]
 }

@@ -19,6 +19,7 @@ mod residency;
 pub mod shaders;
 mod targets;
 mod timer;
+mod wgsl;
 
 pub use context::{Context, ContextOptions};
 pub(crate) use presence::may_have_gpu;

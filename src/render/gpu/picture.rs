@@ -1,5 +1,6 @@
 //! Records the passes of one picture.
 
+use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass, Target};
@@ -63,7 +64,7 @@ impl Recorder<'_> {
         self.stats.passes += 1;
         if let Some(pipeline) = plan.background.and_then(|pass| self.pipelines.screen(pass)) {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, self.view_group, &[0]);
+            pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
             pass.draw(0..3, 0..1);
             self.stats.draw_calls += 1;
         }
@@ -93,7 +94,7 @@ impl Recorder<'_> {
             && let Some(pipeline) = self.pipelines.geometry(key)
         {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, view.bind_group, &[view.offset]);
+            pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
             pass.set_index_buffer(draw.quad_indices.slice(..), wgpu::IndexFormat::Uint32);
             self.stats.draw_calls += instancing.draw(&mut pass, draw);
             self.stats.drawn_instances += draw.record_count();
@@ -117,9 +118,9 @@ impl Recorder<'_> {
         let mut pass = begin(self.encoder, screen.name, color, depth);
         self.stats.passes += 1;
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, self.view_group, &[0]);
+        pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
         if let Some(source) = &source {
-            pass.set_bind_group(1, source, &[]);
+            pass.set_bind_group(SOURCE_GROUP, source, &[]);
         }
         pass.draw(0..3, 0..1);
         self.stats.draw_calls += 1;

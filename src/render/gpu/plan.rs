@@ -9,7 +9,7 @@ use super::gpu_data::ViewUniform;
 use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
 use super::passes::{GeometryKey, ScreenPass, Target};
 use super::primitives::{self, Drawable};
-use super::residency::{Records, StreamKey};
+use super::residency::{RecordSource, StreamKey};
 use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
 
 /// What a packet asks for.
@@ -61,7 +61,7 @@ impl<'a> Plan<'a> {
     /// The streams that are drawn.
     pub(super) fn stream_keys(&self) -> Vec<StreamKey> {
         let streams = self.drawable.streams.iter();
-        streams.map(Records::key).collect()
+        streams.map(RecordSource::key).collect()
     }
 
     pub(super) fn geometry_keys(&self) -> impl Iterator<Item = GeometryKey> {

@@ -11,7 +11,7 @@ use super::residency::Residency;
 use super::targets::Targets;
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::ScenePacket;
+use crate::scene::{ScenePacket, Strategy, Style};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -23,6 +23,7 @@ pub const DEFAULT_RESIDENT_BUDGET_BYTES: u64 = 1 << 30;
 pub struct GpuRenderer {
     context: Arc<Context>,
     pipelines: Pipelines,
+    strategy: Strategy,
     instancing: Box<dyn Instancing>,
     residency: Residency,
     targets: Option<Targets>,
@@ -63,9 +64,10 @@ impl GpuRenderer {
                 }),
             }],
         });
-        let strategy = crate::scene::Style::default().drawing.strategy;
+        let strategy = Style::default().drawing.strategy;
         Ok(Self {
-            instancing: instancing::new(strategy, &context, &pipelines.view_layout),
+            strategy,
+            instancing: (instancing::row(strategy).open)(&context, &pipelines.view_layout),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             targets: None,
             quad_indices: quad_index_buffer(&context, 1),
@@ -249,13 +251,11 @@ impl Renderer for GpuRenderer {
         let start = Instant::now();
         self.prepared = None;
         self.ensure_targets(packet.viewport_px)?;
-        if self.instancing.strategy() != packet.style.drawing.strategy {
+        let strategy = packet.style.drawing.strategy;
+        if self.strategy != strategy {
             self.residency.clear();
-            self.instancing = instancing::new(
-                packet.style.drawing.strategy,
-                &self.context,
-                &self.pipelines.view_layout,
-            );
+            self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
+            self.strategy = strategy;
         }
         let plan = Plan::new(packet);
         self.ensure_streams(&plan)?;

@@ -39,13 +39,13 @@ impl StreamKey {
 
 /// Records that are to be drawn.
 #[derive(Debug)]
-pub(super) struct Records<'a> {
+pub(super) struct RecordSource<'a> {
     key: StreamKey,
     bytes: &'a [u8],
     owner: Weak<dyn Any + Send + Sync>,
 }
 
-impl<'a> Records<'a> {
+impl<'a> RecordSource<'a> {
     pub(super) fn of<T: NoUninit + Send + Sync>(records: &'a Arc<Vec<T>>) -> Self {
         let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
         Self {
@@ -77,7 +77,7 @@ impl Residency {
     }
 
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
-    pub(super) fn ensure(&mut self, records: &Records<'_>, upload: impl FnOnce(&[u8]) -> Stream) -> u64 {
+    pub(super) fn ensure(&mut self, records: &RecordSource<'_>, upload: impl FnOnce(&[u8]) -> Stream) -> u64 {
         self.clock += 1;
         let key = records.key.0;
         if let Some(resident) = self.streams.get_mut(&key) {
@@ -150,10 +150,10 @@ mod tests {
     fn the_same_cloud_is_uploaded_once() {
         let mut residency = Residency::new(100);
         let cloud = Arc::new(vec![0u8; 40]);
-        assert_eq!(residency.ensure(&Records::of(&cloud), stream_of), 40);
-        assert_eq!(residency.ensure(&Records::of(&Arc::clone(&cloud)), stream_of), 0);
+        assert_eq!(residency.ensure(&RecordSource::of(&cloud), stream_of), 40);
+        assert_eq!(residency.ensure(&RecordSource::of(&Arc::clone(&cloud)), stream_of), 0);
         assert_eq!(
-            residency.ensure(&Records::of(&Arc::new(vec![0u8; 40])), stream_of),
+            residency.ensure(&RecordSource::of(&Arc::new(vec![0u8; 40])), stream_of),
             40,
             "equal content, another cloud"
         );
@@ -164,9 +164,9 @@ mod tests {
         let mut residency = Residency::new(100);
         let mut clouds: Vec<_> = (0..4).map(|_| Arc::new(vec![0u8; 40])).collect();
         for cloud in &clouds[..3] {
-            residency.ensure(&Records::of(cloud), stream_of);
+            residency.ensure(&RecordSource::of(cloud), stream_of);
         }
-        residency.ensure(&Records::of(&clouds[0]), stream_of);
+        residency.ensure(&RecordSource::of(&clouds[0]), stream_of);
         residency.trim(&[StreamKey::of(&clouds[1])]);
         assert_eq!(residency.resident_bytes(), 80);
         assert!(
@@ -174,7 +174,7 @@ mod tests {
             "drawn least recently"
         );
 
-        residency.ensure(&Records::of(&clouds[3]), stream_of);
+        residency.ensure(&RecordSource::of(&clouds[3]), stream_of);
         let kept = [StreamKey::of(&clouds[1])];
         clouds = vec![Arc::clone(&clouds[1])];
         residency.trim(&kept);
@@ -186,7 +186,7 @@ mod tests {
     fn what_is_being_drawn_stays_whatever_the_budget() {
         let mut residency = Residency::new(10);
         let cloud = Arc::new(vec![0u8; 40]);
-        residency.ensure(&Records::of(&cloud), stream_of);
+        residency.ensure(&RecordSource::of(&cloud), stream_of);
         residency.trim(&[StreamKey::of(&cloud)]);
         assert!(residency.get(StreamKey::of(&cloud)).is_some());
     }

@@ -20,7 +20,7 @@ use crate::scene::Lighting;
 use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
-use rays::{Samples, TILE_PX, Visible};
+use rays::{SampleGrid, TILE_PX, Visible};
 
 /// Samples along each edge of a pixel.
 const SAMPLES_PER_EDGE: u32 = 8;
@@ -41,11 +41,11 @@ pub struct Truth {
 #[derive(Debug, Clone, Copy)]
 pub struct TruthKey<'a> {
     view: &'a TruthView,
-    of: Subject<'a>,
+    of: TruthSubject<'a>,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Subject<'a> {
+enum TruthSubject<'a> {
     Disks(Disks<'a>),
     Shape(RayTraced, f64),
 }
@@ -55,7 +55,7 @@ impl<'a> TruthKey<'a> {
     pub fn of_disks(disks: Disks<'a>, view: &'a TruthView) -> Self {
         Self {
             view,
-            of: Subject::Disks(disks),
+            of: TruthSubject::Disks(disks),
         }
     }
 
@@ -63,7 +63,7 @@ impl<'a> TruthKey<'a> {
     pub fn of_shape(shape: RayTraced, view: &'a TruthView, tolerance: f64) -> Self {
         Self {
             view,
-            of: Subject::Shape(shape, tolerance),
+            of: TruthSubject::Shape(shape, tolerance),
         }
     }
 
@@ -93,12 +93,12 @@ impl<'a> TruthKey<'a> {
         take(&background.top);
         take(&background.bottom);
         match self.of {
-            Subject::Disks(disks) => {
+            TruthSubject::Disks(disks) => {
                 take(&[u8::from(disks.cull_back_faces)]);
                 take(bytemuck::cast_slice(disks.points));
                 take(bytemuck::cast_slice(disks.shapes));
             }
-            Subject::Shape(shape, tolerance) => {
+            TruthSubject::Shape(shape, tolerance) => {
                 take(&[u8::from(shape.cull_back_faces)]);
                 take(shape.shape.name().as_bytes());
                 take(&tolerance.to_le_bytes());
@@ -133,7 +133,7 @@ impl Truth {
             .for_each(|(((band, pixels), depths), tolerances)| {
                 let rows_px = TILE_PX * band..(TILE_PX * (band + 1)).min(height);
                 for left in (0..width).step_by(TILE_PX as usize) {
-                    let tile = |per_edge: u32| Samples {
+                    let tile = |per_edge: u32| SampleGrid {
                         columns_px: left..(left + TILE_PX).min(width),
                         rows_px: rows_px.clone(),
                         per_edge,
@@ -171,7 +171,7 @@ impl Truth {
 fn mean_colors(
     visible: &impl Visible,
     view: &TruthView,
-    samples: &Samples,
+    samples: &SampleGrid,
 ) -> impl Iterator<Item = ([usize; 2], DVec3)> {
     let [columns, _] = samples.size();
     let per_edge = samples.per_edge as usize;

@@ -1,6 +1,6 @@
 //! What truths are made of: rays of a view, and what they meet.
 
-use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
+use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::scene::{Background, Camera, Lighting};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -35,11 +35,11 @@ pub(super) struct Hit {
 /// What rays may meet.
 pub(super) trait Visible: Sync {
     /// What the rays of `samples` meet, row by row.
-    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>>;
+    fn meet(&self, view: &TruthView, samples: &SampleGrid) -> Vec<Option<Hit>>;
 }
 
 /// The samples of a rectangle of pixels: `per_edge` along each edge of each pixel, in the middles of equal squares.
-pub(super) struct Samples {
+pub(super) struct SampleGrid {
     pub(super) columns_px: Range<u32>,
     pub(super) rows_px: Range<u32>,
     /// Along each edge of a pixel.
@@ -81,7 +81,7 @@ impl TruthView {
         }
         let [ambient, specular] = [HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR].map(f64::from);
         let facing = normal.dot(ray.normalize()).abs();
-        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(24);
+        let lit = color * (ambient + (1.0 - ambient) * facing) + specular * facing.powi(HEAD_LIGHT_SHININESS as i32);
         lit.min(DVec3::ONE)
     }
 
@@ -92,7 +92,7 @@ impl TruthView {
     }
 }
 
-impl Samples {
+impl SampleGrid {
     pub(super) fn size(&self) -> [usize; 2] {
         [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
     }

@@ -3,7 +3,7 @@
 //! How it works: sphere, cube and saddle are solved in closed form. Along the torus a ray proceeds by its distance to
 //! it, which never passes the surface (sphere tracing, Hart 1996), until the step is lost in rounding.
 
-use super::rays::{Hit, Samples, TruthView, Visible, unit_color};
+use super::rays::{Hit, SampleGrid, TruthView, Visible, unit_color};
 use crate::sequence::Shape;
 use glam::{DVec2, DVec3};
 
@@ -23,7 +23,7 @@ pub(super) struct Traced {
 }
 
 impl Visible for Traced {
-    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>> {
+    fn meet(&self, view: &TruthView, samples: &SampleGrid) -> Vec<Option<Hit>> {
         let [columns, rows] = samples.size();
         let frame_from_view = view.view_from_frame.transpose();
         let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));

@@ -8,7 +8,7 @@
 //! Disks are as large as they are: beside a ray-traced sphere and torus, enlarged ones (as the second pass of splatting
 //! has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
 
-use super::rays::{Hit, Samples, TILE_PX, TruthView, Visible, unit_color};
+use super::rays::{Hit, SampleGrid, TILE_PX, TruthView, Visible, unit_color};
 use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
 use crate::render::constants::{DEPTH_SLACK_RADII, MASK_FALLOFF};
 use glam::DVec3;
@@ -138,7 +138,7 @@ struct Sum {
 }
 
 impl Visible for SeenDisks {
-    fn meet(&self, view: &TruthView, samples: &Samples) -> Vec<Option<Hit>> {
+    fn meet(&self, view: &TruthView, samples: &SampleGrid) -> Vec<Option<Hit>> {
         let [columns, rows] = samples.size();
         let nothing = Sum {
             depth: f64::INFINITY,
@@ -182,7 +182,7 @@ impl SeenDisks {
     fn for_each_meeting(
         &self,
         view: &TruthView,
-        samples: &Samples,
+        samples: &SampleGrid,
         mut then: impl FnMut(usize, &Disk, DVec3, [f64; 2]),
     ) {
         let columns = samples.size()[0];
@@ -205,7 +205,7 @@ impl SeenDisks {
 
 impl Disk {
     /// The columns and rows of the samples that it may cover.
-    fn samples(&self, samples: &Samples) -> [std::ops::Range<usize>; 2] {
+    fn samples(&self, samples: &SampleGrid) -> [std::ops::Range<usize>; 2] {
         let starts = [samples.columns_px.start, samples.rows_px.start];
         let sizes = samples.size();
         [0, 1].map(|axis| {

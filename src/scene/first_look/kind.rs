@@ -4,7 +4,7 @@
 //! scanner stands among its points, all around, and they are the farther apart the farther away they are. Where no file
 //! says where the sensor stood, the zero of its coordinates is tried: sensors write their own.
 
-use super::sample::{Sample, quantile};
+use super::sample::{CloudSample, quantile};
 use super::trim;
 use crate::scene::UpAxis;
 use glam::{Vec3, Vec3Swizzles as _};
@@ -12,7 +12,7 @@ use glam::{Vec3, Vec3Swizzles as _};
 /// What is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum CaptureKind {
     /// Something to walk around.
     Object,
     /// What a camera at one place saw.
@@ -23,7 +23,7 @@ pub enum Kind {
     Terrain,
 }
 
-impl Kind {
+impl CaptureKind {
     /// For people.
     pub fn name(self) -> &'static str {
         match self {
@@ -62,7 +62,7 @@ const CAMERAS: [CameraAxes; 3] = [
 ];
 
 /// The up axis of the camera at `eye` before which all points lie, with the reason.
-pub(super) fn camera_frame(sample: &Sample, eye: Vec3) -> Option<(UpAxis, &'static str)> {
+pub(super) fn camera_frame(sample: &CloudSample, eye: Vec3) -> Option<(UpAxis, &'static str)> {
     let is_before = |camera: &&CameraAxes| {
         let seen: Vec<Vec3> = sample
             .positions
@@ -116,7 +116,7 @@ pub(super) struct Around {
 }
 
 /// Statistics of the points if they are a sweep around a scanner at `eye`.
-pub(super) fn sweep(sample: &Sample, eye: Vec3) -> Option<Around> {
+pub(super) fn sweep(sample: &CloudSample, eye: Vec3) -> Option<Around> {
     /// So many times as far apart are the points of the far fifth as those of the near fifth.
     const LEAST_GROWTH: f32 = 2.5;
     const SECTORS: usize = 36;

@@ -1,8 +1,8 @@
 //! What to make of a sequence that nobody has chosen anything for: what it is, which way is up, where to stand, how to
 //! draw it.
 //!
-//! **How it works.** A few thousand points of some frames stand for the sequence ([`Sample`]). Outliers are left out
-//! (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
+//! **How it works.** A few thousand points of some frames stand for the sequence ([`CloudSample`]). Outliers are left
+//! out (`trim.rs`), the way the points lie around the sensor tells what was scanned (`kind.rs`), the format or the way
 //! things stand tells what is up (`up.rs`), and where most is seen is where to stand (`standpoint.rs`). Every guess
 //! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
 //! size, and the same frames give the same answer.
@@ -15,7 +15,7 @@ mod tests;
 mod trim;
 mod up;
 
-pub use kind::Kind;
+pub use kind::CaptureKind;
 pub use standpoint::Standpoint;
 
 use super::{Camera, Primitive, UpAxis};
@@ -25,7 +25,7 @@ use crate::progress::Progress;
 use crate::sequence::{Detail, Sequence};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use sample::{MOST_POINTS, Sample, median_luma, quantile};
+use sample::{CloudSample, MOST_POINTS, median_luma, quantile};
 
 /// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of
 /// ground, of which plants and gaps are a part.
@@ -43,7 +43,7 @@ const DARK_LUMA: f32 = 45.0;
 #[derive(Debug, Clone)]
 pub struct FirstLook {
     /// What is looked at.
-    pub kind: Kind,
+    pub kind: CaptureKind,
     /// Which axis is up.
     pub up: UpAxis,
     /// Why it is.
@@ -71,7 +71,7 @@ pub struct FirstLook {
     /// The box around all points of these frames.
     pub full: Aabb,
     /// Of the first frame, without outliers.
-    sample: Sample,
+    sample: CloudSample,
     /// Places that the first picture is to show, of all frames that were looked at.
     shown: Vec<Vec3>,
     eye: Option<Vec3>,
@@ -82,10 +82,10 @@ impl FirstLook {
     /// it is.
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
         let samples = frames.iter().filter(|frame| !frame.is_empty()).map(|frame| {
-            let all = Sample::of(frame, MOST_POINTS);
+            let all = CloudSample::of(frame, MOST_POINTS);
             (*frame, all.at(&trim::inliers(&all)))
         });
-        let samples: Vec<(&Frame, Sample)> = samples.collect();
+        let samples: Vec<(&Frame, CloudSample)> = samples.collect();
         let zero = (-origin).as_vec3();
         let luma = samples.first().and_then(|(frame, _)| median_luma(frame));
         let (convention, sensor) = samples
@@ -100,20 +100,20 @@ impl FirstLook {
         let mut shown = Vec::new();
         for (_, sample) in samples {
             match told.kind {
-                Kind::Sweep => shown.extend(near(&sample.positions, told.eye.unwrap_or(zero), up)),
+                CaptureKind::Sweep => shown.extend(near(&sample.positions, told.eye.unwrap_or(zero), up)),
                 _ => shown.extend(sample.positions),
             }
         }
         let trimmed = Aabb::from_points(&shown);
         let least_share = match told.kind {
-            Kind::Terrain => GROUND_SHARE,
+            CaptureKind::Terrain => GROUND_SHARE,
             _ => SURFACE_SHARE,
         };
         let spacing_spread = sample.spread();
         let has_surface = sample.planar_share >= least_share
             && spacing_spread <= MOST_SPREAD
             && !is_needle(&trimmed)
-            && (told.kind != Kind::Sweep || is_dense(&sample, told.eye.unwrap_or(zero)));
+            && (told.kind != CaptureKind::Sweep || is_dense(&sample, told.eye.unwrap_or(zero)));
         let from = standpoint::standpoint(told.kind, up, &sample, &trimmed, told.eye);
         Self {
             kind: told.kind,
@@ -175,7 +175,7 @@ impl FirstLook {
 
     /// Whether height tells more than the direction of normals: where the ground is what was scanned.
     pub fn prefers_height(&self) -> bool {
-        matches!(self.kind, Kind::Sweep | Kind::Terrain)
+        matches!(self.kind, CaptureKind::Sweep | CaptureKind::Terrain)
     }
 
     /// Where the sensor stood, if a file or the points say so; relative to the origin.
@@ -217,13 +217,13 @@ impl FirstLook {
 
 /// What the points and the file tell.
 struct Told {
-    kind: Kind,
+    kind: CaptureKind,
     up: (UpAxis, &'static str),
     eye: Option<Vec3>,
 }
 
 impl Told {
-    fn by(sample: &Sample, convention: Option<AxisConvention>, sensor: Option<Vec3>, zero: Vec3) -> Self {
+    fn by(sample: &CloudSample, convention: Option<AxisConvention>, sensor: Option<Vec3>, zero: Vec3) -> Self {
         let bounds = trim::bounds(sample);
         let eye = sensor.unwrap_or(zero);
         let by_format = convention.map(by_convention);
@@ -232,14 +232,14 @@ impl Told {
             && sure.is_none_or(|sure| sure.0 == camera.0)
         {
             return Self {
-                kind: Kind::CameraFrame,
+                kind: CaptureKind::CameraFrame,
                 up: camera,
                 eye: Some(eye),
             };
         }
         if let Some(around) = kind::sweep(sample, eye) {
             return Self {
-                kind: Kind::Sweep,
+                kind: CaptureKind::Sweep,
                 up: sure.unwrap_or_else(|| up_of_sweep(&around, by_format)),
                 eye: Some(eye),
             };
@@ -256,7 +256,11 @@ impl Told {
             && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
         let is_terrain = guess.0 == UpAxis::Z && (is_flat || is_survey);
         Self {
-            kind: if is_terrain { Kind::Terrain } else { Kind::Object },
+            kind: if is_terrain {
+                CaptureKind::Terrain
+            } else {
+                CaptureKind::Object
+            },
             up: guess,
             eye: sensor.filter(|&eye| is_outside(&bounds, eye)),
         }
@@ -286,7 +290,7 @@ fn is_needle(bounds: &Aabb) -> bool {
 }
 
 /// Whether the file has normals, but for a few.
-fn has_normals(sample: &Sample) -> bool {
+fn has_normals(sample: &CloudSample) -> bool {
     let without = sample.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
     !sample.normals.is_empty() && 20 * without <= sample.normals.len()
 }
@@ -307,7 +311,7 @@ fn by_convention(convention: AxisConvention) -> (UpAxis, &'static str) {
 /// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn
 /// once for a survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines
 /// with nothing between.
-fn is_dense(sample: &Sample, eye: Vec3) -> bool {
+fn is_dense(sample: &CloudSample, eye: Vec3) -> bool {
     const DENSE: f32 = 0.003;
     let places = sample.positions.iter().zip(&sample.spacing);
     let mut angles: Vec<f32> = places

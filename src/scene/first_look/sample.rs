@@ -25,7 +25,7 @@ const NEIGHBOURS: usize = 12;
 
 /// Points of a frame, taken evenly, and the distance from each to its surroundings.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Sample {
+pub(super) struct CloudSample {
     /// Relative to the sequence origin.
     pub(super) positions: Vec<Vec3>,
     /// Of the file, zero where it gave none; empty if it has none at all.
@@ -36,7 +36,7 @@ pub(super) struct Sample {
     pub(super) planar_share: f32,
 }
 
-impl Sample {
+impl CloudSample {
     /// At most `most_points` of a frame.
     pub(super) fn of(frame: &Frame, most_points: usize) -> Self {
         let positions = frame.positions();

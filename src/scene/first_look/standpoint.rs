@@ -4,8 +4,8 @@
 //! coarse picture of the sample: how much of it is covered, and how much of that is surface that faces the view. The
 //! usual view, from the front a little to the right and above, is left only for one that shows clearly more.
 
-use super::kind::Kind;
-use super::sample::Sample;
+use super::kind::CaptureKind;
+use super::sample::CloudSample;
 use crate::math::Aabb;
 use crate::scene::{Camera, UpAxis};
 use glam::{DVec3, Vec3};
@@ -38,7 +38,13 @@ const AZIMUTHS_DEG: [f64; 11] = [
 const CLEARLY_MORE: f32 = 1.25;
 
 /// Where to stand for the first picture. `eye` is the place of the sensor, if that is known or told by what it saw.
-pub(super) fn standpoint(kind: Kind, up: UpAxis, sample: &Sample, bounds: &Aabb, eye: Option<Vec3>) -> Standpoint {
+pub(super) fn standpoint(
+    kind: CaptureKind,
+    up: UpAxis,
+    sample: &CloudSample,
+    bounds: &Aabb,
+    eye: Option<Vec3>,
+) -> Standpoint {
     let seen_from = |why| {
         let toward = (eye? - bounds.center()).as_dvec3();
         let toward = toward.try_normalize()?;
@@ -50,15 +56,15 @@ pub(super) fn standpoint(kind: Kind, up: UpAxis, sample: &Sample, bounds: &Aabb,
         })
     };
     match kind {
-        Kind::Sweep => Standpoint {
+        CaptureKind::Sweep => Standpoint {
             azimuth_deg: behind(up),
             elevation_deg: SWEEP_ELEVATION_DEG,
             why: "from behind and above the scanner, which looks along +X",
         },
-        Kind::CameraFrame => seen_from("from the side of the camera").unwrap_or(USUAL),
-        Kind::Object => seen_from("from the side of the sensor")
+        CaptureKind::CameraFrame => seen_from("from the side of the camera").unwrap_or(USUAL),
+        CaptureKind::Object => seen_from("from the side of the sensor")
             .unwrap_or_else(|| most_surface(up, sample, bounds, USUAL.elevation_deg)),
-        Kind::Terrain => Standpoint {
+        CaptureKind::Terrain => Standpoint {
             why: "from above",
             ..most_surface(up, sample, bounds, TERRAIN_ELEVATION_DEG)
         },
@@ -73,7 +79,7 @@ fn behind(up: UpAxis) -> f64 {
     }
 }
 
-fn most_surface(up: UpAxis, sample: &Sample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
+fn most_surface(up: UpAxis, sample: &CloudSample, bounds: &Aabb, elevation_deg: f64) -> Standpoint {
     let usual = Standpoint { elevation_deg, ..USUAL };
     let shown = |azimuth_deg| {
         let mut camera = Camera::framing(bounds, DVec3::ZERO, up);
@@ -107,7 +113,7 @@ struct CoarsePicture {
 }
 
 impl CoarsePicture {
-    fn of(sample: &Sample, bounds: &Aabb, camera: &Camera) -> Self {
+    fn of(sample: &CloudSample, bounds: &Aabb, camera: &Camera) -> Self {
         let rotation = camera.view_from_world_rotation().as_mat3();
         let scale = CELLS as f32 * 0.5 / bounds.radius().max(f32::MIN_POSITIVE);
         let mut nearest = vec![(f32::NEG_INFINITY, None); CELLS * CELLS];
@@ -138,7 +144,7 @@ impl CoarsePicture {
 
 /// Whether nothing would be missing from any side if surfaces that face away were not drawn: each view shows fronts
 /// alone. False without normals.
-pub(super) fn is_closed(sample: &Sample, bounds: &Aabb) -> bool {
+pub(super) fn is_closed(sample: &CloudSample, bounds: &Aabb) -> bool {
     /// Points near an outline face away a little although what they stand for does not.
     const CLEARLY_AWAY: f32 = -0.3;
     const MOST_BACKS: f32 = 0.01;

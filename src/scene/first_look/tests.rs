@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
-use crate::scene::{Backdrop, Background, Projection, Style};
+use crate::scene::{Background, Projection, Style};
 use glam::UVec2;
 use proptest::prelude::*;
 
@@ -94,7 +94,7 @@ fn poses_that_walk_are_all_in_the_first_picture() {
     let frames = [at(-4.0), at(0.0), at(6.0)];
     let look = FirstLook::of(&frames.iter().collect::<Vec<_>>(), DVec3::ZERO);
     assert!(look.trimmed.min.x < -4.2 && look.trimmed.max.x > 6.2);
-    assert_eq!((look.up, look.kind), (UpAxis::Y, Kind::Object));
+    assert_eq!((look.up, look.kind), (UpAxis::Y, CaptureKind::Object));
 }
 
 #[test]
@@ -102,18 +102,12 @@ fn dark_scans_have_a_brighter_background() {
     let look = |level: u8| {
         let points = (0..3_000).map(|i| [i as f32 % 50.0, i as f32 / 50.0, 0.0]);
         let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
-        raw.colors = Some(vec![[level, level, level, 255]; 3_000]);
+        raw.attributes.colors = Some(vec![[level, level, level, 255]; 3_000]);
         FirstLook::of(&[&Frame::from_raw(raw, DVec3::ZERO).unwrap()], DVec3::ZERO)
     };
     let chosen = Background::solid([1, 2, 3]);
     let drawn = |background, level| {
-        let style = Style {
-            backdrop: Backdrop {
-                background,
-                ..Backdrop::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.backdrop.background = background);
         style.resolved(&look(level)).backdrop.background
     };
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);

@@ -4,7 +4,7 @@
 //! points, one in twenty at most, are left out; what is dense stays, however thin or far away it is, so that an
 //! antenna, a second object or the end of a line is never cut off.
 
-use super::sample::Sample;
+use super::sample::CloudSample;
 use crate::math::Aabb;
 
 /// At most this share of the points is left out.
@@ -13,7 +13,7 @@ const MOST_OUTLIERS: f64 = 0.05;
 const ISOLATED_SPACINGS: f32 = 8.0;
 
 /// Indices of the points that are no outliers, ascending.
-pub(super) fn inliers(sample: &Sample) -> Vec<usize> {
+pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let isolated_from = ISOLATED_SPACINGS * sample.median_spacing();
     let is_isolated = |&index: &usize| sample.spacing[index] > isolated_from;
     let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
@@ -25,6 +25,6 @@ pub(super) fn inliers(sample: &Sample) -> Vec<usize> {
 }
 
 /// The box around points of a sample.
-pub(super) fn bounds(sample: &Sample) -> Aabb {
+pub(super) fn bounds(sample: &CloudSample) -> Aabb {
     Aabb::from_points(&sample.positions)
 }

@@ -1,6 +1,6 @@
 //! Which axis is up, where neither the format nor the sensor says so: from how things stand.
 
-use super::sample::{Sample, quantile};
+use super::sample::{CloudSample, quantile};
 use super::trim;
 use crate::math::Aabb;
 use crate::scene::UpAxis;
@@ -22,7 +22,7 @@ pub(super) fn along(axis: usize, is_positive: bool) -> UpAxis {
 }
 
 /// The up axis told by the points alone; `zero` is where the zero of the file is.
-pub(super) fn of_standing(sample: &Sample, zero: Vec3) -> Option<Guess> {
+pub(super) fn of_standing(sample: &CloudSample, zero: Vec3) -> Option<Guess> {
     let bounds = trim::bounds(sample);
     on_zero(&bounds, zero).or_else(|| on_base(sample, &bounds))
 }
@@ -56,7 +56,7 @@ fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Guess> {
 }
 
 /// Things stand on what is broad and flat: of one of the six sides a large share lies in one plane.
-fn on_base(sample: &Sample, bounds: &Aabb) -> Option<Guess> {
+fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Guess> {
     /// Share of the footprint that a base covers: along Y and Z, and along the axes that are hardly ever up.
     const BASE: [f32; 2] = [0.15, 0.35];
     /// A base covers so many times what the side above it does.
@@ -82,7 +82,7 @@ fn on_base(sample: &Sample, bounds: &Aabb) -> Option<Guess> {
 const GRID: usize = 32;
 
 /// The share of the footprint along `axis` that lies at the low or the high end.
-fn contact(sample: &Sample, bounds: &Aabb, axis: usize, is_low: bool) -> f32 {
+fn contact(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> f32 {
     const THICKNESS: f32 = 0.03;
     let extent = bounds.extent();
     if extent[axis] < 0.2 * extent.max_element() {

@@ -1,8 +1,8 @@
 //! What is under a pixel, found by a look at every record with formulas of its own.
 
 use super::tests::SIZE;
-use crate::cloud::oct_decode;
-use crate::scene::{PointShape, ScenePacket};
+use crate::cloud::{decode_ellipse, oct_decode};
+use crate::scene::{PointShape, Primitive, ScenePacket};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
@@ -77,7 +77,14 @@ impl Oracle<'_> {
                 continue;
             }
             let radius = f64::from(shape.radius) * f64::from(style.surfels.splat_scale);
-            let (u, v) = normal.any_orthonormal_pair();
+            let [u, v] = if style.primitive == Primitive::Ellipse && shape.ellipse != 0 {
+                let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+                let (axis, ratio) = (ellipse.axis.as_dvec3(), f64::from(ellipse.ratio));
+                let longer = (2.0 / (1.0 + ratio * ratio)).sqrt();
+                [axis * longer, normal.cross(axis) * ratio * longer]
+            } else {
+                normal.any_orthonormal_pair().into()
+            };
             if let Some([depth, a, b]) = self.plane(offset, u * radius, v * radius)
                 && a * a + b * b <= 1.0
             {

@@ -1,9 +1,12 @@
 //! The records of packets as a ray meets them: by the rules of the renderers.
 
 use super::ray::{Drawn, Met, Ray};
-use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
-use crate::scene::{PointShape, PointStyle, Style, Surfels, Voxels};
+use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
+use crate::scene::{PointShape, PointStyle, Primitive, Style, Surfels, Voxels};
 use glam::{DVec3, Vec3};
+
+/// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
+const LONGEST_HALF_AXIS: f64 = std::f64::consts::SQRT_2;
 
 /// Points as squares or disks of pixels.
 pub(super) struct Sprites<'a> {
@@ -59,11 +62,12 @@ impl Drawn for Sprites<'_> {
     }
 }
 
-/// Surfels as the disks whose depths decide what is seen.
+/// Surfels as the disks or ellipses whose depths decide what is seen.
 pub(super) struct Disks<'a> {
     points: &'a [PointRecord],
     shapes: &'a [ShapeRecord],
     scale: f64,
+    are_ellipses: bool,
     cull_back_faces: bool,
 }
 
@@ -74,12 +78,31 @@ impl<'a> Disks<'a> {
             points: &surfels.points,
             shapes: &surfels.shapes,
             scale: f64::from(style.surfels.splat_scale) * f64::from(visibility),
+            are_ellipses: style.primitive == Primitive::Ellipse,
             cull_back_faces: style.culls_back_faces(),
         }
     }
 
     fn normal(&self, record: usize) -> DVec3 {
         oct_decode(self.shapes[record].normal).as_dvec3()
+    }
+
+    fn radius(&self, record: usize) -> f64 {
+        self.scale * f64::from(self.shapes[record].radius)
+    }
+
+    /// How far a place on the plane of a surfel is from its middle, as a share of how far its rim is there.
+    fn share_of_rim(&self, record: usize, offset: DVec3) -> f64 {
+        let radius = self.radius(record);
+        let ShapeRecord { normal, ellipse, .. } = self.shapes[record];
+        if !self.are_ellipses || ellipse == 0 {
+            return offset.length() / radius;
+        }
+        let ellipse = decode_ellipse(normal, ellipse);
+        let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(radius as f32).map(f64::from);
+        let along = ellipse.axis.as_dvec3().dot(offset);
+        let across = (offset.length_squared() - along * along).max(0.0).sqrt();
+        (along / longer).hypot(across / shorter)
     }
 }
 
@@ -93,7 +116,8 @@ impl Drawn for Disks<'_> {
     }
 
     fn reach(&self, record: usize) -> f64 {
-        self.scale * f64::from(self.shapes[record].radius)
+        let longest = if self.are_ellipses { LONGEST_HALF_AXIS } else { 1.0 };
+        longest * self.radius(record)
     }
 
     fn reach_px(&self) -> f64 {
@@ -107,12 +131,11 @@ impl Drawn for Disks<'_> {
     fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
         let (normal, direction) = (self.normal(record), ray.direction());
         let depth = normal.dot(offset) / normal.dot(direction);
-        let radius = self.reach(record);
-        let aside = (depth * direction - offset).length() / radius;
+        let aside = self.share_of_rim(record, depth * direction - offset);
         // Neither holds for a disk that is seen edge-on, or has no size.
         (depth > 0.0 && aside <= 1.0).then_some(Met {
             depth,
-            slack: radius,
+            slack: self.radius(record),
             aside,
         })
     }
@@ -125,12 +148,12 @@ pub(super) struct Cubes<'a> {
 
 /// The space of a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct CellBox {
     center: DVec3,
     half_edge: f64,
 }
 
-impl Cell {
+impl CellBox {
     /// Whether a point may be one of the cell's: with its faces, which f32 rounds.
     pub(super) fn contains(&self, place: DVec3) -> bool {
         (place - self.center).abs().max_element() <= self.half_edge * (1.0 + 1e-4)
@@ -142,8 +165,8 @@ impl<'a> Cubes<'a> {
         Self { voxels }
     }
 
-    pub(super) fn cell(&self, record: usize) -> Cell {
-        Cell {
+    pub(super) fn cell(&self, record: usize) -> CellBox {
+        CellBox {
             center: self.position(record).as_dvec3(),
             half_edge: self.half_edge(record),
         }

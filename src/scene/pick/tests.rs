@@ -10,6 +10,7 @@ use crate::scene::{
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
 use proptest::prelude::*;
+use std::sync::Arc;
 
 pub(super) const SIZE: [u32; 2] = [160, 120];
 
@@ -43,13 +44,20 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
         let turned = Vec3::new(y - 0.3, z + 0.2, x + 0.1 * (index % 7) as f32);
         turned.normalize_or(Vec3::Z).to_array()
     });
-    raw.normals = Some(normals.collect());
-    raw.radii = Some(
+    raw.attributes.normals = Some(normals.collect());
+    raw.attributes.radii = Some(
         (0..places.len())
             .map(|index| radius * (1.0 + (index % 3) as f32))
             .collect(),
     );
-    prepared(raw, origin)
+    let mut frame = prepared(raw, origin);
+    // Thin ones and circles, in many directions.
+    let mut shapes = frame.shapes.take().unwrap().to_vec();
+    for (index, shape) in (0u32..).zip(&mut shapes) {
+        shape.ellipse = ((index * 9973) << 16) | ((index % 4) * 16_000);
+    }
+    frame.shapes = Some(Arc::new(shapes));
+    frame
 }
 
 fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
@@ -99,7 +107,9 @@ proptest! {
             let found = pick(&packet, &frame, place_px, 0.0);
             match primitive {
                 Primitive::Point => prop_assert_eq!(found, oracle.point()),
-                Primitive::Auto | Primitive::Surfel => prop_assert_eq!(found, oracle.surfel()),
+                Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => {
+                    prop_assert_eq!(found, oracle.surfel());
+                }
                 Primitive::Voxel => {
                     let Some(record) = oracle.voxel() else {
                         prop_assert_eq!(found, None);
@@ -149,14 +159,10 @@ fn nothing_is_picked_where_nothing_is() {
     let origin = DVec3::ZERO;
     let camera = camera(3.0, 0.0, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let empty = cloud(&[], 0.1, origin);
         let packet = packet_of(&empty, origin, &camera, &style);
         assert_eq!(pick(&packet, &empty, [80.0, 60.0], 1e9), None);
@@ -201,18 +207,14 @@ fn the_front_one_wins_and_of_equals_the_last() {
     assert_eq!(Pick::of(&frame, origin, slot).unwrap().index_in_file, 1);
 
     let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.1; 3]; 200]));
-    raw.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
-    raw.radii = Some(vec![0.1; 200]);
+    raw.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 200]);
+    raw.attributes.radii = Some(vec![0.1; 200]);
     let same = prepared(raw, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..style.surfels
-            },
-            ..style
-        };
+        let style = style.with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let packet = packet_of(&same, origin, &camera, &style);
         let px = camera.to_px(DVec3::splat(0.1), SIZE).unwrap();
         let slot = pick(&packet, &same, px.to_array(), 0.0).unwrap();
@@ -231,16 +233,10 @@ fn back_faces_are_picked_only_where_they_are_drawn() {
         (-1.0, BackFaces::Darker, Some(0)),
     ] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
-        raw.normals = Some(vec![[0.0, 0.0, toward]]);
-        raw.radii = Some(vec![0.5]);
+        raw.attributes.normals = Some(vec![[0.0, 0.0, toward]]);
+        raw.attributes.radii = Some(vec![0.5]);
         let frame = prepared(raw, origin);
-        let style = Style {
-            surfels: SurfelStyle {
-                back_faces,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| style.surfels.back_faces = back_faces);
         let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [80.0, 60.0], 3.0), expected);
     }
@@ -252,14 +248,10 @@ fn a_lone_point_is_picked_from_beside_it() {
     let frame = cloud(&[[0.0; 3]], 1e-6, origin);
     let camera = camera(2.0, 77.0, origin);
     for &primitive in Primitive::ALL {
-        let style = Style {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let style = Style::default().with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = BackFaces::Drawn;
+        });
         let packet = packet_of(&frame, origin, &camera, &style);
         assert_eq!(pick(&packet, &frame, [84.0, 57.0], 6.0), Some(0), "{primitive}");
         // The cell of a lone point is as large as one pleases.
@@ -275,9 +267,9 @@ fn a_pick_has_all_that_the_file_says_of_the_point() {
         [f64::NAN; 3],
         (ECEF + DVec3::new(0.25, 0.5, -0.125)).to_array(),
     ]));
-    raw.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
-    raw.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
-    raw.scalars = vec![
+    raw.attributes.colors = Some(vec![[0; 4], [1, 2, 3, 250]]);
+    raw.attributes.normals = Some(vec![[1.0, 0.0, 0.0], [0.0, 0.0, -2.0]]);
+    raw.attributes.scalars = vec![
         ScalarField::new("intensity", vec![9.0, 0.5]),
         ScalarField::from_f64("gps_time", &[1.3e9, 1.3e9 + 0.001]),
     ];

@@ -10,6 +10,8 @@ choices! {
         Auto = "auto", "Auto", "Surfels where the points sample a surface, else points";
         /// Paper 000 §V.
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
+        /// Paper 002 §4.
+        Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
         /// Paper 000 §VI.
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
         Point = "point", "Points", "Plain squares of a size in pixels: the fastest";
@@ -37,7 +39,7 @@ impl RendererChoice {
 }
 
 choices! {
-    /// How instances reach the vertex stage (paper 000 §IV).
+    /// How instances reach the vertex stage (paper 000 §IV). What each is on the GPU: `render/gpu/instancing`.
     Strategy, "instancing strategy" {
         Storage = "storage", "Storage buffer", "Records pulled from a storage buffer";
         Uniform = "uniform", "Uniform buffers", "Records in 64 KiB uniform buffers, one draw for each";

@@ -95,6 +95,13 @@ impl Style {
         ..Described::USUAL
     };
 
+    /// This style with a change.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
     /// Shows each setting with its description to `edit`, and takes what that makes of it. The order is that of options
     /// in a help, and of rows in a section of the panel.
     pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
@@ -162,9 +169,9 @@ impl Style {
         self.surfels.back_faces == BackFaces::Darker && self.light.lighting != Lighting::Unlit
     }
 
-    /// Whether points are drawn as surfels.
+    /// Whether points are drawn as surfels, round or not.
     pub fn draws_surfels(&self) -> bool {
-        matches!(self.primitive, Primitive::Auto | Primitive::Surfel)
+        matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Ellipse)
     }
 
     /// The levels of detail that are drawn; `None` where all points are.
@@ -175,7 +182,7 @@ impl Style {
         };
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
-            Primitive::Auto | Primitive::Surfel => self.levels.surfel_lod.then_some(of_surfels),
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.surfel_lod.then_some(of_surfels),
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
             Primitive::Voxel => Some(LevelsKind::Cubes),
             Primitive::Point => None,
@@ -215,7 +222,7 @@ impl Style {
     /// spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
-            Primitive::Auto | Primitive::Surfel => self.levels.stop.of_surfels(),
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.stop.of_surfels(),
             Primitive::Voxel | Primitive::Point => self.levels.stop,
         }
     }
@@ -223,9 +230,10 @@ impl Style {
     /// Whether surfels are drawn from the byte code of an octree, which the processor alone can; [`LevelStyle::lod`]
     /// says how finely. Who draws has to be decided before: see [`Style::drawn_by`]. While something is clipped the
     /// same surfels are drawn as disks: a code cannot be cut. So they are where shading is deferred: a code is lit by a
-    /// table of normals.
+    /// table of normals. Ellipses have none.
     pub fn draws_codes(&self) -> bool {
         self.draws_surfels()
+            && self.primitive != Primitive::Ellipse
             && self.codes.footprint != Footprint::Disks
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()

@@ -1,8 +1,6 @@
 //! A style with what was guessed, or with another way to draw.
 
-use super::{
-    BackFaces, Backdrop, Background, EyeDome, LightStyle, OfSequence, PointStyle, Primitive, Style, SurfelStyle,
-};
+use super::{BackFaces, Background, EyeDome, LightStyle, Primitive, Style, SurfelStyle};
 use crate::scene::FirstLook;
 use crate::sequence::ColorHints;
 
@@ -63,27 +61,17 @@ impl Style {
         } else {
             self.backdrop.background
         };
-        Self {
-            primitive,
-            surfels: SurfelStyle {
-                back_faces,
-                ..self.surfels
-            },
-            points: PointStyle { size_px, ..self.points },
-            light: LightStyle { eye_dome, ..self.light },
-            backdrop: Backdrop {
-                background,
-                ..self.backdrop
-            },
-            of_sequence: OfSequence {
-                color_hints: ColorHints {
-                    up: Some(look.up.direction().as_vec3()),
-                    prefers_height: Some(look.prefers_height()),
-                },
-                ground_box: Some(look.trimmed),
-                ..self.of_sequence
-            },
-            ..*self
-        }
+        self.with(|style| {
+            style.primitive = primitive;
+            style.surfels.back_faces = back_faces;
+            style.points.size_px = size_px;
+            style.light.eye_dome = eye_dome;
+            style.backdrop.background = background;
+            style.of_sequence.color_hints = ColorHints {
+                up: Some(look.up.direction().as_vec3()),
+                prefers_height: Some(look.prefers_height()),
+            };
+            style.of_sequence.ground_box = Some(look.trimmed);
+        })
     }
 }

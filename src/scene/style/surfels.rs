@@ -60,7 +60,7 @@ choices! {
 /// default then, so that says nothing.
 #[derive(serde::Deserialize)]
 #[serde(untagged)]
-enum Stored {
+enum StoredBackFaces {
     Are(BackFaces),
     AreCulled(bool),
 }
@@ -68,9 +68,9 @@ enum Stored {
 /// For serde.
 fn stored_back_faces<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BackFaces, D::Error> {
     Ok(match serde::Deserialize::deserialize(deserializer)? {
-        Stored::Are(choice) => choice,
-        Stored::AreCulled(true) => BackFaces::Auto,
-        Stored::AreCulled(false) => BackFaces::Drawn,
+        StoredBackFaces::Are(choice) => choice,
+        StoredBackFaces::AreCulled(true) => BackFaces::Auto,
+        StoredBackFaces::AreCulled(false) => BackFaces::Drawn,
     })
 }
 

@@ -19,42 +19,28 @@ fn every_choice_reads_back_from_its_name() {
     let error = "cone".parse::<Primitive>().unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`cone` is no primitive: expected auto, surfel, voxel, point"
+        "`cone` is no primitive: expected auto, surfel, ellipse, voxel, point"
     );
 }
 
 #[test]
 fn ways_to_draw_take_over_eye_dome_lighting_that_they_decide() {
-    let settings = |eye_dome, eye_dome_strength| Style {
-        light: LightStyle {
-            eye_dome,
-            eye_dome_strength,
-            ..LightStyle::default()
-        },
-        ..Style::default()
+    let settings = |eye_dome, eye_dome_strength| {
+        Style::default().with(|style| {
+            style.light.eye_dome = eye_dome;
+            style.light.eye_dome_strength = eye_dome_strength;
+        })
     };
     let (on, auto) = (settings(EyeDome::On, 2.0), settings(EyeDome::Auto, 0.5));
     assert_eq!(on.drawn_as(&auto), on);
     assert_eq!(auto.drawn_as(&on), on);
-    let grid = Style {
-        backdrop: Backdrop {
-            grid: true,
-            ..on.backdrop
-        },
-        ..on
-    };
+    let grid = on.with(|style| style.backdrop.grid = true);
     assert!(grid.drawn_as(&auto).backdrop.grid);
 }
 
 #[test]
 fn a_picture_is_drawn_in_whole_pixels() {
-    let settings = |resolution| Style {
-        drawing: DrawingStyle {
-            resolution,
-            ..DrawingStyle::default()
-        },
-        ..Style::default()
-    };
+    let settings = |resolution| Style::default().with(|style| style.drawing.resolution = resolution);
     assert_eq!(settings(1.0).drawn_px([1921, 1080]), [1921, 1080]);
     assert_eq!(settings(0.5).drawn_px([1921, 1080]), [961, 540]);
     assert_eq!(settings(0.25).drawn_px([1, 0]), [1, 1]);

@@ -14,7 +14,7 @@ fn cloud(is_flat: bool) -> RawCloud {
         [along, across, (index % 7) as f32]
     };
     let mut raw = RawCloud::from_positions(Positions::F32((0..101).map(position).collect()));
-    raw.normals = Some(vec![[0.0, 1.0, 0.0]; 101]);
+    raw.attributes.normals = Some(vec![[0.0, 1.0, 0.0]; 101]);
     raw
 }
 
@@ -46,14 +46,12 @@ fn colors(color: impl Fn(usize) -> [u8; 3]) -> Vec<[u8; 4]> {
 fn the_automatic_order_takes_the_first_that_says_anything() {
     let auto = |raw: &RawCloud| paint_of(ColorSource::Auto, raw).source();
     let intensity = ColorSource::Scalar(Some(FieldName::new("intensity")));
-    let full = RawCloud {
-        colors: Some(colors(|index| [index as u8, 7, 7])),
-        scalars: vec![
-            field("intensity", |index| index as f32),
-            field("classification", |index| (index % 3) as f32),
-        ],
-        ..cloud(true)
-    };
+    let mut full = cloud(true);
+    full.attributes.colors = Some(colors(|index| [index as u8, 7, 7]));
+    full.attributes.scalars = vec![
+        field("intensity", |index| index as f32),
+        field("classification", |index| (index % 3) as f32),
+    ];
     assert_eq!(auto(&full), ColorSource::File);
     for plain in [
         Some(colors(|_| [90, 90, 90])),
@@ -61,29 +59,26 @@ fn the_automatic_order_takes_the_first_that_says_anything() {
         Some(colors(|index| if index < 50 { [0; 3] } else { [255; 3] })),
         None,
     ] {
-        let raw = RawCloud {
-            colors: plain,
-            ..full.clone()
-        };
+        let mut raw = full.clone();
+        raw.attributes.colors = plain;
         assert_eq!(auto(&raw), intensity);
     }
-    let mut raw = RawCloud { colors: None, ..full };
-    raw.scalars[0] = field("intensity", |_| 3.0);
+    let mut raw = full;
+    raw.attributes.colors = None;
+    raw.attributes.scalars[0] = field("intensity", |_| 3.0);
     assert_eq!(auto(&raw), ColorSource::Class);
-    raw.scalars[1] = field("classification", |_| 1.0);
+    raw.attributes.scalars[1] = field("classification", |_| 1.0);
     assert_eq!(
         auto(&raw),
         ColorSource::Height(HeightAxis::Auto),
         "a flat field is a survey"
     );
-    let mut line = RawCloud {
-        scalars: raw.scalars,
-        ..cloud(false)
-    };
+    let mut line = cloud(false);
+    line.attributes.scalars = raw.attributes.scalars;
     assert_eq!(auto(&line), ColorSource::Normal);
-    line.scalars = vec![field("curvature", |index| index as f32)];
+    line.attributes.scalars = vec![field("curvature", |index| index as f32)];
     assert_eq!(auto(&line), ColorSource::Normal, "other fields are for those who ask");
-    line.scalars = vec![field("scalar_Reflectance", |index| index as f32)];
+    line.attributes.scalars = vec![field("scalar_Reflectance", |index| index as f32)];
     assert!(matches!(auto(&line), ColorSource::Scalar(_)));
 }
 
@@ -108,9 +103,9 @@ fn hints_are_stronger_than_guesses() {
 #[test]
 fn ranges_leave_out_a_hundredth_at_either_end_or_are_as_told() {
     let mut raw = cloud(false);
-    raw.scalars = vec![field("heat", |index| index as f32)];
-    raw.scalars[0].values[100] = 1e30;
-    raw.scalars[0].values[50] = f32::NAN;
+    raw.attributes.scalars = vec![field("heat", |index| index as f32)];
+    raw.attributes.scalars[0].values[100] = 1e30;
+    raw.attributes.scalars[0].values[50] = f32::NAN;
     let heat = ColorSource::Scalar(Some(FieldName::new("Heat")));
     assert_eq!(scale_of(paint_of(heat, &raw)), [1.0, 99.0]);
     let fixed = Coloring {
@@ -139,7 +134,7 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
     let origin = DVec3::new(5e6, 0.0, 1000.0);
     let mut raw = cloud(true);
     let times: Vec<f64> = (0..101).map(|index| 3.1e8 + index as f64 * 0.25).collect();
-    raw.scalars = vec![ScalarField::from_f64("gps_time", &times)];
+    raw.attributes.scalars = vec![ScalarField::from_f64("gps_time", &times)];
     let positions = (0..101).map(|index| [5e6 + index as f64, 0.0, 1000.0 + index as f64]);
     raw.positions = Positions::F64(positions.collect());
     let sample = Arc::new(ValueSample::of_raw(&raw, origin));
@@ -173,7 +168,7 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
 fn frames_of_a_sequence_share_one_range_whichever_is_seen_first() {
     let at = |factor: f32| {
         let mut raw = cloud(false);
-        raw.scalars = vec![field("heat", |index| index as f32 * factor)];
+        raw.attributes.scalars = vec![field("heat", |index| index as f32 * factor)];
         raw
     };
     let sample = Arc::new(ValueSample::of_raw(&at(1.0), DVec3::ZERO));
@@ -186,10 +181,10 @@ fn frames_of_a_sequence_share_one_range_whichever_is_seen_first() {
 #[test]
 fn what_a_frame_lacks_is_replaced_for_it_alone() {
     let mut first = cloud(false);
-    first.scalars = vec![field("intensity", |index| index as f32)];
+    first.attributes.scalars = vec![field("intensity", |index| index as f32)];
     let sample = Arc::new(ValueSample::of_raw(&first, DVec3::ZERO));
     let mut bare = cloud(false);
-    bare.scalars = vec![field("other", |index| 2.0 * index as f32)];
+    bare.attributes.scalars = vec![field("other", |index| 2.0 * index as f32)];
     let bare = frame(bare);
     bare.share_sample(sample);
     let paint = |source| Coloring::of(source).paint(&ColorHints::default(), &bare);
@@ -204,11 +199,11 @@ fn what_a_frame_lacks_is_replaced_for_it_alone() {
 fn frames_with_one_point_none_and_one_value_are_painted() {
     for count in [0, 1, 5] {
         let mut raw = RawCloud::from_positions(Positions::F32(vec![[1.0, 2.0, 3.0]; count]));
-        raw.scalars = vec![
+        raw.attributes.scalars = vec![
             ScalarField::new("classification", vec![2.0; count]),
             ScalarField::new("t", vec![f32::NAN; count]),
         ];
-        raw.normals = Some(vec![[1.0, 0.0, 0.0]; count]);
+        raw.attributes.normals = Some(vec![[1.0, 0.0, 0.0]; count]);
         let frame = Arc::new(frame(raw));
         for source in ColorSource::ALL {
             for is_logarithmic in [false, true] {

@@ -11,7 +11,7 @@ use super::points::{FEWEST_POINTS, power_of_two};
 
 /// What pictures have told.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Drawing {
+pub(super) struct DrawingPace {
     /// As many points as frames should have; all if there is no number.
     pub(super) most_points: Option<u32>,
     picture_ms: Average,
@@ -43,7 +43,7 @@ enum Attempt {
     More,
 }
 
-impl Default for Drawing {
+impl Default for DrawingPace {
     fn default() -> Self {
         Self {
             most_points: None,
@@ -59,7 +59,7 @@ impl Default for Drawing {
     }
 }
 
-impl Drawing {
+impl DrawingPace {
     /// Pictures that are looked at before the number is changed again.
     pub(super) const LOOKED_AT: u32 = 6;
     /// Pictures that tell what is far from the time of a frame.

@@ -48,7 +48,7 @@ impl Focus {
 }
 
 #[derive(Debug, Default)]
-struct Entry {
+struct CacheEntry {
     full: Option<Arc<PreparedFrame>>,
     coarse: Option<Arc<PreparedFrame>>,
     error: Option<Arc<FrameError>>,
@@ -67,7 +67,7 @@ fn byte_size(frame: Option<&Arc<PreparedFrame>>) -> usize {
 /// All frames' entries and their memory.
 #[derive(Debug)]
 pub(super) struct Cache {
-    entries: Vec<Entry>,
+    entries: Vec<CacheEntry>,
     pub(super) facts: Facts,
     resident: BTreeSet<usize>,
     resident_bytes: usize,
@@ -91,7 +91,7 @@ pub(super) struct Cache {
 impl Cache {
     pub(super) fn new(frame_count: usize, budget_bytes: usize) -> Self {
         Self {
-            entries: std::iter::repeat_with(Entry::default).take(frame_count).collect(),
+            entries: std::iter::repeat_with(CacheEntry::default).take(frame_count).collect(),
             facts: Facts::default(),
             resident: BTreeSet::new(),
             resident_bytes: 0,
@@ -116,7 +116,7 @@ impl Cache {
     /// There are more frames now.
     pub(super) fn grow(&mut self, frame_count: usize) {
         if frame_count > self.entries.len() {
-            self.entries.resize_with(frame_count, Entry::default);
+            self.entries.resize_with(frame_count, CacheEntry::default);
         }
     }
 
@@ -350,7 +350,7 @@ impl Cache {
             let frame = frame.as_ref();
             frame.is_some_and(|frame| needs.is_none_or(|needs| frame.satisfies(needs)))
         };
-        let state = |(index, entry): (usize, &Entry)| {
+        let state = |(index, entry): (usize, &CacheEntry)| {
             let is_in_memory = entry.full.is_some() || entry.coarse.is_some();
             if index < first && !is_in_memory {
                 FrameState::Gone

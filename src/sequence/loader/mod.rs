@@ -294,6 +294,7 @@ impl Loader {
             decoded: self.shared.sequence.decode_count(),
             surfaces_estimated: counters.surfaces_estimated(),
             radii_estimated: counters.radii_estimated(),
+            ellipses_estimated: counters.ellipses_estimated(),
             octrees_built: counters.octrees_built(),
             records_written: counters.records_written(),
             cancelled: queue.cancelled,

@@ -30,6 +30,8 @@ pub struct LoaderStats {
     pub surfaces_estimated: u64,
     /// Frames with normals whose radii were estimated.
     pub radii_estimated: u64,
+    /// Frames whose ellipses were estimated.
+    pub ellipses_estimated: u64,
     /// Octrees built.
     pub octrees_built: u64,
     /// Point and shape records written.

@@ -24,6 +24,8 @@ pub(super) struct Build<'a> {
     pub(super) existing: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,
+    /// Whether they have ellipses.
+    pub(super) has_ellipses: bool,
     pub(super) timings: Timings,
     pub(super) counters: &'a PrepareCounters,
     pub(super) progress: &'a Progress,
@@ -39,8 +41,15 @@ impl Build<'_> {
         };
         let colors_need_shapes =
             paint == Paint::Normal && same_colors.is_none() && records::file_normals(&self.frame).is_none();
+        if !needs.ellipses && self.has_ellipses && self.frame.ellipses().is_some() {
+            // Disks have other radii than the ellipses of the file.
+            (self.shapes, self.has_ellipses) = (None, false);
+        }
         if needs.shapes || colors_need_shapes {
             self.complete_shapes();
+        }
+        if needs.shapes && needs.ellipses {
+            self.complete_ellipses();
         }
         let (id, points) = match same_colors {
             Some(existing) => (existing.id, Arc::clone(&existing.points)),
@@ -54,6 +63,7 @@ impl Build<'_> {
             frame: self.frame,
             points,
             shapes,
+            has_ellipses: self.has_ellipses,
             orientation,
             levels,
             timings: self.timings,
@@ -73,6 +83,18 @@ impl Build<'_> {
         let frame = &self.frame;
         let (shapes, by) = estimated_shapes(frame, &mut self.timings, self.counters, estimate);
         self.shapes = Some((Arc::new(shapes), by));
+    }
+
+    /// Adds ellipses to the shapes that are known.
+    fn complete_ellipses(&mut self) {
+        let Some((shapes, _)) = self.shapes.as_mut().filter(|_| !self.has_ellipses) else {
+            return;
+        };
+        let start = Instant::now();
+        *shapes = Arc::new(records::with_ellipses(&self.frame, shapes));
+        self.has_ellipses = true;
+        self.timings.analysis_ms += milliseconds_since(start);
+        self.counters.ellipses_estimated.fetch_add(1, Ordering::Relaxed);
     }
 
     fn painted_points(&mut self, paint: &Paint) -> Arc<Vec<PointRecord>> {

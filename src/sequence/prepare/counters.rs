@@ -27,6 +27,7 @@ impl Timings {
 pub struct PrepareCounters {
     pub(super) surfaces_estimated: AtomicU64,
     pub(super) radii_estimated: AtomicU64,
+    pub(super) ellipses_estimated: AtomicU64,
     pub(super) octrees_built: AtomicU64,
     pub(super) records_written: AtomicU64,
 }
@@ -40,6 +41,11 @@ impl PrepareCounters {
     /// Frames with normals whose radii were estimated.
     pub fn radii_estimated(&self) -> u64 {
         self.radii_estimated.load(Ordering::Relaxed)
+    }
+
+    /// Frames whose ellipses were estimated.
+    pub fn ellipses_estimated(&self) -> u64 {
+        self.ellipses_estimated.load(Ordering::Relaxed)
     }
 
     /// Octrees built.

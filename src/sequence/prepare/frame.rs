@@ -21,6 +21,8 @@ pub struct PreparedFrame {
     pub points: Arc<Vec<PointRecord>>,
     /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
+    /// Whether `shapes` say how much longer than wide splats are; else all are disks.
+    pub has_ellipses: bool,
     /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
     /// right. `None` without shapes.
     pub orientation: Option<Orientation>,
@@ -37,8 +39,14 @@ impl PreparedFrame {
     /// True when completing it for `needs` would change nothing.
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
-            && (!needs.shapes || self.shapes.is_some())
+            && (!needs.shapes || self.has_shapes_for(needs))
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
+    }
+
+    /// Estimated ellipses have the radii of disks, those of a file have not.
+    fn has_shapes_for(&self, needs: &Needs) -> bool {
+        let are_disks = !self.has_ellipses || self.frame.ellipses().is_none();
+        self.shapes.is_some() && if needs.ellipses { self.has_ellipses } else { are_disks }
     }
 
     pub(super) fn is_painted_for(&self, needs: &Needs) -> bool {

@@ -9,6 +9,7 @@
 //! | stop criterion | – | – | octree, its points not sorted again |
 //! | colours | – | – | points; octree if one is needed |
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
+//! | ellipses wanted now | – | ellipses | shapes; levels that are made of them |
 //!
 //! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
 //! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself tells:
@@ -63,6 +64,7 @@ pub(super) fn prepare_observed(
         frame,
         existing: None,
         shapes: None,
+        has_ellipses: false,
         timings,
         counters,
         progress,
@@ -97,6 +99,7 @@ pub(super) fn prepare_sample(
         frame: Arc::new(frame),
         existing: None,
         shapes: shapes.zip(existing.orientation),
+        has_ellipses: existing.has_ellipses,
         timings,
         counters,
         progress: &Progress::default(),
@@ -114,13 +117,14 @@ pub fn prepare_part(
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let mut timings = Timings::default();
-    let (frame, _) = existing.frame.part(slots, None)?;
+    let frame = existing.frame.part_without_splats(slots)?;
     let (shapes, orientation) = estimated_shapes(&frame, &mut timings, counters, estimate_surface_fast);
     let build = Build {
         index: existing.index,
         frame: Arc::new(frame),
         existing: None,
         shapes: Some((Arc::new(shapes), orientation)),
+        has_ellipses: false,
         timings,
         counters,
         progress: &Progress::default(),
@@ -148,6 +152,7 @@ pub(super) fn complete_observed(
         frame: Arc::clone(&existing.frame),
         existing: Some(existing),
         shapes: existing.shapes.clone().zip(existing.orientation),
+        has_ellipses: existing.has_ellipses,
         timings: Timings::default(),
         counters,
         progress,

@@ -57,9 +57,9 @@ impl Trails {
             }
         }
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
-        raw.radii = Some(vec![radius; normals.len()]);
-        raw.normals = Some(normals);
-        raw.colors = Some(colors);
+        raw.attributes.radii = Some(vec![radius; normals.len()]);
+        raw.attributes.normals = Some(normals);
+        raw.attributes.colors = Some(colors);
         let needs = Needs {
             shapes: true,
             // They may be all the same, which the automatic choice would pass over.

@@ -9,8 +9,8 @@
 //! What was found out about a file is kept ([`Known`]): a folder that grows is listed every second.
 
 use crate::io::Format;
-use crate::io::natural::{Run, Runs, natural_order, split_name};
-use crate::io::normals::{Rows, rows_of};
+use crate::io::natural::{NamePiece, Runs, natural_order, split_name};
+use crate::io::normals::{RowContents, rows_of};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -22,10 +22,10 @@ const NAMED_FILES: usize = 3;
 
 /// What the rows of files are. Files that do not tell, as they are being written, are looked at again.
 #[derive(Debug, Default)]
-pub(super) struct Known(HashMap<PathBuf, Rows>);
+pub(super) struct Known(HashMap<PathBuf, RowContents>);
 
 impl Known {
-    fn rows_of(&mut self, path: &Path) -> Option<Rows> {
+    fn rows_of(&mut self, path: &Path) -> Option<RowContents> {
         if let Some(&rows) = self.0.get(path) {
             return Some(rows);
         }
@@ -61,9 +61,9 @@ impl Companions {
                 return true;
             };
             match known.rows_of(file) {
-                Some(Rows::Normals) => {}
-                Some(Rows::Points) | None => return true,
-                Some(Rows::Other) => {
+                Some(RowContents::Normals) => {}
+                Some(RowContents::Points) | None => return true,
+                Some(RowContents::Other) => {
                     self.left_out.push(file.clone());
                     return false;
                 }
@@ -100,7 +100,7 @@ impl Companions {
                 }
             }
         }
-        let has_no_points = |rows: Option<Rows>| matches!(rows, Some(Rows::Normals | Rows::Other));
+        let has_no_points = |rows: Option<RowContents>| matches!(rows, Some(RowContents::Normals | RowContents::Other));
         let odd: HashSet<String> = first_of
             .iter()
             .filter(|(_, first)| has_no_points(known.rows_of(first)))
@@ -174,8 +174,8 @@ fn base_of(file: &Path) -> Option<(PathBuf, String)> {
 fn numbers_of(file: &Path) -> String {
     let name = split_name(file).0;
     let digits = Runs(&name).filter_map(|run| match run {
-        Run::Digits(digits) => Some(digits),
-        Run::Text(_) => None,
+        NamePiece::Digits(digits) => Some(digits),
+        NamePiece::Text(_) => None,
     });
     digits.collect::<Vec<_>>().join(" ")
 }
@@ -184,8 +184,8 @@ fn numbers_of(file: &Path) -> String {
 fn pattern_of(file: &Path) -> String {
     let (stem, extension) = split_name(file);
     let runs = Runs(&stem).map(|run| match run {
-        Run::Digits(_) => "#",
-        Run::Text(text) => text,
+        NamePiece::Digits(_) => "#",
+        NamePiece::Text(text) => text,
     });
     format!("{}.{extension}", runs.collect::<String>())
 }

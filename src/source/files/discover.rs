@@ -14,7 +14,7 @@
 use super::companions::{Companions, Known};
 use super::recording::{Recording, topics_of};
 use super::stamps::stamp;
-use crate::io::natural::{Run, Runs, natural_order, split_name};
+use crate::io::natural::{NamePiece, Runs, natural_order, split_name};
 use crate::io::{self, Format};
 use crate::progress::Progress;
 use crate::source::{FrameEntry, OpenOptions, SequenceError};
@@ -295,8 +295,8 @@ fn number(entries: &mut [FrameEntry]) {
     let numbers_of = |entry: &FrameEntry| -> Vec<Option<u64>> {
         Runs(&split_name(Path::new(&entry.name)).0)
             .filter_map(|run| match run {
-                Run::Digits(digits) => Some(digits.parse().ok()),
-                Run::Text(_) => None,
+                NamePiece::Digits(digits) => Some(digits.parse().ok()),
+                NamePiece::Text(_) => None,
             })
             .collect()
     };

@@ -8,7 +8,7 @@ mod stamps;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
-use super::{Content, DecodeFailure, Decoder, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
+use super::{DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
 use crate::cloud::RawCloud;
 use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
@@ -89,7 +89,7 @@ impl Source for Files {
         const MOST_TIME: Duration = Duration::from_secs(1);
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
-            (Content::File(Part::Whole), None) => {
+            (FrameBytes::File(Part::Whole), None) => {
                 Ok(io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?)
             }
             _ => Ok(None),
@@ -152,9 +152,9 @@ pub(super) fn decode(
 ) -> Result<RawCloud, DecodeFailure> {
     let path = &entry.path;
     Ok(match (&entry.content, &entry.normals) {
-        (Content::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
-        (Content::File(part), _) => shared.read_part(path, part, options, progress)?,
-        (Content::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
+        (FrameBytes::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
+        (FrameBytes::File(part), _) => shared.read_part(path, part, options, progress)?,
+        (FrameBytes::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
     })
 }
 

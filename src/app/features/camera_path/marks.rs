@@ -1,7 +1,7 @@
 //! The camera path over the picture.
 
 use crate::app::theme::ACCENT;
-use crate::app::widgets::canvas::Canvas;
+use crate::app::widgets::overlay::PictureOverlay;
 use crate::scene::CameraPath;
 use egui::Stroke;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use glam::DVec3;
 const PIECES: usize = 256;
 
 /// The way of the eye, with a ring at each keyframe.
-pub(in crate::app) fn paint_path(canvas: &Canvas<'_>, path: &CameraPath) {
+pub(in crate::app) fn paint_path(canvas: &PictureOverlay<'_>, path: &CameraPath) {
     let eye = |piece: usize| {
         let share = piece as f64 / PIECES as f64;
         path.at(share * path.duration_s()).0.eye_in_world()

@@ -11,7 +11,7 @@ pub(super) const USUAL_RATE: f64 = 30.0;
 
 /// What is exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Subject {
+pub enum ExportSubject {
     /// What is on the screen, in any size.
     Picture,
     /// The camera turns about the up axis.
@@ -22,7 +22,7 @@ pub enum Subject {
     Sequence,
 }
 
-impl Subject {
+impl ExportSubject {
     /// What files are called after.
     pub(super) fn word(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Subject {
 )]
 pub struct Export {
     /// What is shown.
-    pub subject: Subject,
+    pub subject: ExportSubject,
     /// Width and height of the pictures; those of the window if `None`.
     pub size_px: Option<[u32; 2]>,
     /// What videos are written as; pictures are PNG files.
@@ -74,7 +74,7 @@ pub struct Export {
 impl Default for Export {
     fn default() -> Self {
         Self {
-            subject: Subject::Picture,
+            subject: ExportSubject::Picture,
             size_px: None,
             format: VideoFormat::Gif,
             per_second: USUAL_RATE,
@@ -100,13 +100,13 @@ impl Export {
 
     /// Whether the format can be without background.
     pub fn can_have_alpha(&self) -> bool {
-        self.subject == Subject::Picture || self.format.has_alpha()
+        self.subject == ExportSubject::Picture || self.format.has_alpha()
     }
 
     /// Longest edge that is offered.
     pub(in crate::app) fn max_edge_px(&self) -> u32 {
         match self.subject {
-            Subject::Picture => MAX_EDGE_PX,
+            ExportSubject::Picture => MAX_EDGE_PX,
             _ => MAX_VIDEO_EDGE_PX,
         }
     }
@@ -114,7 +114,7 @@ impl Export {
     /// What the file's name ends in.
     pub(in crate::app) fn suffix(&self) -> &'static str {
         match (self.subject, self.format) {
-            (Subject::Picture, _) => ".png",
+            (ExportSubject::Picture, _) => ".png",
             (_, VideoFormat::PngFiles) => "-{frame}.png",
             (_, VideoFormat::Gif) => ".gif",
             (_, VideoFormat::Webp) => ".webp",

@@ -1,6 +1,6 @@
 //! What is exported under the present choices, and whether it can be.
 
-use super::choices::{Export, Subject, USUAL_RATE};
+use super::choices::{Export, ExportSubject, USUAL_RATE};
 use crate::app::features::camera_path::Draft;
 use crate::export::{ExportError, FRAME_PLACEHOLDER, VideoFormat, VideoStream, check_size, has_ffmpeg, numbered};
 use crate::timeline::Clock;
@@ -26,7 +26,7 @@ impl Export {
     /// Begins to choose, `subject` if one is named. Files are looked for anew.
     pub(in crate::app) fn begin(
         &mut self,
-        subject: Option<Subject>,
+        subject: Option<ExportSubject>,
         folder: impl FnOnce() -> PathBuf,
         clock: Option<&Clock>,
     ) {
@@ -39,11 +39,11 @@ impl Export {
     }
 
     /// Chooses what is exported; the rate becomes the usual one of that.
-    pub(in crate::app) fn choose(&mut self, subject: Subject, clock: Option<&Clock>) {
+    pub(in crate::app) fn choose(&mut self, subject: ExportSubject, clock: Option<&Clock>) {
         let of_sequence = clock.map(|clock| clock.fps() * clock.speed().abs());
         self.subject = subject;
         self.per_second = match subject {
-            Subject::Sequence => of_sequence.unwrap_or(USUAL_RATE).clamp(0.1, 50.0),
+            ExportSubject::Sequence => of_sequence.unwrap_or(USUAL_RATE).clamp(0.1, 50.0),
             _ => USUAL_RATE,
         };
     }
@@ -55,7 +55,7 @@ impl Export {
         let [width, height] = size_px.map(|edge| edge.clamp(1, max_edge_px));
         match (self.size_px, self.subject) {
             // H.264 has even edges.
-            (None, subject) if subject != Subject::Picture => [width, height].map(|edge| (edge & !1).max(2)),
+            (None, subject) if subject != ExportSubject::Picture => [width, height].map(|edge| (edge & !1).max(2)),
             _ => [width, height],
         }
     }
@@ -76,13 +76,13 @@ impl Export {
     /// How many pictures there will be, nearly where time stamps say how long frames last.
     pub(in crate::app) fn picture_count(&self, of: &Exportable) -> usize {
         match self.subject {
-            Subject::Picture => 1,
-            Subject::Turntable => self.pictures,
-            Subject::Path => {
+            ExportSubject::Picture => 1,
+            ExportSubject::Turntable => self.pictures,
+            ExportSubject::Path => {
                 let path = of.path.path();
                 path.map_or(0, |path| path.picture_count(self.per_second))
             }
-            Subject::Sequence => of.clock.as_ref().map_or(0, |clock| {
+            ExportSubject::Sequence => of.clock.as_ref().map_or(0, |clock| {
                 let frames = clock.range().of(clock.frame_count()).len() as f64;
                 let seconds = frames / (clock.fps() * clock.speed().abs());
                 (seconds * self.per_second).round().max(1.0) as usize
@@ -104,7 +104,7 @@ impl Export {
             Some(format!(
                 "{FRAME_PLACEHOLDER} is where the numbers go: choose another name"
             ))
-        } else if self.subject == Subject::Path && of.path.path().is_none() {
+        } else if self.subject == ExportSubject::Path && of.path.path().is_none() {
             Some("The camera path has no keyframes yet: K sets one".to_owned())
         } else {
             self.check(of).err().map(|error| error.to_string())
@@ -113,7 +113,7 @@ impl Export {
 
     fn check(&self, of: &Exportable) -> Result<(), ExportError> {
         let size_px = self.drawn_px(of.window_px);
-        if self.subject == Subject::Picture {
+        if self.subject == ExportSubject::Picture {
             return check_size(size_px);
         }
         if self.format == VideoFormat::Mp4 && !self.has_ffmpeg {

@@ -6,6 +6,6 @@ pub(in crate::app) mod job;
 pub(in crate::app) mod panel;
 mod plan;
 
-pub use choices::{Export, Subject};
+pub use choices::{Export, ExportSubject};
 pub(in crate::app) use exportable::Exportable;
 pub use job::{ExportEnded, Exported};

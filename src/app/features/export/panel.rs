@@ -1,6 +1,6 @@
 //! What is exported, how, and where to.
 
-use super::{Export, Exportable, Subject};
+use super::{Export, ExportSubject, Exportable};
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
 use crate::export::VideoFormat;
@@ -52,10 +52,10 @@ pub(in crate::app) fn export_ui(
             rows(ui, "export", |ui| {
                 subject(ui, export, of);
                 size(ui, export, of);
-                if export.subject == Subject::Turntable {
+                if export.subject == ExportSubject::Turntable {
                     turntable(ui, export);
                 }
-                if export.subject != Subject::Picture {
+                if export.subject != ExportSubject::Picture {
                     video(ui, export);
                 }
                 background(ui, export);
@@ -89,20 +89,20 @@ fn subject(ui: &mut Ui, export: &mut Export, of: &Exportable) {
         "What the picture or the video shows, drawn as on the screen",
         &mut subject,
         &[
-            ("Picture", Subject::Picture, "What is on the screen, in any size"),
+            ("Picture", ExportSubject::Picture, "What is on the screen, in any size"),
             (
                 "Turntable",
-                Subject::Turntable,
+                ExportSubject::Turntable,
                 "The camera turns about the up axis, from where it is",
             ),
             (
                 "Camera path",
-                Subject::Path,
+                ExportSubject::Path,
                 "The camera path from its first keyframe to its last",
             ),
             (
                 "Sequence",
-                Subject::Sequence,
+                ExportSubject::Sequence,
                 "The frames from in to out point, as they play, from where the camera is",
             ),
         ],
@@ -278,7 +278,7 @@ fn summary(export: &Export, of: &Exportable) -> String {
     let count = export.picture_count(of);
     let seconds = count as f64 / export.per_second;
     match export.subject {
-        Subject::Picture => format!("A picture of {width} × {height}"),
+        ExportSubject::Picture => format!("A picture of {width} × {height}"),
         _ => format!("{count} pictures of {width} × {height}, {seconds:.1} s"),
     }
 }

@@ -3,11 +3,11 @@
 use super::measuring::Gauge;
 use super::{Anchor, Inspection};
 use crate::app::theme::{ACCENT, ODD};
-use crate::app::widgets::canvas::{Canvas, RING};
+use crate::app::widgets::overlay::{PictureOverlay, RING};
 use egui::{Color32, Stroke, vec2};
 
 /// Paints measurements, what is begun of one, and the point whose values are shown.
-pub(in crate::app) fn paint_inspection(canvas: &Canvas<'_>, inspection: &Inspection) {
+pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection) {
     for measurement in &inspection.measurements {
         let text = measurement.gauge.text(measurement.value(canvas.up()));
         paint_measurement(canvas, measurement.gauge, &measurement.points, &text);
@@ -18,7 +18,7 @@ pub(in crate::app) fn paint_inspection(canvas: &Canvas<'_>, inspection: &Inspect
     }
 }
 
-fn paint_measurement(canvas: &Canvas<'_>, gauge: Gauge, points: &[Anchor], text: &str) {
+fn paint_measurement(canvas: &PictureOverlay<'_>, gauge: Gauge, points: &[Anchor], text: &str) {
     for pair in points.windows(2) {
         let [from, to] = [pair[0].place, pair[1].place];
         canvas.line([from, to], Stroke::new(1.5, ODD));

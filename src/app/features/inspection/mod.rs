@@ -66,6 +66,14 @@ impl Inspection {
         point.chain(self.begun.iter().chain(measured).copied())
     }
 
+    /// The points of the last angle that was measured.
+    pub(in crate::app) fn last_angle(&self) -> Option<[DVec3; 3]> {
+        let mut angles = self.measurements.iter().rev();
+        let angle = angles.find(|measurement| measurement.gauge == Gauge::Angle)?;
+        let places: Vec<DVec3> = angle.points.iter().map(|point| point.place).collect();
+        places.try_into().ok()
+    }
+
     /// Chooses what is measured.
     pub fn measure(&mut self, gauge: Gauge) {
         self.begun.clear();

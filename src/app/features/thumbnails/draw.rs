@@ -5,7 +5,7 @@ use crate::cloud::{PointRecord, even_places};
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
-use crate::scene::{Backdrop, Background, Camera, Content, PointStyle, Primitive, ScenePacket, Style};
+use crate::scene::{Background, Camera, Content, Primitive, ScenePacket, Style};
 use crate::sequence::{
     ColorHints, Coloring, Detail, FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, prepare,
 };
@@ -93,18 +93,11 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
     let packet = ScenePacket {
         viewport_px: PICTURE_PX,
         view: camera.transform(origin, PICTURE_PX),
-        style: Style {
-            primitive: Primitive::Point,
-            points: PointStyle {
-                size_px: point_size_px(points.len()),
-                ..PointStyle::default()
-            },
-            backdrop: Backdrop {
-                background: BACKGROUND,
-                ..Backdrop::default()
-            },
-            ..Style::default()
-        },
+        style: Style::default().with(|style| {
+            style.primitive = Primitive::Point;
+            style.points.size_px = point_size_px(points.len());
+            style.backdrop.background = BACKGROUND;
+        }),
         content: Content::Points(points),
         ground: None,
         bounds: frame.frame.bounds(),
@@ -146,7 +139,7 @@ mod tests {
             Some(0) => {
                 let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
                 let mut raw = RawCloud::from_positions(Positions::F32(corners.collect()));
-                raw.colors = Some(vec![[255, 0, 0, 255]; 8]);
+                raw.attributes.colors = Some(vec![[255, 0, 0, 255]; 8]);
                 Ok(raw)
             }
             Some(1) => Err("unread".into()),

@@ -15,7 +15,7 @@ mod schedule;
 mod store;
 
 pub(in crate::app) use schedule::strip_frames;
-pub(in crate::app) use store::{Look, MAX_CELLS, PICTURE_PX};
+pub(in crate::app) use store::{MAX_CELLS, PICTURE_PX, ThumbnailState};
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::Player;
@@ -36,7 +36,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 const IN_TIME: f64 = 0.9;
 
 /// Up axis and colours: what all pictures have in common.
-type LookKey = (UpAxis, Coloring, ColorHints);
+type ThumbnailKey = (UpAxis, Coloring, ColorHints);
 
 /// The pictures of the open sequence.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ pub struct Thumbnails {
     pub is_on: bool,
     wanted: WantedFrames,
     store: Store,
-    key: Option<LookKey>,
+    key: Option<ThumbnailKey>,
     view: Option<Camera>,
     /// Counts the sets of pictures, so that one of a set that has gone is known as such.
     generation: u64,
@@ -119,7 +119,7 @@ impl Thumbnails {
     }
 
     /// How `frame` is shown in the window of `ctx`.
-    pub(in crate::app) fn look(&mut self, ctx: &Context, frame: usize) -> Look {
+    pub(in crate::app) fn look(&mut self, ctx: &Context, frame: usize) -> ThumbnailState {
         self.store.look(ctx, frame)
     }
 
@@ -128,7 +128,7 @@ impl Thumbnails {
         &mut self,
         player: &Player,
         look: &FirstLook,
-        key: LookKey,
+        key: ThumbnailKey,
         is_measured: bool,
         tasks: &Tasks<T>,
         now: Duration,
@@ -166,7 +166,7 @@ impl Thumbnails {
     }
 
     /// The next frame there is time for.
-    fn next(&mut self, player: &Player, key: LookKey, leisure: Leisure) -> Option<(usize, Material)> {
+    fn next(&mut self, player: &Player, key: ThumbnailKey, leisure: Leisure) -> Option<(usize, Material)> {
         let loader = player.loader();
         let needs = Needs {
             colors: key.1,

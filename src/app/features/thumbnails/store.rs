@@ -17,7 +17,7 @@ pub(super) const PICTURE_BYTES: usize = 4 * PICTURE_PX[0] as usize * PICTURE_PX[
 pub(in crate::app) const MAX_CELLS: usize = BUDGET_BYTES / PICTURE_BYTES * 3 / 4;
 
 /// What is known of a frame.
-enum Entry {
+enum StoredThumbnail {
     Picture(Arc<ColorImage>, Option<TextureHandle>),
     /// It cannot be read.
     Broken,
@@ -25,7 +25,7 @@ enum Entry {
 
 /// How a frame is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) enum Look {
+pub(in crate::app) enum ThumbnailState {
     /// Not made yet.
     Unknown,
     /// It cannot be read.
@@ -37,7 +37,7 @@ pub(in crate::app) enum Look {
 /// Pictures by frame.
 #[derive(Default)]
 pub(super) struct Store {
-    entries: BTreeMap<usize, Entry>,
+    entries: BTreeMap<usize, StoredThumbnail>,
     /// Frames with pictures, the one that was made first at the front.
     order: VecDeque<usize>,
 }
@@ -65,7 +65,7 @@ impl Store {
 
     /// Remembers that `frame` cannot be read.
     pub(super) fn mark_broken(&mut self, frame: usize) {
-        self.entries.entry(frame).or_insert(Entry::Broken);
+        self.entries.entry(frame).or_insert(StoredThumbnail::Broken);
     }
 
     /// Keeps the picture of `frame`. Where there is no room, the oldest that is not among `wanted` goes, else the
@@ -80,20 +80,21 @@ impl Store {
             self.entries.remove(&oldest);
         }
         self.order.push_back(frame);
-        self.entries.insert(frame, Entry::Picture(Arc::new(image), None));
+        self.entries
+            .insert(frame, StoredThumbnail::Picture(Arc::new(image), None));
     }
 
     /// How `frame` is shown in the window of `ctx`; its texture is made when it is first asked for.
-    pub(super) fn look(&mut self, ctx: &Context, frame: usize) -> Look {
+    pub(super) fn look(&mut self, ctx: &Context, frame: usize) -> ThumbnailState {
         match self.entries.get_mut(&frame) {
-            None => Look::Unknown,
-            Some(Entry::Broken) => Look::Broken,
-            Some(Entry::Picture(image, texture)) => {
+            None => ThumbnailState::Unknown,
+            Some(StoredThumbnail::Broken) => ThumbnailState::Broken,
+            Some(StoredThumbnail::Picture(image, texture)) => {
                 let load = || {
                     let name = format!("thumbnail {frame}");
                     ctx.load_texture(name, Arc::clone(image), TextureOptions::LINEAR)
                 };
-                Look::Picture(texture.get_or_insert_with(load).id())
+                ThumbnailState::Picture(texture.get_or_insert_with(load).id())
             }
         }
     }
@@ -101,7 +102,7 @@ impl Store {
     /// Textures are made anew: they were those of another window.
     pub(super) fn forget_textures(&mut self) {
         for entry in self.entries.values_mut() {
-            if let Entry::Picture(_, texture) = entry {
+            if let StoredThumbnail::Picture(_, texture) = entry {
                 *texture = None;
             }
         }
@@ -157,10 +158,10 @@ mod tests {
         store.mark_broken(4);
         store.mark_broken(3);
         let look = store.look(&ctx, 3);
-        assert!(matches!(look, Look::Picture(_)));
+        assert!(matches!(look, ThumbnailState::Picture(_)));
         assert_eq!(store.look(&ctx, 3), look);
-        assert_eq!(store.look(&ctx, 4), Look::Broken);
-        assert_eq!(store.look(&ctx, 5), Look::Unknown);
+        assert_eq!(store.look(&ctx, 4), ThumbnailState::Broken);
+        assert_eq!(store.look(&ctx, 5), ThumbnailState::Unknown);
         store.forget_textures();
         assert_ne!(store.look(&ctx, 3), look);
     }

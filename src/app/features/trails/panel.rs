@@ -4,7 +4,7 @@ use super::{TrailField, Trails, field_place, pieces};
 use crate::analysis::ColorMap;
 use crate::app::features::inspection::Anchor;
 use crate::app::theme::ODD;
-use crate::app::widgets::canvas::Canvas;
+use crate::app::widgets::overlay::PictureOverlay;
 use crate::playback::Player;
 use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
 
@@ -125,7 +125,7 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
 }
 
 /// Paints all trails.
-pub(in crate::app) fn paint_trails(canvas: &Canvas<'_>, of: &Trails, player: &Player) {
+pub(in crate::app) fn paint_trails(canvas: &PictureOverlay<'_>, of: &Trails, player: &Player) {
     let Some(trails) = of.found() else {
         return;
     };

@@ -5,7 +5,7 @@
 //! and by normals. Surfels are the measure, since they are made to close the surface.
 
 use super::columns::{CLOSED, row};
-use super::pictures::{Drawing, draw, parts};
+use super::pictures::{DrawnView, draw, parts};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -13,28 +13,22 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suites::paper_style::voxel_style;
 use crate::levels::octree::StopCriterion;
-use crate::scene::{BackFaces, LevelStyle, Scene, Style, SurfelStyle, VoxelLight, VoxelStyle};
+use crate::scene::{BackFaces, Scene, Style, VoxelLight};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// The ways to draw voxels, and the words for them.
 fn ways() -> [(&'static str, Style); 3] {
     let paper = voxel_style();
     let stop = StopCriterion::Spacing;
-    let faces = Style {
-        levels: LevelStyle { stop, ..paper.levels },
-        ..paper
-    };
+    let faces = paper.with(|style| style.levels.stop = stop);
     let voxel_light = VoxelLight::Normals;
-    let normals = Style {
-        voxels: VoxelStyle { light: voxel_light },
-        ..faces
-    };
+    let normals = faces.with(|style| style.voxels.light = voxel_light);
     [("δ 5 %", paper), ("spacing", faces), ("spacing, normals", normals)]
 }
 
 /// What was measured of one sequence, for each of [`ways`].
 #[derive(Default)]
-pub(super) struct Samples([WaySamples; 3]);
+pub(super) struct ClosedSamples([WaySamples; 3]);
 
 /// One number for each picture.
 #[derive(Default)]
@@ -45,27 +39,21 @@ struct WaySamples {
     flip: Vec<f64>,
 }
 
-impl Samples {
+impl ClosedSamples {
     pub(super) fn measure(
         &mut self,
         run: &mut Run<'_>,
         subject: &Subject<'_>,
         frame: &PreparedFrame,
     ) -> Result<(), BenchError> {
-        let surfels = Style {
-            surfels: SurfelStyle {
-                back_faces: BackFaces::Drawn,
-                ..SurfelStyle::default()
-            },
-            ..Style::default()
-        };
+        let surfels = Style::default().with(|style| style.surfels.back_faces = BackFaces::Drawn);
         let ways = ways().map(|(_, style)| {
             let needs = Scene::needs(&style);
             let frame = complete(frame, &needs, &PrepareCounters::default());
             (frame, style)
         });
         for camera in subject.views(frame, run.options.viewpoints, 1.0) {
-            let mut drawings: Vec<Drawing> = vec![draw(run, subject, frame, &camera, surfels)?];
+            let mut drawings: Vec<DrawnView> = vec![draw(run, subject, frame, &camera, surfels)?];
             for (frame, style) in &ways {
                 drawings.push(draw(run, subject, frame, &camera, *style)?);
             }

@@ -23,7 +23,7 @@ const BOUND_EDGES: f64 = 0.866_025_403_784_438_6;
 
 /// What was measured of one sequence, for each of [`DELTAS_PERCENT`].
 #[derive(Default)]
-pub(super) struct Samples([DeltaSamples; DELTAS_PERCENT.len()]);
+pub(super) struct LeafSamples([DeltaSamples; DELTAS_PERCENT.len()]);
 
 #[derive(Default)]
 struct DeltaSamples {
@@ -38,7 +38,7 @@ struct DeltaSamples {
     points_without_leaf: usize,
 }
 
-impl Samples {
+impl LeafSamples {
     pub(super) fn measure(&mut self, run: &Run<'_>, frame: &PreparedFrame) -> Result<(), BenchError> {
         let positions = frame.frame.positions();
         let colors: Vec<[u8; 4]> = frame.points.iter().map(|point| point.color).collect();

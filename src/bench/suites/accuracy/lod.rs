@@ -10,7 +10,7 @@
 //! also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as cubes.
 
 use super::columns::{LOD, row};
-use super::pictures::{Drawing, ObjectPart, draw, parts};
+use super::pictures::{DrawnView, ObjectPart, draw, parts};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
@@ -29,7 +29,7 @@ pub(super) const DISTANCES: [f64; 2] = [1.0, 4.0];
 
 /// What was measured of one sequence from one distance, for each of [`LOD_PX`].
 #[derive(Default)]
-pub(super) struct Samples([ThresholdSamples; LOD_PX.len()]);
+pub(super) struct LodSamples([ThresholdSamples; LOD_PX.len()]);
 
 /// One number for each picture, or for each traversal.
 #[derive(Default)]
@@ -43,7 +43,7 @@ struct ThresholdSamples {
     flip_surfels: Vec<f64>,
 }
 
-impl Samples {
+impl LodSamples {
     pub(super) fn measure(
         &mut self,
         run: &mut Run<'_>,
@@ -55,7 +55,7 @@ impl Samples {
         for camera in &cameras {
             let mut draw = |style| draw(run, subject, frame, camera, style);
             let style = LOD_PX.map(voxel_style_at);
-            let drawings: Vec<Drawing> = std::iter::once(surfel_style())
+            let drawings: Vec<DrawnView> = std::iter::once(surfel_style())
                 .chain(style)
                 .map(&mut draw)
                 .collect::<Result<_, _>>()?;

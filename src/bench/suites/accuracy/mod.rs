@@ -66,9 +66,9 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         shapes: true,
         ..Scene::needs(&voxel_style_at(0.0))
     };
-    let mut leaves = leaves::Samples::default();
-    let mut lod: [lod::Samples; lod::DISTANCES.len()] = Default::default();
-    let mut closed = closed::Samples::default();
+    let mut leaves = leaves::LeafSamples::default();
+    let mut lod: [lod::LodSamples; lod::DISTANCES.len()] = Default::default();
+    let mut closed = closed::ClosedSamples::default();
     let mut point_counts = Vec::new();
     let mut first_failure = None;
     for &index in &subject.chosen {

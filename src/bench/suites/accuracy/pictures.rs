@@ -12,7 +12,7 @@ use crate::bench::run::Run;
 use crate::bench::subject::Subject;
 use crate::measure::{PIXELS_PER_DEGREE, Perceived, mean_squared_error};
 use crate::render::RenderError;
-use crate::scene::{Backdrop, Background, Camera, Scene, Style};
+use crate::scene::{Background, Camera, Scene, Style};
 use crate::sequence::PreparedFrame;
 use image::RgbaImage;
 use std::ops::Range;
@@ -21,13 +21,13 @@ use std::ops::Range;
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
 /// One view of a frame by some settings.
-pub(super) struct Drawing {
+pub(super) struct DrawnView {
     image: RgbaImage,
     /// Which pixels show the object, row by row.
     shows_object: Vec<bool>,
 }
 
-/// The part of a [`Drawing`] that is compared.
+/// The part of a [`DrawnView`] that is compared.
 pub(super) struct ObjectPart {
     /// Pixels of the whole drawing.
     whole_count: usize,
@@ -58,18 +58,12 @@ pub(super) fn draw(
     frame: &PreparedFrame,
     camera: &Camera,
     style: Style,
-) -> Result<Drawing, BenchError> {
+) -> Result<DrawnView, BenchError> {
     run.check_cancelled()?;
     // One traversal for both backgrounds.
     let mut scene = Scene::default();
     let mut on_background = |background| -> Result<RgbaImage, RenderError> {
-        let style = Style {
-            backdrop: Backdrop {
-                background: Background::solid(background),
-                ..style.backdrop
-            },
-            ..style
-        };
+        let style = style.with(|style| style.backdrop.background = Background::solid(background));
         let origin = subject.sequence.origin();
         let packet = scene.packet(frame, origin, camera, &style, run.options.viewport_px);
         run.runner.image(&packet)
@@ -81,21 +75,21 @@ pub(super) fn draw(
         .zip(on_second.pixels())
         .map(|(on_first, on_second)| on_first.0[..3] != first || on_second.0[..3] != second)
         .collect();
-    Ok(Drawing { image, shows_object })
+    Ok(DrawnView { image, shows_object })
 }
 
 /// The parts of `drawings` (of one view) that are compared.
-pub(super) fn parts(drawings: &[Drawing]) -> impl Iterator<Item = ObjectPart> {
+pub(super) fn parts(drawings: &[DrawnView]) -> impl Iterator<Item = ObjectPart> {
     let part = object_rectangle(drawings);
     drawings.iter().map(move |drawing| drawing.part(&part))
 }
 
 /// The smallest rectangle (first and end in x, then in y) around the object in all of `drawings`, which are of one
 /// size, and [`MARGIN_PX`] more as far as they go; one pixel where nothing shows.
-fn object_rectangle(drawings: &[Drawing]) -> [Range<u32>; 2] {
+fn object_rectangle(drawings: &[DrawnView]) -> [Range<u32>; 2] {
     let mut ends = [[u32::MAX, 0]; 2];
     let mut size_px = [1, 1];
-    for Drawing { image, shows_object } in drawings {
+    for DrawnView { image, shows_object } in drawings {
         size_px = [image.width(), image.height()];
         let shown = image.enumerate_pixels().zip(shows_object);
         for ((x, y, _), _) in shown.filter(|&(_, &shows)| shows) {
@@ -111,7 +105,7 @@ fn object_rectangle(drawings: &[Drawing]) -> [Range<u32>; 2] {
     })
 }
 
-impl Drawing {
+impl DrawnView {
     fn part(&self, [x, y]: &[Range<u32>; 2]) -> ObjectPart {
         let width = self.image.width();
         let pixels = y.clone().flat_map(|row| {
@@ -172,7 +166,7 @@ mod tests {
     use image::Rgba;
 
     /// A drawing of 120×80 with a block of one colour on grey.
-    fn block(x: Range<u32>, y: Range<u32>, color: [u8; 3]) -> Drawing {
+    fn block(x: Range<u32>, y: Range<u32>, color: [u8; 3]) -> DrawnView {
         let is_object = |column, row| x.contains(&column) && y.contains(&row);
         let image = RgbaImage::from_fn(120, 80, |column, row| {
             let [red, green, blue] = if is_object(column, row) { color } else { BACKGROUNDS[0] };
@@ -182,7 +176,7 @@ mod tests {
             .enumerate_pixels()
             .map(|(column, row, _)| is_object(column, row))
             .collect();
-        Drawing { image, shows_object }
+        DrawnView { image, shows_object }
     }
 
     #[test]

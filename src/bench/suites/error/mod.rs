@@ -26,7 +26,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Backdrop, Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
+use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -34,7 +34,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use view::{DrawnWay, PictureError, View};
 
-/// Columns, in the order in which [`Samples::row`] fills them.
+/// Columns, in the order in which [`ErrorSamples::row`] fills them.
 const COLUMNS: &[Column] = &[
     Column::text("sequence", "sequence"),
     Column::text("way", "way"),
@@ -99,7 +99,7 @@ const THUMBNAIL_WIDTH_PX: u32 = 240;
 
 /// What was measured of one way on one sequence.
 #[derive(Default)]
-struct Samples {
+struct ErrorSamples {
     draw_ms: Vec<f64>,
     flip_object: Vec<f64>,
     flip: Vec<f64>,
@@ -153,7 +153,7 @@ fn measure_sequence(
 ) -> Result<(), BenchError> {
     // Surfels are the truth, and what viewpoints are placed by.
     let needs = Scene::needs(&Style::default());
-    let mut samples: Vec<Samples> = ways.iter().map(|_| Samples::default()).collect();
+    let mut samples: Vec<ErrorSamples> = ways.iter().map(|_| ErrorSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
@@ -211,7 +211,7 @@ fn measure_way(
     frame: &PreparedFrame,
     views: &[View],
     way: &Style,
-    samples: &mut Samples,
+    samples: &mut ErrorSamples,
 ) -> Result<(), BenchError> {
     let mut frame = complete(frame, &Scene::needs(way), &PrepareCounters::default());
     // A renderer takes a copy for another cloud, so that its upload is counted.
@@ -237,13 +237,7 @@ fn measure_way(
         let (drawn_packet, visited_nodes) = packet(view, way);
         let image = runner.image(&drawn_packet)?;
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
-        let on_white = Style {
-            backdrop: Backdrop {
-                background: Background::solid([255; 3]),
-                ..way.backdrop
-            },
-            ..*way
-        };
+        let on_white = way.with(|style| style.backdrop.background = Background::solid([255; 3]));
         let white_packet = ScenePacket {
             style: on_white,
             ..drawn_packet.clone()
@@ -294,7 +288,7 @@ fn small(image: &RgbaImage) -> RgbaImage {
     resize(image, small_width, small_height as u32, FilterType::Triangle)
 }
 
-impl Samples {
+impl ErrorSamples {
     fn add(&mut self, packet: &ScenePacket, visited_nodes: usize, uploaded_bytes: u64, error: &PictureError) {
         self.drawn_px = packet.viewport_px;
         self.drawn_records.push(packet.content.record_count() as f64);

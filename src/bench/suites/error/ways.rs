@@ -4,8 +4,7 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Backdrop, Background, CodeStyle, DrawingStyle, Footprint, LevelStyle, LightStyle, Lighting, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
+    Background, Footprint, Lighting, Primitive, RendererChoice, Splatting, Strategy, Style, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -22,39 +21,24 @@ const DELTAS: [f32; 4] = [0.02, 0.05, 0.2, 0.5];
 
 /// All ways, first those of the processor, then those of the adapter if there is one.
 pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
-    let base = Style {
-        primitive: Primitive::Surfel,
-        backdrop: Backdrop {
-            background: Background::solid(BACKGROUND),
-            ..Backdrop::default()
-        },
-        drawing: DrawingStyle {
-            renderer: RendererChoice::Cpu,
-            ..DrawingStyle::default()
-        },
-        ..Style::default()
-    };
+    let base = Style::default().with(|style| {
+        style.primitive = Primitive::Surfel;
+        style.backdrop.background = Background::solid(BACKGROUND);
+        style.drawing.renderer = RendererChoice::Cpu;
+    });
     let mut ways = of_renderer(&base);
     if has_adapter {
-        let base = Style {
-            drawing: DrawingStyle {
-                renderer: RendererChoice::Gpu,
-                ..base.drawing
-            },
-            ..base
-        };
+        let base = base.with(|style| style.drawing.renderer = RendererChoice::Gpu);
         ways.extend(of_renderer(&base));
         for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
             let others = Strategy::ALL
                 .iter()
                 .filter(|&&strategy| strategy != base.drawing.strategy);
-            ways.extend(others.map(|&strategy| Style {
-                primitive,
-                drawing: DrawingStyle {
-                    strategy,
-                    ..base.drawing
-                },
-                ..base
+            ways.extend(others.map(|&strategy| {
+                base.with(|style| {
+                    style.primitive = primitive;
+                    style.drawing.strategy = strategy;
+                })
             }));
         }
     }
@@ -70,107 +54,36 @@ fn of_renderer(base: &Style) -> Vec<Style> {
         primitive: Primitive::Voxel,
         ..*base
     };
-    let detail = Style {
-        levels: LevelStyle {
-            surfel_lod: true,
-            ..base.levels
-        },
-        ..*base
-    };
+    let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut ways = Vec::new();
-    ways.extend([1.0, 2.0, 3.0].map(|point_size_px| Style {
-        points: PointStyle {
-            size_px: point_size_px,
-            ..PointStyle::default()
-        },
-        ..point
-    }));
+    ways.extend([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
-    ways.extend(modes.map(|&splatting| Style {
-        surfels: SurfelStyle {
-            splatting,
-            ..base.surfels
-        },
-        ..*base
-    }));
-    ways.extend([0.7, 1.4].map(|splat_scale| Style {
-        surfels: SurfelStyle {
-            splat_scale,
-            ..base.surfels
-        },
-        ..*base
-    }));
-    ways.extend([Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| Style {
-        light: LightStyle { lighting, ..base.light },
-        ..*base
-    }));
+    ways.extend(modes.map(|&splatting| base.with(|style| style.surfels.splatting = splatting)));
+    ways.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
+    ways.extend(
+        [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| base.with(|style| style.light.lighting = lighting)),
+    );
     for coarse in [detail, voxel] {
         ways.push(coarse);
-        ways.extend(THRESHOLDS_PX.map(|threshold| Style {
-            levels: LevelStyle {
-                lod: Lod::ThresholdPx(threshold),
-                ..coarse.levels
-            },
-            ..coarse
-        }));
+        ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
     }
-    ways.push(Style {
-        levels: LevelStyle {
-            lod: Lod::ThresholdPx(0.0),
-            ..voxel.levels
-        },
-        ..voxel
-    });
-    ways.push(Style {
-        voxels: VoxelStyle {
-            light: VoxelLight::Faces,
-        },
-        ..voxel
-    });
-    ways.extend(DELTAS.map(|delta| Style {
-        levels: LevelStyle {
-            stop: StopCriterion::Loss(delta),
-            ..voxel.levels
-        },
-        ..voxel
-    }));
-    let enlarged = Style {
-        surfels: SurfelStyle {
-            splatting: Splatting::TwoPassEnlarged,
-            ..base.surfels
-        },
-        ..*base
-    };
+    ways.push(voxel.with(|style| style.levels.lod = Lod::ThresholdPx(0.0)));
+    ways.push(voxel.with(|style| style.voxels.light = VoxelLight::Faces));
+    ways.extend(DELTAS.map(|delta| voxel.with(|style| style.levels.stop = StopCriterion::Loss(delta))));
+    let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
     if base.drawing.renderer == RendererChoice::Cpu {
         // The GPU draws exact disks whatever it says.
-        ways.extend([Footprint::Masks, Footprint::Pixels].map(|footprint| Style {
-            levels: LevelStyle {
-                lod: Lod::ThresholdPx(0.0),
-                ..base.levels
-            },
-            codes: CodeStyle {
-                footprint,
-                ..base.codes
-            },
-            ..*base
+        ways.extend([Footprint::Masks, Footprint::Pixels].map(|footprint| {
+            base.with(|style| {
+                style.levels.lod = Lod::ThresholdPx(0.0);
+                style.codes.footprint = footprint;
+            })
         }));
-        ways.push(Style {
-            codes: CodeStyle {
-                footprint: Footprint::Masks,
-                ..base.codes
-            },
-            ..*base
-        });
+        ways.push(base.with(|style| style.codes.footprint = Footprint::Masks));
     }
     for whole in [*base, enlarged, detail, voxel, point] {
-        ways.extend(RESOLUTIONS.map(|resolution| Style {
-            drawing: DrawingStyle {
-                resolution,
-                ..whole.drawing
-            },
-            ..whole
-        }));
+        ways.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
     }
     ways
 }

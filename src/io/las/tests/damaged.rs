@@ -45,8 +45,14 @@ fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
     assert!(start.elapsed() < LONGEST, "{what} takes too long");
     if let Some(cloud) = &cloud {
         let count = cloud.positions.len();
-        assert!(cloud.colors.as_ref().is_none_or(|colors| colors.len() == count));
-        assert!(cloud.scalars.iter().all(|field| field.values.len() == count));
+        assert!(
+            cloud
+                .attributes
+                .colors
+                .as_ref()
+                .is_none_or(|colors| colors.len() == count)
+        );
+        assert!(cloud.attributes.scalars.iter().all(|field| field.values.len() == count));
     }
     cloud
 }

@@ -4,9 +4,9 @@ use super::*;
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 
 /// Bytes of a point, and where its time, colours and near infrared are.
-type Fields = (u16, Option<usize>, Option<usize>, Option<usize>);
+type FieldOffsets = (u16, Option<usize>, Option<usize>, Option<usize>);
 
-const FORMATS: [Fields; 11] = [
+const FORMATS: [FieldOffsets; 11] = [
     (20, None, None, None),
     (28, Some(20), None, None),
     (26, None, Some(20), None),
@@ -70,7 +70,7 @@ fn every_format_has_its_fields_where_the_standard_says() {
             assert_eq!(numbers(&cloud, "classification"), [class; 2], "{format}");
             assert_eq!(numbers(&cloud, "return_number"), [3.0; 2], "{format}");
             assert_eq!(numbers(&cloud, "number_of_returns"), [5.0; 2], "{format}");
-            let has = |name| cloud.attributes().contains(&name);
+            let has = |name| cloud.attributes.names().any(|found| found == name);
             assert_eq!(has("gps_time"), time.is_some(), "{format}");
             assert_eq!(has("near_ir"), infrared.is_some(), "{format}");
             if has("gps_time") {
@@ -80,7 +80,7 @@ fn every_format_has_its_fields_where_the_standard_says() {
                 assert_eq!(numbers(&cloud, "near_ir"), [77.0; 2], "{format}");
             }
             let expected = vec![[255, 0, 0, 255], [0, 0, 0, 255]];
-            assert_eq!(cloud.colors, colors.map(|_| expected), "{format}");
+            assert_eq!(cloud.attributes.colors, colors.map(|_| expected), "{format}");
         }
     }
 }
@@ -139,7 +139,7 @@ fn what_nobody_filled_is_left_out() {
         let bytes = FORMATS[usize::from(format)].0;
         let mut file = header(format, bytes, 2, 0, 375);
         file.extend(vec![0; 2 * usize::from(bytes)]);
-        assert_eq!(read(&file).attributes(), names, "{format}");
+        assert_eq!(read(&file).point_names(), names, "{format}");
         // One point that has a class.
         let class = file.len() - usize::from(bytes) + if format >= 6 { 16 } else { 15 };
         file[class] = 2;
@@ -152,7 +152,7 @@ fn colours_of_eight_bits_in_sixteen_are_told_by_the_brightest() {
     for (red, expected) in [(255u16, [255, 0, 100, 255]), (256, [1, 0, 0, 255])] {
         let mut file = header(2, 26, 1, 0, 375);
         file.extend(point(2, red, &[]));
-        assert_eq!(read(&file).colors, Some(vec![expected]), "{red}");
+        assert_eq!(read(&file).attributes.colors, Some(vec![expected]), "{red}");
     }
 }
 
@@ -208,5 +208,5 @@ fn extra_bytes_are_scalars_as_far_as_they_are_plain_numbers() {
     assert_eq!((height[0], height[2]), (12.0, 65535.0 * 0.5 + 10.0));
     assert!(height[1].is_nan(), "9 stands for no height");
     assert_eq!(numbers(&cloud, "Intensity extra 2"), [-3.0; 3]);
-    assert_eq!(cloud.scalars.len(), 4 + 2);
+    assert_eq!(cloud.attributes.scalars.len(), 4 + 2);
 }

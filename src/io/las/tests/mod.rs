@@ -36,8 +36,8 @@ fn written(cloud: &RawCloud, compressed: bool) -> Vec<u8> {
 }
 
 fn field<'a>(cloud: &'a RawCloud, name: &str) -> &'a ScalarField {
-    let found = cloud.scalars.iter().find(|field| field.name == name);
-    found.unwrap_or_else(|| panic!("no {name} among {:?}", cloud.attributes()))
+    let found = cloud.attributes.scalars.iter().find(|field| field.name == name);
+    found.unwrap_or_else(|| panic!("no {name} among {:?}", cloud.point_names()))
 }
 
 /// Numbers of a field with its offset.
@@ -53,12 +53,12 @@ fn sample(count: usize) -> RawCloud {
     let positions = (0..count).map(|i| [at(i) * 0.25, 5.0 - at(i), (at(i) * 0.7).sin()]);
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
     let colors = (0..count).map(|i| [i as u8, 255 - i as u8, 7, 255]);
-    cloud.colors = Some(colors.collect());
+    cloud.attributes.colors = Some(colors.collect());
     let field = |name: &str, number: &dyn Fn(f64) -> f64| {
         let values: Vec<f64> = (0..count).map(|index| number(at(index))).collect();
         ScalarField::from_f64(name, &values)
     };
-    cloud.scalars = vec![
+    cloud.attributes.scalars = vec![
         field("intensity", &|index| index * 13.0),
         field("classification", &|index| index % 40.0),
         field("gps_time", &|index| 3.1e8 + index * 0.5),

@@ -14,7 +14,7 @@ fn all_that_is_written_is_read_back() {
     for compressed in [false, true] {
         let file = written(&cloud, compressed);
         let back = read(&file);
-        assert_eq!(back.colors, cloud.colors);
+        assert_eq!(back.attributes.colors, cloud.attributes.colors);
         for name in ["classification", "gps_time"] {
             assert_eq!(numbers(&back, name), numbers(&cloud, name), "{name}");
         }
@@ -68,7 +68,7 @@ fn intensities_from_0_to_1_become_16_bits() {
         (vec![-3.0, f32::NAN, 1e9], [0.0, 0.0, 65535.0]),
     ] {
         let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]; 3]));
-        cloud.scalars.push(ScalarField::new("Intensity", values));
+        cloud.attributes.scalars.push(ScalarField::new("Intensity", values));
         assert_eq!(numbers(&read(&written(&cloud, true)), "intensity"), expected);
     }
 }

@@ -87,7 +87,7 @@ fn leaves(tree: &Octree, points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<
             let range = ends[0]..ends[1];
             let finest = tree.points.cells[range.start];
             let cell = [0, 1, 2].map(|axis| finest.coordinate(axis, depth));
-            let surfel = NodeSurfel::of(&points[range.clone()], &shapes[range]);
+            let surfel = NodeSurfel::of(&points[range.clone()], &shapes[range], false);
             let [red, green, blue, _] = surfel.point.color;
             let mut leaf = Summary::placed(
                 tree,

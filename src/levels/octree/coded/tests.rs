@@ -6,13 +6,13 @@ use crate::math::order_of_codes;
 use glam::Vec3;
 use proptest::prelude::*;
 
-type Records = (Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>);
+type SharedRecords = (Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>);
 
 /// Records in Morton order, of positions with normals and radii.
-pub(crate) fn records(surfels: &[(Vec3, Vec3, f32)]) -> Records {
+pub(crate) fn records(surfels: &[(Vec3, Vec3, f32)]) -> SharedRecords {
     let positions: Vec<Vec3> = surfels.iter().map(|surfel| surfel.0).collect();
     let Some(cube) = Cube::around(&positions) else {
-        return Records::default();
+        return SharedRecords::default();
     };
     let order = order_of_codes(&cube.codes(&positions));
     let in_order = order.iter().map(|&index| &surfels[index as usize]);
@@ -32,7 +32,7 @@ pub(crate) fn records(surfels: &[(Vec3, Vec3, f32)]) -> Records {
     (Arc::new(points.collect()), Arc::new(shapes.collect()))
 }
 
-pub(crate) fn tree_of(records: &Records, stop: StopCriterion) -> Arc<Octree> {
+pub(crate) fn tree_of(records: &SharedRecords, stop: StopCriterion) -> Arc<Octree> {
     let positions: Vec<Vec3> = records.0.iter().map(|point| point.position.into()).collect();
     let colors: Vec<[u8; 4]> = records.0.iter().map(|point| point.color).collect();
     Arc::new(Octree::build(&positions, &colors, stop))

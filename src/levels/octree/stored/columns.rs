@@ -6,7 +6,7 @@ use bytemuck::Zeroable;
 
 /// One number of a shape as four bytes.
 #[derive(Debug)]
-struct Column {
+struct ShapeColumn {
     name: &'static str,
     get: fn(&ShapeRecord) -> [u8; 4],
     set: fn(&mut ShapeRecord, [u8; 4]),
@@ -14,8 +14,8 @@ struct Column {
     is_valid: fn([u8; 4]) -> bool,
 }
 
-const COLUMNS: [Column; 4] = [
-    Column {
+const COLUMNS: [ShapeColumn; 4] = [
+    ShapeColumn {
         name: "normals",
         get: |shape| {
             let [x, y] = shape.normal.map(i16::to_le_bytes);
@@ -26,7 +26,7 @@ const COLUMNS: [Column; 4] = [
         },
         is_valid: |_| true,
     },
-    Column {
+    ShapeColumn {
         name: "radii",
         get: |shape| shape.radius.to_le_bytes(),
         set: |shape, bytes| shape.radius = f32::from_le_bytes(bytes),
@@ -35,13 +35,13 @@ const COLUMNS: [Column; 4] = [
             radius.is_finite() && radius >= 0.0
         },
     },
-    Column {
+    ShapeColumn {
         name: "ellipses",
         get: |shape| shape.ellipse.to_le_bytes(),
         set: |shape, bytes| shape.ellipse = u32::from_le_bytes(bytes),
         is_valid: |_| true,
     },
-    Column {
+    ShapeColumn {
         name: "scalars",
         get: |shape| shape.scalar.to_le_bytes(),
         set: |shape, bytes| shape.scalar = f32::from_le_bytes(bytes),
@@ -87,7 +87,7 @@ pub(super) fn read(mut bytes: &[u8], count: usize) -> Result<(Vec<ShapeRecord>, 
 
 /// Sets one number of all shapes; the bytes after its column.
 fn read_column<'a>(
-    column: &Column,
+    column: &ShapeColumn,
     bytes: &'a [u8],
     shapes: &mut [ShapeRecord],
 ) -> Result<&'a [u8], StoredOctreeError> {

@@ -23,7 +23,7 @@ impl StoredOctree {
     /// another kind or a later version. Memory reserved is at most some thirty times the bytes, whatever they claim.
     pub fn read_from(bytes: &[u8]) -> Result<Self, StoredOctreeError> {
         let content = checked_content(bytes)?;
-        let (header, rest) = Header::read(content)?;
+        let (header, rest) = OctreeHeader::read(content)?;
         let (masks, rest) = split(rest, header.mask_bytes, "masks")?;
         // What a number of points may claim is bounded by their colours.
         let color_bytes = header.point_count.saturating_mul(3);
@@ -73,7 +73,7 @@ fn checked_content(bytes: &[u8]) -> Result<&[u8], StoredOctreeError> {
 
 /// What stands before the masks.
 #[derive(Debug)]
-struct Header {
+struct OctreeHeader {
     cube: Cube,
     point_count: usize,
     depth: u32,
@@ -82,7 +82,7 @@ struct Header {
     mask_bytes: usize,
 }
 
-impl Header {
+impl OctreeHeader {
     fn read(bytes: &[u8]) -> Result<(Self, &[u8]), StoredOctreeError> {
         let (cube, rest) = split(bytes, 16, "cube")?;
         let cube = read_cube(cube)?;

@@ -7,7 +7,7 @@ mod voxels;
 
 use super::blocks::Blocks;
 use super::records;
-use super::rows::Rows;
+use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::scene::{Content, ScenePacket, Splatting};
 use coded::Coded;
@@ -69,7 +69,7 @@ impl<'a> Drawable<'a> {
     }
 
     /// Draws what [`Drawable::blocks`] are around; how many records were handed to tiles.
-    pub(super) fn draw(&self, packet: &ScenePacket, blocks: &Blocks, bands: Vec<Rows<'_>>) -> u64 {
+    pub(super) fn draw(&self, packet: &ScenePacket, blocks: &Blocks, bands: Vec<TileRow<'_>>) -> u64 {
         match self {
             Self::Points(points) => records::draw(points, blocks, packet, bands),
             Self::Surfels(surfels) => records::draw(surfels, blocks, packet, bands),

@@ -4,7 +4,7 @@ use crate::cloud::PointRecord;
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
 use crate::render::cpu::finish::Held;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{PointShape, ScenePacket};
@@ -33,7 +33,7 @@ impl Placed for Points<'_> {
     }
 }
 
-impl Records for Points<'_> {
+impl DrawnRecords for Points<'_> {
     type Scratch = ();
 
     fn held(&self, _: &ScenePacket) -> Held {

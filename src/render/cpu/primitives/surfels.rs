@@ -1,19 +1,20 @@
-//! Surfels in the six modes of paper 000, Fig. 3.
+//! Surfels, round or not, in the six modes of paper 000, Fig. 3.
 
 use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
+use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, ScenePacket, Splatting, Style};
+use crate::scene::{Lighting, Primitive, ScenePacket, Splatting, Style};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
-use std::f32::consts::SQRT_2;
 use std::ops::Range;
 
 /// Surfels of a packet, and how they are drawn.
@@ -38,8 +39,7 @@ impl Placed for Surfels<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // The corner of the square.
-        SQRT_2 * self.shapes[record].radius
+        SQUARE_REACH_RADII * self.shapes[record].radius
     }
 }
 
@@ -50,13 +50,13 @@ struct EightSurfels<S: Simd> {
     may_touch: mask32x8<S>,
     centers: Vectors<S>,
     normals: Vectors<S>,
-    /// Directions of their edges.
+    /// Their half edges where the radius is 1.
     u: Vectors<S>,
     v: Vectors<S>,
     radii: f32x8<S>,
 }
 
-impl Records for Surfels<'_> {
+impl DrawnRecords for Surfels<'_> {
     type Scratch = Waiting;
 
     fn held(&self, packet: &ScenePacket) -> Held {
@@ -92,20 +92,30 @@ impl Records for Surfels<'_> {
             for first in range.step_by(LANES) {
                 let eight = first..end.min(first + LANES);
                 let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
-                let [normals, radii, ..] = words(simd, &self.shapes[eight.clone()]);
+                let [normals, radii, ellipses, _] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-                let reach = radii * (self.largest_scale() * SQRT_2);
+                let reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
                 let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
-                    let (normals, u) = axes(simd, normals);
-                    let (normals, u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
+                    let normals = oct_decode_each(simd, normals);
+                    let (u, half_axes) = if self.style.primitive == Primitive::Ellipse {
+                        let ellipses = decode_each(simd, normals, ellipses);
+                        (ellipses.axes, Some(ellipses.half_axes(simd)))
+                    } else {
+                        (across(simd, normals), None)
+                    };
+                    let (normals, mut u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
+                    let mut v = normals.cross(u);
+                    if let Some([longer, shorter]) = half_axes {
+                        (u, v) = (u.times(longer), v.times(shorter));
+                    }
                     let seen = EightSurfels {
                         first,
                         may_touch,
                         centers,
                         normals,
                         u,
-                        v: normals.cross(u),
+                        v,
                         radii,
                     };
                     self.draw_eight(simd, view, tile, clip, &seen, waiting);
@@ -208,20 +218,19 @@ impl Surfels<'_> {
     }
 }
 
-/// The normals n and the edges u of surfels. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v = n ×
-/// u (`shaders/primitives/surfels.wgsl`).
+/// Unit vectors u across the normals n of disks. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v =
+/// n × u (`shaders/primitives/disk_axes.wgsl`).
 #[inline(always)]
-fn axes<S: Simd>(simd: S, packed_normals: f32x8<S>) -> (Vectors<S>, Vectors<S>) {
+fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
-    let normals = oct_decode_each(simd, packed_normals);
     // a is −z where n is almost upright, and y elsewhere.
-    let is_upright = normals.y.abs().simd_gt(splat(0.99));
+    let is_upright = normals.y.abs().simd_gt(splat(UPRIGHT_NORMAL_Y));
     let u = Vectors {
         x: simd.select_f32x8(is_upright, normals.y, normals.z),
         y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),
         z: simd.select_f32x8(is_upright, splat(0.0), -normals.x),
     };
-    (normals, u.times(1.0 / u.dot(u).sqrt()))
+    u.times(1.0 / u.dot(u).sqrt())
 }
 
 impl<S: Simd> EightSurfels<S> {

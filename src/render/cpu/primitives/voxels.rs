@@ -1,13 +1,14 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
 use crate::cloud::{ShapeRecord, VoxelRecord};
+use crate::render::constants::CUBE_REACH_HALF_EDGES;
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
-use crate::render::cpu::records::Records;
+use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
@@ -34,12 +35,11 @@ impl Placed for Cubes<'_> {
     }
 
     fn reach(&self, record: usize) -> f32 {
-        // The corner of the cube.
-        3f32.sqrt() * self.half_edge(record)
+        CUBE_REACH_HALF_EDGES * self.half_edge(record)
     }
 }
 
-impl Records for Cubes<'_> {
+impl DrawnRecords for Cubes<'_> {
     type Scratch = ();
 
     fn held(&self, packet: &ScenePacket) -> Held {
@@ -100,11 +100,12 @@ impl<'a> Cubes<'a> {
         let offsets = view.offsets_from_eye(simd, [x, y, z]);
         let centers = view.rotate_each(simd, offsets);
         let half_edges = self.half_edges(color_and_level);
-        let may_touch = pyramid.may_touch(simd, centers, half_edges * 3f32.sqrt()) & lanes_below(simd, records.len());
+        let may_touch =
+            pyramid.may_touch(simd, centers, half_edges * CUBE_REACH_HALF_EDGES) & lanes_below(simd, records.len());
         if !simd.any_true_mask32x8(may_touch) {
             return;
         }
-        let cells = Cells {
+        let cells = EightCells {
             offsets,
             centers,
             half_edges,
@@ -163,7 +164,7 @@ impl<'a> Cubes<'a> {
 }
 
 /// Eight cells.
-struct Cells<S: Simd> {
+struct EightCells<S: Simd> {
     /// Of their middles from the eye, in the axes of the frame.
     offsets: Vectors<S>,
     /// The same in view space.
@@ -172,7 +173,7 @@ struct Cells<S: Simd> {
     may_touch: mask32x8<S>,
 }
 
-impl<S: Simd> Cells<S> {
+impl<S: Simd> EightCells<S> {
     /// The faces towards the eye that an axis of the frame crosses.
     #[inline(always)]
     fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {

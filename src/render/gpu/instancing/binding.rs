@@ -1,5 +1,6 @@
 //! Layouts, groups and limits that several strategies share.
 
+use super::stream::RECORD_BYTES;
 use crate::render::gpu::constants::INDICES_PER_QUAD;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
@@ -16,24 +17,13 @@ pub(super) fn buffer_with(
 
 /// A layout with one binding for the vertex stage (and the compute stage, which amplifies).
 pub(super) fn single_binding_layout(context: &Context, label: &str, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
-    let stages = if matches!(
-        ty,
-        wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { .. },
-            ..
-        }
-    ) {
-        wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE
-    } else {
-        wgpu::ShaderStages::VERTEX
-    };
     context
         .device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
             entries: &[wgpu::BindGroupLayoutEntry {
                 binding: 0,
-                visibility: stages,
+                visibility: wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE,
                 ty,
                 count: None,
             }],
@@ -53,12 +43,9 @@ pub(super) fn single_binding(
     })
 }
 
-/// One copy of the stream's layout for each stream that the amplification reads.
-pub(super) fn stream_layouts<'a>(
-    layout: &'a wgpu::BindGroupLayout,
-    amplification: &Amplification,
-) -> Vec<&'a wgpu::BindGroupLayout> {
-    vec![layout; 1 + usize::from(amplification.reads_shapes)]
+/// How many records so many bytes hold.
+pub(super) fn records_of(bytes: u64) -> usize {
+    usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES
 }
 
 /// Limit of a draw call: indices are u32 and so is their count.

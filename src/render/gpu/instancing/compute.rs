@@ -6,32 +6,41 @@
 //! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
 
 use super::binding::{max_indexed_records, single_binding};
-use super::storage::Storage;
-use super::strategy::Instancing;
-use super::stream::{Chunk, Draw, STREAM_GROUP, ViewBinding};
-use crate::render::gpu::constants::GROUP_RECORDS;
+use super::storage::{self, Storage};
+use super::strategy::{Instancing, StrategyRow};
+use super::stream::{Chunk, Draw, ViewBinding};
+use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
 use crate::render::gpu::primitives::Amplification;
-use crate::render::gpu::shaders::Permutation;
-use crate::scene::Strategy;
+use crate::render::gpu::wgsl;
 use std::collections::HashMap;
 
 /// Bytes of `DrawIndexedIndirect`.
 const INDIRECT_BYTES: u64 = 20;
 
-/// Bind group of the compute stage's outputs.
-const OUTPUT_GROUP: u32 = 3;
+pub(super) const ROW: StrategyRow = StrategyRow {
+    fetch_corner: Some(include_str!("../../../../shaders/fetch/compute.wgsl")),
+    open: |context, view_layout| Box::new(Compute::new(context, view_layout)),
+    ..storage::ROW
+};
+
+/// The WGSL of the pass that writes corners.
+pub(in crate::render::gpu) fn compute_source(amplification: &Amplification) -> String {
+    let mut files = ROW.amplifying_wgsl(amplification);
+    files.push(include_str!("../../../../shaders/passes/amplify.wgsl"));
+    wgsl::of_records(amplification, &files)
+}
 
 #[derive(Debug)]
-pub(super) struct Compute {
+struct Compute {
     storage: Storage,
     output_layout: wgpu::BindGroupLayout,
     view_layout: wgpu::BindGroupLayout,
     /// By the name of their amplification.
     pipelines: HashMap<&'static str, Pipelines>,
     /// Outputs for each chunk of what was amplified last.
-    outputs: Vec<Output>,
+    outputs: Vec<AmplifiedChunk>,
 }
 
 #[derive(Debug)]
@@ -43,7 +52,7 @@ struct Pipelines {
 
 /// Where the corners of one chunk go.
 #[derive(Debug)]
-struct Output {
+struct AmplifiedChunk {
     record_capacity: u32,
     vertices_per_record: u32,
     indirect: wgpu::Buffer,
@@ -52,7 +61,7 @@ struct Output {
 }
 
 impl Compute {
-    pub(super) fn new(context: &Context, view_layout: &wgpu::BindGroupLayout) -> Self {
+    fn new(context: &Context, view_layout: &wgpu::BindGroupLayout) -> Self {
         let storage_entry = |binding| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -78,16 +87,15 @@ impl Compute {
     }
 
     fn build_pipelines(&self, context: &Context, amplification: &'static Amplification) -> Pipelines {
-        let permutation = Permutation::Amplify(amplification);
-        let label = permutation.label();
+        let label = amplification.name;
         let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(compute_source(amplification).into()),
         });
-        let stream = Some(self.storage.layout());
+        let stream = self.storage.stream_layout();
         let shapes = stream.filter(|_| amplification.reads_shapes);
         let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(&label),
+            label: Some(label),
             bind_group_layouts: &[Some(&self.view_layout), stream, shapes, Some(&self.output_layout)],
             immediate_size: 0,
         });
@@ -95,7 +103,7 @@ impl Compute {
             context
                 .device
                 .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(&label),
+                    label: Some(label),
                     layout: Some(&layout),
                     module: &module,
                     entry_point: Some(entry_point),
@@ -110,7 +118,7 @@ impl Compute {
         }
     }
 
-    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> Output {
+    fn build_output(&self, context: &Context, record_count: u32, vertices_per_record: u32) -> AmplifiedChunk {
         let buffer = |label, size, usage| {
             context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -130,7 +138,7 @@ impl Compute {
             binding: binding as u32,
             resource: entries[binding].as_entire_binding(),
         });
-        Output {
+        AmplifiedChunk {
             record_capacity: record_count,
             vertices_per_record,
             compute_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -138,21 +146,21 @@ impl Compute {
                 layout: &self.output_layout,
                 entries: &entries,
             }),
-            draw_group: single_binding(context, self.storage.layout(), vertices.as_entire_binding()),
+            draw_group: single_binding(context, &self.storage.layout, vertices.as_entire_binding()),
             indirect,
         }
     }
 }
 
 impl Instancing for Compute {
-    fn strategy(&self) -> Strategy {
-        Strategy::Compute
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.storage.stream_layout()
     }
 
     fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
         if amplification.compute_amplifies {
             // The corners.
-            vec![self.storage.layout()]
+            vec![&self.storage.layout]
         } else {
             self.storage.group_layouts(amplification)
         }
@@ -210,7 +218,7 @@ impl Instancing for Compute {
             label: Some("amplify"),
             timestamp_writes: None,
         });
-        pass.set_bind_group(0, view.bind_group, &[view.offset]);
+        pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
         for (chunk, output) in self.outputs.iter().enumerate() {
             for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {
                 pass.set_bind_group(group, stream.chunks[chunk].bind_group.as_ref(), &[]);

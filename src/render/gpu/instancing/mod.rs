@@ -3,6 +3,9 @@
 //! A strategy knows one thing: how to bring a *stream* of 16-byte records to the GPU and how to draw from it. It does
 //! not know what a record means nor what is drawn into. Streams longer than the adapter can bind are cut into chunks,
 //! each uploaded with one copy and drawn with one call (the uniform strategy: one a batch).
+//!
+//! Its file has what it is for the GPU: its [`StrategyRow`], binding, limits and draw call. What it is called is a line
+//! of [`Strategy`] in the scene, which knows no GPU.
 
 mod binding;
 mod compute;
@@ -13,19 +16,19 @@ mod texture;
 mod uniform;
 mod vertex;
 
-pub(super) use strategy::{Instancing, upload};
+pub(super) use compute::compute_source;
+pub(super) use strategy::{Instancing, StrategyRow, upload};
 pub(super) use stream::{Draw, Stream, ViewBinding};
 
-use super::context::Context;
 use crate::scene::Strategy;
 
-/// The strategy's implementation; `view_layout` is the layout of bind group 0.
-pub(super) fn new(strategy: Strategy, context: &Context, view_layout: &wgpu::BindGroupLayout) -> Box<dyn Instancing> {
+/// The table of strategies.
+pub(super) fn row(strategy: Strategy) -> &'static StrategyRow {
     match strategy {
-        Strategy::Storage => Box::new(storage::Storage::new(context)),
-        Strategy::Uniform => Box::new(uniform::Uniform::new(context)),
-        Strategy::Texture => Box::new(texture::Texture::new(context)),
-        Strategy::Vertex => Box::new(vertex::Vertex),
-        Strategy::Compute => Box::new(compute::Compute::new(context, view_layout)),
+        Strategy::Storage => &storage::ROW,
+        Strategy::Uniform => &uniform::ROW,
+        Strategy::Texture => &texture::ROW,
+        Strategy::Vertex => &vertex::ROW,
+        Strategy::Compute => &compute::ROW,
     }
 }

@@ -4,16 +4,22 @@
 //! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
-use super::binding::{buffer_with, max_indexed_records, single_binding, single_binding_layout, stream_layouts};
-use super::strategy::Instancing;
-use super::stream::{Chunk, Draw, RECORD_BYTES};
+use super::binding::{buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};
+use super::strategy::{Instancing, StrategyRow};
+use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
-use crate::scene::Strategy;
+
+pub(super) const ROW: StrategyRow = StrategyRow {
+    fetch: [include_str!("../../../../shaders/fetch/storage.wgsl"); 2],
+    fetch_corner: None,
+    open: |context, _| Box::new(Storage::new(context)),
+};
 
 #[derive(Debug)]
 pub(super) struct Storage {
-    layout: wgpu::BindGroupLayout,
+    /// Of one stream; the compute strategy reads the same.
+    pub(super) layout: wgpu::BindGroupLayout,
 }
 
 impl Storage {
@@ -27,20 +33,11 @@ impl Storage {
             layout: single_binding_layout(context, "storage stream", ty),
         }
     }
-
-    /// The layout of one stream; the compute strategy reads the same.
-    pub(super) fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
-    }
 }
 
 impl Instancing for Storage {
-    fn strategy(&self) -> Strategy {
-        Strategy::Storage
-    }
-
-    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
-        stream_layouts(&self.layout, amplification)
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        Some(&self.layout)
     }
 
     fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
@@ -48,7 +45,7 @@ impl Instancing for Storage {
             .limits
             .max_storage_buffer_binding_size
             .min(context.limits.max_buffer_size);
-        (usize::try_from(bytes).unwrap_or(usize::MAX) / RECORD_BYTES).min(max_indexed_records(context, amplification))
+        records_of(bytes).min(max_indexed_records(context, amplification))
     }
 
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
@@ -58,13 +55,5 @@ impl Instancing for Storage {
             bind_group: Some(single_binding(context, &self.layout, buffer.as_entire_binding())),
             buffer: None,
         }
-    }
-
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
-        for chunk in 0..draw.chunk_count() {
-            draw.bind(pass, chunk, &[]);
-            draw.pulled(pass, draw.chunk_records(chunk));
-        }
-        draw.chunk_count() as u32
     }
 }

@@ -1,18 +1,47 @@
-//! What every strategy can do.
+//! What every strategy is, and can do.
 
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
-use crate::scene::Strategy;
-use std::fmt;
+use std::{fmt, iter};
+
+/// A row of the [table of strategies](super::row).
+#[derive(Debug)]
+pub(in crate::render::gpu) struct StrategyRow {
+    /// Files of `shaders/fetch/` by which the vertex stage gets a record: where it reads no shapes, and where it does.
+    pub(super) fetch: [&'static str; 2],
+    /// The file by which it gets a corner that a compute pass has written, of strategies with such a pass.
+    pub(super) fetch_corner: Option<&'static str>,
+    /// Makes it; the layout is that of the view's bind group.
+    pub(in crate::render::gpu) open: fn(&Context, &wgpu::BindGroupLayout) -> Box<dyn Instancing>,
+}
+
+impl StrategyRow {
+    /// The files that make corners of records.
+    pub(super) fn amplifying_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
+        let fetch = self.fetch[usize::from(amplification.reads_shapes)];
+        iter::once(fetch).chain(amplification.wgsl.iter().copied()).collect()
+    }
+
+    /// The files by which the vertex stage gets its corners.
+    pub(in crate::render::gpu) fn vertex_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
+        match self.fetch_corner {
+            Some(fetch_corner) if amplification.compute_amplifies => vec![fetch_corner],
+            _ => self.amplifying_wgsl(amplification),
+        }
+    }
+}
 
 /// One way to bring records to the vertex stage.
 pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
-    /// Which one.
-    fn strategy(&self) -> Strategy;
+    /// Layout of the bind group of one stream, for strategies that bind.
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout>;
 
-    /// Layouts of the bind groups after the view's, for geometry pipelines.
-    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout>;
+    /// Layouts of the bind groups after the view's, for geometry pipelines: one for each stream.
+    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
+        let streams = 1 + usize::from(amplification.reads_shapes);
+        iter::repeat_n(self.stream_layout(), streams).flatten().collect()
+    }
 
     /// Layouts of the vertex buffers of geometry pipelines.
     fn vertex_buffers(&self, _amplification: &'static Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
@@ -42,7 +71,13 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     }
 
     /// Draws all chunks with the pipeline that is set. Returns the number of draw calls.
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32;
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        for chunk in 0..draw.chunk_count() {
+            draw.bind(pass, chunk, &[]);
+            draw.pulled(pass, draw.chunk_records(chunk));
+        }
+        draw.chunk_count() as u32
+    }
 }
 
 /// Cuts `records` into chunks that the strategy and the adapter can hold, and uploads each.

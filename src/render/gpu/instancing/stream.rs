@@ -1,13 +1,10 @@
 //! Streams of records on the GPU, and what draws them.
 
-use crate::render::gpu::constants::INDICES_PER_QUAD;
+use crate::render::gpu::constants::{INDICES_PER_QUAD, STREAM_GROUP};
 use crate::render::gpu::primitives::Amplification;
 
 /// Size of every record.
 pub(in crate::render::gpu) const RECORD_BYTES: usize = 16;
-
-/// Bind group of the stream of points or voxels; the one after it is the stream of shapes.
-pub(in crate::render::gpu) const STREAM_GROUP: u32 = 1;
 
 /// A sequence of records on the GPU.
 #[derive(Debug)]

@@ -3,23 +3,28 @@
 //! Texel fetches go through the texture cache, which hardware without storage buffers in the vertex stage (WebGL 2,
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
-use super::binding::{max_indexed_records, single_binding, single_binding_layout, stream_layouts};
-use super::strategy::Instancing;
-use super::stream::{Chunk, Draw, RECORD_BYTES};
+use super::binding::{max_indexed_records, single_binding, single_binding_layout};
+use super::strategy::{Instancing, StrategyRow};
+use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
-use crate::scene::Strategy;
 
 /// Texels a row: a power of two that every adapter allows and that wastes little of the last row.
 const ROW_RECORDS: usize = 2048;
 
+pub(super) const ROW: StrategyRow = StrategyRow {
+    fetch: [include_str!("../../../../shaders/fetch/texture.wgsl"); 2],
+    fetch_corner: None,
+    open: |context, _| Box::new(Texture::new(context)),
+};
+
 #[derive(Debug)]
-pub(super) struct Texture {
+struct Texture {
     layout: wgpu::BindGroupLayout,
 }
 
 impl Texture {
-    pub(super) fn new(context: &Context) -> Self {
+    fn new(context: &Context) -> Self {
         let ty = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Uint,
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -32,12 +37,8 @@ impl Texture {
 }
 
 impl Instancing for Texture {
-    fn strategy(&self) -> Strategy {
-        Strategy::Texture
-    }
-
-    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
-        stream_layouts(&self.layout, amplification)
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        Some(&self.layout)
     }
 
     fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
@@ -106,13 +107,5 @@ impl Instancing for Texture {
             )),
             buffer: None,
         }
-    }
-
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
-        for chunk in 0..draw.chunk_count() {
-            draw.bind(pass, chunk, &[]);
-            draw.pulled(pass, draw.chunk_records(chunk));
-        }
-        draw.chunk_count() as u32
     }
 }

@@ -4,24 +4,29 @@
 //! one upload. The paper found it the fastest of the instancing pipeline on the hardware of its day, where uniform
 //! memory had a cache of its own.
 
-use super::binding::{buffer_with, single_binding, single_binding_layout, stream_layouts};
-use super::strategy::Instancing;
+use super::binding::{buffer_with, single_binding, single_binding_layout};
+use super::strategy::{Instancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::BATCH_RECORDS;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
-use crate::scene::Strategy;
 
 /// Bytes a draw.
 const BATCH_BYTES: usize = BATCH_RECORDS as usize * RECORD_BYTES;
 
+pub(super) const ROW: StrategyRow = StrategyRow {
+    fetch: [include_str!("../../../../shaders/fetch/uniform.wgsl"); 2],
+    fetch_corner: None,
+    open: |context, _| Box::new(Uniform::new(context)),
+};
+
 #[derive(Debug)]
-pub(super) struct Uniform {
+struct Uniform {
     layout: wgpu::BindGroupLayout,
 }
 
 impl Uniform {
-    pub(super) fn new(context: &Context) -> Self {
+    fn new(context: &Context) -> Self {
         let ty = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset: true,
@@ -34,12 +39,8 @@ impl Uniform {
 }
 
 impl Instancing for Uniform {
-    fn strategy(&self) -> Strategy {
-        Strategy::Uniform
-    }
-
-    fn group_layouts(&self, amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
-        stream_layouts(&self.layout, amplification)
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        Some(&self.layout)
     }
 
     fn max_chunk_records(&self, context: &Context, _amplification: &'static Amplification) -> usize {

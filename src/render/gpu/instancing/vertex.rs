@@ -3,29 +3,33 @@
 //! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel)
 //! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
-use super::binding::buffer_with;
-use super::strategy::Instancing;
+use super::binding::{buffer_with, records_of};
+use super::strategy::{Instancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::INDICES_PER_QUAD;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
-use crate::scene::Strategy;
 
 const POINT_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
 
 const SHAPE_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![2 => Uint32, 3 => Float32, 4 => Uint32, 5 => Float32];
 
+pub(super) const ROW: StrategyRow = StrategyRow {
+    fetch: [
+        include_str!("../../../../shaders/fetch/vertex_points.wgsl"),
+        include_str!("../../../../shaders/fetch/vertex.wgsl"),
+    ],
+    fetch_corner: None,
+    open: |_, _| Box::new(Vertex),
+};
+
 #[derive(Debug)]
-pub(super) struct Vertex;
+struct Vertex;
 
 impl Instancing for Vertex {
-    fn strategy(&self) -> Strategy {
-        Strategy::Vertex
-    }
-
-    fn group_layouts(&self, _amplification: &'static Amplification) -> Vec<&wgpu::BindGroupLayout> {
-        Vec::new()
+    fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        None
     }
 
     fn vertex_buffers(&self, amplification: &'static Amplification) -> Vec<wgpu::VertexBufferLayout<'static>> {
@@ -47,7 +51,7 @@ impl Instancing for Vertex {
     }
 
     fn max_chunk_records(&self, context: &Context, _amplification: &'static Amplification) -> usize {
-        usize::try_from(context.limits.max_buffer_size).unwrap_or(usize::MAX) / RECORD_BYTES
+        records_of(context.limits.max_buffer_size)
     }
 
     fn quads_per_draw(&self, _records: u32, amplification: &'static Amplification) -> u32 {

@@ -2,14 +2,14 @@
 
 use super::amplification::Amplification;
 use crate::render::gpu::passes::{GeometryPass, ScreenPass, Target};
-use crate::render::gpu::residency::Records;
+use crate::render::gpu::residency::RecordSource;
 
 /// A packet's records, and the passes over them.
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) amplification: &'static Amplification,
     /// In the order of their bind groups; none where the frame lacks what the primitive needs.
-    pub(in crate::render::gpu) streams: Vec<Records<'a>>,
+    pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
     /// The amplification that says how long the chunks of these streams may be.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,

@@ -23,10 +23,11 @@ pub(super) use drawable::Drawable;
 use crate::scene::{Content, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 5] = [
+pub const AMPLIFICATIONS: [&Amplification; 6] = [
     &points::PIXEL,
     &points::SQUARE,
-    &surfels::QUAD,
+    &surfels::DISK,
+    &surfels::ELLIPSE,
     &voxels::LIT_BY_FACES,
     &voxels::LIT_BY_NORMALS,
 ];

@@ -5,7 +5,7 @@ use super::drawable::Drawable;
 use super::surfels;
 use crate::cloud::PointRecord;
 use crate::render::gpu::passes::geometry::{POINT, ROUND_POINT};
-use crate::render::gpu::residency::Records;
+use crate::render::gpu::residency::RecordSource;
 use crate::scene::{PointShape, Style};
 use std::sync::Arc;
 
@@ -31,10 +31,10 @@ pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &St
     let is_pixel = style.points.size_px <= 1.0;
     Drawable {
         amplification: if is_pixel { &PIXEL } else { &SQUARE },
-        streams: points.map(Records::of).into_iter().collect(),
+        streams: points.map(RecordSource::of).into_iter().collect(),
         // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
         // again.
-        chunked_for: &surfels::QUAD,
+        chunked_for: &surfels::DISK,
         cull_back_faces: style.culls_back_faces(),
         passes: match style.points.shape {
             PointShape::Disk if !is_pixel => &[&ROUND_POINT],

@@ -1,21 +1,34 @@
-//! Surfels in the six modes of paper 000, Fig. 3.
+//! Surfels, round or not, in the six modes of paper 000, Fig. 3.
 
 use super::amplification::Amplification;
 use super::drawable::Drawable;
 use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, REGULAR, VISIBILITY};
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
-use crate::render::gpu::residency::Records;
-use crate::scene::{Splatting, Style, Surfels};
+use crate::render::gpu::residency::RecordSource;
+use crate::scene::{Primitive, Splatting, Style, Surfels};
 
-/// One quad on the surface.
-pub(super) const QUAD: Amplification = Amplification {
+/// One quad on the surface, with a disk.
+pub(super) const DISK: Amplification = Amplification {
     name: "surfel",
-    wgsl: &[include_str!("../../../../shaders/primitives/surfels.wgsl")],
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/surfels.wgsl"),
+    ],
     vertices_per_record: 4,
     reads_shapes: true,
     compute_amplifies: true,
     passes: &[&VISIBILITY, &ATTRIBUTE, &REGULAR, &NO_DEPTH],
+};
+
+/// The same with an ellipse.
+pub(super) const ELLIPSE: Amplification = Amplification {
+    name: "ellipse",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/surfels.wgsl"),
+    ],
+    ..DISK
 };
 
 type Passes = &'static [&'static GeometryPass];
@@ -31,9 +44,13 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
         }
     };
     Drawable {
-        amplification: &QUAD,
-        streams: vec![Records::of(&surfels.points), Records::of(&surfels.shapes)],
-        chunked_for: &QUAD,
+        amplification: if style.primitive == Primitive::Ellipse {
+            &ELLIPSE
+        } else {
+            &DISK
+        },
+        streams: vec![RecordSource::of(&surfels.points), RecordSource::of(&surfels.shapes)],
+        chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,
         resolve,

@@ -3,7 +3,7 @@
 use super::amplification::Amplification;
 use super::drawable::Drawable;
 use crate::render::gpu::passes::geometry::SOLID;
-use crate::render::gpu::residency::Records;
+use crate::render::gpu::residency::RecordSource;
 use crate::scene::Voxels;
 
 /// Light falls on the faces.
@@ -38,7 +38,7 @@ pub(super) fn drawable(voxels: &Voxels) -> Drawable<'_> {
     };
     Drawable {
         amplification,
-        streams: [Some(Records::of(&voxels.records)), normals.map(Records::of)]
+        streams: [Some(RecordSource::of(&voxels.records)), normals.map(RecordSource::of)]
             .into_iter()
             .flatten()
             .collect(),

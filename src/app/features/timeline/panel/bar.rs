@@ -1,10 +1,10 @@
 //! The bar: what is in memory and what failed, the range that plays, the playhead.
 
 use super::context::TimelineContext;
-use crate::app::features::thumbnails::{Look, PICTURE_PX, Thumbnails};
+use crate::app::features::thumbnails::{PICTURE_PX, ThumbnailState, Thumbnails};
 use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
 use crate::app::widgets::numbers::grouped;
-use crate::playback::{Mark, Player, Run};
+use crate::playback::{Mark, MarkRun, Player};
 use crate::sequence::{Needs, Slot};
 use crate::timeline::PlayRange;
 use egui::{Color32, Painter, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
@@ -70,7 +70,7 @@ pub(super) fn frame_at(rect: Rect, x: f32, count: usize) -> usize {
     ((part * count as f32) as usize).min(count.saturating_sub(1))
 }
 
-fn paint_bar(ui: &Ui, rect: Rect, runs: &[Run], count: usize, playhead: usize) {
+fn paint_bar(ui: &Ui, rect: Rect, runs: &[MarkRun], count: usize, playhead: usize) {
     let painter = ui.painter_at(rect.expand(2.0));
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     let count = count.max(1) as f32;
@@ -137,7 +137,7 @@ pub(super) fn frame_tooltip(
     let text = tooltip(player, needs, frame);
     let look = thumbnails.look(&response.ctx, frame);
     response.on_hover_ui_at_pointer(|ui| {
-        if let Look::Picture(texture) = look {
+        if let ThumbnailState::Picture(texture) = look {
             ui.image((texture, PICTURE_PX.map(|edge| edge as f32).into()));
         }
         ui.label(text);

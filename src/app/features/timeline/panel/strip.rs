@@ -2,7 +2,7 @@
 
 use super::bar::frame_tooltip;
 use super::context::TimelineContext;
-use crate::app::features::thumbnails::{Look, MAX_CELLS, PICTURE_PX, strip_frames};
+use crate::app::features::thumbnails::{MAX_CELLS, PICTURE_PX, ThumbnailState, strip_frames};
 use crate::app::theme::{ACCENT, BAD};
 use egui::{Color32, Painter, Rect, Role, Sense, Stroke, StrokeKind, TextureId, Ui, WidgetInfo, pos2, vec2};
 
@@ -34,9 +34,9 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
         let response = ui.interact(cell, ui.scope_id().with(("thumbnail", frame)), Sense::click());
         let look = context.thumbnails.look(ui.ctx(), frame);
         let name = match look {
-            Look::Picture(_) => format!("Thumbnail of frame {}", frame + 1),
-            Look::Broken => format!("Frame {} cannot be read", frame + 1),
-            Look::Unknown => format!("Frame {} has no thumbnail yet", frame + 1),
+            ThumbnailState::Picture(_) => format!("Thumbnail of frame {}", frame + 1),
+            ThumbnailState::Broken => format!("Frame {} cannot be read", frame + 1),
+            ThumbnailState::Unknown => format!("Frame {} has no thumbnail yet", frame + 1),
         };
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
         paint(&ui.painter_at(cell), cell, look);
@@ -67,18 +67,18 @@ fn picture_rect(cell: Rect) -> Rect {
     Rect::from_center_size(cell.center(), vec2(width, height))
 }
 
-fn paint(painter: &Painter, cell: Rect, look: Look) {
+fn paint(painter: &Painter, cell: Rect, look: ThumbnailState) {
     let rect = picture_rect(cell);
     match look {
-        Look::Picture(texture) => paint_picture(painter, rect, texture),
-        Look::Broken => {
+        ThumbnailState::Picture(texture) => paint_picture(painter, rect, texture),
+        ThumbnailState::Broken => {
             painter.rect_filled(rect, 2.0, BAD.gamma_multiply(0.18));
             let [left, right] = [-7.0, 7.0].map(|x| rect.center() + vec2(x, -7.0));
             let stroke = Stroke::new(2.0, BAD);
             painter.line_segment([left, left + vec2(14.0, 14.0)], stroke);
             painter.line_segment([right, right + vec2(-14.0, 14.0)], stroke);
         }
-        Look::Unknown => {}
+        ThumbnailState::Unknown => {}
     }
 }
 

@@ -5,7 +5,7 @@ use super::transform::homogeneous;
 use super::*;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::{coarser_normal, quantise_normal};
-use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SPECULAR};
+use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::render::cpu::rows::bands_of;
 use crate::render::cpu::view::PixelView;
 use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, Projection, UpAxis};
@@ -50,7 +50,7 @@ fn surfels(bits: u32) -> Vec<([f32; 3], Vec3)> {
 fn lit(normal: Vec3, from_eye: DVec3) -> [f64; 3] {
     let facing = normal.as_dvec3().dot(from_eye.normalize()).abs();
     let factor = f64::from(HEAD_LIGHT_AMBIENT) + f64::from(1.0 - HEAD_LIGHT_AMBIENT) * facing;
-    let white = 255.0 * f64::from(HEAD_LIGHT_SPECULAR) * facing.powi(24);
+    let white = 255.0 * f64::from(HEAD_LIGHT_SPECULAR) * facing.powi(HEAD_LIGHT_SHININESS as i32);
     [0, 1, 2].map(|channel| (f64::from(COLOR[channel]) * factor + white).min(255.0))
 }
 
@@ -73,7 +73,7 @@ fn assert_pixels(
     packet.style.codes.offset_bits = OffsetBits::None;
     packet.style.surfels.back_faces = BackFaces::Drawn;
     let mut image = RgbaImage::new(640, 480);
-    let bands = bands_of(&packet, &mut image, 4).map(Rows::Bytes);
+    let bands = bands_of(&packet, &mut image, 4).map(TileRow::Bytes);
     let coded = Coded::of(&packet).expect("a byte code");
     assert!(draw(&coded, &packet, bands.collect()) > 0, "nodes are drawn");
 

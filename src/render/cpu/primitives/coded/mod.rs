@@ -32,7 +32,7 @@ use crate::cloud::{largest_normal_error, quantised_normals};
 use crate::levels::octree::coded::offset_of_code;
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::painter::Painter;
-use crate::render::cpu::rows::Rows;
+use crate::render::cpu::rows::TileRow;
 use crate::scene::{ScenePacket, Splatting};
 use blocks::{Block, Traversal};
 use footprints::Footprints;
@@ -44,7 +44,7 @@ use transform::Transform;
 ///
 /// It begins on the caller's thread: the tables are made by all threads at their first use, and one of those that
 /// waited for a table might take up work that waits for the same.
-pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<Rows<'_>>) -> u64 {
+pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<TileRow<'_>>) -> u64 {
     let held = match packet.style.surfels.splatting {
         _ if coded.are_pixels => Held::Keys,
         Splatting::Visibility => Held::depths(packet),

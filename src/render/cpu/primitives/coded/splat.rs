@@ -12,7 +12,7 @@ use crate::render::cpu::view::PixelRect;
 
 /// Where a splat is, and how its depth goes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct SplatPlacement {
     /// The pixel that its middle is in.
     pub(super) pixel: [i32; 2],
     /// Reversed depth, `near/distance`, in the middle of that pixel.
@@ -26,7 +26,7 @@ pub(super) struct Place {
 /// A splat of the attribute pass that waits for the visibility pass to end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WaitingMask {
-    pub(super) place: Place,
+    pub(super) place: SplatPlacement,
     pub(super) mask: Mask,
     /// Lit red, green and blue, 0 to 1.
     pub(super) color: [f32; 3],
@@ -38,7 +38,7 @@ pub(super) struct WaitingMask {
 fn for_each_eight(
     masks: &Masks,
     mask: &Mask,
-    place: &Place,
+    place: &SplatPlacement,
     tile_rect: PixelRect,
     mut visit: impl FnMut(usize, &[u8; LANES], f32),
 ) {
@@ -68,7 +68,7 @@ fn for_each_eight(
 
 /// The depth of what is nearest, pushed back: depths are multiplied with `push_back`.
 #[inline(always)]
-pub(super) fn visibility(masks: &Masks, tile: &mut Tile, mask: &Mask, place: &Place, push_back: f32) {
+pub(super) fn visibility(masks: &Masks, tile: &mut Tile, mask: &Mask, place: &SplatPlacement, push_back: f32) {
     let rect = tile.rect();
     let (there, _) = tile.depth.as_chunks_mut::<LANES>();
     let [farthest, nearest] = place.depths;

@@ -9,7 +9,7 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
 use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
 use crate::render::cpu::tests::packet_of;
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{BackFaces, Camera, CodeStyle, CodedCells, Content, Footprint, Projection, Style, UpAxis};
+use crate::scene::{BackFaces, Camera, CodedCells, Content, Footprint, Projection, Style, UpAxis};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -46,13 +46,7 @@ pub(super) fn packet_of_surfels(surfels: &[([f32; 3], Vec3)], depth: u32, camera
     let cloud = CodedCloud::new(&Arc::new(octree), &points, &shapes);
     let mut packet = packet_of([320, 200]);
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
-    packet.style = Style {
-        codes: CodeStyle {
-            footprint: Footprint::Masks,
-            ..CodeStyle::default()
-        },
-        ..Style::default()
-    };
+    packet.style = Style::default().with(|style| style.codes.footprint = Footprint::Masks);
     packet.bounds = crate::math::Aabb::from_points(&positions);
     packet.content = Content::Coded(CodedCells {
         deepest_level: cloud.depth(),

@@ -6,7 +6,7 @@ use super::decode::Decoder;
 use super::footprints::Footprints;
 use super::masks::{self, Masks};
 use super::normals::{self, SeenNormal};
-use super::splat::{self, Place, WaitingMask};
+use super::splat::{self, SplatPlacement, WaitingMask};
 use super::transform::{Transform, in_view};
 use crate::levels::octree::coded::{NodeAttributes, radius_of_code};
 use crate::render::constants::DEPTH_SLACK_RADII;
@@ -176,7 +176,7 @@ impl CodedTiles<'_> {
 
     /// Depth in the plane of a splat around the pixel in whose upper left corner `pixel` is.
     #[inline(always)]
-    fn place(&self, node: &SeenNode<'_>, [x, y]: [f32; 2], scale: f32) -> Place {
+    fn place(&self, node: &SeenNode<'_>, [x, y]: [f32; 2], scale: f32) -> SplatPlacement {
         let depth = self.view.near * node.per_distance;
         let reach = (scale * node.radius * node.per_distance).min(1.0);
         // Seen edge on, the depth of the middle has to do.
@@ -185,7 +185,7 @@ impl CodedTiles<'_> {
         let per_column = node.normal.facing.x * per_facing;
         let per_row = node.normal.facing.y * per_facing;
         let (right, down) = (x + 0.5 - node.x_px, y + 0.5 - node.y_px);
-        Place {
+        SplatPlacement {
             pixel: [x as i32, y as i32],
             depth: depth + per_column * right + per_row * down,
             depth_per_px: [per_column, per_row],

@@ -8,14 +8,14 @@ use glam::{DVec2, DVec3};
 pub(in crate::app) const RING: f32 = 6.0;
 
 /// The picture, to be painted over at places in the coordinates of the file.
-pub(in crate::app) struct Canvas<'a> {
+pub(in crate::app) struct PictureOverlay<'a> {
     painter: &'a Painter,
     rect: Rect,
     size_px: [u32; 2],
     camera: &'a Camera,
 }
 
-impl<'a> Canvas<'a> {
+impl<'a> PictureOverlay<'a> {
     /// A picture of so many pixels over `rect`, as `camera` sees it.
     pub(in crate::app) fn new(painter: &'a Painter, rect: Rect, size_px: [u32; 2], camera: &'a Camera) -> Self {
         Self {
