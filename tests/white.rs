@@ -11,7 +11,7 @@ mod common;
 use common::{camera_at, draw, plain};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::{Frame, Positions, RawCloud};
+use pointreel::cloud::{Attributes, Frame, PointRecord, Positions, RawCloud, ShapeRecord, decode_ellipse};
 use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
@@ -43,8 +43,11 @@ fn white_sphere(count: usize, style: &Style) -> PreparedFrame {
     let sampled = Sequence::of(Shape::Sphere.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = sampled.positions().iter().map(Vec3::to_array).collect();
     let raw = RawCloud {
-        colors: Some(vec![[255; 4]; count]),
-        normals: Some(positions.clone()),
+        attributes: Attributes {
+            colors: Some(vec![[255; 4]; count]),
+            normals: Some(positions.clone()),
+            ..Attributes::default()
+        },
         ..RawCloud::from_positions(Positions::F32(positions))
     };
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
@@ -80,10 +83,10 @@ fn covered_by(truth_on: impl Fn(&TruthView) -> Truth) -> Vec<bool> {
         .collect()
 }
 
-fn covered_by_disks(frame: &PreparedFrame) -> Vec<bool> {
+fn covered_by_disks(points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<bool> {
     let disks = Disks {
-        points: &frame.points,
-        shapes: frame.shapes.as_ref().unwrap(),
+        points,
+        shapes,
         cull_back_faces: true,
     };
     covered_by(|view| Truth::of_disks(&disks, view))
@@ -163,7 +166,7 @@ fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(
 fn surfels_in_the_modes_that_close_surfaces_are_white() {
     for count in [300, 3_000, 30_000] {
         let frame = white_sphere(count, &white());
-        let is_covered = covered_by_disks(&frame);
+        let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
         for splatting in CLOSING {
             for_each_picture(&frame, &in_mode(splatting), |picture, by| {
                 assert_white(picture, &is_covered, &format!("{count} surfels, {splatting}, {by}"));
@@ -172,10 +175,33 @@ fn surfels_in_the_modes_that_close_surfaces_are_white() {
     }
 }
 
+/// What the largest disks in the ellipses cover is covered by the ellipses.
+#[test]
+fn ellipses_in_the_modes_that_close_surfaces_are_white() {
+    let of_ellipses = |splatting| in_mode(splatting).with(|style| style.primitive = Primitive::Ellipse);
+    let frame = white_sphere(3_000, &of_ellipses(Splatting::TwoPass));
+    let shapes = frame.shapes.as_ref().unwrap();
+    assert!(shapes.iter().filter(|shape| shape.ellipse != 0).count() > 2_000);
+    let inscribed: Vec<ShapeRecord> = shapes
+        .iter()
+        .map(|shape| {
+            let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+            let [_, radius] = ellipse.half_axes_of_quadratic_mean(shape.radius);
+            ShapeRecord { radius, ..*shape }
+        })
+        .collect();
+    let is_covered = covered_by_disks(&frame.points, &inscribed);
+    for splatting in CLOSING {
+        for_each_picture(&frame, &of_ellipses(splatting), |picture, by| {
+            assert_white(picture, &is_covered, &format!("ellipses, {splatting}, {by}"));
+        });
+    }
+}
+
 #[test]
 fn weakly_enlarged_surfels_are_white() {
     let frame = white_sphere(300, &white());
-    let is_covered = covered_by_disks(&frame);
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
     for enlargement in [1.0, 1.1, 1.3, 1.6] {
         for splatting in [Splatting::Enlarged, Splatting::TwoPassEnlarged] {
             let mut style = in_mode(splatting);
@@ -192,7 +218,7 @@ fn weakly_enlarged_surfels_are_white() {
 #[test]
 fn one_pass_shows_the_artefacts_of_the_paper() {
     let frame = white_sphere(3_000, &white());
-    let is_covered = covered_by_disks(&frame);
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
     for splatting in [Splatting::Regular, Splatting::NoDepth] {
         for_each_picture(&frame, &in_mode(splatting), |picture, by| {
             let (count, _) = darker(picture, &is_covered);
@@ -253,7 +279,8 @@ fn byte_codes_are_white() {
             let frame = white_sphere(30_000, &style);
             let picture = draw_on_cpu(&packet_of(&frame, &style));
             let what = format!("byte codes as {footprint}, {splatting}");
-            assert_white(&picture, &covered_by_disks(&frame), &what);
+            let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+            assert_white(&picture, &is_covered, &what);
         }
     }
 }

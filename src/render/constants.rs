@@ -1,6 +1,6 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
 
-use crate::scene::SurfelStyle;
+use crate::scene::Style;
 
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
@@ -12,9 +12,14 @@ pub(super) const MASK_FALLOFF: f32 = 3.0;
 /// Largest summed weight from which a pixel hides the background; see [`opaque_weight`].
 const MOST_OPAQUE_WEIGHT: f32 = 0.22;
 
-/// Summed weight from which a pixel hides the background: that at the rim of a disk of the surface, so that a closed
-/// surface lets nothing through where three disks only just meet. What enlarged splats reach beyond the disks fades.
-pub(super) fn opaque_weight(surfels: &SurfelStyle) -> f32 {
+/// Weight from which a pixel hides the background. Sums of masks do from that at the rim of a disk of the surface, so
+/// that a closed surface lets nothing through where three disks only just meet; what enlarged splats reach beyond the
+/// disks fades. Other weights are opacities.
+pub(super) fn opaque_weight(style: &Style) -> f32 {
+    let surfels = &style.surfels;
+    if !style.draws_surfels() || !surfels.splatting.has_visibility_pass() {
+        return 1.0;
+    }
     let [_, enlargement] = surfels.splatting.scales(surfels.enlargement);
     let at_rim = (-MASK_FALLOFF / (enlargement * enlargement)).exp();
     at_rim.min(MOST_OPAQUE_WEIGHT)

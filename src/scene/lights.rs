@@ -12,9 +12,6 @@ use super::ScenePacket;
 use super::style::{LightRig, Lighting};
 use glam::{Vec3, Vec4};
 
-/// The most lamps beside the head light.
-pub const MOST_LAMPS: usize = 4;
-
 /// Light from all sides.
 const AMBIENT: f32 = 0.08;
 
@@ -28,7 +25,7 @@ pub struct Lights {
     /// How white highlights are.
     pub specular: f32,
     /// Those beside the head light; black ones are none.
-    pub lamps: [Lamp; MOST_LAMPS],
+    pub lamps: [Lamp; Lights::MOST_LAMPS],
     /// How far away what has no depth is taken to be: as the middle of the cloud.
     pub usual_distance: f32,
 }
@@ -66,6 +63,9 @@ impl Lights {
     /// How small highlights are: the power of Blinn 1977.
     pub const SHININESS: u32 = 32;
 
+    /// The most lamps beside the head light.
+    pub const MOST_LAMPS: usize = 4;
+
     /// Those of a packet; `None` where light is worked out for each splat, or there is none.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let light = &packet.style.light;
@@ -82,7 +82,7 @@ impl Lights {
             LightRig::Paper => (0.0, of_paper(center, radius)),
             LightRig::Colored => (0.15, colored()),
         };
-        let mut all = [Lamp::NONE; MOST_LAMPS];
+        let mut all = [Lamp::NONE; Self::MOST_LAMPS];
         all[..lamps.len()].copy_from_slice(&lamps);
         Some(Self {
             ambient: AMBIENT,

@@ -28,7 +28,7 @@ pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
 pub use in_view::points_in_view;
 pub use legend::{Legend, LegendBody, field_title};
-pub use lights::{Lamp, Lights, MOST_LAMPS};
+pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};

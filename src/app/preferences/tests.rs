@@ -5,7 +5,7 @@ use crate::analysis::ColorMap;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
     Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
@@ -45,6 +45,7 @@ fn unusual() -> Preferences {
             },
             light: LightStyle {
                 lighting: Lighting::PerVertex,
+                rig: LightRig::ThreePoint,
                 eye_dome: EyeDome::On,
                 eye_dome_strength: 2.5,
             },

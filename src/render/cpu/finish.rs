@@ -30,13 +30,17 @@ pub(super) enum Held {
 impl Held {
     /// Sums, of splats in the mode of a packet.
     pub(super) fn sums(packet: &ScenePacket) -> Self {
-        let opaque_weight = opaque_weight(&packet.style.surfels);
-        Self::on_surfaces(packet, opaque_weight).unwrap_or(Self::Sums { opaque_weight })
+        Self::surfaces(packet).unwrap_or(Self::Sums {
+            opaque_weight: opaque_weight(&packet.style),
+        })
     }
 
-    /// Surfaces whose weights hide the background from `opaque_weight` on, if shading is deferred.
-    pub(super) fn on_surfaces(packet: &ScenePacket, opaque_weight: f32) -> Option<Self> {
-        Lights::of(packet).map(|lights| Self::Surfaces { opaque_weight, lights })
+    /// Surfaces, if shading is deferred.
+    pub(super) fn surfaces(packet: &ScenePacket) -> Option<Self> {
+        Lights::of(packet).map(|lights| Self::Surfaces {
+            opaque_weight: opaque_weight(&packet.style),
+            lights,
+        })
     }
 
     /// Depths, with the distances that are shown white and black.

@@ -3,7 +3,9 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
-use crate::scene::{Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, MOST_LAMPS, ScenePacket, Splatting, Style, SurfelStyle};
+use crate::scene::{
+    Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Splatting, Style, SurfelStyle,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -53,7 +55,7 @@ pub struct ViewUniform {
     pub head_light: f32,
     pub specular: f32,
     pub usual_distance: f32,
-    pub lamps: [LampUniform; MOST_LAMPS],
+    pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
 /// Twin of `Lamp` in `common/view.wgsl`.
@@ -113,7 +115,7 @@ impl ViewUniform {
             focal: packet.view.focal,
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
             background_top: background_top.to_array(),
-            opaque_weight: opaque_weight_of(packet),
+            opaque_weight: opaque_weight(&packet.style),
             background_bottom: background_bottom.extend(1.0).to_array(),
             depth_range: packet.depth_range(),
             point_size_px: packet.style.points.size_px,

@@ -82,7 +82,10 @@ impl Recorder<'_> {
             Target::Picture => wgpu::LoadOp::Load,
             Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
         };
-        let onto = key.pass.color.map(|color| (targets.views(color.target), load(color.target)));
+        let onto = key
+            .pass
+            .color
+            .map(|color| (targets.views(color.target), load(color.target)));
         let color = onto.unwrap_or_else(|| (Vec::new(), wgpu::LoadOp::Load));
         let depth = key.pass.depth.map(|depth| match depth {
             DepthUse::TestAndWrite | DepthUse::ClearOnly => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),

@@ -61,10 +61,7 @@ impl DrawnRecords for Surfels<'_> {
 
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.style.surfels.splatting {
-            Splatting::Regular | Splatting::NoDepth => {
-                // Masks are opacities, which add up to 1.
-                Held::on_surfaces(packet, 1.0).unwrap_or(Held::BlendedColors)
-            }
+            Splatting::Regular | Splatting::NoDepth => Held::surfaces(packet).unwrap_or(Held::BlendedColors),
             Splatting::Visibility => Held::depths(packet),
             Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::sums(packet),
         }

@@ -43,7 +43,7 @@ impl DrawnRecords for Cubes<'_> {
     type Scratch = ();
 
     fn held(&self, packet: &ScenePacket) -> Held {
-        Held::on_surfaces(packet, 1.0).unwrap_or(Held::SolidColors)
+        Held::surfaces(packet).unwrap_or(Held::SolidColors)
     }
 
     fn extent(&self) -> (f32, f32) {
