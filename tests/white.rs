@@ -1,8 +1,8 @@
 //! A closed white surface without light is white: whatever draws it, and however it is blended, no pixel that the truth
 //! covers with all its samples is darker than white.
 //!
-//! Held: every primitive, every mode of splatting, both renderers and every strategy. Modes of one pass are not white on
-//! purpose, and are held to be so; `visibility` shows depths and no colours.
+//! Held: every primitive, every mode of splatting, both renderers and every strategy. Modes of one pass are not white
+//! on purpose, and are held to be so; `visibility` shows depths and no colours.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,9 +1,9 @@
-// Deferred shading (paper 003 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of lit colours
-// and weights, as the attribute pass does without it. The lights: scene/lights.rs.
+// Deferred shading (paper 003 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of lit
+// colours and weights, as the attribute pass does without it. The lights: scene/lights.rs.
 
-@group(1) @binding(0) var colors: texture_2d<f32>;
-@group(1) @binding(1) var normals: texture_2d<f32>;
-@group(1) @binding(2) var depths: texture_depth_2d;
+@group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(2) var depths: texture_depth_2d;
 
 // Linear light: what colours are multiplied with, and what is added.
 struct Light {

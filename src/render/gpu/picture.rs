@@ -3,9 +3,9 @@
 use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
-use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass, Target};
+use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::Plan;
-use super::targets::Targets;
+use super::targets::{Target, Targets};
 use crate::render::RenderStats;
 use crate::scene::Background;
 

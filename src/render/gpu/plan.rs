@@ -7,9 +7,10 @@
 
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
-use super::passes::{GeometryKey, ScreenPass, Target};
+use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
+use super::targets::Target;
 use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
 
 /// What a packet asks for.

@@ -1,7 +1,6 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
-use super::passes::{Source, Target};
 
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -11,6 +10,37 @@ pub(super) const ACCUMULATION_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat:
 
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// What is drawn into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Over the background, which is there.
+    Picture,
+    /// Cleared by the pass over records that draws into it.
+    Sums,
+    /// Two textures, cleared in the same way: sums of colours and of normals, which light falls on.
+    Surfaces,
+}
+
+/// What a screen pass reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    Sums,
+    Depths,
+    /// Sums of colours, sums of normals, and depths.
+    Surfaces,
+}
+
+impl Target {
+    /// One for each texture.
+    pub(super) fn formats(self) -> &'static [wgpu::TextureFormat] {
+        match self {
+            Self::Picture => &[COLOR_FORMAT],
+            Self::Sums => &[ACCUMULATION_FORMAT],
+            Self::Surfaces => &[ACCUMULATION_FORMAT; 2],
+        }
+    }
+}
 
 /// The textures of one viewport size.
 #[derive(Debug)]

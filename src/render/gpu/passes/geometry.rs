@@ -1,6 +1,7 @@
 //! Passes over records. Which primitive is drawn by which of them is said in `primitives`.
 
-use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED, Target};
+use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED};
+use crate::render::gpu::targets::Target;
 
 /// Depths of the disks and nothing else (paper 000 §V-B, first pass).
 pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {

@@ -1,10 +1,11 @@
 //! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
 
-use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass, Source};
+use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::instancing::Instancing;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::shaders::Permutation;
+use crate::render::gpu::targets::Source;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 

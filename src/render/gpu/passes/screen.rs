@@ -1,6 +1,7 @@
 //! Passes over the whole target.
 
-use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass, Source, Target};
+use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
+use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
 pub const SCREEN_PASSES: [&ScreenPass; 7] = [

@@ -1,6 +1,6 @@
 //! What a pass is: a row that says what it draws into, and how depths and colours get there.
 
-use crate::render::gpu::targets::{ACCUMULATION_FORMAT, COLOR_FORMAT, DEPTH_FORMAT};
+use crate::render::gpu::targets::{DEPTH_FORMAT, Source, Target};
 
 /// A pass over records.
 #[derive(Debug)]
@@ -35,26 +35,6 @@ pub(in crate::render::gpu) struct ColorUse {
     pub(super) blend: Option<wgpu::BlendState>,
 }
 
-/// What is drawn into.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::render::gpu) enum Target {
-    /// Over the background, which is there.
-    Picture,
-    /// Cleared by the pass over records that draws into it.
-    Sums,
-    /// Two textures, cleared in the same way: sums of colours and of normals, which light falls on.
-    Surfaces,
-}
-
-/// What a screen pass reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::render::gpu) enum Source {
-    Sums,
-    Depths,
-    /// Sums of colours, sums of normals, and depths.
-    Surfaces,
-}
-
 /// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render::gpu) enum DepthUse {
@@ -68,19 +48,14 @@ pub(in crate::render::gpu) enum DepthUse {
 impl ColorUse {
     /// One for each texture that is drawn into.
     pub(super) fn target_states(&self) -> Vec<Option<wgpu::ColorTargetState>> {
-        let formats = match self.target {
-            Target::Picture => vec![COLOR_FORMAT],
-            Target::Sums => vec![ACCUMULATION_FORMAT],
-            Target::Surfaces => vec![ACCUMULATION_FORMAT; 2],
-        };
-        let state = |format| {
+        let state = |&format| {
             Some(wgpu::ColorTargetState {
                 format,
                 blend: self.blend,
                 write_mask: wgpu::ColorWrites::ALL,
             })
         };
-        formats.into_iter().map(state).collect()
+        self.target.formats().iter().map(state).collect()
     }
 }
 

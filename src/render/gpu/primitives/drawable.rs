@@ -1,8 +1,9 @@
 //! What a picture is drawn from.
 
 use super::amplification::Amplification;
-use crate::render::gpu::passes::{GeometryPass, ScreenPass, Target};
+use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::targets::Target;
 
 /// Passes over records, in the order in which they are drawn.
 pub(super) type Passes = &'static [&'static GeometryPass];

@@ -9,7 +9,8 @@
 //! | surfel `visibility` | visibility, depth view |
 //! | surfel, other modes | visibility, attribute, resolve |
 //!
-//! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve follow.
+//! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve
+//! follow.
 
 mod amplification;
 mod drawable;
