@@ -24,7 +24,9 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
     var light = Light(vec3f(view.ambient + view.head_light * facing), vec3f(head));
     for (var index = 0u; index < MOST_LAMPS; index++) {
         let lamp = view.lamps[index];
-        let to_lamp = normalize(lamp.place.xyz - lamp.place.w * position);
+        let way = lamp.place.xyz - lamp.place.w * position;
+        // A surface at the place of a lamp gets no light of it.
+        let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
         light.diffuse += lamp.color.rgb * lamp_facing;
         if (lamp_facing > 0.0) {

@@ -50,7 +50,7 @@ group! {
         /// How surfaces are lit.
         lighting: Lighting = Lighting::PerFragment, "lighting" LIGHTING {
             flag: "lighting",
-            value_name: "WHERE",
+            value_name: "HOW",
             help: "How surfaces are lit",
             title: "Lighting",
             hint: "Where the head light is evaluated, or how the blended surface is lit",
@@ -68,6 +68,7 @@ group! {
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
             when: When::Deferred,
+            label: Label::Unusual(Place::What, "{} lights"),
             values: Values::Words(LightRig::WORDS),
         }
         /// Whether depths shade the picture as well (eye-dome lighting).
