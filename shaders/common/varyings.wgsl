@@ -32,8 +32,17 @@ struct Surface {
     @location(0) color: vec4f,
     // In view space.
     @location(1) normal: vec4f,
+    // The usual distance over that of the fragment. Blending takes the weight from the fourth number of each target.
+    @location(2) nearness: vec4f,
 }
 
 fn surface(in: Varyings, normal: vec3f, weight: f32) -> Surface {
-    return Surface(vec4f(unpack4x8unorm(in.color).rgb, 1.0) * weight, vec4f(normal, 1.0) * weight);
+    // Half floats end at 65504.
+    let nearness = min(in.position.z * view.usual_distance / view.near, 6e4);
+    let color = unpack4x8unorm(in.color).rgb;
+    return Surface(
+        vec4f(color, 1.0) * weight,
+        vec4f(normal, 1.0) * weight,
+        vec4f(nearness, 0.0, 0.0, 1.0) * weight,
+    );
 }

@@ -59,7 +59,7 @@ struct View {
     ambient: f32,
     head_light: f32,
     specular: f32,
-    // How far away what has no depth is taken to be.
+    // How far away the middle of the cloud is: the unit of distances that half floats hold.
     usual_distance: f32,
     lamps: array<Lamp, MOST_LAMPS>,
 }

@@ -3,7 +3,7 @@
 
 @group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
-@group(SOURCE_GROUP) @binding(2) var depths: texture_depth_2d;
+@group(SOURCE_GROUP) @binding(2) var nearnesses: texture_2d<f32>;
 
 // Linear light: what colours are multiplied with, and what is added.
 struct Light {
@@ -41,22 +41,21 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let sum = textureLoad(colors, pixel, 0);
-    let normal_sum = textureLoad(normals, pixel, 0).xyz;
     if (sum.a == 0.0) {
         return vec4f(0.0);
     }
     // Sums are relative to each other: half floats have no squares of small ones.
     let per_weight = 1.0 / sum.a;
     let albedo = sum.rgb * per_weight;
-    let length2 = dot(normal_sum * per_weight, normal_sum * per_weight);
+    let mean_normal = textureLoad(normals, pixel, 0).xyz * per_weight;
+    let length2 = dot(mean_normal, mean_normal);
     if (length2 == 0.0) {
         return sum;
     }
-    let depth = textureLoad(depths, pixel, 0);
-    let distance = select(view.usual_distance, view.near / depth, depth > 0.0);
+    let distance = view.usual_distance / max(textureLoad(nearnesses, pixel, 0).r * per_weight, 1e-6);
     let ray = ray_through(position.xy);
     let to_eye = -normalize(ray);
-    let unit = normal_sum * per_weight / sqrt(length2);
+    let unit = mean_normal / sqrt(length2);
     // Surfaces have two sides.
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
     let light = light_on(ray * distance, normal, to_eye);

@@ -26,7 +26,7 @@ pub struct Lights {
     pub specular: f32,
     /// Those beside the head light; black ones are none.
     pub lamps: [Lamp; Lights::MOST_LAMPS],
-    /// How far away what has no depth is taken to be: as the middle of the cloud.
+    /// How far away the middle of the cloud is: a unit of distances in which those of surfaces are near 1.
     pub usual_distance: f32,
 }
 

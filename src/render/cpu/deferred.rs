@@ -58,8 +58,7 @@ pub(super) fn shade<S: Simd>(
     let normal = surface.normal.times(1.0 / length2.max(f32::MIN_POSITIVE).sqrt());
     let ray = rays(simd, view, pixel);
     let to_eye = ray.times(-1.0 / ray.dot(ray).sqrt());
-    let has_depth = surface.depth.simd_gt(splat(0.0));
-    let distance = simd.select_f32x8(has_depth, view.near / surface.depth, splat(lights.usual_distance));
+    let distance = view.near / surface.depth.max(f32::MIN_POSITIVE);
     let facing = normal.dot(to_eye);
     let lit = Lit {
         // Surfaces have two sides.

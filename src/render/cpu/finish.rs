@@ -104,7 +104,7 @@ impl Tile {
             Held::Surfaces { .. } => {
                 clear(&mut self.depth, PIXELS);
                 clear(&mut self.weight, PIXELS);
-                let sums = self.colors.iter_mut().chain(&mut self.normals);
+                let sums = self.colors.iter_mut().chain(&mut self.surfaces);
                 sums.for_each(|sums| clear(sums, PIXELS));
             }
             Held::BlendedColors => {
@@ -207,11 +207,10 @@ impl Tile {
         let first = WIDTH * row;
         let values =
             |values: &[f32], place: usize| f32x8::from_slice(simd, &values[first + place..first + place + LANES]);
-        let three = |planes: &[Vec<f32>; 3], place: usize| {
-            let [first, second, third] = planes;
-            [values(first, place), values(second, place), values(third, place)]
+        let colors = |place: usize| {
+            let [red, green, blue] = &self.colors;
+            [values(red, place), values(green, place), values(blue, place)]
         };
-        let colors = |place: usize| three(&self.colors, place);
         match held {
             Held::Keys => {
                 let empty = opaque(simd, background)[0];
@@ -246,11 +245,15 @@ impl Tile {
                 }
                 let per_weight = 1.0 / weight.max(splat(f32::MIN_POSITIVE));
                 let [red, green, blue] = colors(place);
-                let [x, y, z] = three(&self.normals, place);
+                let [x, y, z, depth] = &self.surfaces;
                 let surface = Surface {
                     albedo: [red * per_weight, green * per_weight, blue * per_weight],
-                    normal: Vectors { x, y, z },
-                    depth: values(&self.depth, place),
+                    normal: Vectors {
+                        x: values(x, place),
+                        y: values(y, place),
+                        z: values(z, place),
+                    },
+                    depth: values(depth, place) * per_weight,
                 };
                 let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
                 let lit = shade(simd, &lights, view, pixel, &surface);

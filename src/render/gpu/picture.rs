@@ -88,7 +88,7 @@ impl Recorder<'_> {
             .map(|color| (targets.views(color.target), load(color.target)));
         let color = onto.unwrap_or_else(|| (Vec::new(), wgpu::LoadOp::Load));
         let depth = key.pass.depth.map(|depth| match depth {
-            DepthUse::TestAndWrite | DepthUse::ClearOnly => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
+            DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
             DepthUse::TestOnly => (&targets.depth_view, None),
         });
         let mut pass = begin(self.encoder, key.pass.name, color, depth);

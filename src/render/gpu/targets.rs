@@ -8,6 +8,9 @@ pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 /// Sums of colour times weight, and of weights: half floats hold them to a part in 2048 and every adapter blends them.
 pub(super) const ACCUMULATION_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
+/// Sums of reversed distances, in the unit of `Lights::usual_distance`, times weight.
+const NEARNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -18,7 +21,7 @@ pub(super) enum Target {
     Picture,
     /// Cleared by the pass over records that draws into it.
     Sums,
-    /// Two textures, cleared in the same way: sums of colours and of normals, which light falls on.
+    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
     Surfaces,
 }
 
@@ -27,7 +30,7 @@ pub(super) enum Target {
 pub(super) enum Source {
     Sums,
     Depths,
-    /// Sums of colours, sums of normals, and depths.
+    /// Sums of colours, of normals and of nearnesses.
     Surfaces,
 }
 
@@ -37,7 +40,7 @@ impl Target {
         match self {
             Self::Picture => &[COLOR_FORMAT],
             Self::Sums => &[ACCUMULATION_FORMAT],
-            Self::Surfaces => &[ACCUMULATION_FORMAT; 2],
+            Self::Surfaces => &[ACCUMULATION_FORMAT, ACCUMULATION_FORMAT, NEARNESS_FORMAT],
         }
     }
 }
@@ -50,8 +53,8 @@ pub(super) struct Targets {
     pub(super) color_view: wgpu::TextureView,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
-    /// Sums of colours and of normals, once shading was deferred.
-    surfaces: Option<[wgpu::TextureView; 2]>,
+    /// Those of [`Target::Surfaces`], once shading was deferred.
+    surfaces: Option<Vec<wgpu::TextureView>>,
 }
 
 impl Targets {
@@ -73,10 +76,11 @@ impl Targets {
     /// Makes the textures of [`Target::Surfaces`] unless they are there: only deferred shading pays for them.
     pub(super) fn ensure_surfaces(&mut self, context: &Context) {
         self.surfaces.get_or_insert_with(|| {
-            ["colors of surfaces", "normals of surfaces"].map(|label| {
-                let none = wgpu::TextureUsages::empty();
-                view(&texture(context, self.size_px, label, ACCUMULATION_FORMAT, none))
-            })
+            let formats = Target::Surfaces.formats().iter();
+            let none = wgpu::TextureUsages::empty();
+            formats
+                .map(|&format| view(&texture(context, self.size_px, "surfaces", format, none)))
+                .collect()
         });
     }
 
@@ -94,7 +98,7 @@ impl Targets {
         match source {
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
-            Source::Surfaces => self.surfaces.iter().flatten().chain([&self.depth_view]).collect(),
+            Source::Surfaces => self.surfaces.iter().flatten().collect(),
         }
     }
 }

@@ -91,7 +91,7 @@ pub(in crate::render::gpu) const SURFACE_REGULAR: GeometryPass = GeometryPass {
 /// And without.
 pub(in crate::render::gpu) const SURFACE_NO_DEPTH: GeometryPass = GeometryPass {
     name: "surface splat without depth",
-    depth: Some(DepthUse::ClearOnly),
+    depth: None,
     ..SURFACE_REGULAR
 };
 

@@ -41,8 +41,6 @@ pub(in crate::render::gpu) enum DepthUse {
     /// A pass over records clears it first.
     TestAndWrite,
     TestOnly,
-    /// Neither is done, but a pass over records clears it first: nothing has a depth.
-    ClearOnly,
 }
 
 impl ColorUse {
@@ -64,10 +62,7 @@ impl DepthUse {
         wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(self == Self::TestAndWrite),
-            depth_compare: Some(match self {
-                Self::TestAndWrite | Self::TestOnly => wgpu::CompareFunction::GreaterEqual,
-                Self::ClearOnly => wgpu::CompareFunction::Always,
-            }),
+            depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }
