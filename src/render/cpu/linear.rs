@@ -16,7 +16,7 @@ pub(super) fn to_linear<S: Simd>(simd: S, channel: f32x8<S>) -> f32x8<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
     let series = channel.mul_add(splat(0.087_275_94), splat(-0.307_363_55));
     let series = channel.mul_add(series, splat(0.667_150_3));
-    let series = channel.mul_add(series, splat(0.519_384_96));
+    let series = channel.mul_add(series, splat(0.519_385));
     let series = channel.mul_add(series, splat(0.032_745_763));
     let series = channel.mul_add(series, splat(0.000_916_900_1));
     let is_small = channel.simd_le(splat(LINEAR_CHANNEL));
