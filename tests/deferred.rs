@@ -167,7 +167,9 @@ fn on_sphere(x: u32, y: u32, focal: [f32; 2]) -> Option<DVec3> {
 fn blended_normals_are_nearer_to_those_of_the_surface_than_those_of_splats() {
     let color = [200; 3];
     let mut cloud = sphere(400, 1.0);
-    cloud.iter_mut().for_each(|surfel| surfel.color = color);
+    for surfel in &mut cloud {
+        surfel.color = color;
+    }
     let style = lit_by(Lighting::Lambert, LightRig::Colored);
     let packet = surfels(&cloud, &camera_at(DISTANCE), style, [EDGE_PX; 2]);
     let lights = Lights::of(&packet).unwrap();
