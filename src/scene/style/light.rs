@@ -63,7 +63,7 @@ group! {
         rig: LightRig = LightRig::Head, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
-            help: "Which lights --lighting lambert and blinn-phong have",
+            help: "Lights of lambert and blinn-phong",
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
