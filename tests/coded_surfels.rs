@@ -118,7 +118,7 @@ fn offsets_close_the_gaps_of_quantised_positions() {
     let style = coded().with(|style| {
         // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
         style.surfels.splatting = Splatting::TwoPass;
-        style.surfels.splat_scale = 1.2;
+        style.surfels.splat_scale = 1.4;
         style.levels.stop = StopCriterion::Depth(6);
         style.codes.normal_bits = NormalBits::Thirteen;
     });
