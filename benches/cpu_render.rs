@@ -10,6 +10,9 @@
 //! renderer states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and
 //! without it, since tiles have to keep their depths as well.
 //!
+//! Light at 1280×720 with eye-dome lighting, two threads: whole pictures of the same surfels in each way to light them;
+//! what deferred shading costs is their difference to `none`.
+//!
 //! `plain fill` is what the memory of the picture takes to be written.
 //!
 //! Not measured: decoding, normals, octrees, boxes around blocks of records (once a frame: `prepare`), showing.
@@ -23,7 +26,9 @@ use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::scene::{Camera, Content, EyeDome, GroundPlane, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels};
+use pointreel::scene::{
+    Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels,
+};
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -148,14 +153,47 @@ fn pictures(criterion: &mut Criterion) {
     });
 }
 
-/// What follows over the whole picture.
-fn screen(criterion: &mut Criterion) {
-    let size_px = [1280, 720];
-    let mut packet = packet(1_000_000, Primitive::Point, 1.9);
-    packet.viewport_px = size_px;
+/// Surfels that fill the picture, in each light.
+fn light(criterion: &mut Criterion) {
+    let mut packet = packet(100_000, Primitive::Surfel, 1.9);
+    packet.style.light.eye_dome = EyeDome::On;
+    seen_at_720p(&mut packet);
+    let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
+    let mut group = criterion.benchmark_group("light/1280x720/2 threads");
+    group
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_secs(2));
+    for &lighting in Lighting::ALL {
+        let rigs: &[LightRig] = if lighting.is_deferred() {
+            LightRig::ALL
+        } else {
+            &[LightRig::Head]
+        };
+        for &rig in rigs {
+            packet.style.light.lighting = lighting;
+            packet.style.light.rig = rig;
+            let mut renderer = CpuRenderer::new();
+            group.bench_function(format!("{lighting}, {rig}"), |bencher| {
+                bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// From near enough that what is drawn fills a picture of 1280×720.
+fn seen_at_720p(packet: &mut ScenePacket) {
+    packet.viewport_px = [1280, 720];
     let mut camera = Camera::framing(&packet.bounds, DVec3::ZERO, UpAxis::Z);
     (camera.elevation_deg, camera.distance) = (40.0, 1.9);
-    packet.view = camera.transform(DVec3::ZERO, size_px);
+    packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
+}
+
+/// What follows over the whole picture.
+fn screen(criterion: &mut Criterion) {
+    let mut packet = packet(1_000_000, Primitive::Point, 1.9);
+    seen_at_720p(&mut packet);
     packet.style.points.size_px = 3.0;
     let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
     let mut group = criterion.benchmark_group("screen/1280x720/2 threads");
@@ -189,7 +227,7 @@ fn screen(criterion: &mut Criterion) {
             });
         });
     }
-    let depths = vec![0.5f32; size_px.iter().product::<u32>() as usize];
+    let depths = vec![0.5f32; packet.viewport_px.iter().product::<u32>() as usize];
     group.bench_function("a read of the depths", |bencher| {
         let sum = |row: &[f32]| row.iter().map(|depth| depth.to_bits()).fold(0, u32::max);
         bencher.iter(|| pool.install(|| black_box(&depths).par_chunks(32 * 1280).map(sum).max()));
@@ -197,5 +235,5 @@ fn screen(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, screen, pictures);
+criterion_group!(benches, light, screen, pictures);
 criterion_main!(benches);

@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, LightStyle, Lighting, PointShape, PointStyle, Primitive, Scene,
-    ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointStyle,
+    Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -113,6 +113,23 @@ fn ellipses_in_every_mode_and_light() {
                 style.light.lighting = lighting;
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+    }
+}
+
+#[test]
+fn surfaces_under_every_rig_of_lights_with_eye_dome_lighting() {
+    for &splatting in Splatting::ALL {
+        for &rig in LightRig::ALL {
+            let style = Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.light.lighting = Lighting::BlinnPhong;
+                style.light.rig = rig;
+                style.light.eye_dome = EyeDome::On;
+            });
+            let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
+            let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
         }
     }

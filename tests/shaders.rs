@@ -9,7 +9,7 @@ mod back_ends;
 mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use pointreel::render::gpu::gpu_data::{PointRecord, ShapeRecord, SplatVertex, ViewUniform};
+use pointreel::render::gpu::gpu_data::{LampUniform, PointRecord, ShapeRecord, SplatVertex, ViewUniform};
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
 use std::mem::offset_of;
@@ -98,6 +98,7 @@ macro_rules! assert_layout {
 fn rust_and_wgsl_agree_on_every_layout() {
     assert_layout!(PointRecord, "PointRecord", position, color);
     assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
+    assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light);
     assert_layout!(
         ViewUniform,
@@ -112,6 +113,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         focal,
         viewport_px,
         background_top,
+        opaque_weight,
         background_bottom,
         depth_range,
         point_size_px,
@@ -126,6 +128,11 @@ fn rust_and_wgsl_agree_on_every_layout() {
         ground_normal,
         ground_right,
         ground_forward,
-        ground_color
+        ground_color,
+        ambient,
+        head_light,
+        specular,
+        usual_distance,
+        lamps
     );
 }

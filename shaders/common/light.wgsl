@@ -30,8 +30,7 @@ fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f
 fn shade(color: vec3f, normal: vec3f, light: vec2f, pixel: vec2f) -> vec3f {
     var factors = light;
     if (view.lighting == LIGHTING_PER_FRAGMENT) {
-        let ndc = vec2f(2.0, -2.0) * pixel / view.viewport_px + vec2f(-1.0, 1.0) - view.center_ndc;
-        factors = head_light(normal, vec3f(-ndc / view.focal, 1.0));
+        factors = head_light(normal, -ray_through(pixel));
     }
     return min(color * factors.x + factors.y, vec3f(1.0));
 }

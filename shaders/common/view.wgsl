@@ -1,6 +1,14 @@
 // The global bind group: the camera and the settings of one pass. Mirror: render/gpu/gpu_data.rs, `ViewUniform`.
 // Constants that Rust knows too are not written in WGSL, but before it: render/gpu/constants.rs.
 
+// A light beside that from the eye; black ones are none.
+struct Lamp {
+    // In view space: where it is (the fourth is 1), or from which direction it shines (0).
+    place: vec4f,
+    // Linear.
+    color: vec4f,
+}
+
 struct View {
     // Columns of the rotation from the frame's space into view space (right, up, backward).
     rotation_x: vec4f,
@@ -16,7 +24,9 @@ struct View {
     // Cotangents of half the field of view, horizontal and vertical.
     focal: vec2f,
     viewport_px: vec2f,
-    background_top: vec4f,
+    background_top: vec3f,
+    // Summed weight from which a pixel hides the background.
+    opaque_weight: f32,
     background_bottom: vec4f,
     // View distances drawn white and black in the picture of the visibility pass.
     depth_range: vec2f,
@@ -45,6 +55,13 @@ struct View {
     ground_forward: vec4f,
     // Of lines; the fourth: how far from that point they are seen, scene units.
     ground_color: vec4f,
+    // Of deferred shading: light from all sides and from the eye, and how white highlights are.
+    ambient: f32,
+    head_light: f32,
+    specular: f32,
+    // How far away the middle of the cloud is: the unit of distances that half floats hold.
+    usual_distance: f32,
+    lamps: array<Lamp, MOST_LAMPS>,
 }
 
 @group(VIEW_GROUP) @binding(0) var<uniform> view: View;
@@ -57,6 +74,12 @@ fn offset_from_eye(position: vec3f) -> vec3f {
 // Rotates an offset from the eye into view space.
 fn rotate_to_view(offset: vec3f) -> vec3f {
     return view.rotation_x.xyz * offset.x + view.rotation_y.xyz * offset.y + view.rotation_z.xyz * offset.z;
+}
+
+// The ray through a pixel, in view space: as long as makes its depth 1. `pixel` is @builtin(position).xy.
+fn ray_through(pixel: vec2f) -> vec3f {
+    let ndc = vec2f(2.0, -2.0) * pixel / view.viewport_px + vec2f(-1.0, 1.0) - view.center_ndc;
+    return vec3f(ndc / view.focal, -1.0);
 }
 
 // Reverse-Z with the far plane at infinity: depth = near / distance.

@@ -19,8 +19,7 @@ fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> GridPixel {
     let slope_per_px = vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
-    let ndc = vec2f(2.0, -2.0) * position.xy / view.viewport_px + vec2f(-1.0, 1.0) - view.center_ndc;
-    let ray = vec3f(ndc / view.focal, -1.0);
+    let ray = ray_through(position.xy);
     let facing = dot(view.ground_normal.xyz, ray);
     let distance = view.ground_normal.w / facing;
     // Along the plane, behind the eye and too near.

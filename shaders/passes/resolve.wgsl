@@ -8,5 +8,5 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if (sum.a == 0.0) {
         discard;
     }
-    return vec4f(sum.rgb / sum.a, min(sum.a / OPAQUE_WEIGHT, 1.0));
+    return vec4f(sum.rgb / sum.a, min(sum.a / view.opaque_weight, 1.0));
 }

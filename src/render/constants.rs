@@ -1,5 +1,7 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
 
+use crate::scene::Style;
+
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
 pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
@@ -9,7 +11,16 @@ pub(super) const MASK_FALLOFF: f32 = 3.0;
 
 /// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
 /// towards its rim.
-pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
+const OPAQUE_WEIGHT: f32 = 0.22;
+
+/// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
+pub(super) fn opaque_weight(style: &Style) -> f32 {
+    if style.draws_surfels() && style.surfels.splatting.has_visibility_pass() {
+        OPAQUE_WEIGHT
+    } else {
+        1.0
+    }
+}
 
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;

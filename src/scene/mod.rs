@@ -10,6 +10,7 @@ mod first_look;
 mod ground;
 mod in_view;
 mod legend;
+mod lights;
 mod on_screen;
 mod packet;
 mod path;
@@ -27,13 +28,14 @@ pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
 pub use in_view::points_in_view;
 pub use legend::{Legend, LegendBody, field_title};
+pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle, Primitive,
     RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };

@@ -5,7 +5,7 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
     Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
@@ -46,6 +46,7 @@ fn unusual() -> Preferences {
             },
             light: LightStyle {
                 lighting: Lighting::PerVertex,
+                rig: LightRig::ThreePoint,
                 eye_dome: EyeDome::On,
                 eye_dome_strength: 2.5,
             },
@@ -82,8 +83,8 @@ fn unusual() -> Preferences {
     }
 }
 
-/// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no eye-dome lighting,
-/// no grid and no scale bar; nothing in it is by default.
+/// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no [`LightRig`], no
+/// eye-dome lighting, no grid and no scale bar; nothing in it is by default.
 const OF_VERSION_6: &str = include_str!("versions/6.json");
 
 /// What [`OF_VERSION_6`] says.
@@ -92,6 +93,7 @@ fn of_version_6() -> Preferences {
     Preferences {
         settings: unusual.settings.with(|style| {
             style.voxels.light = VoxelLight::Normals;
+            style.light.rig = LightRig::Head;
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
@@ -160,6 +162,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 one_color: [9, 8, 7],
             };
             style.points = of_version_6().settings.points;
+            style.light.rig = of_version_6().settings.light.rig;
         }),
         ..unusual()
     };

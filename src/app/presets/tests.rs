@@ -3,7 +3,7 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
     SurfelStyle, VoxelLight, VoxelStyle,
 };
@@ -78,6 +78,7 @@ fn of_version_1() -> Style {
         },
         light: LightStyle {
             lighting: Lighting::PerVertex,
+            rig: LightRig::Head,
             eye_dome: EyeDome::Auto,
             eye_dome_strength: 1.0,
         },

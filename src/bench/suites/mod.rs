@@ -5,6 +5,7 @@
 mod accuracy;
 mod draw;
 mod error;
+mod lod;
 mod octree;
 mod paper_style;
 mod play;
@@ -15,6 +16,7 @@ mod window;
 pub use accuracy::ACCURACY;
 pub use draw::{SURFELS, VOXELS};
 pub use error::ERROR;
+pub use lod::LOD;
 pub use octree::OCTREE;
 pub use play::PLAY;
 pub use render::RENDER;
@@ -37,6 +39,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (PLAY, play::measure),
     (WINDOW, window::measure),
     (ERROR, error::measure),
+    (LOD, lod::measure),
 ];
 
 /// Every suite.
@@ -79,7 +82,7 @@ mod tests {
         let error = named("disks").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window or error"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error or lod"
         );
     }
 

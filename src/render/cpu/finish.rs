@@ -1,11 +1,13 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
+use super::deferred::{Surface, shade};
+use super::eight::Vectors;
 use super::pixels::{OPAQUE_ALPHA, opaque};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
-use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, OPAQUE_WEIGHT};
-use crate::scene::{Background, ScenePacket};
+use crate::render::constants::{FARTHEST_GREY, NEAREST_GREY, opaque_weight};
+use crate::scene::{Background, Lights, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 
 /// What the pixels of a tile hold when all is drawn.
@@ -15,8 +17,10 @@ pub(super) enum Held {
     SolidColors,
     /// Colours that were laid over the background.
     BlendedColors,
-    /// Sums of weighted colours, and of weights.
-    Sums,
+    /// Sums of weighted colours, and of weights, which hide the background from this one on.
+    Sums { opaque_weight: f32 },
+    /// The same, with sums of weighted normals, on which these lights fall.
+    Surfaces { opaque_weight: f32, lights: Lights },
     /// Keys of points.
     Keys,
     /// Depths, to be shown between these distances.
@@ -24,6 +28,21 @@ pub(super) enum Held {
 }
 
 impl Held {
+    /// Sums, of splats in the mode of a packet.
+    pub(super) fn sums(packet: &ScenePacket) -> Self {
+        Self::surfaces(packet).unwrap_or(Self::Sums {
+            opaque_weight: opaque_weight(&packet.style),
+        })
+    }
+
+    /// Surfaces, if shading is deferred.
+    pub(super) fn surfaces(packet: &ScenePacket) -> Option<Self> {
+        Lights::of(packet).map(|lights| Self::Surfaces {
+            opaque_weight: opaque_weight(&packet.style),
+            lights,
+        })
+    }
+
     /// Depths, with the distances that are shown white and black.
     pub(super) fn depths(packet: &ScenePacket) -> Self {
         let [white, black] = packet.depth_range();
@@ -77,10 +96,16 @@ impl Tile {
                 clear(&mut self.depth, PIXELS);
                 self.colors.iter_mut().for_each(|color| color.resize(PIXELS, 0.0));
             }
-            Held::Sums => {
+            Held::Sums { .. } => {
                 clear(&mut self.depth, PIXELS);
                 clear(&mut self.weight, PIXELS);
                 self.colors.iter_mut().for_each(|color| clear(color, PIXELS));
+            }
+            Held::Surfaces { .. } => {
+                clear(&mut self.depth, PIXELS);
+                clear(&mut self.weight, PIXELS);
+                let sums = self.colors.iter_mut().chain(&mut self.surfaces);
+                sums.for_each(|sums| clear(sums, PIXELS));
             }
             Held::BlendedColors => {
                 clear(&mut self.depth, PIXELS);
@@ -116,11 +141,11 @@ impl Tile {
             match rows {
                 TileRow::Bytes(bytes) => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
-                    self.finish_row(simd, row, held, gradient.at_row(y), pixels);
+                    self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
                 }
                 TileRow::Unfinished { bytes, depths } => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
-                    self.finish_row(simd, row, held, gradient.at_row(y), pixels);
+                    self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
                     let depths = &mut depths[columns];
                     self.write_depths(row, held, depths);
                     self.write_opacities(row, held, depths, pixels);
@@ -153,10 +178,10 @@ impl Tile {
     /// Writes how much of the background the pixels of a row hide, in place of the alpha of an opaque picture.
     #[inline(always)]
     fn write_opacities(&self, row: usize, held: Held, depths: &[f32], pixels: &mut [[u8; 4]]) {
-        if let Held::Sums = held {
+        if let Held::Sums { opaque_weight } | Held::Surfaces { opaque_weight, .. } = held {
             let weights = &self.weight[WIDTH * row..];
             for (pixel, weight) in pixels.iter_mut().zip(weights) {
-                pixel[3] = ((weight * (255.0 / OPAQUE_WEIGHT)).min(255.0) + 0.5) as u8;
+                pixel[3] = ((weight * (255.0 / opaque_weight)).min(255.0) + 0.5) as u8;
             }
         } else {
             for (pixel, &depth) in pixels.iter_mut().zip(depths) {
@@ -166,7 +191,15 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn finish_row<S: Simd>(&self, simd: S, row: usize, held: Held, background: [f32; 3], pixels: &mut [[u8; 4]]) {
+    fn finish_row<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        row: usize,
+        held: Held,
+        background: [f32; 3],
+        pixels: &mut [[u8; 4]],
+    ) {
         // Nothing here may go through `map` or `from_fn`: see `raster.rs`.
         let splat = |value: f32| f32x8::splat(simd, value);
         let [red, green, blue] = background;
@@ -192,9 +225,9 @@ impl Tile {
                 select(simd, are_drawn, colors(place), background)
             }),
             Held::BlendedColors => write(simd, pixels, colors),
-            Held::Sums => write(simd, pixels, |place| {
+            Held::Sums { opaque_weight } => write(simd, pixels, |place| {
                 let weight = values(&self.weight, place);
-                let opacity = (weight * (1.0 / OPAQUE_WEIGHT)).min(splat(1.0));
+                let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
                 // Nothing, where there is no weight: sums are 0 then.
                 let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
                 let shows_through = 1.0 - opacity;
@@ -204,6 +237,28 @@ impl Tile {
                     sums[1].mul_add(share, background[1] * shows_through),
                     sums[2].mul_add(share, background[2] * shows_through),
                 ]
+            }),
+            Held::Surfaces { opaque_weight, lights } => write(simd, pixels, |place| {
+                let weight = values(&self.weight, place);
+                if !simd.any_true_mask32x8(weight.simd_gt(splat(0.0))) {
+                    return background;
+                }
+                let per_weight = 1.0 / weight.max(splat(f32::MIN_POSITIVE));
+                let [red, green, blue] = colors(place);
+                let [x, y, z, depth] = &self.surfaces;
+                let surface = Surface {
+                    albedo: [red * per_weight, green * per_weight, blue * per_weight],
+                    normal: Vectors {
+                        x: values(x, place),
+                        y: values(y, place),
+                        z: values(z, place),
+                    },
+                    depth: values(depth, place) * per_weight,
+                };
+                let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
+                let lit = shade(simd, &lights, view, pixel, &surface);
+                let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
+                over(simd, lit, opacity, background)
             }),
             Held::Depths { near, white, black } => write(simd, pixels, |place| {
                 let depth = values(&self.depth, place);
@@ -233,6 +288,17 @@ fn select<S: Simd>(simd: S, mask: mask32x8<S>, yes: [f32x8<S>; 3], no: [f32x8<S>
         simd.select_f32x8(mask, yes[0], no[0]),
         simd.select_f32x8(mask, yes[1], no[1]),
         simd.select_f32x8(mask, yes[2], no[2]),
+    ]
+}
+
+/// Colours over what is behind them.
+#[inline(always)]
+fn over<S: Simd>(simd: S, colors: [f32x8<S>; 3], opacity: f32x8<S>, behind: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+    let shows_through = f32x8::splat(simd, 1.0) - opacity;
+    [
+        colors[0].mul_add(opacity, behind[0] * shows_through),
+        colors[1].mul_add(opacity, behind[1] * shows_through),
+        colors[2].mul_add(opacity, behind[2] * shows_through),
     ]
 }
 

@@ -9,11 +9,13 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod blocks;
+mod deferred;
 mod eight;
 mod eye_dome;
 mod facet;
 mod finish;
 mod grid;
+mod linear;
 mod packed_ellipses;
 mod packed_normals;
 mod painter;

@@ -9,6 +9,7 @@ use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
 use crate::render::constants::MASK_FALLOFF;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
+use glam::Vec3;
 
 /// Eight pixels of a patch.
 pub(super) struct Fragments<S: Simd> {
@@ -129,6 +130,11 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
                 store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);
             }
             store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
+            if let Some(normal) = shading.normal {
+                for (value, sums) in surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces) {
+                    store(value.mul_add(weight, load(simd, sums, at)), sums, at);
+                }
+            }
         },
     );
 }
@@ -160,6 +166,13 @@ pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &S
                 let there = load(simd, below, at);
                 store((colors[channel] - there).mul_add(opacity, there), below, at);
             }
+            if let Some(normal) = shading.normal {
+                let surface = surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces);
+                for (value, below) in surface.chain([(f32x8::splat(simd, 1.0), &mut tile.weight)]) {
+                    let there = load(simd, below, at);
+                    store((value - there).mul_add(opacity, there), below, at);
+                }
+            }
         },
     );
 }
@@ -185,8 +198,22 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
                 let there = load(simd, below, at);
                 store(simd.select_f32x8(drawn, colors[channel], there), below, at);
             }
+            if let Some(normal) = shading.normal {
+                let surface = surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces);
+                for (value, below) in surface.chain([(f32x8::splat(simd, 1.0), &mut tile.weight)]) {
+                    let there = load(simd, below, at);
+                    store(simd.select_f32x8(drawn, value, there), below, at);
+                }
+            }
         },
     );
+}
+
+/// What eight fragments leave for deferred shading beside their colours: as [`Tile::surfaces`] has it.
+#[inline(always)]
+fn surface<S: Simd>(simd: S, normal: Vec3, depths: f32x8<S>) -> [f32x8<S>; 4] {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    [splat(normal.x), splat(normal.y), splat(normal.z), depths]
 }
 
 /// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)` (`shaders/common/varyings.wgsl`), inside the

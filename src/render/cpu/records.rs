@@ -44,7 +44,7 @@ pub(super) fn draw<R: DrawnRecords>(
     let held = records.held(packet);
     let painter = Painter::new(packet, held);
     let (scale, margin_px) = records.extent();
-    let has_colors = matches!(held, Held::Sums | Held::BlendedColors | Held::SolidColors);
+    let has_colors = matches!(held, Held::Sums { .. } | Held::BlendedColors | Held::SolidColors);
     // The work is handed to the threads that share it once, not step by step.
     rayon::scope(|_| {
         let lists = blocks.by_tile(&painter.view, painter.tiles, scale, margin_px);

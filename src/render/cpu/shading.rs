@@ -12,6 +12,8 @@ pub(super) struct Shading {
     /// Red, green and blue, 0 to 1.
     pub(super) color: [f32; 3],
     pub(super) light: Light,
+    /// In view space, towards the eye: where light falls on the blended surface, for the sum of normals.
+    pub(super) normal: Option<Vec3>,
 }
 
 /// A factor on a colour, and white that is added to it.
@@ -33,7 +35,7 @@ impl Light {
     #[inline(always)]
     pub(super) fn new(lighting: Lighting, normal: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Self {
         match lighting {
-            Lighting::Unlit => Self::Same([1.0, 0.0]),
+            Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => Self::Same([1.0, 0.0]),
             Lighting::PerSurfel => Self::Same(head_light(normal, center)),
             Lighting::PerVertex => {
                 let corners = [-u - v, u - v, v - u, u + v];

@@ -54,6 +54,9 @@ pub(super) struct Tile {
     /// Red, green and blue from 0 to 1, times a weight where weights are summed up.
     pub(super) colors: [Vec<f32>; 3],
     pub(super) weight: Vec<f32>,
+    /// Normals along the axes of view space, and reversed depths, times a weight; where light falls on the blended
+    /// surface.
+    pub(super) surfaces: [Vec<f32>; 4],
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
     /// Of the rays through pixels, for light that is worked out at each.
@@ -68,6 +71,7 @@ impl Tile {
             depth: Vec::new(),
             colors: [const { Vec::new() }; 3],
             weight: Vec::new(),
+            surfaces: [const { Vec::new() }; 4],
             keys: Vec::new(),
             per_ray_length: Vec::new(),
         }

@@ -6,10 +6,10 @@ use super::gpu_data::{
 use crate::cloud::ELLIPSE_STEPS;
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT,
-    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT,
-    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, SQUARE_REACH_RADII,
+    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::EyeDomeLight;
+use crate::scene::{EyeDomeLight, Lights};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -35,6 +35,12 @@ pub(super) const INDICES_PER_QUAD: u32 = 6;
 
 /// Share of neighbours without depth from which a pixel belongs to no surface.
 const LONE: f32 = EyeDomeLight::LONE;
+
+/// Lamps beside the head light.
+const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
+
+/// The power of highlights.
+const SHININESS: u32 = Lights::SHININESS;
 
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
@@ -63,12 +69,13 @@ pub(super) fn shared() -> String {
         LIGHTING_PER_VERTEX,
         LONE,
         MASK_FALLOFF,
+        MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
-        OPAQUE_WEIGHT,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,
+        SHININESS,
         SQUARE_REACH_RADII,
         STREAM_GROUP,
         UPRIGHT_NORMAL_Y,

@@ -2,9 +2,10 @@
 
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
-use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Backdrop, EyeDomeLight, LightStyle, Lighting, ScenePacket, Style, SurfelStyle};
+use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
+use crate::scene::{Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Style, SurfelStyle};
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
 pub(super) const LIGHTING_PER_SURFEL: u32 = 1;
@@ -31,7 +32,8 @@ pub struct ViewUniform {
     pub near: f32,
     pub focal: [f32; 2],
     pub viewport_px: [f32; 2],
-    pub background_top: [f32; 4],
+    pub background_top: [f32; 3],
+    pub opaque_weight: f32,
     pub background_bottom: [f32; 4],
     pub depth_range: [f32; 2],
     pub point_size_px: f32,
@@ -47,6 +49,20 @@ pub struct ViewUniform {
     pub ground_right: [f32; 4],
     pub ground_forward: [f32; 4],
     pub ground_color: [f32; 4],
+    pub ambient: f32,
+    pub head_light: f32,
+    pub specular: f32,
+    pub usual_distance: f32,
+    pub lamps: [LampUniform; Lights::MOST_LAMPS],
+}
+
+/// Twin of `Lamp` in `common/view.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct LampUniform {
+    pub place: [f32; 4],
+    pub color: [f32; 4],
 }
 
 /// Twin of `SplatVertex` in `common/quads.wgsl`: one corner written by the compute strategy.
@@ -73,7 +89,7 @@ impl ViewUniform {
         // Of a part of a picture the gradient is a part too.
         let [background_top, background_bottom] = packet.view.rows_of_whole.map(|share| {
             let [top, bottom] = [background.top, background.bottom].map(normalized);
-            std::array::from_fn(|channel| top[channel] * (1.0 - share) + bottom[channel] * share)
+            top * (1.0 - share) + bottom * share
         });
         let eye_dome = EyeDomeLight::of(packet);
         let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
@@ -83,6 +99,8 @@ impl ViewUniform {
                 ground.axes[axis].extend(along).to_array()
             })
         };
+        let lights = Lights::of(packet);
+        let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
         let one_pass = !splatting.has_visibility_pass();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -94,14 +112,15 @@ impl ViewUniform {
             near: packet.view.near,
             focal: packet.view.focal,
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
-            background_top,
-            background_bottom,
+            background_top: background_top.to_array(),
+            opaque_weight: opaque_weight(&packet.style),
+            background_bottom: background_bottom.extend(1.0).to_array(),
             depth_range: packet.depth_range(),
             point_size_px: packet.style.points.size_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
-                Lighting::Unlit => LIGHTING_UNLIT,
+                Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
                 Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
@@ -127,6 +146,11 @@ impl ViewUniform {
                 let [red, green, blue] = ground.color;
                 [red, green, blue, ground.reach]
             }),
+            ambient: of_lights(|lights| lights.ambient),
+            head_light: of_lights(|lights| lights.head),
+            specular: of_lights(|lights| lights.specular),
+            usual_distance: of_lights(|lights| lights.usual_distance),
+            lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }
 
@@ -140,7 +164,15 @@ impl ViewUniform {
     }
 }
 
-fn normalized(color: [u8; 3]) -> [f32; 4] {
-    let [red, green, blue] = color.map(|channel| f32::from(channel) / 255.0);
-    [red, green, blue, 1.0]
+impl From<Lamp> for LampUniform {
+    fn from(lamp: Lamp) -> Self {
+        Self {
+            place: lamp.place.to_array(),
+            color: lamp.color.extend(0.0).to_array(),
+        }
+    }
+}
+
+fn normalized(color: [u8; 3]) -> Vec3 {
+    Vec3::from_array(color.map(|channel| f32::from(channel) / 255.0))
 }

@@ -3,9 +3,9 @@
 use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
-use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass, Source, Target};
+use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::Plan;
-use super::targets::Targets;
+use super::targets::{Target, Targets};
 use crate::render::RenderStats;
 use crate::scene::Background;
 
@@ -24,7 +24,8 @@ pub(super) struct Recorder<'a> {
     pub(super) stats: &'a mut RenderStats,
 }
 
-type ColorTarget<'a> = Option<(&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>;
+/// All textures are loaded or cleared in the same way.
+type ColorTargets<'a> = (Vec<&'a wgpu::TextureView>, wgpu::LoadOp<wgpu::Color>);
 
 /// A depth buffer without load operation is only read.
 type DepthTarget<'a> = Option<(&'a wgpu::TextureView, Option<wgpu::LoadOp<f32>>)>;
@@ -58,7 +59,7 @@ impl Recorder<'_> {
             b: blue,
             a: 1.0,
         });
-        let onto = Some((&self.targets.color_view, clear));
+        let onto = (self.targets.views(Target::Picture), clear);
         let mut pass = begin(self.encoder, "background", onto, None);
         self.stats.passes += 1;
         if let Some(pipeline) = plan.background.and_then(|pass| self.pipelines.screen(pass)) {
@@ -77,13 +78,15 @@ impl Recorder<'_> {
         };
         self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
         let targets = self.targets;
-        let color = key.pass.color.map(|color| match color.target {
-            Target::Picture => (&targets.color_view, wgpu::LoadOp::Load),
-            Target::Sums => {
-                let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-                (&targets.accumulation_view, clear)
-            }
-        });
+        let load = |target| match target {
+            Target::Picture => wgpu::LoadOp::Load,
+            Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+        };
+        let onto = key
+            .pass
+            .color
+            .map(|color| (targets.views(color.target), load(color.target)));
+        let color = onto.unwrap_or_else(|| (Vec::new(), wgpu::LoadOp::Load));
         let depth = key.pass.depth.map(|depth| match depth {
             DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
             DepthUse::TestOnly => (&targets.depth_view, None),
@@ -108,20 +111,13 @@ impl Recorder<'_> {
         };
         let targets = self.targets;
         let source = screen.source.map(|source| {
-            let view = match source {
-                Source::Sums => &targets.accumulation_view,
-                Source::Depths => &targets.depth_view,
-            };
-            source_group(self.context, self.pipelines.source_layout(source), view)
+            let layout = self.pipelines.source_layout(source);
+            source_group(self.context, layout, &targets.sources(source))
         });
-        let onto = match screen.color.target {
-            Target::Picture => &targets.color_view,
-            Target::Sums => &targets.accumulation_view,
-        };
         // What is drawn without depth hides nothing.
         let cleared = (!has_depths).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
-        let color = Some((onto, wgpu::LoadOp::Load));
+        let color = (targets.views(screen.color.target), wgpu::LoadOp::Load);
         let mut pass = begin(self.encoder, screen.name, color, depth);
         self.stats.passes += 1;
         pass.set_pipeline(pipeline);
@@ -135,14 +131,16 @@ impl Recorder<'_> {
 }
 
 /// What a pass over the screen reads.
-fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, source: &wgpu::TextureView) -> wgpu::BindGroup {
+fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, sources: &[&wgpu::TextureView]) -> wgpu::BindGroup {
+    let entry = |(binding, &source)| wgpu::BindGroupEntry {
+        binding,
+        resource: wgpu::BindingResource::TextureView(source),
+    };
+    let entries: Vec<_> = (0..).zip(sources).map(entry).collect();
     context.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("screen source"),
         layout,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: wgpu::BindingResource::TextureView(source),
-        }],
+        entries: &entries,
     })
 }
 
@@ -150,25 +148,24 @@ fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, source: &wgpu
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
-    color: ColorTarget<'_>,
+    (views, load): ColorTargets<'_>,
     depth: DepthTarget<'_>,
 ) -> wgpu::RenderPass<'e> {
-    let color = color.map(|(view, load)| wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    });
+    let attachment = |view| {
+        Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
+        })
+    };
+    let attachments: Vec<_> = views.into_iter().map(attachment).collect();
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
-        color_attachments: if color.is_some() {
-            std::slice::from_ref(&color)
-        } else {
-            &[]
-        },
+        color_attachments: &attachments,
         depth_stencil_attachment: depth.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
             view,
             depth_ops: load.map(|load| wgpu::Operations {

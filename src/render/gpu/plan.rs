@@ -1,14 +1,16 @@
 //! The order of passes of one picture: the background, those of the primitive (`primitives/mod.rs`), and what is done
 //! over the whole picture at the end.
 //!
+//! Where shading is deferred, light falls on what the primitive left, and leaves sums that are resolved as others are.
 //! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
 //! the end.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID};
-use super::passes::{GeometryKey, ScreenPass, Target};
+use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
+use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
+use super::targets::Target;
 use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
 
 /// What a packet asks for.
@@ -28,10 +30,8 @@ pub(super) const VIEWS: usize = 2;
 impl<'a> Plan<'a> {
     pub(super) fn new(packet: &'a ScenePacket) -> Self {
         let drawable = primitives::drawable(packet);
-        let draws_sums = drawable
-            .passes
-            .iter()
-            .any(|pass| pass.color.is_some_and(|color| color.target == Target::Sums));
+        let shade = drawable.draws_into(Target::Surfaces).then_some(&SHADE);
+        let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
         let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
         let resolve = drawable.resolve;
         let [first, second] = if draws_sums {
@@ -44,7 +44,7 @@ impl<'a> Plan<'a> {
         Self {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
-            finish: [first, second, grid].into_iter().flatten().collect(),
+            finish: [shade, first, second, grid].into_iter().flatten().collect(),
             strategy: packet.style.drawing.strategy,
         }
     }
@@ -77,6 +77,11 @@ impl<'a> Plan<'a> {
 
     pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> {
         self.background.into_iter().chain(self.finish.iter().copied())
+    }
+
+    /// Whether light falls on the blended surface.
+    pub(super) fn defers_shading(&self) -> bool {
+        self.drawable.draws_into(Target::Surfaces)
     }
 
     /// Whether the depth buffer has what is drawn when the passes over records are done.

@@ -185,6 +185,15 @@ impl GpuRenderer {
         Ok(())
     }
 
+    fn ensure_surfaces(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
+        match &mut self.targets {
+            Some(targets) if plan.defers_shading() => self
+                .context
+                .catching_out_of_memory("the surfaces of the picture", || targets.ensure_surfaces(&self.context)),
+            _ => Ok(()),
+        }
+    }
+
     /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit
     /// into the memory of the GPU, all else makes room for it.
     fn ensure_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
@@ -258,6 +267,7 @@ impl Renderer for GpuRenderer {
             self.strategy = strategy;
         }
         let plan = Plan::new(packet);
+        self.ensure_surfaces(&plan)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
         for key in plan.geometry_keys() {

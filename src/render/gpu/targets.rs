@@ -8,8 +8,42 @@ pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 /// Sums of colour times weight, and of weights: half floats hold them to a part in 2048 and every adapter blends them.
 pub(super) const ACCUMULATION_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
+/// Sums of reversed distances, in the unit of `Lights::usual_distance`, times weight.
+const NEARNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// What is drawn into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Over the background, which is there.
+    Picture,
+    /// Cleared by the pass over records that draws into it.
+    Sums,
+    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
+    Surfaces,
+}
+
+/// What a screen pass reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    Sums,
+    Depths,
+    /// Sums of colours, of normals and of nearnesses.
+    Surfaces,
+}
+
+impl Target {
+    /// One for each texture.
+    pub(super) fn formats(self) -> &'static [wgpu::TextureFormat] {
+        match self {
+            Self::Picture => &[COLOR_FORMAT],
+            Self::Sums => &[ACCUMULATION_FORMAT],
+            Self::Surfaces => &[ACCUMULATION_FORMAT, ACCUMULATION_FORMAT, NEARNESS_FORMAT],
+        }
+    }
+}
 
 /// The textures of one viewport size.
 #[derive(Debug)]
@@ -19,29 +53,15 @@ pub(super) struct Targets {
     pub(super) color_view: wgpu::TextureView,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
+    /// Those of [`Target::Surfaces`], once shading was deferred.
+    surfaces: Option<Vec<wgpu::TextureView>>,
 }
 
 impl Targets {
     /// Precondition: both edges at least 1 and at most [`Context::max_edge_px`].
     pub(super) fn new(context: &Context, size_px: [u32; 2]) -> Self {
-        let texture = |label, format, usage| {
-            context.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size_px[0],
-                    height: size_px[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | usage,
-                view_formats: &[],
-            })
-        };
+        let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
         Self {
             size_px,
@@ -49,6 +69,63 @@ impl Targets {
             color,
             accumulation_view: view(&texture("accumulation", ACCUMULATION_FORMAT, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
+            surfaces: None,
         }
     }
+
+    /// Makes the textures of [`Target::Surfaces`] unless they are there: only deferred shading pays for them.
+    pub(super) fn ensure_surfaces(&mut self, context: &Context) {
+        self.surfaces.get_or_insert_with(|| {
+            let formats = Target::Surfaces.formats().iter();
+            let none = wgpu::TextureUsages::empty();
+            formats
+                .map(|&format| view(&texture(context, self.size_px, "surfaces", format, none)))
+                .collect()
+        });
+    }
+
+    /// What a pass draws into. Precondition for surfaces: [`Targets::ensure_surfaces`].
+    pub(super) fn views(&self, target: Target) -> Vec<&wgpu::TextureView> {
+        match target {
+            Target::Picture => vec![&self.color_view],
+            Target::Sums => vec![&self.accumulation_view],
+            Target::Surfaces => self.surfaces.iter().flatten().collect(),
+        }
+    }
+
+    /// What a pass over the screen reads, with the same precondition.
+    pub(super) fn sources(&self, source: Source) -> Vec<&wgpu::TextureView> {
+        match source {
+            Source::Sums => vec![&self.accumulation_view],
+            Source::Depths => vec![&self.depth_view],
+            Source::Surfaces => self.surfaces.iter().flatten().collect(),
+        }
+    }
+}
+
+fn texture(
+    context: &Context,
+    [width, height]: [u32; 2],
+    label: &str,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | usage,
+        view_formats: &[],
+    })
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

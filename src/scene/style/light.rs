@@ -1,15 +1,36 @@
-//! Light from the eye, and light from depths.
+//! Light that falls on surfaces, and light from depths.
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, When, group};
 
 choices! {
-    /// Where the head light is evaluated (paper 000 §V-B).
+    /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface
+    /// (paper 003 §3.6).
     Lighting, "lighting" {
         Unlit = "none", "None", "Plain colours";
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
         PerFragment = "fragment", "Per fragment", "At each pixel";
+        Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights";
+        BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights";
+    }
+}
+
+impl Lighting {
+    /// Whether light falls on the blended surface, not on splats.
+    pub fn is_deferred(self) -> bool {
+        matches!(self, Self::Lambert | Self::BlinnPhong)
+    }
+}
+
+choices! {
+    /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
+    LightRig, "rig of lights" {
+        Head = "head", "Head light", "One from the eye";
+        ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
+        /// Paper 002 §5.
+        Paper = "paper", "Two lamps", "Two lamps near the cloud, left and right above it";
+        Colored = "colored", "Four colours", "Red, green, blue and yellow from four sides";
     }
 }
 
@@ -24,19 +45,31 @@ choices! {
 }
 
 group! {
-    /// Light from the eye, and light from depths.
+    /// Light that falls on surfaces, and light from depths.
     LightStyle {
-        /// Where light is evaluated.
+        /// How surfaces are lit.
         lighting: Lighting = Lighting::PerFragment, "lighting" LIGHTING {
             flag: "lighting",
-            value_name: "WHERE",
-            help: "Where light is evaluated",
+            value_name: "HOW",
+            help: "How surfaces are lit",
             title: "Lighting",
-            hint: "Where the head light is evaluated",
+            hint: "Where the head light is evaluated, or how the blended surface is lit",
             section: Section::Shading,
             when: When::Lit,
-            label: Label::Unusual(Place::What, "lit per {}"),
+            label: Label::Unusual(Place::What, "{} light"),
             values: Values::Words(Lighting::WORDS),
+        }
+        /// Which lights there are where shading is deferred.
+        rig: LightRig = LightRig::Head, "lights" RIG {
+            flag: "lights",
+            value_name: "RIG",
+            help: "Lights of lambert and blinn-phong",
+            title: "Lights",
+            hint: "Which lights fall on the blended surface; they move with the camera",
+            section: Section::Shading,
+            when: When::Deferred,
+            label: Label::Unusual(Place::What, "{} lights"),
+            values: Values::Words(LightRig::WORDS),
         }
         /// Whether depths shade the picture as well (eye-dome lighting).
         eye_dome: EyeDome = EyeDome::Auto, "eye_dome" EYE_DOME {

@@ -28,7 +28,7 @@ pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
 pub use drawing::{DrawingStyle, Primitive, RendererChoice, Strategy};
 pub use levels::{LevelStructure, LevelStyle};
-pub use light::{EyeDome, LightStyle, Lighting};
+pub use light::{EyeDome, LightRig, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointShape, PointStyle};
@@ -69,7 +69,7 @@ pub struct Style {
     /// How surfels are drawn from byte codes of the octree.
     #[serde(flatten)]
     pub codes: CodeStyle,
-    /// Light from the eye, and light from depths.
+    /// Light that falls on surfaces, and light from depths.
     #[serde(flatten)]
     pub light: LightStyle,
     /// What is shown beside the cloud.
@@ -147,6 +147,7 @@ impl Style {
             When::Voxels => self.primitive == Primitive::Voxel,
             When::Cells => self.draws_cells() || self.draws_codes(),
             When::Lit => self.primitive != Primitive::Point,
+            When::Deferred => self.primitive != Primitive::Point && self.light.lighting.is_deferred(),
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
             When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
@@ -225,13 +226,15 @@ impl Style {
 
     /// Whether surfels are drawn from the byte code of an octree, which the processor alone can; [`LevelStyle::lod`]
     /// says how finely. Who draws has to be decided before: see [`Style::drawn_by`]. While something is clipped the
-    /// same surfels are drawn as disks: a code cannot be cut. Ellipses have none.
+    /// same surfels are drawn as disks: a code cannot be cut. So they are where shading is deferred: a code is lit by a
+    /// table of normals. Ellipses have none.
     pub fn draws_codes(&self) -> bool {
         self.draws_surfels()
             && self.primitive != Primitive::Ellipse
             && self.codes.footprint != Footprint::Disks
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
+            && !self.light.lighting.is_deferred()
     }
 }
 

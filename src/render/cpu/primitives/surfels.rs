@@ -61,10 +61,10 @@ impl DrawnRecords for Surfels<'_> {
 
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.style.surfels.splatting {
-            Splatting::Regular | Splatting::NoDepth => Held::BlendedColors,
-            Splatting::Opaque => Held::SolidColors,
+            Splatting::Regular | Splatting::NoDepth => Held::surfaces(packet).unwrap_or(Held::BlendedColors),
+            Splatting::Opaque => Held::surfaces(packet).unwrap_or(Held::SolidColors),
             Splatting::Visibility => Held::depths(packet),
-            Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::Sums,
+            Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => Held::sums(packet),
         }
     }
 
@@ -209,7 +209,8 @@ impl Surfels<'_> {
             Light::new(lighting, seen.normals.lane(lane), seen.centers.lane(lane), u, v)
         };
         let color = unit_color([red, green, blue]);
-        let faces_away = seen.normals.lane(lane).dot(seen.centers.lane(lane)) > 0.0;
+        let normal = seen.normals.lane(lane);
+        let faces_away = normal.dot(seen.centers.lane(lane)) > 0.0;
         Shading {
             color: if faces_away && self.style.darkens_back_faces() {
                 seen_from_behind(color)
@@ -217,6 +218,9 @@ impl Surfels<'_> {
                 color
             },
             light,
+            normal: lighting
+                .is_deferred()
+                .then_some(if faces_away { -normal } else { normal }),
         }
     }
 }

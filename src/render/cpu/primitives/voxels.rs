@@ -42,8 +42,8 @@ impl Placed for Cubes<'_> {
 impl DrawnRecords for Cubes<'_> {
     type Scratch = ();
 
-    fn held(&self, _: &ScenePacket) -> Held {
-        Held::SolidColors
+    fn held(&self, packet: &ScenePacket) -> Held {
+        Held::surfaces(packet).unwrap_or(Held::SolidColors)
     }
 
     fn extent(&self) -> (f32, f32) {
@@ -130,19 +130,24 @@ impl<'a> Cubes<'a> {
             let normal = normals.as_ref().map(|normals| normals.lane(lane));
             for (axis, (patches, facets)) in faces.iter().enumerate() {
                 if let Some(facet) = facets.get(lane) {
+                    let lit_normal = normal.unwrap_or_else(|| view.rotation().col(axis));
                     let light = if self.lighting == Lighting::PerFragment && normal.is_none() {
                         Light::OfPixels
                     } else {
-                        let normal = normal.unwrap_or_else(|| view.rotation().col(axis));
                         let center = patches.centers.lane(lane);
                         let [u, v] = [patches.u.lane(lane), patches.v.lane(lane)];
                         match self.lighting {
-                            Lighting::PerFragment => facet.light_on(view, normal, [center, u, v]),
-                            lighting => Light::new(lighting, normal, center, u, v),
+                            Lighting::PerFragment => facet.light_on(view, lit_normal, [center, u, v]),
+                            lighting => Light::new(lighting, lit_normal, center, u, v),
                         }
                     };
                     let color = unit_color(record.color);
-                    raster::solid(simd, tile, &facet, &Shading { color, light }, Outline::Parallelogram);
+                    let shading = Shading {
+                        color,
+                        light,
+                        normal: self.lighting.is_deferred().then_some(lit_normal),
+                    };
+                    raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Passes over records. Which primitive is drawn by which of them is said in `primitives`.
 
-use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, Target};
+use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED};
+use crate::render::gpu::targets::Target;
 
 /// Depths of the disks and nothing else (paper 000 §V-B, first pass).
 pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
@@ -70,4 +71,51 @@ pub(in crate::render::gpu) const ROUND_POINT: GeometryPass = GeometryPass {
     name: "round point",
     wgsl: include_str!("../../../../shaders/passes/round_point.wgsl"),
     ..POINT
+};
+
+/// What the attribute pass sums up, with normals, for deferred shading.
+pub(in crate::render::gpu) const SURFACE_ATTRIBUTE: GeometryPass = GeometryPass {
+    name: "surface attribute",
+    wgsl: include_str!("../../../../shaders/passes/surface_splat.wgsl"),
+    color: Some(ColorUse {
+        target: Target::Surfaces,
+        blend: Some(ADDED),
+    }),
+    depth: Some(DepthUse::TestOnly),
+};
+
+/// The same of one-pass splatting, with depth.
+pub(in crate::render::gpu) const SURFACE_REGULAR: GeometryPass = GeometryPass {
+    name: "surface splat",
+    color: Some(ColorUse {
+        target: Target::Surfaces,
+        blend: Some(PREMULTIPLIED),
+    }),
+    depth: Some(DepthUse::TestAndWrite),
+    ..SURFACE_ATTRIBUTE
+};
+
+/// And without.
+pub(in crate::render::gpu) const SURFACE_NO_DEPTH: GeometryPass = GeometryPass {
+    name: "surface splat without depth",
+    depth: None,
+    ..SURFACE_REGULAR
+};
+
+/// Opaque faces for deferred shading.
+pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
+    name: "surface solid",
+    wgsl: include_str!("../../../../shaders/passes/surface_solid.wgsl"),
+    color: Some(ColorUse {
+        target: Target::Surfaces,
+        blend: None,
+    }),
+    depth: Some(DepthUse::TestAndWrite),
+};
+
+/// Hard disks for deferred shading.
+pub(in crate::render::gpu) const SURFACE_OPAQUE: GeometryPass = GeometryPass {
+    name: "surface opaque",
+    wgsl: include_str!("../../../../shaders/passes/surface_opaque.wgsl"),
+    ..SURFACE_SOLID
 };

@@ -8,5 +8,5 @@ mod state;
 
 pub(super) use pipelines::{GeometryKey, Pipelines};
 pub use screen::SCREEN_PASSES;
-pub(super) use state::{DepthUse, Source, Target};
+pub(super) use state::DepthUse;
 pub use state::{GeometryPass, ScreenPass};

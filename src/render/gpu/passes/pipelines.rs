@@ -1,10 +1,11 @@
 //! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
 
-use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass, Source};
+use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::instancing::Instancing;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::shaders::Permutation;
+use crate::render::gpu::targets::Source;
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
@@ -40,21 +41,24 @@ pub(crate) struct Pipelines {
     pub(crate) view_layout: wgpu::BindGroupLayout,
     color_source_layout: wgpu::BindGroupLayout,
     depth_source_layout: wgpu::BindGroupLayout,
+    surface_source_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
     pub(crate) fn new(context: &Context, view_uniform_bytes: u64) -> Self {
-        let layout = |label, visibility, ty| {
+        let layout = |label, visibility, types: &[wgpu::BindingType]| {
+            let entry = |(binding, &ty): (u32, &wgpu::BindingType)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility,
+                ty,
+                count: None,
+            };
+            let entries: Vec<_> = (0..).zip(types).map(entry).collect();
             context
                 .device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                     label: Some(label),
-                    entries: &[wgpu::BindGroupLayoutEntry {
-                        binding: 0,
-                        visibility,
-                        ty,
-                        count: None,
-                    }],
+                    entries: &entries,
                 })
         };
         let texture = |sample_type| wgpu::BindingType::Texture {
@@ -62,36 +66,33 @@ impl Pipelines {
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
+        let color = texture(wgpu::TextureSampleType::Float { filterable: false });
+        let depth = texture(wgpu::TextureSampleType::Depth);
+        let of_fragments = wgpu::ShaderStages::FRAGMENT;
         Self {
             geometry: HashMap::new(),
             screen: HashMap::new(),
             view_layout: layout(
                 "view",
                 wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-                wgpu::BindingType::Buffer {
+                &[wgpu::BindingType::Buffer {
                     ty: wgpu::BufferBindingType::Uniform,
                     has_dynamic_offset: true,
                     min_binding_size: wgpu::BufferSize::new(view_uniform_bytes),
-                },
+                }],
             ),
-            color_source_layout: layout(
-                "color source",
-                wgpu::ShaderStages::FRAGMENT,
-                texture(wgpu::TextureSampleType::Float { filterable: false }),
-            ),
-            depth_source_layout: layout(
-                "depth source",
-                wgpu::ShaderStages::FRAGMENT,
-                texture(wgpu::TextureSampleType::Depth),
-            ),
+            color_source_layout: layout("color source", of_fragments, &[color]),
+            depth_source_layout: layout("depth source", of_fragments, &[depth]),
+            surface_source_layout: layout("surface source", of_fragments, &[color; 3]),
         }
     }
 
-    /// Layout of the texture that a screen pass reads.
+    /// Layout of the textures that a screen pass reads.
     pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
         match source {
             Source::Sums => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
+            Source::Surfaces => &self.surface_source_layout,
         }
     }
 
@@ -162,7 +163,7 @@ fn build(
     primitive: wgpu::PrimitiveState,
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
-    let target = color.map(|color| color.target_state());
+    let targets = color.map_or_else(Vec::new, |color| color.target_states());
     let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&label),
         source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
@@ -189,11 +190,7 @@ fn build(
             module: &module,
             entry_point: Some("fragment"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: if target.is_some() {
-                std::slice::from_ref(&target)
-            } else {
-                &[]
-            },
+            targets: &targets,
         }),
         multiview_mask: None,
         cache: None,

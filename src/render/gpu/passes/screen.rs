@@ -1,9 +1,18 @@
 //! Passes over the whole target.
 
-use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass, Source, Target};
+use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
+use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 6] = [&BACKGROUND, &RESOLVE, &DEPTH_VIEW, &EYE_DOME, &EYE_DOME_OF_SUMS, &GRID];
+pub const SCREEN_PASSES: [&ScreenPass; 7] = [
+    &BACKGROUND,
+    &SHADE,
+    &RESOLVE,
+    &DEPTH_VIEW,
+    &EYE_DOME,
+    &EYE_DOME_OF_SUMS,
+    &GRID,
+];
 
 /// The gradient behind the cloud.
 pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {
@@ -12,6 +21,22 @@ pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {
     source: None,
     color: ColorUse {
         target: Target::Picture,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// Light falls on the blended surface; what is left are sums, as the attribute pass leaves them without it (paper 003
+/// §3.6).
+pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
+    name: "shade",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    source: Some(Source::Surfaces),
+    color: ColorUse {
+        target: Target::Sums,
         blend: None,
     },
     depth: None,

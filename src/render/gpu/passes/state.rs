@@ -1,6 +1,6 @@
 //! What a pass is: a row that says what it draws into, and how depths and colours get there.
 
-use crate::render::gpu::targets::{ACCUMULATION_FORMAT, COLOR_FORMAT, DEPTH_FORMAT};
+use crate::render::gpu::targets::{DEPTH_FORMAT, Source, Target};
 
 /// A pass over records.
 #[derive(Debug)]
@@ -35,22 +35,6 @@ pub(in crate::render::gpu) struct ColorUse {
     pub(super) blend: Option<wgpu::BlendState>,
 }
 
-/// What is drawn into.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::render::gpu) enum Target {
-    /// Over the background, which is there.
-    Picture,
-    /// Cleared by the pass over records that draws into it.
-    Sums,
-}
-
-/// What a screen pass reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::render::gpu) enum Source {
-    Sums,
-    Depths,
-}
-
 /// What a pass does with the depth buffer. Reverse-Z: nearer is greater.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render::gpu) enum DepthUse {
@@ -60,15 +44,16 @@ pub(in crate::render::gpu) enum DepthUse {
 }
 
 impl ColorUse {
-    pub(super) fn target_state(&self) -> wgpu::ColorTargetState {
-        wgpu::ColorTargetState {
-            format: match self.target {
-                Target::Picture => COLOR_FORMAT,
-                Target::Sums => ACCUMULATION_FORMAT,
-            },
-            blend: self.blend,
-            write_mask: wgpu::ColorWrites::ALL,
-        }
+    /// One for each texture that is drawn into.
+    pub(super) fn target_states(&self) -> Vec<Option<wgpu::ColorTargetState>> {
+        let state = |&format| {
+            Some(wgpu::ColorTargetState {
+                format,
+                blend: self.blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })
+        };
+        self.target.formats().iter().map(state).collect()
     }
 }
 
@@ -106,6 +91,9 @@ pub(super) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
     alpha: KEPT,
 };
+
+/// Colours times their opacities, and opacities, over what is there.
+pub(super) const PREMULTIPLIED: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
 /// Multiplies what is there.
 pub(super) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {

@@ -3,6 +3,10 @@
 use super::amplification::Amplification;
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
+use crate::render::gpu::targets::Target;
+
+/// Passes over records, in the order in which they are drawn.
+pub(super) type Passes = &'static [&'static GeometryPass];
 
 /// A packet's records, and the passes over them.
 #[derive(Debug)]
@@ -13,7 +17,15 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     /// The amplification that says how long the chunks of these streams may be.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
-    pub(in crate::render::gpu) passes: &'static [&'static GeometryPass],
+    pub(in crate::render::gpu) passes: Passes,
     /// What lays their result over the background, where they do not draw into the picture.
     pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
+}
+
+impl Drawable<'_> {
+    /// Whether one of its passes draws into this.
+    pub(in crate::render::gpu) fn draws_into(&self, target: Target) -> bool {
+        let mut targets = self.passes.iter().filter_map(|pass| pass.color);
+        targets.any(|color| color.target == target)
+    }
 }

@@ -9,6 +9,9 @@
 //! | surfel `opaque` | opaque |
 //! | surfel `visibility` | visibility, depth view |
 //! | surfel, other modes | visibility, attribute, resolve |
+//!
+//! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve
+//! follow.
 
 mod amplification;
 mod drawable;
@@ -39,6 +42,6 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         Content::Nothing | Content::Coded(_) => points::drawable(None, style),
         Content::Points(records) => points::drawable(Some(records), style),
         Content::Surfels(surfels) => surfels::drawable(surfels, style),
-        Content::Voxels(voxels) => voxels::drawable(voxels),
+        Content::Voxels(voxels) => voxels::drawable(voxels, style),
     }
 }

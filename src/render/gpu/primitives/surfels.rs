@@ -1,10 +1,13 @@
 //! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
 use super::amplification::Amplification;
-use super::drawable::Drawable;
-use crate::render::gpu::passes::geometry::{ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, VISIBILITY};
+use super::drawable::{Drawable, Passes};
+use crate::render::gpu::passes::ScreenPass;
+use crate::render::gpu::passes::geometry::{
+    ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, SURFACE_ATTRIBUTE, SURFACE_NO_DEPTH, SURFACE_OPAQUE, SURFACE_REGULAR,
+    VISIBILITY,
+};
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
-use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
 use crate::scene::{Primitive, Splatting, Style, Surfels};
 
@@ -18,7 +21,17 @@ pub(super) const DISK: Amplification = Amplification {
     vertices_per_record: 4,
     reads_shapes: true,
     compute_amplifies: true,
-    passes: &[&VISIBILITY, &ATTRIBUTE, &REGULAR, &NO_DEPTH, &OPAQUE],
+    passes: &[
+        &VISIBILITY,
+        &ATTRIBUTE,
+        &REGULAR,
+        &NO_DEPTH,
+        &OPAQUE,
+        &SURFACE_ATTRIBUTE,
+        &SURFACE_REGULAR,
+        &SURFACE_NO_DEPTH,
+        &SURFACE_OPAQUE,
+    ],
 };
 
 /// The same with an ellipse.
@@ -31,15 +44,19 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     ..DISK
 };
 
-type Passes = &'static [&'static GeometryPass];
-
 pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> {
-    let splatting = style.surfels.splatting;
-    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match splatting {
+    let is_deferred = style.light.lighting.is_deferred();
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match style.surfels.splatting {
+        Splatting::Regular if is_deferred => (&[&SURFACE_REGULAR], Some(&RESOLVE)),
         Splatting::Regular => (&[&REGULAR], None),
+        Splatting::NoDepth if is_deferred => (&[&SURFACE_NO_DEPTH], Some(&RESOLVE)),
         Splatting::NoDepth => (&[&NO_DEPTH], None),
+        Splatting::Opaque if is_deferred => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
         Splatting::Opaque => (&[&OPAQUE], None),
         Splatting::Visibility => (&[&VISIBILITY], Some(&DEPTH_VIEW)),
+        Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged if is_deferred => {
+            (&[&VISIBILITY, &SURFACE_ATTRIBUTE], Some(&RESOLVE))
+        }
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
             (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
         }

@@ -1,10 +1,12 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
 use super::amplification::Amplification;
-use super::drawable::Drawable;
-use crate::render::gpu::passes::geometry::SOLID;
+use super::drawable::{Drawable, Passes};
+use crate::render::gpu::passes::ScreenPass;
+use crate::render::gpu::passes::geometry::{SOLID, SURFACE_SOLID};
+use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::Voxels;
+use crate::scene::{Style, Voxels};
 
 /// Light falls on the faces.
 pub(super) const LIT_BY_FACES: Amplification = Amplification {
@@ -16,7 +18,7 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
     vertices_per_record: 12,
     reads_shapes: false,
     compute_amplifies: true,
-    passes: &[&SOLID],
+    passes: &[&SOLID, &SURFACE_SOLID],
 };
 
 /// Light falls on the surface in a cell.
@@ -30,7 +32,12 @@ pub(super) const LIT_BY_NORMALS: Amplification = Amplification {
     ..LIT_BY_FACES
 };
 
-pub(super) fn drawable(voxels: &Voxels) -> Drawable<'_> {
+pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = if style.light.lighting.is_deferred() {
+        (&[&SURFACE_SOLID], Some(&RESOLVE))
+    } else {
+        (&[&SOLID], None)
+    };
     let normals = voxels.normals.as_ref();
     let amplification = match normals {
         Some(_) => &LIT_BY_NORMALS,
@@ -45,7 +52,7 @@ pub(super) fn drawable(voxels: &Voxels) -> Drawable<'_> {
         chunked_for: amplification,
         // The faces of a cube that do not face the eye are never right to draw.
         cull_back_faces: true,
-        passes: &[&SOLID],
-        resolve: None,
+        passes,
+        resolve,
     }
 }

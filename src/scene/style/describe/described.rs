@@ -138,6 +138,8 @@ pub enum When {
     Cells,
     /// Surfels or voxels are drawn.
     Lit,
+    /// Light falls on the blended surface.
+    Deferred,
     /// What is drawn leaves depths.
     Depths,
     /// Depths shade what is drawn.

@@ -48,7 +48,7 @@ pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<TileRow<'
     let held = match packet.style.surfels.splatting {
         _ if coded.are_pixels => Held::Keys,
         Splatting::Visibility => Held::depths(packet),
-        _ => Held::Sums,
+        _ => Held::sums(packet),
     };
     let painter = Painter::new(packet, held);
     let view = &painter.view;

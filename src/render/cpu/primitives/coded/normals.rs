@@ -67,7 +67,7 @@ pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<See
 fn light(lighting: Lighting, normal: Vec3, to_middle: Vec3) -> [f32; 2] {
     match lighting {
         Lighting::Unlit => [1.0, 0.0],
-        Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => head_light(normal, to_middle),
+        _ => head_light(normal, to_middle),
     }
 }
 

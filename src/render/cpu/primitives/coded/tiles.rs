@@ -216,7 +216,8 @@ impl CodedTiles<'_> {
         let center = in_view(self.view, node.at);
         let light = match self.lighting {
             Lighting::Unlit | Lighting::PerSurfel => Light::Same(node.normal.light),
-            Lighting::PerVertex => Light::Same(self.light_at(node)),
+            // Where shading is deferred, no codes are drawn.
+            Lighting::PerVertex | Lighting::Lambert | Lighting::BlinnPhong => Light::Same(self.light_at(node)),
             Lighting::PerFragment => Light::OfPixels,
         };
         let facet = |scale: f32| {
@@ -239,6 +240,7 @@ impl CodedTiles<'_> {
             let shading = Shading {
                 color: self.color_of(node),
                 light,
+                normal: None,
             };
             waiting.push((facet, shading));
         }

@@ -1,0 +1,11 @@
+// The faces of voxels for deferred shading.
+
+@vertex
+fn vertex(instance: Instance) -> Varyings {
+    return varyings(instance);
+}
+
+@fragment
+fn fragment(in: Varyings) -> Surface {
+    return surface(in, in.normal, 1.0);
+}

@@ -1,0 +1,292 @@
+//! A closed white surface without light is white: whatever draws it, and however it is blended, no pixel that the truth
+//! covers with all its samples is darker than white.
+//!
+//! Held: every primitive, every mode of splatting, both renderers and every strategy. Modes of one pass are not white
+//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its disks,
+//! and so where three of them only just meet: held to be few pixels.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{camera_at, draw, plain};
+use glam::{DVec3, Vec3};
+use image::RgbaImage;
+use pointreel::cloud::{Attributes, Frame, PointRecord, Positions, RawCloud, ShapeRecord, decode_ellipse};
+use pointreel::levels::Lod;
+use pointreel::render::Renderer;
+use pointreel::render::cpu::CpuRenderer;
+use pointreel::render::truth::{Disks, RayTraced, Truth, TruthView};
+use pointreel::scene::{
+    Background, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive,
+    RendererChoice, Scene, ScenePacket, Splatting, Strategy, Style,
+};
+use pointreel::sequence::{ColorSource, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [240, 200];
+
+/// What rounding to bytes may take from white.
+const LEAST_WHITE: u8 = 254;
+
+/// The modes that blend beyond the rims of disks that touch, or blend nothing.
+const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
+
+fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
+    let mut renderer = CpuRenderer::new();
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    renderer.read_image().unwrap()
+}
+
+/// A unit sphere whose points are at random places and white, prepared for a style: radii are estimated.
+fn white_sphere(count: usize, style: &Style) -> PreparedFrame {
+    let sampled = Sequence::of(Shape::Sphere.frame(count)).frame(0).unwrap();
+    let positions: Vec<[f32; 3]> = sampled.positions().iter().map(Vec3::to_array).collect();
+    let raw = RawCloud {
+        attributes: Attributes {
+            colors: Some(vec![[255; 4]; count]),
+            normals: Some(positions.clone()),
+            ..Attributes::default()
+        },
+        ..RawCloud::from_positions(Positions::F32(positions))
+    };
+    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+    let needs = Scene::needs(style);
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+fn camera() -> Camera {
+    Camera {
+        azimuth_deg: 20.0,
+        elevation_deg: -35.0,
+        ..camera_at(1.8)
+    }
+}
+
+/// Pixels whose samples all meet something.
+fn covered_by(truth_on: impl Fn(&TruthView) -> Truth) -> Vec<bool> {
+    let [on_black, on_white] = [[0; 3], [255; 3]].map(|color| {
+        let background = Background::solid(color);
+        truth_on(&TruthView::new(
+            &camera(),
+            DVec3::ZERO,
+            SIZE,
+            Lighting::Unlit,
+            background,
+        ))
+        .image
+    });
+    on_black
+        .pixels()
+        .zip(on_white.pixels())
+        .map(|(black, white)| black == white)
+        .collect()
+}
+
+fn covered_by_disks(points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<bool> {
+    let disks = Disks {
+        points,
+        shapes,
+        cull_back_faces: true,
+    };
+    covered_by(|view| Truth::of_disks(&disks, view))
+}
+
+fn covered_by_sphere() -> Vec<bool> {
+    let sphere = RayTraced {
+        shape: Shape::Sphere,
+        cull_back_faces: true,
+    };
+    covered_by(|view| Truth::of_shape(sphere, view, 0.0))
+}
+
+/// Without light, on black. White alone would not be taken for colours.
+fn white() -> Style {
+    Style {
+        colors: ColorSource::File.into(),
+        ..plain()
+    }
+}
+
+fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
+    Scene::default().packet(frame, DVec3::ZERO, &camera(), style, SIZE)
+}
+
+/// How many covered pixels are darker than white, and how dark the darkest is.
+fn darker(picture: &RgbaImage, is_covered: &[bool]) -> (usize, u8) {
+    let covered = picture.pixels().zip(is_covered).filter(|&(_, &is_covered)| is_covered);
+    let darkest = covered.map(|(pixel, _)| pixel.0[..3].iter().copied().min().unwrap());
+    darkest.fold((0, 255), |(count, least), channel| {
+        (count + usize::from(channel < LEAST_WHITE), least.min(channel))
+    })
+}
+
+#[track_caller]
+fn assert_white(picture: &RgbaImage, is_covered: &[bool], what: &str) {
+    let all = is_covered.iter().filter(|&&is_covered| is_covered).count();
+    assert!(all > 10_000, "{what}: {all} pixels are covered");
+    let (count, darkest) = darker(picture, is_covered);
+    assert!(
+        count == 0,
+        "{what}: {count} of {all} are darker than white, the darkest {darkest}"
+    );
+}
+
+fn in_mode(splatting: Splatting) -> Style {
+    white().with(|style| style.surfels.splatting = splatting)
+}
+
+fn with_strategy(style: &Style, strategy: Strategy) -> Style {
+    style.with(|style| style.drawing.strategy = strategy)
+}
+
+/// What is drawn by the processor, and by each strategy of the GPU.
+fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(&RgbaImage, &str)) {
+    check(&draw_on_cpu(&packet_of(frame, style)), "processor");
+    for &strategy in Strategy::ALL {
+        let packet = packet_of(frame, &with_strategy(style, strategy));
+        check(&draw(&packet), strategy.name());
+    }
+}
+
+/// Coarse disks are large beside pixels, so that some are in the corners where three disks only just meet.
+#[test]
+fn surfels_in_the_modes_that_close_surfaces_are_white() {
+    for count in [300, 3_000, 30_000] {
+        let frame = white_sphere(count, &white());
+        let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+        for splatting in CLOSING {
+            for_each_picture(&frame, &in_mode(splatting), |picture, by| {
+                assert_white(picture, &is_covered, &format!("{count} surfels, {splatting}, {by}"));
+            });
+        }
+    }
+}
+
+/// Of disks that are not enlarged, three rims sum up to less than what is opaque.
+#[test]
+fn two_pass_surfels_are_white_but_for_corners_between_disks() {
+    for (count, most_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
+        let frame = white_sphere(count, &white());
+        let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+        let all = is_covered.iter().filter(|&&is_covered| is_covered).count();
+        for_each_picture(&frame, &in_mode(Splatting::TwoPass), |picture, by| {
+            let (darker, _) = darker(picture, &is_covered);
+            assert!(
+                darker as f64 <= most_share * all as f64,
+                "{count} surfels, {by}: {darker} of {all}"
+            );
+        });
+    }
+}
+
+/// What the largest disks in the ellipses cover is covered by the ellipses.
+#[test]
+fn ellipses_in_the_modes_that_close_surfaces_are_white() {
+    let of_ellipses = |splatting| in_mode(splatting).with(|style| style.primitive = Primitive::Ellipse);
+    let frame = white_sphere(3_000, &of_ellipses(Splatting::Enlarged));
+    let shapes = frame.shapes.as_ref().unwrap();
+    assert!(shapes.iter().filter(|shape| shape.ellipse != 0).count() > 2_000);
+    let inscribed: Vec<ShapeRecord> = shapes
+        .iter()
+        .map(|shape| {
+            let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+            let [_, radius] = ellipse.half_axes_of_quadratic_mean(shape.radius);
+            ShapeRecord { radius, ..*shape }
+        })
+        .collect();
+    let is_covered = covered_by_disks(&frame.points, &inscribed);
+    for splatting in CLOSING {
+        for_each_picture(&frame, &of_ellipses(splatting), |picture, by| {
+            assert_white(picture, &is_covered, &format!("ellipses, {splatting}, {by}"));
+        });
+    }
+}
+
+#[test]
+fn weakly_enlarged_surfels_are_white() {
+    let frame = white_sphere(300, &white());
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+    for enlargement in [1.45, 1.6] {
+        for splatting in [Splatting::Enlarged, Splatting::TwoPassEnlarged] {
+            let mut style = in_mode(splatting);
+            style.surfels.enlargement = enlargement;
+            let packet = packet_of(&frame, &style);
+            for (picture, by) in [(draw_on_cpu(&packet), "processor"), (draw(&packet), "GPU")] {
+                assert_white(&picture, &is_covered, &format!("{splatting} by {enlargement}, {by}"));
+            }
+        }
+    }
+}
+
+/// Where masks are opacities, what is behind shines through their rims: Fig. 3 (a) and (b) of the paper show that.
+#[test]
+fn one_pass_shows_the_artefacts_of_the_paper() {
+    let frame = white_sphere(3_000, &white());
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+    for splatting in [Splatting::Regular, Splatting::NoDepth] {
+        for_each_picture(&frame, &in_mode(splatting), |picture, by| {
+            let (count, _) = darker(picture, &is_covered);
+            assert!(count > 1000, "{splatting}, {by}: {count}");
+        });
+    }
+}
+
+#[test]
+fn points_of_any_shape_are_white() {
+    let is_covered = covered_by_sphere();
+    for &shape in PointShape::ALL {
+        let style = Style {
+            primitive: Primitive::Point,
+            points: PointStyle { size_px: 14.0, shape },
+            ..white()
+        };
+        let frame = white_sphere(10_000, &style);
+        for_each_picture(&frame, &style, |picture, by| {
+            assert_white(picture, &is_covered, &format!("points, {shape}, {by}"));
+        });
+    }
+}
+
+#[test]
+fn voxels_are_white() {
+    let style = Style {
+        primitive: Primitive::Voxel,
+        ..white()
+    };
+    let frame = white_sphere(30_000, &style);
+    let is_covered = covered_by_sphere();
+    for_each_picture(&frame, &style, |picture, by| {
+        assert_white(picture, &is_covered, &format!("voxels, {by}"));
+    });
+}
+
+/// As exact disks and as masks: pixels of single cells are no surface.
+#[test]
+fn byte_codes_are_white() {
+    for footprint in [Footprint::Disks, Footprint::Masks] {
+        for splatting in [Splatting::Enlarged, Splatting::TwoPassEnlarged] {
+            let style = Style {
+                levels: LevelStyle {
+                    lod: Lod::ThresholdPx(0.0),
+                    ..white().levels
+                },
+                codes: CodeStyle {
+                    footprint,
+                    ..white().codes
+                },
+                drawing: DrawingStyle {
+                    renderer: RendererChoice::Cpu,
+                    ..white().drawing
+                },
+                ..in_mode(splatting)
+            };
+            let frame = white_sphere(30_000, &style);
+            let picture = draw_on_cpu(&packet_of(&frame, &style));
+            let what = format!("byte codes as {footprint}, {splatting}");
+            let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+            assert_white(&picture, &is_covered, &what);
+        }
+    }
+}
