@@ -218,6 +218,45 @@ fn octrees_are_measured_at_the_losses_of_the_paper() {
     );
 }
 
+#[test]
+fn structures_of_levels_of_detail_are_measured_from_three_distances() {
+    let report = measure(&small(suites::LOD));
+    assert_files_agree(&report);
+    let of = |key: &str| -> Vec<[f64; 3]> {
+        let numbers = numbers(&report, key);
+        let views = numbers.chunks_exact(3);
+        views.map(|views| [views[0], views[1], views[2]]).collect()
+    };
+    let structure = |place: usize| report.value(&report.rows[3 * place], "structure");
+    let named: Vec<String> = (0..6)
+        .map(|place| match structure(place) {
+            Some(Cell::Text(name)) => name.clone(),
+            other => panic!("no name: {other:?}"),
+        })
+        .collect();
+    assert_eq!(named, ["none", "octree", "qsplat", "spt", "spt-paper", "hspt"]);
+    let drawn = of("drawn_nodes");
+    assert!(drawn[0].iter().all(|&all| all == drawn[0][0]), "{drawn:?}");
+    for structure in &drawn[1..] {
+        assert!(structure[0] < structure[1], "fewer from afar: {drawn:?}");
+    }
+    // The whole object is in view: those of one tree draw the same nodes.
+    for view in [0, 1] {
+        let [qsplat, sequential, hierarchical] = [2, 3, 5].map(|structure: usize| drawn[structure][view]);
+        assert_eq!([sequential, hierarchical], [qsplat; 2]);
+    }
+    for (structure, duplicates) in of("duplicates").into_iter().enumerate() {
+        assert!(
+            structure == 4 || duplicates == [0.0; 3],
+            "{duplicates:?} of {}",
+            named[structure]
+        );
+    }
+    for key in ["render_ms_median", "total_ms_median", "processed_nodes"] {
+        assert!(numbers(&report, key).iter().all(|&number| number > 0.0), "{key}");
+    }
+}
+
 /// The rows of one table of the accuracy suite.
 fn rows_of<'a>(report: &'a Report, table: &str) -> Vec<&'a Row> {
     let is_of = |row: &&Row| report.value(row, Column::TABLE) == Some(&Cell::Text(table.to_owned()));
