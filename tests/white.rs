@@ -2,8 +2,8 @@
 //! covers with all its samples is darker than white.
 //!
 //! Held: every primitive, every mode of splatting, both renderers and every strategy. Modes of one pass are not white
-//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its disks,
-//! and so where three of them only just meet: held to be few pixels.
+//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its
+//! disks, and so where three of them only just meet: held to be few pixels.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -105,9 +105,9 @@ impl NodeCode {
     }
 }
 
-/// Most degrees that a normal of a code is off. A step of a coordinate is 1/63, so both are off by at most 1/126. On the
-/// octahedron that is a length of √6/126, which is the widest angle where the octahedron is nearest to its middle, at
-/// 1/√3: √18/126. The rest is for the rounding of [`crate::cloud::ShapeRecord`].
+/// Most degrees that a normal of a code is off. A step of a coordinate is 1/63, so both are off by at most 1/126. On
+/// the octahedron that is a length of √6/126, which is the widest angle where the octahedron is nearest to its middle,
+/// at 1/√3: √18/126. The rest is for the rounding of [`crate::cloud::ShapeRecord`].
 #[cfg(test)]
 pub(super) const NORMAL_ERROR_DEG: f32 = 1.95;
 
