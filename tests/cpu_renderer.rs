@@ -128,8 +128,7 @@ fn surfaces_under_every_rig_of_lights_with_eye_dome_lighting() {
                 style.light.rig = rig;
                 style.light.eye_dome = EyeDome::On;
             });
-            let blends = matches!(splatting, Splatting::Regular | Splatting::NoDepth);
-            let (least_psnr_db, most_differing) = if blends { (50.0, 5e-4) } else { (60.0, 1e-5) };
+            let (least_psnr_db, most_differing) = agreement(splatting);
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
         }
     }

@@ -296,7 +296,7 @@ group! {
             flag: "lod-structure",
             former_flag: "levels",
             value_name: "STRUCTURE",
-            help: "What --surfel-lod draws levels of detail from",
+            help: "What --surfel-lod draws from",
             heading: HEADING,
             title: "Structure",
             hint: "What levels of detail are taken from",
