@@ -69,15 +69,25 @@ pub(super) fn shade<S: Simd>(
     let light = lit.light(simd, lights, facing.abs());
     let [red, green, blue] = surface.albedo;
     // No `map` over arrays of registers: see `raster.rs`.
-    let channel = |albedo: f32x8<S>, diffuse: f32x8<S>, specular: f32x8<S>| {
-        let linear = to_linear(simd, albedo).mul_add(diffuse, specular).min(splat(1.0));
-        simd.select_f32x8(has_normal, to_display(simd, linear), albedo)
-    };
+    let [red_diffuse, green_diffuse, blue_diffuse] = light.diffuse;
+    let [red_specular, green_specular, blue_specular] = light.specular;
+    let lit = [
+        lit_channel(simd, red, red_diffuse, red_specular),
+        lit_channel(simd, green, green_diffuse, green_specular),
+        lit_channel(simd, blue, blue_diffuse, blue_specular),
+    ];
     [
-        channel(red, light.diffuse[0], light.specular[0]),
-        channel(green, light.diffuse[1], light.specular[1]),
-        channel(blue, light.diffuse[2], light.specular[2]),
+        simd.select_f32x8(has_normal, lit[0], red),
+        simd.select_f32x8(has_normal, lit[1], green),
+        simd.select_f32x8(has_normal, lit[2], blue),
     ]
+}
+
+/// A display-referred channel in linear light.
+#[inline(always)]
+fn lit_channel<S: Simd>(simd: S, albedo: f32x8<S>, diffuse: f32x8<S>, specular: f32x8<S>) -> f32x8<S> {
+    let linear = to_linear(simd, albedo).mul_add(diffuse, specular);
+    to_display(simd, linear.min(f32x8::splat(simd, 1.0)))
 }
 
 impl<S: Simd> Lit<S> {

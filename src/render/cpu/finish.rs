@@ -238,28 +238,33 @@ impl Tile {
                     sums[2].mul_add(share, background[2] * shows_through),
                 ]
             }),
-            Held::Surfaces { opaque_weight, lights } => write(simd, pixels, |place| {
-                let weight = values(&self.weight, place);
-                if !simd.any_true_mask32x8(weight.simd_gt(splat(0.0))) {
-                    return background;
-                }
-                let per_weight = 1.0 / weight.max(splat(f32::MIN_POSITIVE));
-                let [red, green, blue] = colors(place);
-                let [x, y, z, depth] = &self.surfaces;
-                let surface = Surface {
-                    albedo: [red * per_weight, green * per_weight, blue * per_weight],
-                    normal: Vectors {
-                        x: values(x, place),
-                        y: values(y, place),
-                        z: values(z, place),
-                    },
-                    depth: values(depth, place) * per_weight,
-                };
-                let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
-                let lit = shade(simd, &lights, view, pixel, &surface);
-                let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
-                over(simd, lit, opacity, background)
-            }),
+            Held::Surfaces { opaque_weight, lights } => write(
+                simd,
+                pixels,
+                #[inline(always)]
+                |place| {
+                    let weight = values(&self.weight, place);
+                    if !simd.any_true_mask32x8(weight.simd_gt(splat(0.0))) {
+                        return background;
+                    }
+                    let per_weight = 1.0 / weight.max(splat(f32::MIN_POSITIVE));
+                    let [red, green, blue] = colors(place);
+                    let [x, y, z, depth] = &self.surfaces;
+                    let surface = Surface {
+                        albedo: [red * per_weight, green * per_weight, blue * per_weight],
+                        normal: Vectors {
+                            x: values(x, place),
+                            y: values(y, place),
+                            z: values(z, place),
+                        },
+                        depth: values(depth, place) * per_weight,
+                    };
+                    let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
+                    let lit = shade(simd, &lights, view, pixel, &surface);
+                    let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
+                    over(simd, lit, opacity, background)
+                },
+            ),
             Held::Depths { near, white, black } => write(simd, pixels, |place| {
                 let depth = values(&self.depth, place);
                 let share = (near / depth - white) * (1.0 / (black - white));
