@@ -147,6 +147,7 @@ fn ellipses_of_a_file_are_drawn_as_they_are_and_disks_have_their_area() {
     let of_disks = prepare(0, frame, 0.0, &disks, &counters);
     let of_ellipses = complete(&of_disks, &ellipses, &counters);
     let again = complete(&of_ellipses, &disks, &counters);
+    assert_eq!(counters.ellipses_estimated(), 0, "the file has them");
     let shape = |frame: &PreparedFrame| frame.shapes.as_ref().unwrap()[0];
     for frame in [&of_disks, &again] {
         assert_eq!((shape(frame).radius, shape(frame).ellipse), (2.0, 0));

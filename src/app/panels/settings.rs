@@ -11,7 +11,7 @@ pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, row
 use crate::app::{MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
 use crate::scene::describe::Section;
-use crate::scene::{Camera, Primitive, Projection, RendererChoice, Style, UpAxis};
+use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
 use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
 
@@ -105,10 +105,7 @@ fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
         section_rows(ui, style, drawn, Section::Picture);
     });
     section_ui(ui, style, drawn, ("Surfels", Section::Surfels));
-    let on_processor = drawn.drawing.renderer == RendererChoice::Cpu;
-    let are_disks = drawn.draws_surfels() && drawn.primitive != Primitive::Ellipse;
-    let has_footprints = on_processor && are_disks && style.surfels.splatting.has_visibility_pass();
-    ui.add_enabled_ui(has_footprints, |ui| {
+    ui.add_enabled_ui(drawn.has_footprints(), |ui| {
         rows(ui, "footprints", |ui| {
             section_rows(ui, style, drawn, Section::Footprints);
         });

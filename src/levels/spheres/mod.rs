@@ -13,6 +13,7 @@ mod before;
 mod bounds;
 mod cone;
 mod node_code;
+mod order;
 mod printed;
 mod qsplat;
 mod rule;

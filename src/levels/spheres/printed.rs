@@ -13,6 +13,7 @@
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
+use super::order::{NO_PARENT, Order};
 use super::rule::{HYSTERESIS, Rule};
 use super::splat::{self, Splat};
 use super::split::Child;
@@ -27,9 +28,6 @@ use std::f64::consts::PI;
 
 /// Entries that are worth handing to another thread.
 const ENTRIES_PER_TASK: usize = 1 << 12;
-
-/// In place of the parent of the root.
-const NONE: u32 = u32::MAX;
 
 /// Entries are tested from so much nearer than they can be drawn from, so that it is known of those that the next view
 /// may draw that they were divided.
@@ -54,7 +52,7 @@ struct Entry {
     r_min: f32,
     r_max: f32,
     level: u32,
-    /// Place of its parent among the entries, or [`NONE`].
+    /// Place of its parent among the entries, or [`NO_PARENT`].
     parent: u32,
     node: Child,
     /// The inner node whose bounds it is dropped with: itself, or the parent of a leaf.
@@ -65,19 +63,13 @@ impl PrintedSequence {
     /// Sorts the nodes of a tree of these points.
     pub(super) fn of(tree: &SphereTree, points: &[PointRecord]) -> Self {
         let unsorted = entries(tree, points);
-        let mut order: Vec<u32> = (0..unsorted.len() as u32).collect();
-        let r_max = |place: u32| unsorted[place as usize].r_max;
-        order.par_sort_by(|&a, &b| r_max(b).total_cmp(&r_max(a)));
-        let mut sorted = vec![0; order.len()];
-        for (&place, sorted_place) in order.iter().zip(0..) {
-            sorted[place as usize] = sorted_place;
-        }
-        let entry = |place: u32| {
+        let order = Order::of(unsorted.len(), |place| unsorted[place as usize].r_max);
+        let entry = |&place: &u32| {
             let entry = unsorted[place as usize];
-            let parent = sorted.get(entry.parent as usize).copied().unwrap_or(NONE);
+            let parent = order.place_of(entry.parent);
             Entry { parent, ..entry }
         };
-        let entries: Vec<Entry> = order.into_iter().map(entry).collect();
+        let entries: Vec<Entry> = order.sorted.iter().map(entry).collect();
         let least_r_min = entries.iter().scan(f32::INFINITY, |least, entry| {
             *least = least.min(entry.r_min);
             Some(*least)
@@ -148,7 +140,7 @@ impl PrintedSequence {
     }
 
     fn ancestors(&self, place: u32) -> impl Iterator<Item = u32> {
-        let parent = |place: &u32| Some(self.entries[*place as usize].parent).filter(|&parent| parent != NONE);
+        let parent = |place: &u32| Some(self.entries[*place as usize].parent).filter(|&parent| parent != NO_PARENT);
         std::iter::successors(Some(place), parent).skip(1)
     }
 }
@@ -157,7 +149,7 @@ impl PrintedSequence {
 fn entries(tree: &SphereTree, points: &[PointRecord]) -> Vec<Entry> {
     let r_min = |radius: f32| PI.sqrt() as f32 * radius;
     let mut entries: Vec<Entry> = Vec::with_capacity(tree.nodes.len() + points.len());
-    let mut place_of = vec![NONE; tree.nodes.len()];
+    let mut place_of = vec![NO_PARENT; tree.nodes.len()];
     if let Some(root) = tree.nodes.first() {
         place_of[0] = 0;
         entries.push(Entry {
@@ -165,7 +157,7 @@ fn entries(tree: &SphereTree, points: &[PointRecord]) -> Vec<Entry> {
             r_min: r_min(root.sphere.radius),
             r_max: f32::INFINITY,
             level: 0,
-            parent: NONE,
+            parent: NO_PARENT,
             node: Child::Inner(0),
             bounds: 0,
         });

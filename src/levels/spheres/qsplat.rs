@@ -12,6 +12,7 @@ use super::bounds::Bounds;
 use super::node_code::{NODE_WORDS, NodeCode};
 use super::rule::{Rule, Verdict};
 use super::sphere_code;
+use super::splat::Splat;
 use super::split::{Child, Inner};
 use super::summary::Summary;
 use super::tree::SphereTree;
@@ -154,17 +155,7 @@ impl QSplat {
         nodes
             .map(|(&name, sphere)| {
                 let code = self.code(name as usize);
-                let point = PointRecord {
-                    position: sphere.center.to_array(),
-                    color: code.color(),
-                };
-                let shape = ShapeRecord {
-                    normal: code.normal(),
-                    radius: sphere.radius,
-                    ellipse: 0,
-                    scalar: 0.0,
-                };
-                (point, shape)
+                Splat::new(sphere, code.normal(), code.color()).records()
             })
             .unzip_into_vecs(&mut points, &mut shapes);
         Records::Surfels { points, shapes }

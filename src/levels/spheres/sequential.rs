@@ -16,6 +16,7 @@
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
+use super::order::{NO_PARENT, Order};
 use super::rule::{Rule, Verdict};
 use super::splat::{self, Splat};
 use super::split::{Child, Division};
@@ -31,9 +32,6 @@ pub(super) const HIERARCHY_POINTS: usize = 1 << 10;
 
 /// Nodes of a prefix that are worth handing to another thread.
 const NODES_PER_TASK: usize = 1 << 12;
-
-/// In place of the parent in a sequence: the node above the sequence.
-const ABOVE: u32 = u32::MAX;
 
 /// Sequences, and the nodes above them.
 #[derive(Debug)]
@@ -51,7 +49,7 @@ struct Inner {
     bounds: Bounds,
     splat: Splat,
     level: u32,
-    /// Its place in the sequence, or [`ABOVE`].
+    /// Its place in the sequence, or [`NO_PARENT`].
     parent: u32,
     /// `r_max`.
     parent_radius: f32,
@@ -87,7 +85,7 @@ impl SequentialTree {
         };
         built
             .inners
-            .extend(uppers.iter().map(|upper| Inner::of(tree, upper.node, ABOVE)));
+            .extend(uppers.iter().map(|upper| Inner::of(tree, upper.node, NO_PARENT)));
         for (UpperNode { children, .. }, sequence) in uppers.into_iter().zip(sequences) {
             let (first_inner, first_leaf) = (built.inners.len(), built.leaves.len());
             built.inners.extend(sequence.inners);
@@ -212,7 +210,7 @@ struct Sequence {
 #[derive(Debug, Clone, Copy)]
 struct Below {
     node: u32,
-    /// The place of its parent among the nodes below, or [`ABOVE`].
+    /// The place of its parent among the nodes below, or [`NO_PARENT`].
     parent: u32,
 }
 
@@ -220,24 +218,18 @@ impl UpperNode {
     /// Nodes below, sorted by the radius of their parents; of equals those nearer to the root come first.
     fn sequence(&self, tree: &SphereTree) -> Sequence {
         let below = self.nodes_below(tree);
-        let mut order: Vec<u32> = (0..below.len() as u32).collect();
-        let r_max = |place: u32| parent_radius(tree, below[place as usize].node);
-        order.par_sort_by(|&a, &b| r_max(b).total_cmp(&r_max(a)));
-        let mut sorted = vec![0; order.len()];
-        for (&place, sorted_place) in order.iter().zip(0..) {
-            sorted[place as usize] = sorted_place;
-        }
-        let sorted_place = |place: u32| sorted.get(place as usize).copied().unwrap_or(ABOVE);
-        let inners = order.par_iter().with_min_len(NODES_PER_TASK).map(|&place| {
+        let order = Order::of(below.len(), |place| parent_radius(tree, below[place as usize].node));
+        let inners = order.sorted.par_iter().with_min_len(NODES_PER_TASK).map(|&place| {
             let Below { node, parent } = below[place as usize];
-            Inner::of(tree, node, sorted_place(parent))
+            Inner::of(tree, node, order.place_of(parent))
         });
         let of_order = order
+            .sorted
             .iter()
             .zip(0..)
             .map(|(&place, parent)| (below[place as usize].node, parent));
         let mut leaves: Vec<(f32, Leaf)> = Vec::new();
-        for (node, parent) in std::iter::once((self.node, ABOVE)).chain(of_order) {
+        for (node, parent) in std::iter::once((self.node, NO_PARENT)).chain(of_order) {
             let radius = tree.nodes[node as usize].bounds.radius;
             let children = tree.division.inners[node as usize].children();
             leaves.extend(children.filter_map(|child| match child {
@@ -260,7 +252,7 @@ impl UpperNode {
         };
         let mut below: Vec<Below> = Vec::new();
         if self.children.is_empty() {
-            below.extend(children_of(self.node, ABOVE));
+            below.extend(children_of(self.node, NO_PARENT));
             let mut next = 0;
             while let Some(&Below { node, .. }) = below.get(next) {
                 below.extend(children_of(node, next as u32));
@@ -306,7 +298,7 @@ impl Selection<'_> {
             .with_min_len(NODES_PER_TASK)
             .map(|name| self.verdict(name))
             .collect();
-        let is_divided = |parent: u32| parent == ABOVE || verdicts[parent as usize] == Verdict::Divided;
+        let is_divided = |parent: u32| parent == NO_PARENT || verdicts[parent as usize] == Verdict::Divided;
         let mut listed = ListedNodes::default();
         for ((inner, &verdict), name) in of_inners.iter().zip(&verdicts).zip(inners.start as u32..) {
             match verdict {
@@ -351,7 +343,7 @@ impl SequentialTree {
         }
         for (upper, name) in self.uppers.iter().zip(0_u32..) {
             let place_above = |parent: u32| {
-                if parent == ABOVE {
+                if parent == NO_PARENT {
                     name
                 } else {
                     upper.inners.start as u32 + parent

@@ -3,6 +3,7 @@
 use super::tree::Node;
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::levels::structure::{RecordBuffers, Records};
+use crate::math::Sphere;
 use rayon::prelude::*;
 
 /// The disk of a node that is no leaf.
@@ -16,13 +17,18 @@ pub(super) struct Splat {
 
 impl Splat {
     /// As large as the sphere, and across the mean normal (paper 002 §4.1, sprites).
-    pub(super) fn of(node: &Node) -> Self {
+    pub(super) fn new(sphere: &Sphere, normal: [i16; 2], color: [u8; 4]) -> Self {
         Self {
-            center: node.sphere.center.to_array(),
-            radius: node.sphere.radius,
-            normal: node.normal,
-            color: node.color,
+            center: sphere.center.to_array(),
+            radius: sphere.radius,
+            normal,
+            color,
         }
+    }
+
+    /// With what is not rounded of the normal and the colour.
+    pub(super) fn of(node: &Node) -> Self {
+        Self::new(&node.sphere, node.normal, node.color)
     }
 
     pub(super) fn records(&self) -> (PointRecord, ShapeRecord) {

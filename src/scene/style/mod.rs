@@ -224,14 +224,18 @@ impl Style {
         }
     }
 
-    /// Whether surfels are drawn from the byte code of an octree, which the processor alone can; [`LevelStyle::lod`]
-    /// says how finely. Who draws has to be decided before: see [`Style::drawn_by`]. While something is clipped the
-    /// same surfels are drawn as disks: a code cannot be cut. So they are where shading is deferred: a code is lit by a
-    /// table of normals. Ellipses have none.
+    /// Whether surfels are drawn from the byte code of an octree; [`LevelStyle::lod`] says how finely. While something
+    /// is clipped the same surfels are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
+        self.has_footprints() && self.codes.footprint != Footprint::Disks
+    }
+
+    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be decided
+    /// before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
+    /// normals, nor of ellipses.
+    pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && self.primitive != Primitive::Ellipse
-            && self.codes.footprint != Footprint::Disks
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()

@@ -94,7 +94,8 @@ impl Build<'_> {
         *shapes = Arc::new(records::with_ellipses(&self.frame, shapes));
         self.has_ellipses = true;
         self.timings.analysis_ms += milliseconds_since(start);
-        self.counters.ellipses_estimated.fetch_add(1, Ordering::Relaxed);
+        let estimated = u64::from(self.frame.ellipses().is_none());
+        self.counters.ellipses_estimated.fetch_add(estimated, Ordering::Relaxed);
     }
 
     fn painted_points(&mut self, paint: &Paint) -> Arc<Vec<PointRecord>> {

@@ -26,7 +26,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Splatting, Style};
+use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -267,8 +267,7 @@ fn measure_way(
 
 /// Whether depths of what a way shows can be drawn: not of splats without depth, nor of byte codes.
 fn shows_known_surface(way: &Style) -> bool {
-    let is_without_depth = way.draws_surfels() && way.surfels.splatting == Splatting::NoDepth;
-    !is_without_depth && !way.draws_codes()
+    way.leaves_depths() && !way.draws_codes()
 }
 
 /// What lies where in the picture of a packet, if it shows one surface.

@@ -1,0 +1,33 @@
+//! Nodes of a sequence, sorted by the radius that says how near they are drawn: `r_max`, that of their parents.
+
+use rayon::prelude::*;
+
+/// In place of the parent of a node whose parent is not in its sequence.
+pub(super) const NO_PARENT: u32 = u32::MAX;
+
+/// Places before and after sorting.
+#[derive(Debug)]
+pub(super) struct Order {
+    /// The places before, in the order of the sequence.
+    pub(super) sorted: Vec<u32>,
+    /// Where each of them is in the sequence.
+    place_of: Vec<u32>,
+}
+
+impl Order {
+    /// So many nodes, the largest first; of equals the first one is first.
+    pub(super) fn of(count: usize, r_max: impl Fn(u32) -> f32 + Sync) -> Self {
+        let mut sorted: Vec<u32> = (0..count as u32).collect();
+        sorted.par_sort_by(|&a, &b| r_max(b).total_cmp(&r_max(a)));
+        let mut place_of = vec![0; count];
+        for (&before, place) in sorted.iter().zip(0..) {
+            place_of[before as usize] = place;
+        }
+        Self { sorted, place_of }
+    }
+
+    /// Where a node is in the sequence; [`NO_PARENT`] is nowhere.
+    pub(super) fn place_of(&self, before: u32) -> u32 {
+        self.place_of.get(before as usize).copied().unwrap_or(NO_PARENT)
+    }
+}
