@@ -27,7 +27,8 @@ use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, Primitive, ScenePacket, Style, Surfels, UpAxis, Voxels,
+    Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, Primitive, ScenePacket, SplatFilter, Style, Surfels,
+    UpAxis, Voxels,
 };
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -153,6 +154,31 @@ fn pictures(criterion: &mut Criterion) {
     });
 }
 
+/// Disks beside ellipses and beside both filtered to the pixels: the same cloud, by turns.
+fn splats(criterion: &mut Criterion) {
+    let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
+    for count in [100_000, 1_000_000] {
+        for (place, distance) in [("whole", 3.4), ("far", 34.0), ("within", 1.0)] {
+            let mut group = criterion.benchmark_group(format!("splats/{count}/{place}/2 threads"));
+            group
+                .sample_size(20)
+                .warm_up_time(Duration::from_millis(500))
+                .measurement_time(Duration::from_secs(2));
+            for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+                let mut packet = packet(count, primitive, distance);
+                for &filter in SplatFilter::ALL {
+                    packet.style.surfels.filter = filter;
+                    let mut renderer = CpuRenderer::new();
+                    group.bench_function(format!("{primitive}, filter {filter}"), |bencher| {
+                        bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
+                    });
+                }
+            }
+            group.finish();
+        }
+    }
+}
+
 /// Surfels that fill the picture, in each light.
 fn light(criterion: &mut Criterion) {
     let mut packet = packet(100_000, Primitive::Surfel, 1.9);
@@ -235,5 +261,5 @@ fn screen(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, light, screen, pictures);
+criterion_group!(benches, splats, light, screen, pictures);
 criterion_main!(benches);

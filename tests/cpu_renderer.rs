@@ -14,7 +14,7 @@ use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
     BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -114,6 +114,22 @@ fn ellipses_in_every_mode_and_light() {
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+    }
+}
+
+#[test]
+fn filtered_splats_from_far_and_near() {
+    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+        for splatting in [Splatting::TwoPass, Splatting::Enlarged, Splatting::TwoPassEnlarged] {
+            for distance in [0.4, 1.9, 10.0, 60.0] {
+                let style = Style::default().with(|style| {
+                    style.primitive = primitive;
+                    style.surfels.splatting = splatting;
+                    style.surfels.filter = SplatFilter::Ewa;
+                });
+                assert_same_picture(&surfel_scene(style, distance), 55.0, 1e-5);
+            }
         }
     }
 }

@@ -99,7 +99,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
     assert_layout!(PointRecord, "PointRecord", position, color);
     assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
     assert_layout!(LampUniform, "Lamp", place, color);
-    assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light);
+    assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);
     assert_layout!(
         ViewUniform,
         "View",
@@ -133,6 +133,8 @@ fn rust_and_wgsl_agree_on_every_layout() {
         head_light,
         specular,
         usual_distance,
+        depth_slack_px,
+        filter_radius_px,
         lamps
     );
 }

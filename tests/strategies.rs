@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Content, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket, Splatting,
-    Strategy, Style, UpAxis,
+    BackFaces, Background, Camera, Content, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket,
+    SplatFilter, Splatting, Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -82,6 +82,27 @@ fn surfels_in_all_modes_and_lights() {
                 });
                 let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
                 let what = format!("{primitive}, {splatting}, light {lighting}");
+                assert_agreement(&mut renderer, &packet, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn filtered_surfels_far_and_near() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(1500, 1.0);
+    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+        for lighting in [Lighting::Unlit, Lighting::PerVertex, Lighting::BlinnPhong] {
+            let style = plain().with(|style| {
+                style.primitive = primitive;
+                style.surfels.splatting = Splatting::TwoPass;
+                style.surfels.filter = SplatFilter::Ewa;
+                style.light.lighting = lighting;
+            });
+            for camera in [close_camera(), camera_at(20.0)] {
+                let packet = surfels(&cloud, &camera, style, [120, 90]);
+                let what = format!("{primitive} filtered, light {lighting}, from {}", camera.distance);
                 assert_agreement(&mut renderer, &packet, &what);
             }
         }

@@ -8,8 +8,10 @@ struct SplatVertex {
     color: u32,
     // Packed normal, see oct_decode.
     normal: u32,
-    // See light.wgsl.
-    light: vec2f,
+    // See light.wgsl: both unorm16.
+    light: u32,
+    // Factor on the mask of a splat.
+    weight: f32,
 }
 
 // Corners 0 1 2 3 of a quad are (-1,-1) (1,-1) (-1,1) (1,1).

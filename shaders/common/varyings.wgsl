@@ -8,12 +8,15 @@ struct Varyings {
     @location(2) @interpolate(flat) color: u32,
     // In view space. Unpacked here: a splat has four vertices and hundreds of fragments.
     @location(3) @interpolate(flat) normal: vec3f,
+    // Factor on the mask, of splats.
+    @location(4) @interpolate(flat) weight: f32,
 }
 
 fn varyings(instance: Instance) -> Varyings {
     let vertex = amplified_vertex(instance);
     let normal = rotate_to_view(oct_decode(vertex.normal));
-    return Varyings(vertex.clip, quad_corner(instance.vertex & 3u), vertex.light, vertex.color, normal);
+    let quad = quad_corner(instance.vertex & 3u);
+    return Varyings(vertex.clip, quad, unpack2x16unorm(vertex.light), vertex.color, normal, vertex.weight);
 }
 
 fn shaded(in: Varyings) -> vec3f {

@@ -61,6 +61,10 @@ struct View {
     specular: f32,
     // How far away the middle of the cloud is: the unit of distances that half floats hold.
     usual_distance: f32,
+    // How far it is pushed back beyond that, for splats that are filtered to the pixels.
+    depth_slack_px: f32,
+    // Radius of the splat that a point becomes by that filter; 0 where there is none.
+    filter_radius_px: f32,
     lamps: array<Lamp, MOST_LAMPS>,
 }
 

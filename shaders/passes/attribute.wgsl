@@ -7,7 +7,7 @@ fn vertex(instance: Instance) -> Varyings {
 
 @fragment
 fn fragment(in: Varyings) -> @location(0) vec4f {
-    let weight = mask_weight(in.quad);
+    let weight = mask_weight(in.quad) * in.weight;
     if (weight == 0.0) {
         discard;
     }

@@ -10,5 +10,5 @@ fn vertex(instance: Instance) -> Varyings {
 fn fragment(in: Varyings) -> Surface {
     // Surfaces have two sides: normals that are summed up must not cancel each other.
     let towards_eye = select(1.0, -1.0, dot(in.normal, ray_through(in.position.xy)) > 0.0);
-    return surface(in, in.normal * towards_eye, mask_weight(in.quad));
+    return surface(in, in.normal * towards_eye, mask_weight(in.quad) * in.weight);
 }

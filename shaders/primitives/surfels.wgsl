@@ -7,21 +7,44 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
 fn may_be_seen(instance: Instance) -> bool {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
-    return surfel_may_face_eye(point, shape)
-        && sphere_may_be_seen(point.position, SQUARE_REACH_RADII * shape.radius * view.splat_scale);
+    let splat = splat_of(oct_decode(shape.normal), shape, offset_from_eye(point.position));
+    let reach = SQUARE_REACH_RADII * splat.reach;
+    return surfel_may_face_eye(point, shape, reach) && sphere_may_be_seen(point.position, reach);
+}
+
+// What a surfel is on its plane.
+struct Splat {
+    // Half axes, times the radius of the surfel.
+    axes: mat2x3f,
+    scale: f32,
+    // Of the longer half axis, where the quadratic mean of both is its radius.
+    reach: f32,
+    // Factor on the mask.
+    weight: f32,
+}
+
+fn splat_of(n: vec3f, shape: ShapeRecord, center: vec3f) -> Splat {
+    let radius = shape.radius * view.splat_scale;
+    let splat = Splat(half_axes(n, shape.ellipse), radius, radius, 1.0);
+    if (view.filter_radius_px > 0.0) {
+        return filtered(splat, center);
+    }
+    return splat;
 }
 
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
     let n = oct_decode(shape.normal);
-    let axes = half_axes(n, shape.ellipse);
     let q = quad_corner(corner);
-    let radius = shape.radius * view.splat_scale;
     let center = offset_from_eye(point.position);
-    let offset = center + (axes[0] * q.x + axes[1] * q.y) * radius;
+    let splat = splat_of(n, shape, center);
+    let offset = center + (splat.axes[0] * q.x + splat.axes[1] * q.y) * splat.scale;
     var clip = project(rotate_to_view(offset));
     // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
-    clip.z /= 1.0 + view.depth_slack * radius / max(length(center), view.near);
-    return SplatVertex(clip, side_color(point.color, dot(n, center)), shape.normal, light_at_vertex(n, center, offset));
+    let length_of_px = -2.0 * rotate_to_view(center).z / (view.focal.x * view.viewport_px.x);
+    let slack = view.depth_slack * splat.scale + view.depth_slack_px * length_of_px;
+    clip.z /= 1.0 + slack / max(length(center), view.near);
+    let color = side_color(point.color, dot(n, center));
+    return SplatVertex(clip, color, shape.normal, light_at_vertex(n, center, offset), splat.weight);
 }
 
 // The colour of the side of a surfel that is seen: of the back where the normal points away.
@@ -36,13 +59,12 @@ fn side_color(color: u32, away: f32) -> u32 {
 // pixel or so is seen nearly edge on, that may turn it around. It rounds corners to a grid, of 1/16 pixel on the
 // coarsest adapters: half a cell along both axes changes the area of a triangle as if the disk was 0.08 pixels thicker
 // or thinner.
-fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
+fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord, reach: f32) -> bool {
     let to_eye = -offset_from_eye(point.position);
     let distance = length(to_eye);
     let facing = dot(oct_decode(shape.normal), to_eye);
-    let radius = shape.radius * view.splat_scale;
     let px_per_slope = 0.5 * min(view.focal.x * view.viewport_px.x, view.focal.y * view.viewport_px.y);
     // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
-    let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + SQUARE_REACH_RADII * radius);
+    let is_thin = -facing * reach * px_per_slope < 0.125 * SQUARE_REACH_RADII * distance * (distance + reach);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;
 }

@@ -1,6 +1,6 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
 
-use crate::scene::Style;
+use crate::scene::{SplatFilter, Style};
 
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
@@ -11,16 +11,22 @@ pub(super) const MASK_FALLOFF: f32 = 3.0;
 
 /// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
 /// towards its rim.
-const OPAQUE_WEIGHT: f32 = 0.22;
+pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
 
 /// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
 pub(super) fn opaque_weight(style: &Style) -> f32 {
-    if style.draws_surfels() && style.surfels.splatting.has_visibility_pass() {
-        OPAQUE_WEIGHT
-    } else {
-        1.0
-    }
+    if style.blends_surfels() { OPAQUE_WEIGHT } else { 1.0 }
 }
+
+/// How far filtered splats reach beyond others: their squares, and the rounding of what is far away.
+pub(super) const EWA_REACH_PX: f32 = 1.1 * SQUARE_REACH_RADII * SplatFilter::RADIUS_PX + 1.0;
+
+/// Summed weight from which a surface of splats hides the background that are much smaller than a pixel: its mean where
+/// their disks cover a square lattice with least overlap.
+pub(super) const EWA_MEAN_WEIGHT: f32 = 0.5;
+
+/// Pixels of a filtered splat to the fourth power are not taken for less, so that quotients are numbers.
+pub(super) const EWA_LEAST_DETERMINANT: f32 = 1e-19;
 
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;

@@ -96,7 +96,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
     let shapes = (0u32..).zip(surfels).map(|(index, surfel)| ShapeRecord {
         normal: oct_encode(surfel.normal),
         radius: surfel.radius,
-        ellipse: u32::from(are_ellipses) * (((index * 9973) << 16) | ((index % 4) * 16_000)),
+        ellipse: u32::from(are_ellipses) * ((index.wrapping_mul(9973) << 16) | ((index % 4) * 16_000)),
         scalar: 0.0,
     });
     ScenePacket {

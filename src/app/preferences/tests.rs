@@ -7,7 +7,7 @@ use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
     LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
-    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -21,6 +21,7 @@ fn unusual() -> Preferences {
             colors: Coloring::of(ColorSource::Scalar(None)),
             surfels: SurfelStyle {
                 splatting: Splatting::NoDepth,
+                filter: SplatFilter::Ewa,
                 splat_scale: 1.25,
                 enlargement: 3.5,
                 back_faces: BackFaces::Drawn,

@@ -55,6 +55,7 @@ fn of_version_1() -> Style {
             splat_scale: 1.25,
             enlargement: 3.5,
             back_faces: BackFaces::Drawn,
+            ..SurfelStyle::default()
         },
         points: PointStyle {
             size_px: 7.0,

@@ -11,6 +11,7 @@
 mod blocks;
 mod deferred;
 mod eight;
+mod ewa;
 mod eye_dome;
 mod facet;
 mod finish;

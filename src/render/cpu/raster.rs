@@ -124,7 +124,8 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
             if !simd.any_true_mask32x8(drawn) {
                 return;
             }
-            let weight = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+            let mask = mask_weight(simd, fragments) * shading.weight;
+            let weight = simd.select_f32x8(drawn, mask, nothing);
             let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
             for (channel, sums) in tile.colors.iter_mut().enumerate() {
                 store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);

@@ -12,6 +12,8 @@ pub(super) struct Shading {
     /// Red, green and blue, 0 to 1.
     pub(super) color: [f32; 3],
     pub(super) light: Light,
+    /// A factor on the mask, where masks are summed up.
+    pub(super) weight: f32,
     /// In view space, towards the eye: where light falls on the blended surface, for the sum of normals.
     pub(super) normal: Option<Vec3>,
 }

@@ -43,6 +43,11 @@ impl PixelView {
         self.rotation
     }
 
+    /// How long what covers so many pixels is at a distance of 1.
+    pub(super) fn length_of_px(&self, px: f32) -> f32 {
+        px / self.px_per_slope[0]
+    }
+
     /// A point relative to the eye, in the axes of the frame. Subtracting the rounded eye first is exact near the eye.
     #[inline(always)]
     pub(super) fn offset_from_eye(&self, position: [f32; 3]) -> Vec3 {

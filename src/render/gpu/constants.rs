@@ -5,11 +5,11 @@ use super::gpu_data::{
 };
 use crate::cloud::ELLIPSE_STEPS;
 use crate::render::constants::{
-    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT,
-    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, SQUARE_REACH_RADII,
-    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FARTHEST_GREY, FINE_LINES,
+    HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY,
+    OPAQUE_WEIGHT, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{EyeDomeLight, Lights};
+use crate::scene::{EyeDomeLight, Lights, SplatFilter};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -42,6 +42,9 @@ const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 /// The power of highlights.
 const SHININESS: u32 = Lights::SHININESS;
 
+/// Splats that are seen at a smaller one are filtered as at this one.
+const LEAST_COSINE: f32 = SplatFilter::LEAST_COSINE;
+
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
     macro_rules! declared {
@@ -57,6 +60,9 @@ pub(super) fn shared() -> String {
         COARSE_LINES,
         CUBE_REACH_HALF_EDGES,
         ELLIPSE_STEPS,
+        EWA_LEAST_DETERMINANT,
+        LEAST_COSINE,
+        EWA_MEAN_WEIGHT,
         FARTHEST_GREY,
         FINE_LINES,
         GROUP_RECORDS,
@@ -72,6 +78,7 @@ pub(super) fn shared() -> String {
         MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
+        OPAQUE_WEIGHT,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,

@@ -31,6 +31,8 @@ pub struct Context {
     pub limits: wgpu::Limits,
     /// Whether GPU time can be measured.
     pub has_timestamps: bool,
+    /// Whether what is drawn into textures of single floats can be blended.
+    pub blends_single_floats: bool,
     pub(super) max_chunk_records: Option<usize>,
     lost: Arc<Mutex<Option<String>>>,
     /// Allocations that will fail as if there was no memory, for tests.
@@ -70,16 +72,14 @@ impl Context {
     ) -> Result<Arc<Self>, RenderError> {
         let info = adapter.get_info();
         let timestamps = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
-        let has_timestamps = adapter.features().contains(timestamps);
+        let single_floats = wgpu::Features::FLOAT32_BLENDABLE;
+        let features = adapter.features() & (timestamps | single_floats);
+        let has_timestamps = features.contains(timestamps);
         // wgpu's own defaults (256 MiB a buffer) are below what adapters give.
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pointreel"),
-            required_features: if has_timestamps {
-                timestamps
-            } else {
-                wgpu::Features::empty()
-            },
+            required_features: features,
             required_limits: limits.clone(),
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
@@ -106,6 +106,7 @@ impl Context {
             info,
             limits,
             has_timestamps,
+            blends_single_floats: features.contains(single_floats),
             max_chunk_records: options.max_chunk_records,
             lost,
             allocations_to_fail: AtomicU32::new(0),

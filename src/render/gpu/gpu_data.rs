@@ -3,7 +3,9 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
-use crate::scene::{Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Style, SurfelStyle};
+use crate::scene::{
+    Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, SplatFilter, Style, SurfelStyle,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -53,6 +55,9 @@ pub struct ViewUniform {
     pub head_light: f32,
     pub specular: f32,
     pub usual_distance: f32,
+    pub depth_slack_px: f32,
+    pub filter_radius_px: f32,
+    pub padding: [f32; 2],
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
@@ -73,7 +78,8 @@ pub struct SplatVertex {
     pub clip: [f32; 4],
     pub color: u32,
     pub normal: u32,
-    pub light: [f32; 2],
+    pub light: u32,
+    pub weight: f32,
 }
 
 impl ViewUniform {
@@ -150,15 +156,24 @@ impl ViewUniform {
             head_light: of_lights(|lights| lights.head),
             specular: of_lights(|lights| lights.specular),
             usual_distance: of_lights(|lights| lights.usual_distance),
+            depth_slack_px: if packet.style.filters_splats() {
+                SplatFilter::RADIUS_PX
+            } else {
+                0.0
+            },
+            filter_radius_px: 0.0,
+            padding: [0.0; 2],
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }
 
-    /// The same for the attribute pass, whose splats are not pushed back.
+    /// The same for the attribute pass, whose splats are not pushed back, but filtered.
     #[must_use]
-    pub fn without_slack(self) -> Self {
+    pub fn of_attributes(self) -> Self {
         Self {
             depth_slack: 0.0,
+            depth_slack_px: 0.0,
+            filter_radius_px: self.depth_slack_px,
             ..self
         }
     }

@@ -46,7 +46,7 @@ impl Recorder<'_> {
             self.geometry(index, key, instancing, draw);
         }
         for pass in &plan.finish {
-            self.screen(pass, plan.leaves_depths());
+            self.screen(pass, plan);
         }
     }
 
@@ -62,7 +62,10 @@ impl Recorder<'_> {
         let onto = (self.targets.views(Target::Picture), clear);
         let mut pass = begin(self.encoder, "background", onto, None);
         self.stats.passes += 1;
-        if let Some(pipeline) = plan.background.and_then(|pass| self.pipelines.screen(pass)) {
+        if let Some(pipeline) = plan
+            .background
+            .and_then(|pass| self.pipelines.screen(pass, plan.precision))
+        {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
             pass.draw(0..3, 0..1);
@@ -105,8 +108,8 @@ impl Recorder<'_> {
     }
 
     /// A pass over the screen.
-    fn screen(&mut self, screen: &'static ScreenPass, has_depths: bool) {
-        let Some(pipeline) = self.pipelines.screen(screen) else {
+    fn screen(&mut self, screen: &'static ScreenPass, plan: &Plan<'_>) {
+        let Some(pipeline) = self.pipelines.screen(screen, plan.precision) else {
             return;
         };
         let targets = self.targets;
@@ -115,7 +118,7 @@ impl Recorder<'_> {
             source_group(self.context, layout, &targets.sources(source))
         });
         // What is drawn without depth hides nothing.
-        let cleared = (!has_depths).then_some(wgpu::LoadOp::Clear(FAR));
+        let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
         let color = (targets.views(screen.color.target), wgpu::LoadOp::Load);
         let mut pass = begin(self.encoder, screen.name, color, depth);

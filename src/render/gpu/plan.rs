@@ -5,12 +5,13 @@
 //! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
 //! the end.
 
+use super::context::Context;
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
-use super::targets::Target;
+use super::targets::{Precision, Target};
 use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
 
 /// What a packet asks for.
@@ -22,13 +23,15 @@ pub(super) struct Plan<'a> {
     /// What follows the passes over records.
     pub(super) finish: Vec<&'static ScreenPass>,
     strategy: Strategy,
+    /// What sums are to be held in.
+    pub(super) precision: Precision,
 }
 
 /// Views that a picture can need: one for each pass over records.
 pub(super) const VIEWS: usize = 2;
 
 impl<'a> Plan<'a> {
-    pub(super) fn new(packet: &'a ScenePacket) -> Self {
+    pub(super) fn new(packet: &'a ScenePacket, context: &Context) -> Self {
         let drawable = primitives::drawable(packet);
         let shade = drawable.draws_into(Target::Surfaces).then_some(&SHADE);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
@@ -46,6 +49,11 @@ impl<'a> Plan<'a> {
             background: (background.top != background.bottom).then_some(&BACKGROUND),
             finish: [shade, first, second, grid].into_iter().flatten().collect(),
             strategy: packet.style.drawing.strategy,
+            precision: if packet.style.filters_splats() && context.blends_single_floats {
+                Precision::Single
+            } else {
+                Precision::Half
+            },
         }
     }
 
@@ -55,7 +63,7 @@ impl<'a> Plan<'a> {
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         [
             ViewUniform::new(packet, visibility),
-            ViewUniform::new(packet, attribute).without_slack(),
+            ViewUniform::new(packet, attribute).of_attributes(),
         ]
     }
 
@@ -72,6 +80,7 @@ impl<'a> Plan<'a> {
             amplification: drawable.amplification,
             pass,
             cull_back_faces: drawable.cull_back_faces,
+            precision: self.precision,
         })
     }
 

@@ -8,7 +8,7 @@ use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
 use super::residency::Residency;
-use super::targets::Targets;
+use super::targets::{Precision, Targets};
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::{ScenePacket, Strategy, Style};
@@ -136,7 +136,7 @@ impl GpuRenderer {
     }
 
     fn encode_picture(&mut self, packet: &ScenePacket) -> Result<wgpu::CommandBuffer, RenderError> {
-        let plan = Plan::new(packet);
+        let plan = Plan::new(packet, &self.context);
         let streams = streams_of(&plan, &self.residency);
         let draw = Draw {
             streams: &streams,
@@ -165,8 +165,9 @@ impl GpuRenderer {
         Ok(encoder.finish())
     }
 
-    fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        if self.targets.as_ref().is_some_and(|targets| targets.size_px == size_px) {
+    fn ensure_targets(&mut self, size_px: [u32; 2], precision: Precision) -> Result<(), RenderError> {
+        let is_made = |targets: &Targets| targets.size_px == size_px && targets.precision == precision;
+        if self.targets.as_ref().is_some_and(is_made) {
             return Ok(());
         }
         let [width, height] = size_px;
@@ -179,7 +180,7 @@ impl GpuRenderer {
         self.drawn = None;
         let targets = self
             .context
-            .catching_out_of_memory("the picture", || Targets::new(&self.context, size_px))?;
+            .catching_out_of_memory("the picture", || Targets::new(&self.context, size_px, precision))?;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -259,14 +260,15 @@ impl Renderer for GpuRenderer {
         }
         let start = Instant::now();
         self.prepared = None;
-        self.ensure_targets(packet.viewport_px)?;
+        let context = Arc::clone(&self.context);
+        let plan = Plan::new(packet, &context);
+        self.ensure_targets(packet.viewport_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
             self.residency.clear();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
-        let plan = Plan::new(packet);
         self.ensure_surfaces(&plan)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
@@ -275,7 +277,7 @@ impl Renderer for GpuRenderer {
                 .ensure_geometry(&self.context, key, self.instancing.as_ref());
         }
         for pass in plan.screen_passes() {
-            self.pipelines.ensure_screen(&self.context, pass);
+            self.pipelines.ensure_screen(&self.context, pass, plan.precision);
         }
         for (index, view) in (0..).zip(Plan::views(packet)) {
             let offset = u64::from(self.view_stride) * index;

@@ -5,14 +5,17 @@ use super::context::Context;
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Sums of colour times weight, and of weights: half floats hold them to a part in 2048 and every adapter blends them.
-pub(super) const ACCUMULATION_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-
-/// Sums of reversed distances, in the unit of `Lights::usual_distance`, times weight.
-const NEARNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
-
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// What sums of weighted colours, normals and reversed distances are held in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Precision {
+    /// Half floats: every adapter blends them, and they hold a sum of some splats to a part in 2048.
+    Half,
+    /// Many small splats a pixel do not stop to add up.
+    Single,
+}
 
 /// What is drawn into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,11 +39,15 @@ pub(super) enum Source {
 
 impl Target {
     /// One for each texture.
-    pub(super) fn formats(self) -> &'static [wgpu::TextureFormat] {
-        match self {
-            Self::Picture => &[COLOR_FORMAT],
-            Self::Sums => &[ACCUMULATION_FORMAT],
-            Self::Surfaces => &[ACCUMULATION_FORMAT, ACCUMULATION_FORMAT, NEARNESS_FORMAT],
+    pub(super) fn formats(self, precision: Precision) -> &'static [wgpu::TextureFormat] {
+        use wgpu::TextureFormat::{R16Float, R32Float, Rgba16Float, Rgba32Float};
+        match (self, precision) {
+            (Self::Picture, _) => &[COLOR_FORMAT],
+            (Self::Sums, Precision::Half) => &[Rgba16Float],
+            (Self::Sums, Precision::Single) => &[Rgba32Float],
+            // Reversed distances are in the unit of `Lights::usual_distance`.
+            (Self::Surfaces, Precision::Half) => &[Rgba16Float, Rgba16Float, R16Float],
+            (Self::Surfaces, Precision::Single) => &[Rgba32Float, Rgba32Float, R32Float],
         }
     }
 }
@@ -49,6 +56,8 @@ impl Target {
 #[derive(Debug)]
 pub(super) struct Targets {
     pub(super) size_px: [u32; 2],
+    /// Of sums.
+    pub(super) precision: Precision,
     pub(super) color: wgpu::Texture,
     pub(super) color_view: wgpu::TextureView,
     pub(super) accumulation_view: wgpu::TextureView,
@@ -59,15 +68,19 @@ pub(super) struct Targets {
 
 impl Targets {
     /// Precondition: both edges at least 1 and at most [`Context::max_edge_px`].
-    pub(super) fn new(context: &Context, size_px: [u32; 2]) -> Self {
+    pub(super) fn new(context: &Context, size_px: [u32; 2], precision: Precision) -> Self {
         let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let [of_sums] = Target::Sums.formats(precision) else {
+            unreachable!("sums are one texture")
+        };
         Self {
             size_px,
+            precision,
             color_view: view(&color),
             color,
-            accumulation_view: view(&texture("accumulation", ACCUMULATION_FORMAT, none)),
+            accumulation_view: view(&texture("accumulation", *of_sums, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
         }
@@ -76,7 +89,7 @@ impl Targets {
     /// Makes the textures of [`Target::Surfaces`] unless they are there: only deferred shading pays for them.
     pub(super) fn ensure_surfaces(&mut self, context: &Context) {
         self.surfaces.get_or_insert_with(|| {
-            let formats = Target::Surfaces.formats().iter();
+            let formats = Target::Surfaces.formats(self.precision).iter();
             let none = wgpu::TextureUsages::empty();
             formats
                 .map(|&format| view(&texture(context, self.size_px, "surfaces", format, none)))

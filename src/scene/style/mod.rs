@@ -32,7 +32,7 @@ pub use light::{EyeDome, LightRig, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointShape, PointStyle};
-pub use surfels::{BackFaces, Splatting, SurfelStyle};
+pub use surfels::{BackFaces, SplatFilter, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Value, Values, When};
@@ -140,6 +140,7 @@ impl Style {
         match when {
             When::Always => true,
             When::Surfels => self.draws_surfels(),
+            When::BlendedSurfels => self.blends_surfels(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
             When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
@@ -157,6 +158,16 @@ impl Style {
     /// Width and height that are drawn for a picture of `shown_px`; at least 1.
     pub fn drawn_px(&self, shown_px: [u32; 2]) -> [u32; 2] {
         shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
+    }
+
+    /// Whether surfels are drawn, and blended at the surface that a pass of their depths finds.
+    pub fn blends_surfels(&self) -> bool {
+        self.draws_surfels() && self.surfels.splatting.sums_masks()
+    }
+
+    /// Whether splats are filtered to the pixels that they are seen in.
+    pub fn filters_splats(&self) -> bool {
+        self.blends_surfels() && self.surfels.filter == SplatFilter::Ewa
     }
 
     /// Whether surfels are left out that face away.
@@ -230,11 +241,12 @@ impl Style {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be decided
-    /// before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
-    /// normals, nor of ellipses.
+    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
+    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table
+    /// of normals, nor of ellipses or filtered splats.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
+            && !self.filters_splats()
             && self.primitive != Primitive::Ellipse
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()

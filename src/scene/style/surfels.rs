@@ -39,10 +39,35 @@ impl Splatting {
         matches!(self, Self::Enlarged | Self::TwoPassEnlarged)
     }
 
+    /// Whether masks are summed up at the surface.
+    pub fn sums_masks(self) -> bool {
+        matches!(self, Self::TwoPass | Self::Enlarged | Self::TwoPassEnlarged)
+    }
+
     /// Whether depths are written before colours are blended.
     pub fn has_visibility_pass(self) -> bool {
         !matches!(self, Self::Regular | Self::NoDepth | Self::Opaque)
     }
+}
+
+choices! {
+    /// Whether splats are filtered to the pixels that they are seen in.
+    SplatFilter, "splat filter" {
+        Off = "none", "None", "Splats as they are: those smaller than a pixel flicker";
+        /// Ren et al. 2002.
+        Ewa = "ewa", "EWA", "At least as large as a pixel, and as much fainter: far surfaces are smooth and still";
+    }
+}
+
+impl SplatFilter {
+    /// Radius of the splat that a point becomes: nearest to the mean of a pixel's square, of radii at which each splat
+    /// covers the middle of a pixel (`tests/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8; that
+    /// of a pixel's square is 1/12.
+    pub const RADIUS_PX: f32 = 0.87;
+
+    /// Splats that are seen at a smaller cosine between normal and view are filtered almost as with this one: on their
+    /// planes, pixels reach too far into the picture.
+    pub const LEAST_COSINE: f32 = 0.1;
 }
 
 choices! {
@@ -88,6 +113,18 @@ group! {
             when: When::Surfels,
             label: Label::Always(Place::What, "{}"),
             values: Values::Words(Splatting::WORDS),
+        }
+        /// Whether splats are filtered to the pixels.
+        filter: SplatFilter = SplatFilter::Off, "splat_filter" FILTER {
+            flag: "splat-filter",
+            value_name: "FILTER",
+            help: "Filter blended splats to the pixels",
+            title: "Filter",
+            hint: "Whether blended splats are filtered to the pixels that they are seen in",
+            section: Section::Surfels,
+            when: When::BlendedSurfels,
+            label: Label::Unusual(Place::What, "{}"),
+            values: Values::Words(SplatFilter::WORDS),
         }
         /// Factor on every splat radius.
         splat_scale: f32 = 1.0, "splat_scale" SPLAT_SCALE {

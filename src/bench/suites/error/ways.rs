@@ -4,7 +4,7 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Background, Footprint, Lighting, Primitive, RendererChoice, Splatting, Strategy, Style, VoxelLight,
+    Background, Footprint, Lighting, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -67,6 +67,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     let ellipse = base.with(|style| style.primitive = Primitive::Ellipse);
     ways.push(ellipse);
     ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
+    ways.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = SplatFilter::Ewa)));
     for coarse in [detail, ellipse.with(|style| style.levels.surfel_lod = true), voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));

@@ -51,6 +51,7 @@ impl<'a> Drawable<'a> {
                 points: &surfels.points,
                 shapes: &surfels.shapes,
                 style,
+                is_filtered: style.filters_splats(),
                 slack_radii,
             }),
             Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting)),

@@ -1,9 +1,10 @@
 //! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
 use crate::cloud::{PointRecord, ShapeRecord};
-use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
+use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
+use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_ellipses::decode_each;
@@ -13,7 +14,7 @@ use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, Primitive, ScenePacket, Splatting, Style};
+use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use std::ops::Range;
 
@@ -22,6 +23,8 @@ pub(in crate::render::cpu) struct Surfels<'a> {
     pub(super) points: &'a [PointRecord],
     pub(super) shapes: &'a [ShapeRecord],
     pub(super) style: &'a Style,
+    /// Whether they are filtered to the pixels.
+    pub(super) is_filtered: bool,
     /// How far the visibility pass is pushed back, in splat radii.
     pub(super) slack_radii: f32,
 }
@@ -69,7 +72,7 @@ impl DrawnRecords for Surfels<'_> {
     }
 
     fn extent(&self) -> (f32, f32) {
-        (self.largest_scale(), 0.0)
+        (self.largest_scale(), if self.is_filtered { EWA_REACH_PX } else { 0.0 })
     }
 
     /// All passes over a tile but the last, over the picture.
@@ -92,7 +95,10 @@ impl DrawnRecords for Surfels<'_> {
                 let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
                 let [normals, radii, ellipses, _] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-                let reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
+                let mut reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
+                if self.is_filtered {
+                    reach += centers.z * -view.length_of_px(EWA_REACH_PX);
+                }
                 let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
                     let normals = oct_decode_each(simd, normals);
@@ -158,27 +164,30 @@ impl Surfels<'_> {
         match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
                 canvas.outline = Outline::Parallelogram;
-                let facets = seen.facets(simd, &canvas, scale);
+                let splats = seen.splats(simd, scale);
+                let facets = splats.facets(simd, &canvas, seen);
                 let with_depth = surfels.splatting == Splatting::Regular;
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        let shading = self.shading(seen, lane, scale);
+                        let shading = self.shading(seen, &splats, lane);
                         raster::over(simd, tile, &facet, &shading, with_depth);
                     }
                 }
             }
             Splatting::Opaque => {
-                let facets = seen.facets(simd, &canvas, scale);
+                let splats = seen.splats(simd, scale);
+                let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        let shading = self.shading(seen, lane, scale);
+                        let shading = self.shading(seen, &splats, lane);
                         raster::solid(simd, tile, &facet, &shading, canvas.outline);
                     }
                 }
             }
             Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
-                let push_back = seen.push_back(view, self.slack_radii, visibility);
-                let facets = seen.facets(simd, &canvas, visibility);
+                let splats = seen.splats(simd, visibility);
+                let push_back = self.push_back(simd, view, seen, visibility);
+                let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         raster::visibility(simd, tile, &facet, push_back[lane]);
@@ -187,25 +196,40 @@ impl Surfels<'_> {
                 if surfels.splatting == Splatting::Visibility {
                     return;
                 }
-                let facets = seen.facets(simd, &canvas, attribute);
+                let mut splats = seen.splats(simd, attribute);
+                if self.is_filtered {
+                    splats = splats.filtered(simd, view, seen.centers);
+                }
+                let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        waiting.push((facet, self.shading(seen, lane, attribute)));
+                        waiting.push((facet, self.shading(seen, &splats, lane)));
                     }
                 }
             }
         }
     }
 
+    /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
     #[inline(always)]
-    fn shading<S: Simd>(&self, seen: &EightSurfels<S>, lane: usize, scale: f32) -> Shading {
+    fn push_back<S: Simd>(&self, simd: S, view: &PixelView, seen: &EightSurfels<S>, scale: f32) -> f32x8<S> {
+        let near = f32x8::splat(simd, view.near);
+        let distances = seen.centers.dot(seen.centers).sqrt().max(near);
+        let mut slack = seen.radii * (self.slack_radii * scale);
+        if self.is_filtered {
+            slack -= seen.centers.z * (self.slack_radii * view.length_of_px(SplatFilter::RADIUS_PX));
+        }
+        1.0 / (1.0 + slack / distances)
+    }
+
+    #[inline(always)]
+    fn shading<S: Simd>(&self, seen: &EightSurfels<S>, splats: &Splats<S>, lane: usize) -> Shading {
         let [red, green, blue, _] = self.points[seen.first + lane].color;
         let lighting = self.style.light.lighting;
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels
         } else {
-            let scale = scale * seen.radii[lane];
-            let [u, v] = [seen.u.lane(lane) * scale, seen.v.lane(lane) * scale];
+            let [u, v] = [splats.u.lane(lane), splats.v.lane(lane)];
             Light::new(lighting, seen.normals.lane(lane), seen.centers.lane(lane), u, v)
         };
         let color = unit_color([red, green, blue]);
@@ -218,6 +242,7 @@ impl Surfels<'_> {
                 color
             },
             light,
+            weight: splats.weights[lane],
             normal: lighting
                 .is_deferred()
                 .then_some(if faces_away { -normal } else { normal }),
@@ -241,22 +266,26 @@ fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
 }
 
 impl<S: Simd> EightSurfels<S> {
+    /// Their splats where radii are `scale` times as large.
     #[inline(always)]
-    fn facets(&self, simd: S, canvas: &Canvas<'_>, scale: f32) -> Facets {
-        let lengths = self.radii * scale;
-        let patches = Patches {
-            centers: self.centers,
-            u: self.u.times(lengths),
-            v: self.v.times(lengths),
-        };
-        Facets::new(simd, canvas, &patches, self.may_touch)
+    fn splats(&self, simd: S, scale: f32) -> Splats<S> {
+        let radii = self.radii * scale;
+        Splats {
+            u: self.u.times(radii),
+            v: self.v.times(radii),
+            weights: f32x8::splat(simd, 1.0),
+        }
     }
+}
 
-    /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
+impl<S: Simd> Splats<S> {
     #[inline(always)]
-    fn push_back(&self, view: &PixelView, slack_radii: f32, scale: f32) -> f32x8<S> {
-        let near = f32x8::splat(self.radii.witness(), view.near);
-        let distances = self.centers.dot(self.centers).sqrt().max(near);
-        1.0 / (1.0 + self.radii * (slack_radii * scale) / distances)
+    fn facets(&self, simd: S, canvas: &Canvas<'_>, seen: &EightSurfels<S>) -> Facets {
+        let patches = Patches {
+            centers: seen.centers,
+            u: self.u,
+            v: self.v,
+        };
+        Facets::new(simd, canvas, &patches, seen.may_touch)
     }
 }

@@ -145,6 +145,7 @@ impl<'a> Cubes<'a> {
                     let shading = Shading {
                         color,
                         light,
+                        weight: 1.0,
                         normal: self.lighting.is_deferred().then_some(lit_normal),
                     };
                     raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram);

@@ -1,11 +1,11 @@
 //! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
 
-use super::state::{ColorUse, DepthUse, GeometryPass, ScreenPass};
+use super::state::{DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::instancing::Instancing;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::shaders::Permutation;
-use crate::render::gpu::targets::Source;
+use crate::render::gpu::targets::{Precision, Source};
 use crate::scene::Strategy;
 use std::collections::HashMap;
 
@@ -16,10 +16,14 @@ pub(crate) struct GeometryKey {
     pub(crate) amplification: &'static Amplification,
     pub(crate) pass: &'static GeometryPass,
     pub(crate) cull_back_faces: bool,
+    pub(crate) precision: Precision,
 }
 
-/// The strategy, the names of amplification and pass, and whether back faces are culled.
-type GeometryName = (Strategy, &'static str, &'static str, bool);
+/// The strategy, the names of amplification and pass, whether back faces are culled, and the precision of sums.
+type GeometryName = (Strategy, &'static str, &'static str, bool, Precision);
+
+/// The name of a pass and the precision of sums.
+type ScreenName = (&'static str, Precision);
 
 impl GeometryKey {
     fn name(&self) -> GeometryName {
@@ -28,8 +32,9 @@ impl GeometryKey {
             amplification,
             pass,
             cull_back_faces,
+            precision,
         } = *self;
-        (strategy, amplification.name, pass.name, cull_back_faces)
+        (strategy, amplification.name, pass.name, cull_back_faces, precision)
     }
 }
 
@@ -37,7 +42,7 @@ impl GeometryKey {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     geometry: HashMap<GeometryName, wgpu::RenderPipeline>,
-    screen: HashMap<&'static str, wgpu::RenderPipeline>,
+    screen: HashMap<ScreenName, wgpu::RenderPipeline>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
     color_source_layout: wgpu::BindGroupLayout,
     depth_source_layout: wgpu::BindGroupLayout,
@@ -102,8 +107,8 @@ impl Pipelines {
     }
 
     /// The pipeline of a screen pass. Precondition: [`Pipelines::ensure_screen`].
-    pub(crate) fn screen(&self, pass: &ScreenPass) -> Option<&wgpu::RenderPipeline> {
-        self.screen.get(pass.name)
+    pub(crate) fn screen(&self, pass: &ScreenPass, precision: Precision) -> Option<&wgpu::RenderPipeline> {
+        self.screen.get(&(pass.name, precision))
     }
 
     /// Makes the pipeline unless it is there.
@@ -121,7 +126,10 @@ impl Pipelines {
         let pipeline = build(
             context,
             Permutation::Geometry(key.strategy, key.amplification, key.pass),
-            (key.pass.color, key.pass.depth),
+            (
+                key.pass.color.map(|color| color.target_states(key.precision)),
+                key.pass.depth,
+            ),
             &layouts,
             &instancing.vertex_buffers(key.amplification),
             wgpu::PrimitiveState {
@@ -135,8 +143,8 @@ impl Pipelines {
     }
 
     /// Makes the pipeline unless it is there.
-    pub(crate) fn ensure_screen(&mut self, context: &Context, pass: &'static ScreenPass) {
-        if self.screen.contains_key(pass.name) {
+    pub(crate) fn ensure_screen(&mut self, context: &Context, pass: &'static ScreenPass, precision: Precision) {
+        if self.screen.contains_key(&(pass.name, precision)) {
             return;
         }
         let mut layouts = vec![Some(&self.view_layout)];
@@ -145,25 +153,25 @@ impl Pipelines {
         let pipeline = build(
             context,
             Permutation::Screen(pass),
-            (Some(pass.color), pass.depth),
+            (Some(pass.color.target_states(precision)), pass.depth),
             &layouts,
             &[],
             wgpu::PrimitiveState::default(),
         );
-        self.screen.insert(pass.name, pipeline);
+        self.screen.insert((pass.name, precision), pipeline);
     }
 }
 
 fn build(
     context: &Context,
     permutation: Permutation,
-    (color, depth): (Option<ColorUse>, Option<DepthUse>),
+    (targets, depth): (Option<Vec<Option<wgpu::ColorTargetState>>>, Option<DepthUse>),
     bind_group_layouts: &[Option<&wgpu::BindGroupLayout>],
     vertex_buffers: &[wgpu::VertexBufferLayout<'static>],
     primitive: wgpu::PrimitiveState,
 ) -> wgpu::RenderPipeline {
     let label = permutation.label();
-    let targets = color.map_or_else(Vec::new, |color| color.target_states());
+    let targets = targets.unwrap_or_default();
     let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&label),
         source: wgpu::ShaderSource::Wgsl(permutation.source().into()),

@@ -1,6 +1,6 @@
 //! What a pass is: a row that says what it draws into, and how depths and colours get there.
 
-use crate::render::gpu::targets::{DEPTH_FORMAT, Source, Target};
+use crate::render::gpu::targets::{DEPTH_FORMAT, Precision, Source, Target};
 
 /// A pass over records.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ pub(in crate::render::gpu) enum DepthUse {
 
 impl ColorUse {
     /// One for each texture that is drawn into.
-    pub(super) fn target_states(&self) -> Vec<Option<wgpu::ColorTargetState>> {
+    pub(super) fn target_states(&self, precision: Precision) -> Vec<Option<wgpu::ColorTargetState>> {
         let state = |&format| {
             Some(wgpu::ColorTargetState {
                 format,
@@ -53,7 +53,7 @@ impl ColorUse {
                 write_mask: wgpu::ColorWrites::ALL,
             })
         };
-        self.target.formats().iter().map(state).collect()
+        self.target.formats(precision).iter().map(state).collect()
     }
 }
 

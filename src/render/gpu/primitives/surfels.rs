@@ -16,6 +16,7 @@ pub(super) const DISK: Amplification = Amplification {
     name: "surfel",
     wgsl: &[
         include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
         include_str!("../../../../shaders/primitives/surfels.wgsl"),
     ],
     vertices_per_record: 4,
@@ -39,6 +40,7 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     name: "ellipse",
     wgsl: &[
         include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
         include_str!("../../../../shaders/primitives/surfels.wgsl"),
     ],
     ..DISK

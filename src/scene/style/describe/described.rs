@@ -124,6 +124,8 @@ pub enum When {
     Always,
     /// Surfels are drawn.
     Surfels,
+    /// Surfels are drawn, and blended at the surface.
+    BlendedSurfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
     /// What is drawn are surfels, of which one stands for others.

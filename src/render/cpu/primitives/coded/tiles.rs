@@ -240,6 +240,7 @@ impl CodedTiles<'_> {
             let shading = Shading {
                 color: self.color_of(node),
                 light,
+                weight: 1.0,
                 normal: None,
             };
             waiting.push((facet, shading));

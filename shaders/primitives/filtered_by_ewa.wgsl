@@ -1,0 +1,39 @@
+// EWA filtering in object space (Ren et al. 2002). The formulas: render/cpu/ewa.rs.
+
+fn filtered(splat: Splat, center: vec3f) -> Splat {
+    let middle = rotate_to_view(center);
+    let per_distance = 1.0 / max(-middle.z, view.near);
+    let px_per_slope = 0.5 * view.focal * view.viewport_px;
+    let u = px_along(splat.axes[0] * splat.scale, middle, per_distance, px_per_slope);
+    let v = px_along(splat.axes[1] * splat.scale, middle, per_distance, px_per_slope);
+    // At least as of splats that are seen almost edge-on.
+    let least = pow2(LEAST_COSINE * splat.scale * per_distance * px_per_slope.x);
+    let uu = dot(u, u) + least * dot(splat.axes[0], splat.axes[0]);
+    let vv = dot(v, v) + least * dot(splat.axes[1], splat.axes[1]);
+    let uv = dot(u, v);
+    let determinant = max(uu * vv - uv * uv, EWA_LEAST_DETERMINANT);
+    let radius2 = pow2(view.filter_radius_px);
+    let widening = radius2 / determinant;
+    let root = sqrt(1.0 + (uu + vv + radius2) * widening);
+    let a = 1.0 + vv * widening + root;
+    let b = -uv * widening;
+    let c = 1.0 + uu * widening + root;
+    let axes = splat.axes * (mat2x2f(a, b, b, c) * inverseSqrt(a + c));
+    let reach = splat.scale * sqrt(0.5 * (dot(axes[0], axes[0]) + dot(axes[1], axes[1])));
+    return Splat(axes, splat.scale, reach, ewa_weight(1.0 / root));
+}
+
+fn pow2(value: f32) -> f32 {
+    return value * value;
+}
+
+// How many pixels an edge reaches from a middle, as if it were short.
+fn px_along(edge: vec3f, middle: vec3f, per_distance: f32, px_per_slope: vec2f) -> vec2f {
+    let in_view = rotate_to_view(edge);
+    return (in_view.xy + middle.xy * (in_view.z * per_distance)) * per_distance * px_per_slope;
+}
+
+// In the unit of the weight that hides the background.
+fn ewa_weight(height: f32) -> f32 {
+    return height * OPAQUE_WEIGHT / mix(EWA_MEAN_WEIGHT, OPAQUE_WEIGHT, height);
+}

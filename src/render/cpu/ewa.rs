@@ -1,0 +1,82 @@
+//! Splats filtered to the pixels they are seen in, eight at a time (`shaders/primitives/filtered_by_ewa.wgsl`).
+//!
+//! How it works: EWA filtering in object space (Ren et al. 2002). The Gaussian of a splat with the half edges `u` and
+//! `v`, as large as its mask, is convolved with that of a pixel. With J, the pixels along `u` and `v`, the sum of both
+//! variances in the plane of the splat is, in units of the splat's own, `A = I + r²·(JᵀJ)⁻¹`, where r is the radius in
+//! pixels of the splat that a point becomes. The new half edges are `(u v)·√A`: the symmetric root of two rows,
+//! `(A + s·I)/√(trace A + 2s)` with `s = √det A`, needs no eigenvectors. The mask of the filtered splat is `1/s` times
+//! as high, so that it adds as much to the picture as before.
+
+use super::eight::Vectors;
+use super::view::PixelView;
+use crate::render::constants::{EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, OPAQUE_WEIGHT};
+use crate::scene::SplatFilter;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
+
+/// Of the splat that a point becomes.
+const RADIUS2_PX: f32 = SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX;
+
+/// Eight splats in view space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Splats<S: Simd> {
+    /// Half edges, at right angles but where they are filtered.
+    pub(super) u: Vectors<S>,
+    pub(super) v: Vectors<S>,
+    /// Factors on their masks.
+    pub(super) weights: f32x8<S>,
+}
+
+impl<S: Simd> Splats<S> {
+    /// What they become where these are their middles.
+    #[inline(always)]
+    pub(super) fn filtered(self, simd: S, view: &PixelView, centers: Vectors<S>) -> Self {
+        let Self { u, v, .. } = self;
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let per_distance = 1.0 / (-centers.z).max(splat(view.near));
+        let ([u_right, u_down], [v_right, v_down]) = (
+            px_along(view, centers, per_distance, u),
+            px_along(view, centers, per_distance, v),
+        );
+        // JᵀJ, and at least that of splats which are seen almost edge-on: pixels on those reach too far into the picture.
+        let px_per_length = per_distance * (SplatFilter::LEAST_COSINE * view.px_per_slope[0]);
+        let least = px_per_length * px_per_length;
+        let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, least * u.dot(u)));
+        let vv = v_right.mul_add(v_right, v_down.mul_add(v_down, least * v.dot(v)));
+        let uv = u_right.mul_add(v_right, u_down * v_down);
+        let determinant = uu.mul_add(vv, -(uv * uv)).max(splat(EWA_LEAST_DETERMINANT));
+        let filter = RADIUS2_PX / determinant;
+        // A, and the root of its determinant.
+        let (a, b, c) = (
+            vv.mul_add(filter, splat(1.0)),
+            -(uv * filter),
+            uu.mul_add(filter, splat(1.0)),
+        );
+        let root = (uu + vv + RADIUS2_PX).mul_add(filter, splat(1.0)).sqrt();
+        let per_trace = 1.0 / (a + c + root * 2.0).sqrt();
+        let (a, b, c) = ((a + root) * per_trace, b * per_trace, (c + root) * per_trace);
+        Self {
+            u: u.times(a).plus(v.times(b)),
+            v: u.times(b).plus(v.times(c)),
+            weights: weights(simd, 1.0 / root),
+        }
+    }
+}
+
+/// How many pixels to the right and down an edge reaches from a middle, as if it were short.
+#[inline(always)]
+fn px_along<S: Simd>(view: &PixelView, centers: Vectors<S>, per_distance: f32x8<S>, edge: Vectors<S>) -> [f32x8<S>; 2] {
+    let nearer = edge.z * per_distance;
+    [
+        centers.x.mul_add(nearer, edge.x) * per_distance * view.px_per_slope[0],
+        centers.y.mul_add(nearer, edge.y) * per_distance * view.px_per_slope[1],
+    ]
+}
+
+/// The masks' factors, in the unit of the weight that hides the background: of splats far smaller than a pixel it is the
+/// mean weight of a surface that does, not that between three splats.
+#[inline(always)]
+fn weights<S: Simd>(simd: S, heights: f32x8<S>) -> f32x8<S> {
+    let opaque = f32x8::splat(simd, OPAQUE_WEIGHT);
+    let rising = 1.0 - heights;
+    heights * opaque / rising.mul_add(f32x8::splat(simd, EWA_MEAN_WEIGHT - OPAQUE_WEIGHT), opaque)
+}
