@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, EyeDome, Kernel, LightRig, LightStyle, Lighting, PointShape,
+    PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -111,6 +111,25 @@ fn ellipses_in_every_mode_and_light() {
                 style.primitive = Primitive::Ellipse;
                 style.surfels.splatting = splatting;
                 style.light.lighting = lighting;
+            });
+            let (least_psnr_db, most_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+    }
+}
+
+#[test]
+fn splats_of_every_kernel() {
+    for kernel in [Kernel::Hat, Kernel::Flat] {
+        for splatting in [
+            Splatting::Regular,
+            Splatting::NoDepth,
+            Splatting::TwoPass,
+            Splatting::TwoPassEnlarged,
+        ] {
+            let style = Style::default().with(|style| {
+                style.surfels.kernel = kernel;
+                style.surfels.splatting = splatting;
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);

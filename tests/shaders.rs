@@ -135,6 +135,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         usual_distance,
         depth_slack_px,
         filter_radius_px,
+        kernel,
         lamps
     );
 }

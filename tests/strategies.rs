@@ -10,7 +10,7 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Content, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket,
+    BackFaces, Background, Camera, Content, Kernel, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket,
     SplatFilter, Splatting, Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
@@ -83,6 +83,29 @@ fn surfels_in_all_modes_and_lights() {
                 let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
                 let what = format!("{primitive}, {splatting}, light {lighting}");
                 assert_agreement(&mut renderer, &packet, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn surfels_of_every_kernel() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(1500, 1.0);
+    for &kernel in Kernel::ALL {
+        for splatting in [Splatting::Regular, Splatting::TwoPass, Splatting::TwoPassEnlarged] {
+            for lighting in [Lighting::PerFragment, Lighting::Lambert] {
+                let style = plain().with(|style| {
+                    style.surfels.kernel = kernel;
+                    style.surfels.splatting = splatting;
+                    style.light.lighting = lighting;
+                });
+                let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+                assert_agreement(
+                    &mut renderer,
+                    &packet,
+                    &format!("{kernel}, {splatting}, light {lighting}"),
+                );
             }
         }
     }

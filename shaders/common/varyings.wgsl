@@ -23,10 +23,17 @@ fn shaded(in: Varyings) -> vec3f {
     return shade(unpack4x8unorm(in.color).rgb, in.normal, in.light, in.position.xy);
 }
 
-// The circular Gaussian mask of paper 000 §V; 0 outside the disk.
+// How much of a splat there is: usually by the circular Gaussian mask of paper 000 §V; 0 outside the disk.
 fn mask_weight(quad: vec2f) -> f32 {
     let radius2 = dot(quad, quad);
-    return select(0.0, exp(-MASK_FALLOFF * radius2), radius2 <= 1.0);
+    if (radius2 > 1.0) {
+        return 0.0;
+    }
+    switch view.kernel {
+        case KERNEL_HAT: { return 1.0 - sqrt(radius2); }
+        case KERNEL_BOX: { return 1.0; }
+        default: { return exp(-MASK_FALLOFF * radius2); }
+    }
 }
 
 // What fragments leave for deferred shading: times a weight, and the weight.

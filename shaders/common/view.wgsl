@@ -65,6 +65,8 @@ struct View {
     depth_slack_px: f32,
     // Radius of the splat that a point becomes by that filter; 0 where there is none.
     filter_radius_px: f32,
+    // KERNEL_*, or Gaussian.
+    kernel: u32,
     lamps: array<Lamp, MOST_LAMPS>,
 }
 

@@ -35,8 +35,9 @@ pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle, Primitive,
-    RendererChoice, SplatFilter, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle,
+    LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle,
+    Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring,
+    describe,
 };
 pub use view_text::ParseViewError;

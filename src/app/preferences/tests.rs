@@ -5,9 +5,9 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
-    SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle,
+    LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive,
+    RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -22,6 +22,7 @@ fn unusual() -> Preferences {
             surfels: SurfelStyle {
                 splatting: Splatting::NoDepth,
                 filter: SplatFilter::Ewa,
+                kernel: Kernel::Hat,
                 splat_scale: 1.25,
                 enlargement: 3.5,
                 back_faces: BackFaces::Drawn,

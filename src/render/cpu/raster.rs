@@ -8,6 +8,7 @@ use super::shading::{Light, Shading};
 use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
 use crate::render::constants::MASK_FALLOFF;
+use crate::scene::Kernel;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use glam::Vec3;
 
@@ -109,7 +110,7 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
 
 /// Sums weighted colours of what is not behind the depths that are there.
 #[inline(always)]
-pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading) {
+pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, kernel: Kernel) {
     let nothing = f32x8::splat(simd, 0.0);
     for_each(
         simd,
@@ -124,7 +125,7 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
             if !simd.any_true_mask32x8(drawn) {
                 return;
             }
-            let mask = mask_weight(simd, fragments) * shading.weight;
+            let mask = mask_weight(simd, fragments, kernel) * shading.weight;
             let weight = simd.select_f32x8(drawn, mask, nothing);
             let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
             for (channel, sums) in tile.colors.iter_mut().enumerate() {
@@ -142,7 +143,14 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
 
 /// Lays a splat over what is there, with its mask as opacity. Where depth counts, its corners hide what is behind them.
 #[inline(always)]
-pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, with_depth: bool) {
+pub(super) fn over<S: Simd>(
+    simd: S,
+    tile: &mut Tile,
+    facet: &Facet,
+    shading: &Shading,
+    kernel: Kernel,
+    with_depth: bool,
+) {
     let nothing = f32x8::splat(simd, 0.0);
     for_each(
         simd,
@@ -161,7 +169,7 @@ pub(super) fn over<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &S
             if !simd.any_true_mask32x8(drawn) {
                 return;
             }
-            let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments), nothing);
+            let opacity = simd.select_f32x8(drawn, mask_weight(simd, fragments, kernel), nothing);
             let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
             for (channel, below) in tile.colors.iter_mut().enumerate() {
                 let there = load(simd, below, at);
@@ -217,14 +225,23 @@ fn surface<S: Simd>(simd: S, normal: Vec3, depths: f32x8<S>) -> [f32x8<S>; 4] {
     [splat(normal.x), splat(normal.y), splat(normal.z), depths]
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)` (`shaders/common/varyings.wgsl`), inside the
-/// disk. Relative error below 4·10⁻⁵.
+/// The mask of a kernel inside the disk (`shaders/common/varyings.wgsl`).
 #[inline(always)]
-fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>) -> f32x8<S> {
-    let splat = |value| f32x8::splat(simd, value);
+fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>, kernel: Kernel) -> f32x8<S> {
     let across = fragments.p.mul_add(fragments.p, fragments.q * fragments.q);
+    match kernel {
+        Kernel::Gaussian => gaussian(simd, across / (fragments.w * fragments.w)),
+        Kernel::Hat => 1.0 - across.sqrt() / fragments.w,
+        Kernel::Flat => f32x8::splat(simd, 1.0),
+    }
+}
+
+/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error below 4·10⁻⁵.
+#[inline(always)]
+fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
+    let splat = |value| f32x8::splat(simd, value);
     // The eighth root is within the reach of a short series.
-    let y = across / (fragments.w * fragments.w) * splat(-MASK_FALLOFF / 8.0);
+    let y = radius2 * splat(-MASK_FALLOFF / 8.0);
     let series = y.mul_add(splat(1.0 / 120.0), splat(1.0 / 24.0));
     let series = y.mul_add(series, splat(1.0 / 6.0));
     let series = y.mul_add(series, splat(0.5));

@@ -1,7 +1,8 @@
 //! Constants of Rust as WGSL: every shader begins with them, so that none is written twice.
 
 use super::gpu_data::{
-    BACK_FACES_CULLED, BACK_FACES_DARKER, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL, LIGHTING_PER_VERTEX,
+    BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
+    LIGHTING_PER_VERTEX,
 };
 use crate::cloud::ELLIPSE_STEPS;
 use crate::render::constants::{
@@ -61,6 +62,8 @@ pub(super) fn shared() -> String {
         CUBE_REACH_HALF_EDGES,
         ELLIPSE_STEPS,
         EWA_LEAST_DETERMINANT,
+        KERNEL_BOX,
+        KERNEL_HAT,
         LEAST_COSINE,
         EWA_MEAN_WEIGHT,
         FARTHEST_GREY,

@@ -4,7 +4,7 @@ pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
-    Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, SplatFilter, Style, SurfelStyle,
+    Backdrop, EyeDomeLight, Kernel, Lamp, LightStyle, Lighting, Lights, ScenePacket, SplatFilter, Style, SurfelStyle,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -19,6 +19,11 @@ const LIGHTING_UNLIT: u32 = 0;
 pub(super) const BACK_FACES_CULLED: u32 = 1;
 pub(super) const BACK_FACES_DARKER: u32 = 2;
 const BACK_FACES_DRAWN: u32 = 0;
+
+/// [`ViewUniform::kernel`].
+pub(super) const KERNEL_HAT: u32 = 1;
+pub(super) const KERNEL_BOX: u32 = 2;
+const KERNEL_GAUSSIAN: u32 = 0;
 
 /// Twin of `View` in `common/view.wgsl`.
 #[repr(C)]
@@ -57,7 +62,8 @@ pub struct ViewUniform {
     pub usual_distance: f32,
     pub depth_slack_px: f32,
     pub filter_radius_px: f32,
-    pub padding: [f32; 2],
+    pub kernel: u32,
+    pub padding: u32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
@@ -162,7 +168,12 @@ impl ViewUniform {
                 0.0
             },
             filter_radius_px: 0.0,
-            padding: [0.0; 2],
+            kernel: match packet.style.kernel() {
+                Kernel::Gaussian => KERNEL_GAUSSIAN,
+                Kernel::Hat => KERNEL_HAT,
+                Kernel::Flat => KERNEL_BOX,
+            },
+            padding: 0,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }

@@ -32,7 +32,7 @@ pub use light::{EyeDome, LightRig, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointShape, PointStyle};
-pub use surfels::{BackFaces, SplatFilter, Splatting, SurfelStyle};
+pub use surfels::{BackFaces, Kernel, SplatFilter, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Value, Values, When};
@@ -141,6 +141,7 @@ impl Style {
             When::Always => true,
             When::Surfels => self.draws_surfels(),
             When::BlendedSurfels => self.blends_surfels(),
+            When::MaskedSurfels => self.draws_surfels() && self.surfels.splatting.has_masks() && !self.filters_splats(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
             When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
@@ -168,6 +169,15 @@ impl Style {
     /// Whether splats are filtered to the pixels that they are seen in.
     pub fn filters_splats(&self) -> bool {
         self.blends_surfels() && self.surfels.filter == SplatFilter::Ewa
+    }
+
+    /// How splats fall off: the filter is a convolution of Gaussians.
+    pub fn kernel(&self) -> Kernel {
+        if self.filters_splats() {
+            Kernel::Gaussian
+        } else {
+            self.surfels.kernel
+        }
     }
 
     /// Whether surfels are left out that face away.
@@ -243,10 +253,11 @@ impl Style {
 
     /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
     /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table
-    /// of normals, nor of ellipses or filtered splats.
+    /// of normals, nor of ellipses, filtered splats or other kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && !self.filters_splats()
+            && self.surfels.kernel == Kernel::Gaussian
             && self.primitive != Primitive::Ellipse
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()

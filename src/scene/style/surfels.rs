@@ -44,6 +44,11 @@ impl Splatting {
         matches!(self, Self::TwoPass | Self::Enlarged | Self::TwoPassEnlarged)
     }
 
+    /// Whether splats fall off towards their rims.
+    pub fn has_masks(self) -> bool {
+        !matches!(self, Self::Visibility | Self::Opaque)
+    }
+
     /// Whether depths are written before colours are blended.
     pub fn has_visibility_pass(self) -> bool {
         !matches!(self, Self::Regular | Self::NoDepth | Self::Opaque)
@@ -68,6 +73,16 @@ impl SplatFilter {
     /// Splats that are seen at a smaller cosine between normal and view are filtered almost as with this one: on their
     /// planes, pixels reach too far into the picture.
     pub const LEAST_COSINE: f32 = 0.1;
+}
+
+choices! {
+    /// How a splat falls off from its middle to its rim.
+    Kernel, "kernel" {
+        /// The mask of paper 000 §V.
+        Gaussian = "gaussian", "Gaussian", "A bell: smooth, and closed where rims meet";
+        Hat = "hat", "Hat", "A cone: smooth, and nothing at the rim";
+        Flat = "box", "Box", "The same everywhere: every splat has its edge";
+    }
 }
 
 choices! {
@@ -125,6 +140,18 @@ group! {
             when: When::BlendedSurfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SplatFilter::WORDS),
+        }
+        /// How splats fall off towards their rims.
+        kernel: Kernel = Kernel::Gaussian, "kernel" KERNEL {
+            flag: "kernel",
+            value_name: "KERNEL",
+            help: "How splats fall off towards their rims",
+            title: "Kernel",
+            hint: "How splats fall off from their middles to their rims; filtered ones are Gaussian",
+            section: Section::Surfels,
+            when: When::MaskedSurfels,
+            label: Label::Unusual(Place::What, "{}"),
+            values: Values::Words(Kernel::WORDS),
         }
         /// Factor on every splat radius.
         splat_scale: f32 = 1.0, "splat_scale" SPLAT_SCALE {

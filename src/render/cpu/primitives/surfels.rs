@@ -126,8 +126,9 @@ impl DrawnRecords for Surfels<'_> {
                 }
             }
         }
+        let kernel = self.style.kernel();
         for (facet, shading) in waiting {
-            raster::attribute(simd, tile, facet, shading);
+            raster::attribute(simd, tile, facet, shading, kernel);
         }
     }
 }
@@ -170,7 +171,7 @@ impl Surfels<'_> {
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(seen, &splats, lane);
-                        raster::over(simd, tile, &facet, &shading, with_depth);
+                        raster::over(simd, tile, &facet, &shading, self.style.kernel(), with_depth);
                     }
                 }
             }

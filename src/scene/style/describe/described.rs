@@ -126,6 +126,8 @@ pub enum When {
     Surfels,
     /// Surfels are drawn, and blended at the surface.
     BlendedSurfels,
+    /// Surfels are drawn, and fall off towards their rims as a setting says.
+    MaskedSurfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
     /// What is drawn are surfels, of which one stands for others.

@@ -16,7 +16,7 @@ use crate::render::cpu::raster;
 use crate::render::cpu::shading::{Light, Shading, head_light_of_cosine, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{HEIGHT, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::Lighting;
+use crate::scene::{Kernel, Lighting};
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 
@@ -94,7 +94,7 @@ impl InTiles for CodedTiles<'_> {
             raster::measure_rays(simd, self.view, tile);
         }
         for (facet, shading) in disks.iter() {
-            raster::attribute(simd, tile, facet, shading);
+            raster::attribute(simd, tile, facet, shading, Kernel::Gaussian);
         }
     }
 }
