@@ -94,6 +94,8 @@ pub struct RawCloud {
     pub has_narrow_colors: bool,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
+    /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices left out.
+    pub faces_left_out: usize,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
     /// What the file says about its axes.
@@ -115,6 +117,7 @@ impl RawCloud {
             grid: None,
             has_narrow_colors: false,
             faces: Vec::new(),
+            faces_left_out: 0,
             sensor: None,
             convention: None,
             assumption: None,
@@ -131,6 +134,7 @@ impl RawCloud {
             Positions::F64(positions) => Positions::F64(gather(positions, indices)),
         };
         self.attributes.keep(indices);
+        self.faces_left_out += self.faces.len();
         self.faces.clear();
         self.grid = None;
     }

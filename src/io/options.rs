@@ -43,6 +43,12 @@ impl ReadOptions {
         Self { bin_columns, ..self }
     }
 
+    /// The same for the vertices and faces of meshes.
+    #[must_use]
+    pub fn of_meshes(self) -> Self {
+        self.with_sample_count(None).with_mesh_sample_count(None)
+    }
+
     /// The same with so many points from each file of a mesh format; `None` for its vertices.
     #[must_use]
     pub fn with_mesh_sample_count(self, mesh_sample_count: Option<NonZeroUsize>) -> Self {

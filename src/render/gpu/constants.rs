@@ -3,7 +3,7 @@
 use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL, LIGHTING_PER_VERTEX,
 };
-use crate::cloud::ELLIPSE_STEPS;
+use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT,
     HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, SQUARE_REACH_RADII,
@@ -42,6 +42,12 @@ const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 /// The power of highlights.
 const SHININESS: u32 = Lights::SHININESS;
 
+/// The two numbers of a normal that is none, as WGSL reads them.
+const NO_NORMAL: u32 = {
+    let [x, y] = VertexRecord::NO_NORMAL;
+    (y as u16 as u32) << 16 | x as u16 as u32
+};
+
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
     macro_rules! declared {
@@ -72,6 +78,7 @@ pub(super) fn shared() -> String {
         MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
+        NO_NORMAL,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,

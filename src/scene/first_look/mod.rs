@@ -54,6 +54,8 @@ pub struct FirstLook {
     pub primitive: Primitive,
     /// Why.
     pub primitive_why: &'static str,
+    /// Whether there are triangles that can be drawn in place of points.
+    pub has_faces: bool,
     /// Share of places of the cloud whose neighbours lie in a plane.
     pub planar_share: f32,
     /// How many times as far apart as most points the sparse ones are.
@@ -130,6 +132,7 @@ impl FirstLook {
             } else {
                 "the points are too sparse for a surface, or lie in lines or in a volume"
             },
+            has_faces: frames.iter().any(|frame| frame.has_faces()),
             planar_share: sample.planar_share,
             spacing_spread,
             is_closed: standpoint::is_closed(&sample, &trimmed),

@@ -3,7 +3,7 @@
 use super::queue::{Job, NextStage, Queue};
 use super::readings::{ReadingStage, Readings};
 use super::stages;
-use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::cloud::{Frame, Mesh, PointRecord, ShapeRecord};
 use crate::locks::lock;
 use crate::memory;
 use crate::priority;
@@ -159,6 +159,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
 pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
     if let Some(existing) = &job.existing {
         let stage = match existing.shapes {
+            _ if existing.lacks_mesh_for(&job.needs) => ReadingStage::Mesh,
             None if job.needs.shapes => ReadingStage::Normals,
             _ => ReadingStage::Octree,
         };
@@ -170,7 +171,12 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
             fits.inspect_err(|error| log::warn!("{error}"))?;
             memory::give_back_freed_pages();
         }
-        let frame = shared.run_stages(job, || from_existing(shared, existing, job, progress))?;
+        let mesh = if existing.lacks_mesh_for(&job.needs) {
+            Some(load_mesh(shared, job, progress)?)
+        } else {
+            None
+        };
+        let frame = shared.run_stages(job, || from_existing(shared, existing, mesh, job, progress))?;
         if progress.is_cancelled() {
             return Err(shared.sequence.cancelled(job.index));
         }
@@ -213,11 +219,17 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     } else {
         needs
     };
+    let mesh = if needs.mesh && frame.has_faces() {
+        Some(load_mesh(shared, job, &reading.progress)?)
+    } else {
+        None
+    };
     let frame = Arc::new(frame);
     let prepared = || {
         prepare_observed(
             job.index,
             frame,
+            mesh,
             loaded.decode_ms,
             &needs,
             &shared.counters,
@@ -233,6 +245,11 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
         decoder_ms: Some(loaded.decoder_ms),
         is_settled,
     }))
+}
+
+/// The triangles of the frame that `job` is for.
+fn load_mesh(shared: &Shared, job: &Job, progress: &Progress) -> Result<Mesh, FrameError> {
+    shared.run_stages(job, || shared.sequence.load_mesh(job.index, progress))
 }
 
 /// Whether the machine has the memory that `frame` takes when it is completed for `needs`.
@@ -273,15 +290,16 @@ fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
 fn from_existing(
     shared: &Shared,
     existing: &PreparedFrame,
+    mesh: Option<Mesh>,
     job: &Job,
     progress: &Progress,
 ) -> Result<PreparedFrame, FrameError> {
     let most_points = job.detail.most_points();
     if !job.detail.is_exceeded_by(&existing.frame) {
         let counters = &shared.counters;
-        return Ok(complete_observed(existing, &job.needs, counters, progress));
+        return Ok(complete_observed(existing, mesh, &job.needs, counters, progress));
     }
-    prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
+    prepare_sample(existing, mesh, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
         index: job.index,
         path: shared.sequence.entry(job.index).path.clone(),
         reason,
