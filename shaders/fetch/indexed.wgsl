@@ -15,11 +15,23 @@ struct VertexRecord {
     texture_place: vec2f,
     // Octahedral unit normal, or NO_NORMAL.
     normal: u32,
+    // Index of its texture, or NO_TEXTURE.
     texture: u32,
+}
+
+// Mirror: cloud/textures.rs.
+struct TexturePlace {
+    first: u32,
+    width: u32,
+    height: u32,
+    unused: u32,
 }
 
 @group(STREAM_GROUP) @binding(0) var<storage, read> triangles: array<TriangleRecord>;
 @group(STREAM_GROUP) @binding(1) var<storage, read> vertices: array<VertexRecord>;
+// 8-bit red, green, blue, alpha.
+@group(STREAM_GROUP) @binding(2) var<storage, read> texels: array<u32>;
+@group(STREAM_GROUP) @binding(3) var<storage, read> texture_places: array<TexturePlace>;
 
 struct Instance {
     @builtin(vertex_index) vertex: u32,

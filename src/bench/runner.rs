@@ -4,7 +4,6 @@
 //! back or shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before:
 //! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
-use crate::cloud::MeshRecords;
 use crate::render::{AnyRenderer, RenderError, Renderer};
 use crate::scene::{Content, ScenePacket, Surfels, Voxels};
 use image::RgbaImage;
@@ -105,10 +104,10 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
             normals: voxels.normals.as_ref().map(first),
             cube_edge: voxels.cube_edge,
         }),
-        Content::Mesh(mesh) => Content::Mesh(Arc::new(MeshRecords::new(
-            Arc::clone(&mesh.vertices),
-            first(&mesh.triangles),
-        ))),
+        Content::Mesh(mesh) => {
+            let first = mesh.triangles.iter().copied().take(1);
+            Content::Mesh(Arc::new(mesh.with_triangles(first.collect())))
+        }
         Content::Nothing | Content::Coded(_) => packet.content.clone(),
     };
     ScenePacket {

@@ -44,7 +44,11 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
-    let style = style.resolved(&*headless.first_look()?);
+    let look = headless.first_look()?;
+    if let Some(lack) = look.lack_of(style.primitive) {
+        warnings::warn(&lack);
+    }
+    let style = style.resolved(&look);
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
         size: arguments.size,

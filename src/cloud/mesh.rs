@@ -4,7 +4,7 @@
 //! vertices. So they are validated, coloured and found in the file as points are. As they stand in Morton order,
 //! triangles that are sorted by their first corner are near to their neighbours in the list.
 
-use super::{CloudError, Frame, RawCloud, TriangleRecord, oct_encode};
+use super::{CloudError, Frame, RawCloud, Texturing, TriangleRecord, oct_encode};
 use glam::{DVec3, Vec3};
 use std::mem;
 
@@ -14,6 +14,7 @@ pub struct Mesh {
     vertices: Frame,
     /// Ascending. The first corner of each has the smallest slot.
     triangles: Vec<[u32; 3]>,
+    texturing: Option<Texturing>,
 }
 
 impl Mesh {
@@ -21,6 +22,7 @@ impl Mesh {
     /// twice, or one without finite coordinates, are no triangles.
     pub fn from_raw(mut raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let faces = mem::take(&mut raw.faces);
+        let texturing = raw.texturing.take();
         let mut slots = vec![None; raw.positions.len()];
         let vertices = Frame::from_raw(raw, origin)?;
         for (&index, slot) in vertices.file_index().iter().zip(0u32..) {
@@ -33,7 +35,11 @@ impl Mesh {
         };
         let mut triangles: Vec<[u32; 3]> = faces.into_iter().filter_map(triangle).collect();
         triangles.sort_unstable();
-        Ok(Self { vertices, triangles })
+        Ok(Self {
+            texturing: texturing.map(|texturing| texturing.gathered(vertices.file_index())),
+            vertices,
+            triangles,
+        })
     }
 
     /// The vertices, those that belong to no triangle among them.
@@ -44,6 +50,11 @@ impl Mesh {
     /// Slots of the corners of each triangle among the vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// Pictures on the triangles, one entry a vertex.
+    pub fn texturing(&self) -> Option<&Texturing> {
+        self.texturing.as_ref()
     }
 
     /// A record for each triangle, and one for each vertex that belongs to none, in the order of their first corners.
@@ -90,7 +101,8 @@ impl Mesh {
 
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
-        self.vertices.byte_size() + size_of_val(self.triangles.as_slice())
+        let pictures = self.texturing.as_ref().map_or(0, Texturing::byte_size);
+        self.vertices.byte_size() + size_of_val(self.triangles.as_slice()) + pictures
     }
 }
 

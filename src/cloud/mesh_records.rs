@@ -1,6 +1,6 @@
 //! What is drawn of a mesh.
 
-use super::{TriangleRecord, VertexRecord};
+use super::{Textures, TriangleRecord, VertexRecord};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -11,17 +11,32 @@ pub struct MeshRecords {
     pub vertices: Arc<Vec<VertexRecord>>,
     /// One a triangle, or a vertex that belongs to none. Every corner is below the number of vertices.
     pub triangles: Arc<Vec<TriangleRecord>>,
+    /// What vertices name; none is needed where none is named.
+    pub textures: Arc<Textures>,
     has_points: bool,
 }
 
 impl MeshRecords {
-    /// Records of a mesh. Precondition: every corner is below the number of vertices.
+    /// Records of a mesh without textures. Precondition: every corner is below the number of vertices.
     pub fn new(vertices: Arc<Vec<VertexRecord>>, triangles: Arc<Vec<TriangleRecord>>) -> Self {
         Self {
             has_points: triangles.iter().any(TriangleRecord::is_point),
             vertices,
             triangles,
+            textures: Arc::default(),
         }
+    }
+
+    /// The same with pictures. Precondition: every vertex names one of them, or none.
+    #[must_use]
+    pub fn with_textures(self, textures: Arc<Textures>) -> Self {
+        Self { textures, ..self }
+    }
+
+    /// The same vertices with other triangles. Precondition: every corner is below the number of vertices.
+    #[must_use]
+    pub fn with_triangles(&self, triangles: Vec<TriangleRecord>) -> Self {
+        Self::new(Arc::clone(&self.vertices), Arc::new(triangles)).with_textures(Arc::clone(&self.textures))
     }
 
     /// Whether a vertex belongs to no triangle.

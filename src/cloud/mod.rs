@@ -11,6 +11,8 @@ mod raw;
 mod record;
 mod sample;
 mod scalar_field;
+mod textures;
+mod texturing;
 mod unit;
 mod value_sample;
 
@@ -29,6 +31,8 @@ pub use raw::{AxisConvention, Positions, RawCloud};
 pub use record::{PointRecord, ShapeRecord, TriangleRecord, VertexRecord, VoxelRecord, oct_decode, oct_encode};
 pub(crate) use sample::{even_places, radius_factor};
 pub use scalar_field::ScalarField;
+pub use textures::{TexturePlace, Textures};
+pub use texturing::Texturing;
 pub use unit::LengthUnit;
 pub(crate) use value_sample::MAX_SAMPLE;
 pub use value_sample::{ValueKind, ValueSample};

@@ -148,8 +148,7 @@ impl Content {
                 if kept.len() == mesh.triangles.len() {
                     return self.clone();
                 }
-                let triangles = Arc::new(at(&mesh.triangles, &kept));
-                Self::Mesh(Arc::new(MeshRecords::new(Arc::clone(&mesh.vertices), triangles)))
+                Self::Mesh(Arc::new(mesh.with_triangles(at(&mesh.triangles, &kept))))
             }
         }
     }

@@ -146,7 +146,7 @@ mod tests {
     use crate::app::Outcome;
     use crate::cloud::{Frame, Positions, RawCloud};
     use crate::math::Aabb;
-    use crate::scene::UpAxis;
+    use crate::scene::{Primitive, UpAxis};
     use crate::sequence::prepare;
     use glam::{DVec3, Vec3};
     use std::sync::mpsc::sync_channel;

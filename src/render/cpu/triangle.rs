@@ -6,10 +6,12 @@
 
 use super::deferred::rays;
 use super::eight::{Vectors, lane_numbers};
+use super::linear::{to_display, to_linear};
 use super::raster::{head_light_of, load, store};
 use super::shading::head_light;
 use super::tile::{LANES, Tile, WIDTH};
 use super::view::{Affine, PixelView};
+use crate::cloud::Textures;
 use crate::scene::Lighting;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use glam::Vec3;
@@ -73,12 +75,22 @@ impl Triangle {
 
 /// The colour of a triangle and its light.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TriangleShading {
+pub(super) struct TriangleShading<'a> {
     /// Red, green and blue at the corners, 0 to 1.
     pub(super) colors: [[f32; 3]; 3],
+    /// What colours are multiplied with, as light is.
+    pub(super) texture: Option<TextureOnTriangle<'a>>,
     pub(super) light: TriangleLight,
     /// In view space, at the corners: where light falls on the finished surface.
     pub(super) normals: Option<[Vec3; 3]>,
+}
+
+/// A picture, and where the corners are in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TextureOnTriangle<'a> {
+    pub(super) textures: &'a Textures,
+    pub(super) texture: usize,
+    pub(super) places: [[f32; 2]; 3],
 }
 
 /// Where light is evaluated.
@@ -136,7 +148,7 @@ pub(super) fn fill<S: Simd>(
     simd: S,
     view: &PixelView,
     tile: &mut Tile,
-    (triangle, shading): (&Triangle, &TriangleShading),
+    (triangle, shading): (&Triangle, &TriangleShading<'_>),
     y: i32,
     columns: Range<i32>,
 ) {
@@ -192,7 +204,36 @@ fn keep<S: Simd>(simd: S, drawn: mask32x8<S>, value: f32x8<S>, below: &mut [f32]
     store(simd.select_f32x8(drawn, value, there), below, at);
 }
 
-impl TriangleShading {
+impl TextureOnTriangle<'_> {
+    /// Display-referred red, green and blue of eight pixels. Texels are anywhere: they are looked up one by one.
+    #[inline(always)]
+    fn colors<S: Simd>(&self, simd: S, places: &Places<S>) -> [f32x8<S>; 3] {
+        let [a, b, c] = self.places;
+        let u = places.between(simd, [a[0], b[0], c[0]]);
+        let v = places.between(simd, [a[1], b[1], c[1]]);
+        let mut colors = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let color = self.textures.color(self.texture, [u[lane], v[lane]]);
+            for (channel, value) in colors.iter_mut().zip(color) {
+                channel[lane] = value;
+            }
+        }
+        let [red, green, blue] = &colors;
+        [
+            f32x8::from_slice(simd, red),
+            f32x8::from_slice(simd, green),
+            f32x8::from_slice(simd, blue),
+        ]
+    }
+}
+
+/// Two display-referred channels multiplied as light is.
+#[inline(always)]
+fn filtered<S: Simd>(simd: S, channel: f32x8<S>, by: f32x8<S>) -> f32x8<S> {
+    to_display(simd, to_linear(simd, channel) * to_linear(simd, by))
+}
+
+impl TriangleShading<'_> {
     /// The lit colours of eight pixels from `pixel` on, which are at this place in their tile.
     #[inline(always)]
     fn colors<S: Simd>(
@@ -218,9 +259,15 @@ impl TriangleShading {
             }
         };
         let [a, b, c] = self.colors;
-        let red = places.between(simd, [a[0], b[0], c[0]]);
-        let green = places.between(simd, [a[1], b[1], c[1]]);
-        let blue = places.between(simd, [a[2], b[2], c[2]]);
+        let mut red = places.between(simd, [a[0], b[0], c[0]]);
+        let mut green = places.between(simd, [a[1], b[1], c[1]]);
+        let mut blue = places.between(simd, [a[2], b[2], c[2]]);
+        if let Some(texture) = &self.texture {
+            let [of_red, of_green, of_blue] = texture.colors(simd, places);
+            red = filtered(simd, red, of_red);
+            green = filtered(simd, green, of_green);
+            blue = filtered(simd, blue, of_blue);
+        }
         [
             red.mul_add(factor, white).min(splat(1.0)),
             green.mul_add(factor, white).min(splat(1.0)),

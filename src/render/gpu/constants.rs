@@ -48,6 +48,9 @@ const NO_NORMAL: u32 = {
     (y as u16 as u32) << 16 | x as u16 as u32
 };
 
+/// The texture of a vertex without one.
+const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
+
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
     macro_rules! declared {
@@ -79,6 +82,7 @@ pub(super) fn shared() -> String {
         NARROWEST_CELL_PX,
         NEAREST_GREY,
         NO_NORMAL,
+        NO_TEXTURE,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,

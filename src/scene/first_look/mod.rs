@@ -41,6 +41,7 @@ const DARK_LUMA: f32 = 45.0;
 
 /// Guesses about a sequence.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a guess of its own")]
 pub struct FirstLook {
     /// What is looked at.
     pub kind: CaptureKind,
@@ -165,6 +166,17 @@ impl FirstLook {
             .collect();
         let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
         Self::of(&frames, sequence.origin())
+    }
+
+    /// What is drawn where somebody has chosen a primitive that the files have not, in words.
+    pub fn lack_of(&self, chosen: Primitive) -> Option<String> {
+        let lacks = chosen == Primitive::Mesh && !self.has_faces;
+        lacks.then(|| {
+            format!(
+                "there are no triangles in these files: they are drawn as {}s",
+                self.primitive
+            )
+        })
     }
 
     /// The same, but for which axis is up: somebody knows.

@@ -190,6 +190,8 @@ fn nearest(points: &[PointRecord], place: DVec3, is_within: impl Fn(DVec3) -> bo
 }
 
 #[cfg(test)]
+mod mesh_tests;
+#[cfg(test)]
 mod oracle;
 #[cfg(test)]
 mod tests;

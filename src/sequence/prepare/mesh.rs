@@ -1,7 +1,7 @@
 //! Triangles made ready for a picture: vertices in the colours of the points.
 
 use crate::analysis::fake_color;
-use crate::cloud::{Mesh, MeshRecords, PointRecord, VertexRecord, oct_encode};
+use crate::cloud::{Mesh, MeshRecords, PointRecord, Texturing, TriangleRecord, VertexRecord, oct_encode};
 use crate::sequence::{Paint, records};
 use glam::Vec3;
 use std::sync::Arc;
@@ -15,20 +15,27 @@ pub struct PreparedMesh {
 
 impl PreparedMesh {
     /// The records of `mesh` in `paint`.
-    pub(super) fn new(mesh: Arc<Mesh>, paint: &Paint) -> Self {
-        let records = MeshRecords::new(Arc::new(vertices(&mesh, paint)), Arc::new(mesh.records()));
-        Self {
-            mesh,
-            records: Arc::new(records),
-        }
+    pub fn new(mesh: Arc<Mesh>, paint: &Paint) -> Self {
+        let triangles = Arc::new(mesh.records());
+        Self::painted(mesh, triangles, paint)
     }
 
     /// The same in another paint.
     pub(super) fn repainted(&self, paint: &Paint) -> Self {
         let triangles = Arc::clone(&self.records.triangles);
-        let records = MeshRecords::new(Arc::new(vertices(&self.mesh, paint)), triangles);
+        Self::painted(Arc::clone(&self.mesh), triangles, paint)
+    }
+
+    fn painted(mesh: Arc<Mesh>, triangles: Arc<Vec<TriangleRecord>>, paint: &Paint) -> Self {
+        // Pictures are colours of the file.
+        let texturing = mesh.texturing().filter(|_| *paint == Paint::File);
+        let records = MeshRecords::new(Arc::new(vertices(&mesh, paint, texturing)), triangles);
+        let records = match texturing {
+            Some(texturing) => records.with_textures(Arc::clone(&texturing.textures)),
+            None => records,
+        };
         Self {
-            mesh: Arc::clone(&self.mesh),
+            mesh,
             records: Arc::new(records),
         }
     }
@@ -50,7 +57,7 @@ impl PreparedMesh {
 }
 
 /// One record a vertex. Where the file has no normals, light falls on the faces.
-fn vertices(mesh: &Mesh, paint: &Paint) -> Vec<VertexRecord> {
+fn vertices(mesh: &Mesh, paint: &Paint, texturing: Option<&Texturing>) -> Vec<VertexRecord> {
     let normals = mesh.vertices().normals();
     let normal = |slot: usize| match normals.map(|normals| normals[slot]) {
         Some(normal) if normal != Vec3::ZERO => oct_encode(normal),
@@ -60,8 +67,10 @@ fn vertices(mesh: &Mesh, paint: &Paint) -> Vec<VertexRecord> {
         position: point.position,
         color: point.color,
         normal: normal(slot),
-        texture_place: [0.0; 2],
-        texture: VertexRecord::NO_TEXTURE,
+        texture_place: texturing.map_or([0.0; 2], |texturing| texturing.places[slot]),
+        texture: texturing
+            .and_then(|texturing| texturing.texture_of_vertex[slot])
+            .unwrap_or(VertexRecord::NO_TEXTURE),
     };
     painted(mesh, paint).iter().enumerate().map(record).collect()
 }

@@ -8,7 +8,7 @@ use crate::render::cpu::shading::unit_color;
 use crate::render::cpu::spans::for_each_span;
 use crate::render::cpu::sprites::Sprite;
 use crate::render::cpu::tile::{Tile, WIDTH};
-use crate::render::cpu::triangle::{Triangle, TriangleLight, TriangleShading, fill};
+use crate::render::cpu::triangle::{TextureOnTriangle, Triangle, TriangleLight, TriangleShading, fill};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{PointStyle, ScenePacket, Style};
 use fearless_simd::Simd;
@@ -169,7 +169,7 @@ impl SeenMesh<'_> {
             return;
         }
         // Most triangles cover no pixel of a tile, or none at all: nothing is worked out for these.
-        let mut seen: Option<(Triangle, TriangleShading)> = None;
+        let mut seen: Option<(Triangle, TriangleShading<'_>)> = None;
         for_each_span(
             outline,
             clip,
@@ -184,7 +184,7 @@ impl SeenMesh<'_> {
         );
     }
 
-    fn shading(&self, view: &PixelView, record: &TriangleRecord, corners: [&SeenVertex; 3]) -> TriangleShading {
+    fn shading(&self, view: &PixelView, record: &TriangleRecord, corners: [&SeenVertex; 3]) -> TriangleShading<'_> {
         let lighting = self.mesh.style.light.lighting;
         let face = view.rotate(oct_decode(record.normal));
         let normals = corners.map(|corner| {
@@ -196,9 +196,21 @@ impl SeenMesh<'_> {
         });
         TriangleShading {
             colors: record.corners.map(|corner| self.color(corner)),
+            texture: self.texture(record),
             light: TriangleLight::new(lighting, corners.map(|corner| corner.place), normals, face),
             normals: lighting.is_deferred().then_some(normals),
         }
+    }
+
+    /// The picture of the first corner: the others have the same.
+    fn texture(&self, record: &TriangleRecord) -> Option<TextureOnTriangle<'_>> {
+        let records = self.mesh.records;
+        let [a, b, c] = record.corners.map(|corner| &records.vertices[corner as usize]);
+        (a.texture != VertexRecord::NO_TEXTURE).then(|| TextureOnTriangle {
+            textures: &records.textures,
+            texture: a.texture as usize,
+            places: [a.texture_place, b.texture_place, c.texture_place],
+        })
     }
 
     fn color(&self, vertex: u32) -> [f32; 3] {

@@ -23,9 +23,17 @@ pub(super) const FETCH: &str = include_str!("../../../../shaders/fetch/indexed.w
 /// Records that a vertex takes the room of.
 const RECORDS_PER_VERTEX: usize = size_of::<VertexRecord>() / RECORD_BYTES;
 
+/// Which stage reads triangles, vertices, texels, and where textures are.
+const STAGES: [wgpu::ShaderStages; 4] = [
+    wgpu::ShaderStages::VERTEX,
+    wgpu::ShaderStages::VERTEX,
+    wgpu::ShaderStages::FRAGMENT,
+    wgpu::ShaderStages::FRAGMENT,
+];
+
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Indexed {
-    /// Triangles and vertices.
+    /// Triangles, vertices, texels, and where textures are among them.
     layout: wgpu::BindGroupLayout,
 }
 
@@ -37,9 +45,9 @@ struct Part<'a> {
 
 impl Indexed {
     pub(in crate::render::gpu) fn new(context: &Context) -> Self {
-        let entry = |binding| wgpu::BindGroupLayoutEntry {
+        let entry = |(binding, visibility)| wgpu::BindGroupLayoutEntry {
             binding,
-            visibility: wgpu::ShaderStages::VERTEX,
+            visibility,
             ty: wgpu::BindingType::Buffer {
                 ty: wgpu::BufferBindingType::Storage { read_only: true },
                 has_dynamic_offset: false,
@@ -51,7 +59,7 @@ impl Indexed {
             .device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some("mesh"),
-                entries: &[entry(0), entry(1)],
+                entries: &(0..).zip(STAGES).map(entry).collect::<Vec<_>>(),
             });
         Self { layout }
     }
@@ -67,19 +75,23 @@ impl Indexed {
         let most = most_triangles.min(context.max_chunk_records.unwrap_or(usize::MAX));
         let parts = parts(mesh, most, most / RECORDS_PER_VERTEX);
         let byte_size = |part: &Part<'_>| size_of_val(&*part.triangles) + size_of_val(&*part.vertices);
+        let textures = [
+            storage(context, bytemuck::cast_slice(mesh.textures.texels())),
+            storage(context, bytemuck::cast_slice(mesh.textures.places())),
+        ];
+        let upload = |part: &Part<'_>| self.upload_part(context, part, &textures);
         Stream {
-            byte_size: parts.iter().map(byte_size).sum::<usize>() as u64,
-            chunks: parts.iter().map(|part| self.upload_part(context, part)).collect(),
+            byte_size: (parts.iter().map(byte_size).sum::<usize>() + mesh.textures.byte_size()) as u64,
+            chunks: parts.iter().map(upload).collect(),
         }
     }
 
-    fn upload_part(&self, context: &Context, part: &Part<'_>) -> Chunk {
-        let storage = |bytes| buffer_with(context, wgpu::BufferUsages::STORAGE, bytes, RECORD_BYTES);
-        let buffers = [
-            storage(bytemuck::cast_slice(&part.triangles)),
-            storage(bytemuck::cast_slice(&part.vertices)),
+    fn upload_part(&self, context: &Context, part: &Part<'_>, textures: &[wgpu::Buffer]) -> Chunk {
+        let records = [
+            storage(context, bytemuck::cast_slice(&part.triangles)),
+            storage(context, bytemuck::cast_slice(&part.vertices)),
         ];
-        let resources = buffers.iter().map(wgpu::Buffer::as_entire_binding);
+        let resources = records.iter().chain(textures).map(wgpu::Buffer::as_entire_binding);
         let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
         let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
         Chunk {
@@ -104,6 +116,12 @@ impl Instancing for Indexed {
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         records_of(bytes).min(max_indexed_records(context, amplification))
     }
+}
+
+/// A buffer with these bytes; without any, of one record that nobody reads, as nothing cannot be bound.
+fn storage(context: &Context, bytes: &[u8]) -> wgpu::Buffer {
+    let bytes = if bytes.is_empty() { &[0; RECORD_BYTES] } else { bytes };
+    buffer_with(context, wgpu::BufferUsages::STORAGE, bytes, RECORD_BYTES)
 }
 
 /// Parts of at most so many triangles and vertices, but of one triangle at least, in the order of the triangles.

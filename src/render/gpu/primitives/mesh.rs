@@ -13,7 +13,10 @@ use std::sync::Arc;
 /// Half a quad, or the square of a point.
 pub(super) const TRIANGLE: Amplification = Amplification {
     name: "triangle",
-    wgsl: &[include_str!("../../../../shaders/primitives/mesh.wgsl")],
+    wgsl: &[
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/primitives/mesh.wgsl"),
+    ],
     vertices_per_record: 4,
     reads_shapes: false,
     is_indexed: true,
