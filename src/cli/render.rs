@@ -7,7 +7,7 @@ use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Style};
+use crate::scene::{Camera, Primitive, Style};
 use crate::sequence::{Loader, LoaderOptions};
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -133,6 +133,9 @@ fn render_frames(
             let choice = arguments.camera.choice();
             choice.camera(&look, sequence.origin(), arguments.size)
         });
+        if style.primitive == Primitive::Mesh && !frame.frame.has_faces() {
+            warnings::warn_of_frame(&format!("frame {index} has no triangles: its points are drawn"));
+        }
         let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
         for problem in problems {
             warnings::warn_of_frame(&problem);
