@@ -18,8 +18,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The mesh of a decoded file, with its vertices moved to `origin` as those of a frame are. Faces that name a vertex
-    /// twice, or one without finite coordinates, are no triangles.
+    /// The mesh of a decoded file, with its vertices moved to `origin` as the points of a frame are. Faces that name a
+    /// vertex twice, or one without finite coordinates, are no triangles.
     pub fn from_raw(mut raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let faces = mem::take(&mut raw.faces);
         let texturing = raw.texturing.take();
@@ -153,7 +153,8 @@ mod tests {
             let is_triangle = |[a, b, c]: &[u32; 3]| {
                 a != b && b != c && c != a && [a, b, c].iter().all(|&&corner| positions[corner as usize][1].is_finite())
             };
-            let mut expected: Vec<_> = faces.iter().filter(|face| is_triangle(face)).map(|face| turned(face.map(bits))).collect();
+            let triangles = faces.iter().filter(|face| is_triangle(face));
+            let mut expected: Vec<_> = triangles.map(|face| turned(face.map(bits))).collect();
             let mesh = Mesh::from_raw(raw(positions.clone(), faces.clone()), DVec3::ZERO).unwrap();
             let there = |&corners: &[u32; 3]| {
                 turned(corners.map(|slot| mesh.vertices().positions()[slot as usize].to_array().map(f32::to_bits)))

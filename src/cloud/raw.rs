@@ -96,8 +96,7 @@ pub struct RawCloud {
     pub faces: Vec<[u32; 3]>,
     /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices left out.
     pub faces_left_out: usize,
-    /// Pictures on the faces, where they are not in the colours of the points already: see
-    /// [`ReadOptions::keeps_textures`](crate::io::ReadOptions::keeps_textures).
+    /// Pictures on the faces, where their colours are not those of the points already.
     pub texturing: Option<Texturing>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
@@ -130,8 +129,8 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid. Precondition: each is below the
-    /// number of points and of the entries of every attribute.
+    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid. Precondition:
+    /// each is below the number of points and of the entries of every attribute.
     pub fn keep(&mut self, indices: &[u32]) {
         self.positions = match &self.positions {
             Positions::F32(positions) => Positions::F32(gather(positions, indices)),

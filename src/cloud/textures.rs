@@ -27,7 +27,8 @@ impl Textures {
     /// Most texels of all pictures together: half of what every adapter binds.
     pub const MOST_TEXELS: usize = 1 << 24;
 
-    /// These pictures. While they are too large together, the largest is halved. Those without pixels are one white one.
+    /// These pictures. While they are too large together, the largest is halved. Those without pixels are one white
+    /// texel.
     pub fn of(mut pictures: Vec<RgbaImage>) -> Self {
         let texels = |picture: &RgbaImage| picture.width() as usize * picture.height() as usize;
         while pictures.iter().map(texels).sum::<usize>() > Self::MOST_TEXELS {

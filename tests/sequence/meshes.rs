@@ -59,10 +59,8 @@ fn triangles_are_read_once_and_only_for_those_who_draw_them() {
 
 #[test]
 fn vertices_stand_where_the_points_do_however_far_from_zero() {
-    let far = SQUARE
-        .replace("0 0 0\n", "4510720 0 0\n")
-        .replace("1 1 0\n", "4510721 1 0\n");
-    let (sequence, _folder) = sequence_of("a.off", &far);
+    let far = "OFF\n4 2 0\n4510720 0 0\n4510721 0 0\n4510720 1 0\n4510721 1 0\n3 0 1 2\n3 2 1 3\n";
+    let (sequence, _folder) = sequence_of("a.off", far);
     assert_ne!(sequence.origin(), DVec3::ZERO);
     let frame = loader(&sequence, 1, usize::MAX).wait(0, &MESH).unwrap();
     let vertices = frame.mesh.as_ref().unwrap().mesh().vertices();

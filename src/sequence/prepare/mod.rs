@@ -48,8 +48,8 @@ pub fn prepare(
     prepare_observed(index, frame, None, decode_ms, needs, counters, &never)
 }
 
-/// [`prepare`] with the triangles of the frame, where they are wanted, which says in `progress` how much of the estimation of normals is done: the rest takes little beside
-/// it. Once that is cancelled, the answer is of no use.
+/// [`prepare`] with the triangles of the frame, where they are wanted. It says in `progress` how much of the estimation
+/// of normals is done: the rest takes little beside it. Once that is cancelled, the answer is of no use.
 pub(super) fn prepare_observed(
     index: usize,
     frame: Arc<Frame>,
