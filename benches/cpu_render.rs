@@ -1,10 +1,10 @@
 //! Pictures by the software renderer beside those by the graphics library: `cargo bench --bench cpu_render`.
 //!
 //! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the picture: 1,000,000 points (one pixel each),
-//! 100,000 surfels (two-pass-enlarged, 2×) and voxels (τ 1 px) from the packet until the picture is finished in memory,
-//! by the software renderer on one and on two threads, and by the adapter that the program would take (no read back),
-//! whose name is printed first. Points and surfels also from ten times as far, where the picture costs less, and from
-//! within, where most is culled.
+//! 100,000 surfels (two-pass-enlarged, 2×) and voxels (τ 1 px), and a plain torus of 100,000 vertices and twice as many
+//! triangles, from the packet until the picture is finished in memory, by the software renderer on one and on two
+//! threads, and by the adapter that the program would take (no read back), whose name is printed first. Also from ten
+//! times as far, where the picture costs less, and from within, where most is culled.
 //!
 //! Eye-dome lighting and the grid at 1280×720, two threads: the time of what follows over the whole picture, as the
 //! renderer states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and
@@ -20,7 +20,9 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
 use pointreel::analysis::splat_ellipses;
-use pointreel::cloud::{PointRecord, ShapeRecord, encode_ellipse, oct_encode};
+use pointreel::cloud::{
+    Mesh, MeshRecords, PointRecord, Positions, RawCloud, ShapeRecord, VertexRecord, encode_ellipse, oct_encode,
+};
 use pointreel::levels::octree::{Octree, StopCriterion};
 use pointreel::math::{Aabb, Cube, order_of_codes};
 use pointreel::render::Renderer;
@@ -96,6 +98,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
             shapes: Arc::new(shapes.collect()),
         }),
         Primitive::Point => Content::Points(Arc::new(points)),
+        Primitive::Mesh => Content::Mesh(Arc::new(torus_mesh(count))),
     };
     ScenePacket {
         viewport_px: SIZE_PX,
@@ -108,6 +111,37 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         ground: None,
         bounds,
     }
+}
+
+/// A torus of as large a surface with `count` vertices, and twice as many triangles, in the order of frames.
+fn torus_mesh(count: usize) -> MeshRecords {
+    let columns = ((count as f64 * 2.5).sqrt()) as u32;
+    let rows = count as u32 / columns;
+    let turn = |index: u32, of: u32| (std::f32::consts::TAU * index as f32 / of as f32).sin_cos();
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (turn(row, rows), turn(column, columns))));
+    let normals = places.clone().map(|((up, out), (y, x))| [out * x, out * y, up]);
+    let positions = places.map(|((up, out), (y, x))| [(1.0 + 0.4 * out) * x, (1.0 + 0.4 * out) * y, 0.4 * up]);
+    let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+    raw.attributes.normals = Some(normals.collect());
+    for row in 0..rows {
+        for column in 0..columns {
+            let at = |row: u32, column: u32| row % rows * columns + column % columns;
+            let [a, b] = [at(row, column), at(row, column + 1)];
+            let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+            raw.faces.extend([[a, b, c], [c, b, d]]);
+        }
+    }
+    let mesh = Mesh::from_raw(raw, DVec3::ZERO).expect("there are few vertices");
+    let normals = mesh.vertices().normals().expect("it has normals");
+    let vertex = |(position, normal): (&Vec3, &Vec3)| VertexRecord {
+        position: position.to_array(),
+        color: [190, 180, 160, 255],
+        texture_place: [0.0; 2],
+        normal: oct_encode(*normal),
+        texture: VertexRecord::NO_TEXTURE,
+    };
+    let vertices = mesh.vertices().positions().iter().zip(normals).map(vertex);
+    MeshRecords::new(Arc::new(vertices.collect()), Arc::new(mesh.records()))
 }
 
 fn draw_on_cpu(renderer: &mut CpuRenderer, packet: &ScenePacket) {
@@ -126,6 +160,7 @@ fn pictures(criterion: &mut Criterion) {
         (Primitive::Surfel, 100_000),
         (Primitive::Ellipse, 100_000),
         (Primitive::Voxel, 100_000),
+        (Primitive::Mesh, 100_000),
     ] {
         for (place, distance) in [("whole", 3.4), ("far", 34.0), ("within", 1.0)] {
             let packet = packet(count, primitive, distance);

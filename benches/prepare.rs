@@ -34,6 +34,7 @@ const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
     ellipses: false,
+    mesh: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,

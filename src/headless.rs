@@ -79,6 +79,9 @@ pub struct PictureStats {
     pub points: usize,
     /// Points of the file without finite coordinates.
     pub dropped_points: usize,
+    /// Triangles drawn from, if they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub triangles: Option<usize>,
     /// Milliseconds of decoding.
     pub decode_ms: f32,
     /// Milliseconds of normals and radii.
@@ -252,6 +255,7 @@ impl Headless {
             file: self.sequence.entry(frame.index).path.display().to_string(),
             points: frame.frame.len(),
             dropped_points: frame.frame.dropped_points(),
+            triangles: frame.mesh.as_ref().map(|mesh| mesh.mesh().triangles().len()),
             decode_ms: frame.timings.decode_ms,
             analysis_ms: frame.timings.analysis_ms,
             records_ms: frame.timings.records_ms,

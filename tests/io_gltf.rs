@@ -305,6 +305,15 @@ fn colors_of_vertices_materials_and_textures() {
     let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0.0], "scale": [1.0, 1.0]}});
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
     assert_eq!(model.read().attributes.colors.unwrap()[0], texels[1]);
+    // For those who draw faces, the picture is apart, and colours are those of the material alone.
+    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 0.5, 1.0, 1.0]);
+    let mesh = model.pose(0.0, &ReadOptions::default().of_meshes());
+    assert_eq!(mesh.attributes.colors.unwrap(), [[255, 188, 255, 255]; 4]);
+    let texturing = mesh.texturing.unwrap();
+    assert_eq!(texturing.texture_of_vertex, [Some(0); 4]);
+    assert_eq!(texturing.places[0], [0.6, 0.1]);
+    assert_eq!(texturing.textures.texels(), texels);
+    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 1.0, 1.0, 1.0]);
     // Without the picture there is the shape still.
     for image in [
         json!({"uri": "missing.png"}),

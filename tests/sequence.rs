@@ -28,6 +28,8 @@ mod data;
 mod discovery;
 #[path = "sequence/loading.rs"]
 mod loading;
+#[path = "sequence/meshes.rs"]
+mod meshes;
 #[path = "sequence/preparing.rs"]
 mod preparing;
 #[path = "sequence/shared_data.rs"]
@@ -39,6 +41,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const SURFELS: Needs = Needs {
     shapes: true,
     ellipses: false,
+    mesh: false,
     levels: None,
     colors: Coloring::of(ColorSource::Auto),
     hints: ColorHints::NONE,
@@ -53,6 +56,7 @@ fn voxels(delta: f32) -> Needs {
     Needs {
         shapes: false,
         ellipses: false,
+        mesh: false,
         levels: Some(levels(LevelsKind::Cubes, delta)),
         colors: Coloring::of(ColorSource::Auto),
         hints: ColorHints::NONE,

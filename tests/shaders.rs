@@ -9,7 +9,9 @@ mod back_ends;
 mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use pointreel::render::gpu::gpu_data::{LampUniform, PointRecord, ShapeRecord, SplatVertex, ViewUniform};
+use pointreel::render::gpu::gpu_data::{
+    LampUniform, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
+};
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
 use std::mem::offset_of;
@@ -67,13 +69,17 @@ fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
 
 /// Offsets of the members of a WGSL struct by name, and its size.
 fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    let permutation = Permutation::all()
-        .into_iter()
-        .find(|permutation| matches!(permutation, Permutation::Amplify(amplification) if amplification.reads_shapes));
-    let (module, _) = parse(permutation.unwrap()).unwrap();
-    module
-        .types
+    // The compute stage of surfels has all but those of meshes.
+    let has_them = |permutation: &Permutation| match permutation {
+        Permutation::Amplify(amplification) => amplification.reads_shapes,
+        Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
+        Permutation::Screen(_) => false,
+    };
+    let permutations = Permutation::all().into_iter().filter(has_them);
+    let modules: Vec<naga::Module> = permutations.map(|permutation| parse(permutation).unwrap().0).collect();
+    modules
         .iter()
+        .flat_map(|module| module.types.iter())
         .find_map(|(_, ty)| match &ty.inner {
             naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some(name) => Some((
                 members
@@ -98,6 +104,17 @@ macro_rules! assert_layout {
 fn rust_and_wgsl_agree_on_every_layout() {
     assert_layout!(PointRecord, "PointRecord", position, color);
     assert_layout!(ShapeRecord, "ShapeRecord", normal, radius, ellipse, scalar);
+    assert_layout!(TriangleRecord, "TriangleRecord", corners, normal);
+    assert_layout!(
+        VertexRecord,
+        "VertexRecord",
+        position,
+        color,
+        texture_place,
+        normal,
+        texture
+    );
+    assert_layout!(TexturePlace, "TexturePlace", first, width, height, unused);
     assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);
     assert_layout!(

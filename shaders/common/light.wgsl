@@ -17,17 +17,12 @@ fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     );
 }
 
-// The packed light of a vertex that has none of its own.
-fn unlit() -> u32 {
-    return pack2x16unorm(vec2f(1.0, 0.0));
-}
-
-// Packed. Both vectors in the axes of the frame.
-fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> u32 {
+// Both vectors in the axes of the frame.
+fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> vec2f {
     switch view.lighting {
-        case LIGHTING_PER_SURFEL: { return pack2x16unorm(head_light(normal, -center_from_eye)); }
-        case LIGHTING_PER_VERTEX: { return pack2x16unorm(head_light(normal, -corner_from_eye)); }
-        default: { return unlit(); }
+        case LIGHTING_PER_SURFEL: { return head_light(normal, -center_from_eye); }
+        case LIGHTING_PER_VERTEX: { return head_light(normal, -corner_from_eye); }
+        default: { return vec2f(1.0, 0.0); }
     }
 }
 

@@ -7,5 +7,5 @@ fn vertex(instance: Instance) -> Varyings {
 
 @fragment
 fn fragment(in: Varyings) -> @location(0) vec4f {
-    return vec4f(unpack4x8unorm(in.color).rgb, 1.0);
+    return vec4f(albedo(in), 1.0);
 }

@@ -7,10 +7,8 @@ fn vertex(instance: Instance) -> Varyings {
 
 @fragment
 fn fragment(in: Varyings) -> @location(0) vec4f {
-    let aside_px = abs(in.quad) * 0.5 * view.point_size_px;
-    let is_own_pixel = max(aside_px.x, aside_px.y) <= 0.5;
-    if (dot(in.quad, in.quad) > 1.0 && !is_own_pixel) {
+    if (is_beside_disk(in.quad)) {
         discard;
     }
-    return vec4f(unpack4x8unorm(in.color).rgb, 1.0);
+    return vec4f(albedo(in), 1.0);
 }

@@ -1,4 +1,4 @@
-// Opaque geometry: the faces of voxels, and points.
+// Opaque geometry: the faces of voxels, and meshes.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

@@ -1,4 +1,4 @@
-// The faces of voxels for deferred shading.
+// The faces of voxels, and meshes, for deferred shading.
 
 @vertex
 fn vertex(instance: Instance) -> Varyings {

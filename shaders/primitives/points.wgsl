@@ -7,5 +7,5 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
         let corner = quad_corner(vertex_of_record(instance));
         clip += vec4f(corner * view.point_size_px / view.viewport_px * clip.w, 0.0, 0.0);
     }
-    return SplatVertex(clip, point.color, 0u, unlit(), 1.0);
+    return SplatVertex(clip, point.color, 0u, pack2x16unorm(vec2f(1.0, 0.0)), 1.0);
 }

@@ -44,7 +44,8 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     let slack = view.depth_slack * splat.scale + view.depth_slack_px * length_of_px;
     clip.z /= 1.0 + slack / max(length(center), view.near);
     let color = side_color(point.color, dot(n, center));
-    return SplatVertex(clip, color, shape.normal, light_at_vertex(n, center, offset), splat.weight);
+    let light = light_at_vertex(n, center, offset);
+    return SplatVertex(clip, color, shape.normal, pack2x16unorm(light), splat.weight);
 }
 
 // The colour of the side of a surfel that is seen: of the back where the normal points away.

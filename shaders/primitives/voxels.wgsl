@@ -32,7 +32,7 @@ fn voxel_vertex(cell: PointRecord, lit_normal: u32, face: u32, corner: u32) -> S
     let offset = face_center + (u * q.x + v * q.y) * half_edge;
     let clip = project(rotate_to_view(offset));
     let light = light_at_vertex(oct_decode(lit_normal), face_center, offset);
-    return SplatVertex(clip, cell.color, lit_normal, light, 1.0);
+    return SplatVertex(clip, cell.color, lit_normal, pack2x16unorm(light), 1.0);
 }
 
 // Not by `vector[axis] = length`: FXC, one of the two compilers for Direct3D 12, refuses it.

@@ -104,6 +104,10 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
             normals: voxels.normals.as_ref().map(first),
             cube_edge: voxels.cube_edge,
         }),
+        Content::Mesh(mesh) => {
+            let first = mesh.triangles.iter().copied().take(1);
+            Content::Mesh(Arc::new(mesh.with_triangles(first.collect())))
+        }
         Content::Nothing | Content::Coded(_) => packet.content.clone(),
     };
     ScenePacket {

@@ -7,7 +7,7 @@ use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, Style};
+use crate::scene::{Camera, Primitive, Style};
 use crate::sequence::{Loader, LoaderOptions};
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -44,7 +44,11 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
-    let style = style.resolved(&*headless.first_look()?);
+    let look = headless.first_look()?;
+    if let Some(lack) = look.lack_of(style.primitive) {
+        warnings::warn(&lack);
+    }
+    let style = style.resolved(&look);
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
         size: arguments.size,
@@ -129,6 +133,9 @@ fn render_frames(
             let choice = arguments.camera.choice();
             choice.camera(&look, sequence.origin(), arguments.size)
         });
+        if style.primitive == Primitive::Mesh && !frame.frame.has_faces() {
+            warnings::warn_of_frame(&format!("frame {index} has no triangles: its points are drawn"));
+        }
         let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
         for problem in problems {
             warnings::warn_of_frame(&problem);

@@ -53,6 +53,7 @@ pub struct Frame {
     unit: Option<LengthUnit>,
     bounds: Aabb,
     dropped_points: usize,
+    has_faces: bool,
     /// Points of the file that this one was not made from, as it is a sample.
     left_out: usize,
     warnings: Vec<String>,
@@ -85,6 +86,7 @@ impl Frame {
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             convention: raw.convention,
             unit: raw.unit,
+            has_faces: raw.faces_left_out + raw.faces.len() > 0,
             file_index,
             left_out: 0,
             warnings: raw.warnings,
@@ -156,6 +158,7 @@ impl Frame {
         let slots = gather(taken, &part.file_index);
         part.file_index = gather(&self.file_index, &slots);
         part.left_out = self.points_in_file() - slots.len();
+        part.has_faces = self.has_faces;
         part.share_sample(Arc::clone(self.value_sample()));
         Ok((part, slots))
     }
@@ -258,6 +261,12 @@ impl Frame {
     /// How many points of the file had no finite coordinates.
     pub fn dropped_points(&self) -> usize {
         self.dropped_points
+    }
+
+    /// Whether the file has triangles, of which these are vertices, or points that were sampled on them: see
+    /// [`Mesh`](super::Mesh).
+    pub fn has_faces(&self) -> bool {
+        self.has_faces
     }
 
     /// Points of the file, whether they are here or not.

@@ -4,11 +4,15 @@ mod attributes;
 mod ellipse;
 mod frame;
 mod image_grid;
+mod mesh;
+mod mesh_records;
 mod quantised_normal;
 mod raw;
 mod record;
 mod sample;
 mod scalar_field;
+mod textures;
+mod texturing;
 mod unit;
 mod value_sample;
 
@@ -17,14 +21,18 @@ pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
 pub use image_grid::ImageGrid;
+pub use mesh::Mesh;
+pub use mesh_records::MeshRecords;
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,
 };
 pub use raw::{AxisConvention, Positions, RawCloud};
-pub use record::{PointRecord, ShapeRecord, VoxelRecord, oct_decode, oct_encode};
+pub use record::{PointRecord, ShapeRecord, TriangleRecord, VertexRecord, VoxelRecord, oct_decode, oct_encode};
 pub(crate) use sample::{even_places, radius_factor};
 pub use scalar_field::ScalarField;
+pub use textures::{TexturePlace, Textures};
+pub use texturing::Texturing;
 pub use unit::LengthUnit;
 pub(crate) use value_sample::MAX_SAMPLE;
 pub use value_sample::{ValueKind, ValueSample};

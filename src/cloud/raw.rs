@@ -1,7 +1,7 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
-use super::{Attributes, ImageGrid, LengthUnit};
+use super::{Attributes, ImageGrid, LengthUnit, Texturing};
 use glam::DVec3;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
@@ -94,6 +94,10 @@ pub struct RawCloud {
     pub has_narrow_colors: bool,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
+    /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices left out.
+    pub faces_left_out: usize,
+    /// Pictures on the faces, where their colours are not those of the points already.
+    pub texturing: Option<Texturing>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
     /// What the file says about its axes.
@@ -115,6 +119,8 @@ impl RawCloud {
             grid: None,
             has_narrow_colors: false,
             faces: Vec::new(),
+            faces_left_out: 0,
+            texturing: None,
             sensor: None,
             convention: None,
             assumption: None,
@@ -123,15 +129,17 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and neither faces nor grid. Precondition: each is below the
-    /// number of points and of the entries of every attribute.
+    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid. Precondition:
+    /// each is below the number of points and of the entries of every attribute.
     pub fn keep(&mut self, indices: &[u32]) {
         self.positions = match &self.positions {
             Positions::F32(positions) => Positions::F32(gather(positions, indices)),
             Positions::F64(positions) => Positions::F64(gather(positions, indices)),
         };
         self.attributes.keep(indices);
+        self.faces_left_out += self.faces.len();
         self.faces.clear();
+        self.texturing = None;
         self.grid = None;
     }
 

@@ -41,6 +41,46 @@ pub struct VoxelRecord {
     pub level: u8,
 }
 
+/// A corner of triangles.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct VertexRecord {
+    /// Relative to the sequence origin.
+    pub position: [f32; 3],
+    /// 8-bit red, green, blue, alpha.
+    pub color: [u8; 4],
+    /// Where it is in its texture: 0 to 1 from left to right and from top to bottom; beyond, the picture repeats.
+    pub texture_place: [f32; 2],
+    /// Unit normal on the octahedron, see [`oct_encode`], or [`VertexRecord::NO_NORMAL`].
+    pub normal: [i16; 2],
+    /// Index of its texture, or [`VertexRecord::NO_TEXTURE`].
+    pub texture: u32,
+}
+
+impl VertexRecord {
+    /// Light falls on the faces at this vertex. [`oct_encode`] never makes these numbers.
+    pub const NO_NORMAL: [i16; 2] = [i16::MIN; 2];
+    /// The vertex has no colour but its own.
+    pub const NO_TEXTURE: u32 = u32::MAX;
+}
+
+/// A triangle of [`VertexRecord`]s; or a point, where all of its corners are the same vertex.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct TriangleRecord {
+    /// Indices of vertices, counter-clockwise as the file has them.
+    pub corners: [u32; 3],
+    /// Unit normal of the face on the octahedron.
+    pub normal: [i16; 2],
+}
+
+impl TriangleRecord {
+    /// Whether it is a vertex that belongs to no triangle.
+    pub fn is_point(&self) -> bool {
+        self.corners == [self.corners[0]; 3]
+    }
+}
+
 /// Packs a unit vector into two snorm16 by folding the octahedron (Meyer et al. 2010).
 ///
 /// Error: below 0.005 degrees. The zero vector becomes +Z.

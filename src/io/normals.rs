@@ -82,8 +82,7 @@ pub(crate) fn read_with_normals(
     progress: &Progress,
 ) -> Result<RawCloud, IoError> {
     // Normals are those of the vertices: a mesh is sampled when it has them.
-    let of_vertices = options.with_sample_count(None).with_mesh_sample_count(None);
-    let mut cloud = read_part_observed(path, &Part::Whole, &of_vertices, progress)?;
+    let mut cloud = read_part_observed(path, &Part::Whole, &options.of_meshes(), progress)?;
     if cloud.attributes.normals.is_none() {
         join(&mut cloud, path, normals, progress);
     }

@@ -14,6 +14,9 @@ pub struct ReadOptions {
     pub sample_count: Option<NonZeroUsize>,
     /// The same for files of formats that are for meshes, whose vertices alone show little.
     pub mesh_sample_count: Option<NonZeroUsize>,
+    /// Whether the colours of vertices are without the textures on the faces between them, which are handed over apart,
+    /// for those who draw faces.
+    pub keeps_textures: bool,
     /// How many numbers a point has in files without a header (`.bin`), 3 to 6; told by statistics if `None`.
     pub bin_columns: Option<u8>,
 }
@@ -43,6 +46,15 @@ impl ReadOptions {
         Self { bin_columns, ..self }
     }
 
+    /// The same for the vertices of meshes, with their faces and textures.
+    #[must_use]
+    pub fn of_meshes(self) -> Self {
+        Self {
+            keeps_textures: true,
+            ..self.with_sample_count(None).with_mesh_sample_count(None)
+        }
+    }
+
     /// The same with so many points from each file of a mesh format; `None` for its vertices.
     #[must_use]
     pub fn with_mesh_sample_count(self, mesh_sample_count: Option<NonZeroUsize>) -> Self {
@@ -68,6 +80,7 @@ impl Default for ReadOptions {
             sample_count: None,
             bin_columns: None,
             mesh_sample_count: None,
+            keeps_textures: false,
         }
     }
 }

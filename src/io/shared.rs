@@ -12,15 +12,16 @@ use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// The last file of which several frames were read from something that they share: the scene of an animation. Other
-/// formats have their frames one by one.
+/// The last file of which several frames were read from something that they share: the scene of an animation, once for
+/// each way to read it. Other formats have their frames one by one.
 #[derive(Default)]
 pub struct SharedFile {
-    last: Mutex<Option<Opened>>,
+    last: Mutex<Vec<Opened>>,
 }
 
 struct Opened {
     path: PathBuf,
+    options: ReadOptions,
     scene: Result<Arc<Scene<'static>>, Arc<IoError>>,
 }
 
@@ -57,7 +58,8 @@ impl SharedFile {
     ) -> Result<Arc<Scene<'static>>, Arc<IoError>> {
         // Who needs the same file waits here for whoever opens it.
         let mut last = lock(&self.last);
-        if let Some(opened) = last.as_ref().filter(|opened| opened.path == path) {
+        last.retain(|opened| opened.path == path);
+        if let Some(opened) = last.iter().find(|opened| opened.options == *options) {
             return opened.scene.clone();
         }
         let scene = open(path, options, progress).map_err(Arc::new);
@@ -65,8 +67,9 @@ impl SharedFile {
             let path = path.to_owned();
             return Err(Arc::new(IoError::Cancelled { path }));
         }
-        *last = Some(Opened {
+        last.push(Opened {
             path: path.to_owned(),
+            options: *options,
             scene: scene.clone(),
         });
         scene

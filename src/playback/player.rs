@@ -432,6 +432,7 @@ pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
         Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
         Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
         Primitive::Voxel => frame.levels.octree().is_some(),
+        Primitive::Mesh => frame.mesh.is_some() || !frame.frame.has_faces(),
         Primitive::Point => true,
     }
 }

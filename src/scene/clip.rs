@@ -111,15 +111,15 @@ impl Clip {
 
     /// The indices of the records that are drawn, ascending.
     pub(super) fn kept<T: HasPosition>(&self, records: &[T]) -> Vec<u32> {
-        let tasks = records.par_chunks(RECORDS_PER_TASK).enumerate();
-        let kept = tasks.flat_map_iter(|(task, records)| {
-            let first = (task * RECORDS_PER_TASK) as u32;
-            (first..)
-                .zip(records)
-                .filter(|(_, record)| self.keeps(record.place().as_dvec3()))
-                .map(|(index, _)| index)
-        });
-        kept.collect()
+        self.kept_places(records.len(), |index| records[index].place())
+    }
+
+    /// The same of `count` records whose middles are at these places.
+    pub(super) fn kept_places(&self, count: usize, place: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
+        let indices = (0..count as u32).into_par_iter().with_min_len(RECORDS_PER_TASK);
+        indices
+            .filter(|&index| self.keeps(place(index as usize).as_dvec3()))
+            .collect()
     }
 }
 

@@ -107,6 +107,7 @@ impl Scene {
         Needs {
             shapes: style.draws_surfels() || style.lights_voxels_by_normals(),
             ellipses: style.primitive == Primitive::Ellipse,
+            mesh: style.primitive == Primitive::Mesh,
             levels: style.levels_kind().map(|kind| LevelsKey {
                 kind,
                 stop: style.octree_stop(),
@@ -183,6 +184,10 @@ impl Scene {
                     shapes: Arc::clone(shapes),
                 }),
                 None => Content::Nothing,
+            },
+            Primitive::Mesh => match frame.triangles() {
+                Some(triangles) => Content::Mesh(Arc::clone(triangles)),
+                None => Content::Points(points()),
             },
             Primitive::Voxel => Content::Nothing,
         };

@@ -2,7 +2,7 @@
 
 use super::Clip;
 use super::clip::at;
-use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
+use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
 use crate::levels::octree::CodedCloud;
 use crate::levels::{RecordBuffers, Records};
 use std::sync::Arc;
@@ -19,6 +19,8 @@ pub enum Content {
     Surfels(Surfels),
     /// Cubes.
     Voxels(Voxels),
+    /// Triangles, and points between them.
+    Mesh(Arc<MeshRecords>),
     /// Surfels as byte code, for the software renderer.
     Coded(CodedCells),
 }
@@ -59,7 +61,7 @@ impl Content {
     pub fn points(&self) -> Option<&Arc<Vec<PointRecord>>> {
         match self {
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => Some(points),
-            Self::Nothing | Self::Voxels(_) | Self::Coded(_) => None,
+            Self::Nothing | Self::Voxels(_) | Self::Mesh(_) | Self::Coded(_) => None,
         }
     }
 
@@ -79,6 +81,14 @@ impl Content {
         }
     }
 
+    /// Triangles.
+    pub fn mesh(&self) -> Option<&Arc<MeshRecords>> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
     /// Byte code.
     pub fn coded(&self) -> Option<&CodedCells> {
         match self {
@@ -93,6 +103,7 @@ impl Content {
             Self::Nothing => 0,
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => points.len(),
             Self::Voxels(voxels) => voxels.records.len(),
+            Self::Mesh(mesh) => mesh.triangles.len(),
             Self::Coded(coded) => coded.deepest_nodes(),
         }
     }
@@ -132,6 +143,13 @@ impl Content {
                     cube_edge: voxels.cube_edge,
                 })
             }
+            Self::Mesh(mesh) => {
+                let kept = clip.kept_places(mesh.triangles.len(), |triangle| mesh.middle(triangle));
+                if kept.len() == mesh.triangles.len() {
+                    return self.clone();
+                }
+                Self::Mesh(Arc::new(mesh.with_triangles(at(&mesh.triangles, &kept))))
+            }
         }
     }
 
@@ -151,7 +169,7 @@ impl Content {
                 shapes: voxels.normals.map(memory).unwrap_or_default(),
                 ..RecordBuffers::default()
             },
-            Self::Nothing | Self::Points(_) | Self::Coded(_) => RecordBuffers::default(),
+            Self::Nothing | Self::Points(_) | Self::Mesh(_) | Self::Coded(_) => RecordBuffers::default(),
         }
     }
 }
@@ -181,6 +199,7 @@ impl PartialEq for Content {
         match (self, other) {
             (Self::Nothing, Self::Nothing) => true,
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
+            (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
             (Self::Surfels(a), Self::Surfels(b)) => {
                 Arc::ptr_eq(&a.points, &b.points) && Arc::ptr_eq(&a.shapes, &b.shapes)
             }

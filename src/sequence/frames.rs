@@ -5,7 +5,7 @@ use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
 use super::stopwatch::milliseconds_since;
-use crate::cloud::{Frame, RawCloud};
+use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::source::{self, DecodeFailure, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source};
@@ -22,12 +22,16 @@ use std::time::Instant;
 pub struct Sequence {
     source: Arc<dyn Source>,
     /// Decoders that nobody uses now, and the frame that each has decoded last.
-    decoders: Mutex<Vec<(usize, Box<dyn Decoder>)>>,
+    decoders: Mutex<IdleDecoders>,
+    /// The same of those that decode meshes.
+    mesh_decoders: Mutex<IdleDecoders>,
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
     stamps: Mutex<Stamps>,
 }
+
+type IdleDecoders = Vec<(usize, Box<dyn Decoder>)>;
 
 /// A frame as [`Sequence::load`] gives it.
 pub(crate) struct LoadedFrame {
@@ -48,6 +52,7 @@ impl Sequence {
         Self {
             source,
             decoders: Mutex::default(),
+            mesh_decoders: Mutex::default(),
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps,
@@ -182,6 +187,17 @@ impl Sequence {
     }
 
     fn decode_observed(&self, index: usize, progress: &Progress) -> Result<RawCloud, FrameError> {
+        self.decode_with(&self.decoders, || self.source.decoder(), index, progress)
+    }
+
+    /// Decodes frame `index` by an idle decoder, or one that `decoder` makes.
+    fn decode_with(
+        &self,
+        idle: &Mutex<IdleDecoders>,
+        decoder: impl FnOnce() -> Box<dyn Decoder>,
+        index: usize,
+        progress: &Progress,
+    ) -> Result<RawCloud, FrameError> {
         let frames = self.source.frames();
         if index >= frames.end {
             let count = frames.end;
@@ -194,11 +210,11 @@ impl Sequence {
         }
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         progress.set(0, 0);
-        let mut decoder = self.decoder_for(index);
+        let mut decoder = take_idle(idle, index).unwrap_or_else(decoder);
         let decoded = catch_panic(index, &path, || {
             let decoded = decoder.decode(index, &entry, progress);
             // One that has panicked is not used again.
-            lock(&self.decoders).push((index, decoder));
+            lock(idle).push((index, decoder));
             decoded.map_err(|reason| FrameError::Decode {
                 index,
                 path: path.clone(),
@@ -210,16 +226,6 @@ impl Sequence {
         }
         progress.set(0, 0);
         decoded
-    }
-
-    /// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made
-    /// from.
-    fn decoder_for(&self, index: usize) -> Box<dyn Decoder> {
-        let mut idle = lock(&self.decoders);
-        let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
-        let taken = of_before.map(|place| idle.swap_remove(place)).or(idle.pop());
-        drop(idle);
-        taken.map_or_else(|| self.source.decoder(), |(_, decoder)| decoder)
     }
 
     /// That the reading of frame `index` was cancelled.
@@ -260,11 +266,7 @@ impl Sequence {
         };
         let start = Instant::now();
         let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
-        let frame = frame.map_err(|reason| FrameError::Invalid {
-            index,
-            path: self.entry(index).path.clone(),
-            reason,
-        })?;
+        let frame = frame.map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
             frame.share_sample(Arc::clone(sample));
         }
@@ -273,6 +275,23 @@ impl Sequence {
             decode_ms: decoder_ms + milliseconds_since(start),
             decoder_ms,
         })
+    }
+
+    /// The triangles of frame `index`, relative to [`Sequence::origin`]: the file is read once more, as most pictures
+    /// are drawn without them.
+    ///
+    /// # Errors
+    /// As [`Sequence::load`].
+    pub(crate) fn load_mesh(&self, index: usize, progress: &Progress) -> Result<Mesh, FrameError> {
+        let origin = self.origin.origin(self, progress);
+        let origin = origin.ok_or_else(|| self.cancelled(index))?;
+        let raw = self.decode_with(&self.mesh_decoders, || self.source.mesh_decoder(), index, progress)?;
+        Mesh::from_raw(raw, origin).map_err(|reason| self.invalid(index, reason))
+    }
+
+    fn invalid(&self, index: usize, reason: CloudError) -> FrameError {
+        let path = self.entry(index).path.clone();
+        FrameError::Invalid { index, path, reason }
     }
 
     /// At most `most_points` of frame `index`, if it has at least `fewest_points` and they can be read without the
@@ -312,6 +331,15 @@ impl Sequence {
     pub(crate) fn drop_kept(&self) {
         self.origin.drop_kept();
     }
+}
+
+/// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made
+/// from.
+fn take_idle(idle: &Mutex<IdleDecoders>, index: usize) -> Option<Box<dyn Decoder>> {
+    let mut idle = lock(idle);
+    let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
+    let taken = of_before.map(|place| idle.swap_remove(place)).or(idle.pop());
+    taken.map(|(_, decoder)| decoder)
 }
 
 impl OriginFrames for Sequence {

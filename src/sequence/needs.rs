@@ -10,6 +10,8 @@ pub struct Needs {
     pub shapes: bool,
     /// How much longer than wide splats are, and along what; nothing without `shapes`.
     pub ellipses: bool,
+    /// The triangles of the file, where it has some.
+    pub mesh: bool,
     /// Levels of detail; those that are made of shapes only where `shapes` are asked for as well.
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.

@@ -31,6 +31,11 @@ pub trait Source: Send + Sync {
     /// Something that decodes frames of this source, for one thread at a time.
     fn decoder(&self) -> Box<dyn Decoder>;
 
+    /// The same where the vertices of meshes are wanted with their faces, and not points that are sampled on them.
+    fn mesh_decoder(&self) -> Box<dyn Decoder> {
+        self.decoder()
+    }
+
     /// At most `most_points` of a frame that has at least `fewest_points`, without reading the others, and how many it
     /// has; `None` where that cannot be done.
     fn sample(

@@ -65,6 +65,34 @@ fn long_texts_do_not_widen_the_panel() {
 }
 
 #[test]
+fn a_mesh_is_offered_where_there_are_triangles_and_else_it_is_said_why_not() {
+    let square = |faces: &'static [[u32; 3]]| {
+        let sequence = Sequence::with_decoder(vec![FrameEntry::file("square.ply")], move |_| {
+            let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+            let mut raw = RawCloud::from_positions(Positions::F32(corners));
+            raw.faces = faces.to_vec();
+            Ok(raw)
+        });
+        let mut harness = window_on(Arc::new(sequence), options());
+        harness.run();
+        harness
+    };
+    let mut with_faces = square(&[[0, 1, 2], [2, 1, 3]]);
+    click(&mut with_faces, "Mesh");
+    assert_eq!(with_faces.state().style.primitive, Primitive::Mesh);
+    assert_eq!(with_faces.state().drawn_style().primitive, Primitive::Mesh);
+
+    let mut without = square(&[]);
+    let button = without.get_by_role_and_label(Role::Button, "Mesh");
+    assert!(button.accesskit_node().is_disabled());
+    // It may be chosen already: as the settings had it for another sequence.
+    without.state_mut().style.primitive = Primitive::Mesh;
+    without.run();
+    assert_ne!(without.state().drawn_style().primitive, Primitive::Mesh);
+    assert!(without.query_by_label_contains("no triangles").is_some());
+}
+
+#[test]
 fn every_setting_can_be_changed_and_reset() {
     let mut harness = window();
     choose(&mut harness, "Splatting", "Visibility");

@@ -235,6 +235,7 @@ fn frames_without_points_and_with_one_are_prepared() {
             let needs = Needs {
                 shapes: true,
                 ellipses: true,
+                mesh: true,
                 levels: Some(levels(LevelsKind::Codes, 0.05)),
                 colors: Coloring::of(source),
                 hints: ColorHints::NONE,

@@ -45,6 +45,7 @@ pub(crate) fn load(positions: &[DVec3], delta: f32) -> Chain {
     let needs = Needs {
         shapes: true,
         ellipses: false,
+        mesh: false,
         levels: Some(LevelsKey {
             kind: LevelsKind::Surfels,
             stop: StopCriterion::Loss(delta),

@@ -8,7 +8,7 @@
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::levels::Lod;
 use crate::playback::can_draw;
-use crate::scene::{Camera, Primitive, Scene, Style};
+use crate::scene::{Camera, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 use std::time::Duration;
@@ -61,7 +61,7 @@ impl Levels {
         if !self.is_slow(frame)
             || has_levels
             || self.asked_for == Some(frame.id)
-            || style.primitive == Primitive::Point
+            || style.draws_points()
             || style.draws_codes()
             // What it lacks is on its way, or not wanted.
             || !can_draw(frame, style.primitive)
@@ -105,7 +105,7 @@ impl Levels {
             .moved_at
             .is_some_and(|moved_at| now.saturating_sub(moved_at) < REST);
         self.are_drawn = false;
-        if is_moving && self.is_slow(frame) && style.primitive != Primitive::Point {
+        if is_moving && self.is_slow(frame) && !style.draws_points() {
             let coarse = in_cells(style);
             let needs = Scene::needs(&coarse);
             let made = self.made_for(frame, &needs);
@@ -146,7 +146,7 @@ mod tests {
     use crate::app::Outcome;
     use crate::cloud::{Frame, Positions, RawCloud};
     use crate::math::Aabb;
-    use crate::scene::UpAxis;
+    use crate::scene::{Primitive, UpAxis};
     use crate::sequence::prepare;
     use glam::{DVec3, Vec3};
     use std::sync::mpsc::sync_channel;

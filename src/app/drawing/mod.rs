@@ -81,7 +81,8 @@ impl Drawing {
         }
         let (packet, drawn) = self.packet.as_ref().zip(self.frame.as_ref())?;
         self.scene.note_draw_ms(&packet.style, draw_ms);
-        if self.levels.are_drawn() {
+        // Triangles are drawn whatever the number of points.
+        if self.levels.are_drawn() || packet.content.mesh().is_some() {
             return None;
         }
         self.levels.note_whole_picture(&drawn.frame, draw_ms);

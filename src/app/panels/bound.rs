@@ -17,7 +17,7 @@ use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, ti
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::{PanelId, State};
 use crate::bench::suites;
-use crate::scene::Scene;
+use crate::scene::{Primitive, Scene};
 use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
 
@@ -136,12 +136,15 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
     let look = state.first_look();
     let primitive = look.map(|look| (look.primitive, look.primitive_why));
     let up_why = look.map(|look| look.up_why);
+    let lack = |&primitive: &Primitive| Some((primitive, look?.lack_of(primitive)?));
+    let lacks: Vec<_> = Primitive::ALL.iter().filter_map(lack).collect();
     let mut has_legend = state.panels.has(PanelId::LEGEND);
     let mut context = SettingsContext {
         player: state.player.as_ref(),
         style: &mut state.style,
         drawn,
         primitive,
+        lacks: &lacks,
         up_why,
         angle: state.inspection.last_angle(),
         quality: &mut state.quality,

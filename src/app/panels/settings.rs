@@ -23,6 +23,8 @@ pub(super) struct SettingsContext<'a> {
     pub(super) drawn: Style,
     /// What was guessed, with the reason: the primitive.
     pub(super) primitive: Option<(Primitive, &'static str)>,
+    /// The primitives that the files have not, and what is drawn instead, in words.
+    pub(super) lacks: &'a [(Primitive, String)],
     /// Why the up axis was guessed so.
     pub(super) up_why: Option<&'static str>,
     /// The points of the last angle that was measured.
@@ -100,7 +102,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
 fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     heading(ui, "Picture");
     let SettingsContext { style, drawn, .. } = context;
-    primitive(ui, &mut style.primitive, context.primitive);
+    primitive(ui, &mut style.primitive, context.primitive, context.lacks);
     rows(ui, "picture", |ui| {
         section_rows(ui, style, drawn, Section::Picture);
     });
@@ -120,15 +122,27 @@ fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     }
 }
 
-fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &str)>) {
+/// The list of primitives. One that the open files have not cannot be chosen, and tells why.
+fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &str)>, lacks: &[(Primitive, String)]) {
+    let lack_of = |primitive| {
+        lacks
+            .iter()
+            .find(|(lacking, _)| *lacking == primitive)
+            .map(|(_, lack)| lack)
+    };
     ui.horizontal_wrapped(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
             let button = Button::selectable(*chosen == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
-            if ui.add(button).on_hover_text(word.hint).clicked() {
+            let lack = lack_of(primitive);
+            let added = ui.add_enabled(lack.is_none(), button).on_hover_text(word.hint);
+            if added.on_disabled_hover_text(lack.map_or("", String::as_str)).clicked() {
                 *chosen = primitive;
             }
         }
     });
+    if let Some(lack) = lack_of(*chosen) {
+        ui.label(RichText::new(lack).weak());
+    }
     if let (Primitive::Auto, Some((primitive, why))) = (*chosen, guessed) {
         let text = format!("Drawn as {primitive}s: {why}");
         ui.label(RichText::new(text).weak());

@@ -193,6 +193,14 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
                 "Points of the file without finite coordinates",
             );
         }
+        if let Some(mesh) = &frame.mesh {
+            row(
+                ui,
+                "Triangles",
+                grouped(mesh.mesh().triangles().len() as u64),
+                "Triangles of the file, which were read as they are drawn",
+            );
+        }
         row(
             ui,
             "Decode",

@@ -200,7 +200,7 @@ impl State {
 
     fn scale_size(&mut self, factor: f32) {
         let scaled = match self.drawn_style().primitive {
-            Primitive::Point => &PointStyle::SIZE_PX,
+            Primitive::Point | Primitive::Mesh => &PointStyle::SIZE_PX,
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
         self.style.edit(&mut |described, value| match value {

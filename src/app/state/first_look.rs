@@ -80,6 +80,7 @@ impl State {
         }
         if sequence.len() == 1 {
             self.looked.is_complete = true;
+            self.tell_lack();
             return;
         }
         let frame = Arc::clone(frame);
@@ -105,6 +106,15 @@ impl State {
         self.take_look(more.look);
         if !is_untouched {
             self.camera = camera;
+        }
+        self.tell_lack();
+    }
+
+    /// Says so if the open sequence has not what is to be drawn of it.
+    fn tell_lack(&mut self) {
+        let lack = self.first_look().and_then(|look| look.lack_of(self.style.primitive));
+        if let Some(lack) = lack {
+            self.notices.warn(lack);
         }
     }
 

@@ -37,6 +37,7 @@ fn work_name(reading: &Reading, name: &str) -> String {
         ReadingStage::Frame => format!("Reading {name}"),
         ReadingStage::AllPoints(count) => format!("All {} points of {name}", in_words(count)),
         ReadingStage::Normals => format!("Normals of {name}"),
+        ReadingStage::Mesh => format!("Triangles of {name}"),
         ReadingStage::Octree => format!("Octree of {name}"),
     }
 }

@@ -7,11 +7,13 @@
 use super::super::error::Fault;
 use super::accessor::AccessorSource;
 use super::buffers::resource;
-use super::document::{Material, at};
+use super::document::{Material, Pbr, at};
 use super::geometry::Geometry;
+use crate::cloud::{self, Texturing};
 use image::{ImageReader, Limits, RgbaImage};
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 /// How the surfaces of a file look.
 pub(super) struct Surfaces<'a> {
@@ -43,6 +45,20 @@ impl Textures {
     }
 }
 
+impl Textures {
+    /// All of them, one behind the other.
+    pub(super) fn pictures(&self) -> cloud::Textures {
+        cloud::Textures::of(self.0.iter().flatten().cloned().collect())
+    }
+
+    /// The number of each material's among them.
+    fn numbers(&self) -> Vec<Option<u32>> {
+        let mut next = 0..;
+        let number = |picture: &Option<RgbaImage>| picture.as_ref().and_then(|_| next.next());
+        self.0.iter().map(number).collect()
+    }
+}
+
 impl Surfaces<'_> {
     /// True where a vertex may be another colour than white.
     pub(super) fn has_colors(&self, geometry: &Geometry) -> bool {
@@ -53,32 +69,47 @@ impl Surfaces<'_> {
         geometry.has_colors || self.materials.iter().any(is_colored) || self.textures.0.iter().any(Option::is_some)
     }
 
+    /// The colour of a place but for the texture.
+    pub(super) fn color_without_texture(&self, material: Option<usize>, light: [f32; 4]) -> [u8; 4] {
+        encoded(self.linear_color(material, light))
+    }
+
+    fn linear_color(&self, material: Option<usize>, light: [f32; 4]) -> [f32; 4] {
+        let material = material.map(|index| &self.materials[index].pbr_metallic_roughness);
+        let factor = material.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
+        std::array::from_fn(|channel| light[channel] * factor[channel])
+    }
+
+    /// The textures, which are `pictures`, on the vertices of `geometry`.
+    pub(super) fn texturing(&self, geometry: &Geometry, pictures: &Arc<cloud::Textures>) -> Texturing {
+        let numbers: Vec<Option<u32>> = self.textures.numbers();
+        let place = |(material, &place): (&Option<usize>, &[f32; 2])| match material {
+            Some(index) => in_picture(&self.materials[*index].pbr_metallic_roughness, place),
+            None => place,
+        };
+        let placed = geometry.materials.iter().zip(&geometry.texture_places);
+        Texturing {
+            textures: Arc::clone(pictures),
+            texture_of_vertex: geometry
+                .materials
+                .iter()
+                .map(|material| numbers[(*material)?])
+                .collect(),
+            places: placed.map(place).collect(),
+        }
+    }
+
     /// The colour of a place.
     pub(super) fn color(&self, material: Option<usize>, light: [f32; 4], texture_place: [f32; 2]) -> [u8; 4] {
+        let light = self.linear_color(material, light);
         let Some(index) = material else {
             return encoded(light);
         };
         let pbr = &self.materials[index].pbr_metallic_roughness;
-        let factor = pbr.base_color_factor.unwrap_or([1.0; 4]);
-        let light: [f32; 4] = std::array::from_fn(|channel| light[channel] * factor[channel]);
         let Some(picture) = &self.textures.0[index] else {
             return encoded(light);
         };
-        let mut place = texture_place;
-        if let Some(transform) = pbr
-            .base_color_texture
-            .as_ref()
-            .and_then(|texture| texture.extensions.transform.as_ref())
-        {
-            let [width, height] = transform.scale.unwrap_or([1.0; 2]);
-            let (sine, cosine) = transform.rotation.sin_cos();
-            let [u, v] = [place[0] * width, place[1] * height];
-            place = [
-                cosine * u + sine * v + transform.offset[0],
-                cosine * v - sine * u + transform.offset[1],
-            ];
-        }
-        let texel = texel(picture, place);
+        let texel = texel(picture, in_picture(pbr, texture_place));
         if light == [1.0; 4] {
             return texel;
         }
@@ -90,6 +121,21 @@ impl Surfaces<'_> {
             linear[3] * light[3],
         ])
     }
+}
+
+/// Where a vertex is in the picture of its material.
+fn in_picture(pbr: &Pbr, place: [f32; 2]) -> [f32; 2] {
+    let texture = pbr.base_color_texture.as_ref();
+    let Some(transform) = texture.and_then(|texture| texture.extensions.transform.as_ref()) else {
+        return place;
+    };
+    let [width, height] = transform.scale.unwrap_or([1.0; 2]);
+    let (sine, cosine) = transform.rotation.sin_cos();
+    let [u, v] = [place[0] * width, place[1] * height];
+    [
+        cosine * u + sine * v + transform.offset[0],
+        cosine * v - sine * u + transform.offset[1],
+    ]
 }
 
 fn picture(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {

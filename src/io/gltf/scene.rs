@@ -10,9 +10,10 @@ use super::document::{self, Document};
 use super::geometry::{self, Geometry};
 use super::material::{Surfaces, Textures};
 use super::nodes;
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::{self, Positions, RawCloud};
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Coordinates are kept in double precision where a node moves things further than this: single precision would be
 /// coarser than 1 in 128.
@@ -26,6 +27,8 @@ pub(in crate::io) struct Scene<'a> {
     /// Indices of the animations that are played.
     played: Vec<usize>,
     textures: Textures,
+    /// The same as they are handed over, where they are.
+    kept_textures: Option<Arc<cloud::Textures>>,
     /// Where points are sampled, if they are: found on the scene at rest, so that they are the same in every frame.
     places: Option<(Places, NonZeroUsize)>,
     /// Taken by textures of the memory that one frame may take.
@@ -54,6 +57,7 @@ impl<'a> Scene<'a> {
         let places = places.transpose()?.flatten().zip(count);
         Ok(Self {
             played,
+            kept_textures: options.keeps_textures.then(|| Arc::new(textures.pictures())),
             textures,
             places,
             spent_bytes,
@@ -72,6 +76,7 @@ impl<'a> Scene<'a> {
             options: self.options,
             played: self.played,
             textures: self.textures,
+            kept_textures: self.kept_textures,
             places: self.places,
             spent_bytes: self.spent_bytes,
             at_rest: self.at_rest,
@@ -104,9 +109,10 @@ impl<'a> Scene<'a> {
             materials: &self.document.materials,
             textures: &self.textures,
         };
-        match &self.places {
-            Some((places, count)) => sampled(geometry, &surfaces, places, *count, &self.options),
-            None => Ok(vertices(geometry, &surfaces)),
+        match (&self.places, &self.kept_textures) {
+            (Some((places, count)), _) => sampled(geometry, &surfaces, places, *count, &self.options),
+            (None, Some(pictures)) => Ok(textured(geometry, &surfaces, pictures)),
+            (None, None) => Ok(vertices(geometry, &surfaces)),
         }
     }
 }
@@ -164,6 +170,21 @@ fn sampled(
     let mut cloud = places.apply(&mesh);
     cloud.attributes.colors = colors;
     Ok(cloud)
+}
+
+/// Vertices with the pictures on the faces between them.
+fn textured(geometry: Geometry, surfaces: &Surfaces<'_>, pictures: &Arc<cloud::Textures>) -> RawCloud {
+    let colors = surfaces.has_colors(&geometry).then(|| {
+        let colored = geometry.materials.iter().zip(&geometry.colors);
+        colored
+            .map(|(&material, &light)| surfaces.color_without_texture(material, light))
+            .collect()
+    });
+    let texturing = surfaces.texturing(&geometry, pictures);
+    let mut cloud = bare(geometry);
+    cloud.attributes.colors = colors;
+    cloud.texturing = Some(texturing).filter(|_| !pictures.places().is_empty());
+    cloud
 }
 
 fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {

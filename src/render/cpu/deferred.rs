@@ -33,7 +33,7 @@ struct Lit<S: Simd> {
 
 /// The rays through eight pixels from `[x, y]` on to the right; their z is −1.
 #[inline(always)]
-fn rays<S: Simd>(simd: S, view: &PixelView, [x, y]: [i32; 2]) -> Vectors<S> {
+pub(super) fn rays<S: Simd>(simd: S, view: &PixelView, [x, y]: [i32; 2]) -> Vectors<S> {
     let right = lane_numbers(simd) + (x as f32 + 0.5 - view.middle_px[0]);
     let down = y as f32 + 0.5 - view.middle_px[1];
     Vectors {

@@ -27,9 +27,12 @@ mod records;
 mod rows;
 mod screen;
 mod shading;
+mod spans;
+mod sprites;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod triangle;
 mod view;
 
 use super::{RenderError, RenderStats, Renderer};

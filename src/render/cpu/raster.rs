@@ -79,12 +79,12 @@ fn are_beyond_near<S: Simd>(simd: S, depths: f32x8<S>) -> mask32x8<S> {
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, values: &[f32], at: usize) -> f32x8<S> {
+pub(super) fn load<S: Simd>(simd: S, values: &[f32], at: usize) -> f32x8<S> {
     f32x8::from_slice(simd, &values[at..at + LANES])
 }
 
 #[inline(always)]
-fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) {
+pub(super) fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) {
     values[at..at + LANES].copy_from_slice(register.as_slice());
 }
 
@@ -309,7 +309,7 @@ impl Shading {
 
 /// As [`super::shading::head_light`].
 #[inline(always)]
-fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
+pub(super) fn head_light_of<S: Simd>(simd: S, facing: f32x8<S>) -> [f32x8<S>; 2] {
     use super::shading::{AMBIENT, SPECULAR};
     let splat = |value| f32x8::splat(simd, value);
     let facing2 = facing * facing;

@@ -4,7 +4,7 @@ use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
     LIGHTING_PER_VERTEX,
 };
-use crate::cloud::ELLIPSE_STEPS;
+use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FARTHEST_GREY, FINE_LINES,
     HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY,
@@ -45,6 +45,14 @@ const SHININESS: u32 = Lights::SHININESS;
 
 /// Splats that are seen at a smaller one are filtered as at this one.
 const LEAST_COSINE: f32 = SplatFilter::LEAST_COSINE;
+/// The two numbers of a normal that is none, as WGSL reads them.
+const NO_NORMAL: u32 = {
+    let [x, y] = VertexRecord::NO_NORMAL;
+    (y as u16 as u32) << 16 | x as u16 as u32
+};
+
+/// The texture of a vertex without one.
+const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
@@ -82,6 +90,8 @@ pub(super) fn shared() -> String {
         NARROWEST_CELL_PX,
         NEAREST_GREY,
         OPAQUE_WEIGHT,
+        NO_NORMAL,
+        NO_TEXTURE,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,

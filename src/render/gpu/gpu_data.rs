@@ -1,6 +1,6 @@
 //! Every structure that Rust and WGSL share. `tests/shaders.rs` holds these layouts against the shaders by reflection.
 
-pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
+pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{

@@ -76,7 +76,7 @@ impl<'a> Plan<'a> {
     pub(super) fn geometry_keys(&self) -> impl Iterator<Item = GeometryKey> {
         let drawable = &self.drawable;
         drawable.passes.iter().map(|&pass| GeometryKey {
-            strategy: self.strategy,
+            strategy: drawable.amplification.strategy(self.strategy),
             amplification: drawable.amplification,
             pass,
             cull_back_faces: drawable.cull_back_faces,

@@ -2,12 +2,12 @@
 
 use super::context::Context;
 use super::gpu_data::ViewUniform;
-use super::instancing::{self, Draw, Instancing, Stream};
+use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing, Stream};
 use super::passes::Pipelines;
 use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
-use super::residency::Residency;
+use super::residency::{Residency, StreamContents};
 use super::targets::{Precision, Targets};
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
@@ -24,7 +24,8 @@ pub struct GpuRenderer {
     context: Arc<Context>,
     pipelines: Pipelines,
     strategy: Strategy,
-    instancing: Box<dyn Instancing>,
+    instancing: Box<dyn RecordInstancing>,
+    indexed: Indexed,
     residency: Residency,
     targets: Option<Targets>,
     quad_indices: wgpu::Buffer,
@@ -68,6 +69,7 @@ impl GpuRenderer {
         Ok(Self {
             strategy,
             instancing: (instancing::row(strategy).open)(&context, &pipelines.view_layout),
+            indexed: Indexed::new(&context),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             targets: None,
             quad_indices: quad_index_buffer(&context, 1),
@@ -158,7 +160,8 @@ impl GpuRenderer {
             stats: &mut self.stats,
         };
         let background = packet.style.backdrop.background;
-        recorder.record(&plan, background, self.instancing.as_mut(), &draw);
+        let instancing = instancing_of(&plan, self.instancing.as_mut(), &mut self.indexed);
+        recorder.record(&plan, background, instancing, &draw);
         if let Some(timer) = &mut self.timer {
             timer.end(&mut encoder);
         }
@@ -218,6 +221,7 @@ impl GpuRenderer {
         let Self {
             context,
             instancing,
+            indexed,
             residency,
             stats,
             ..
@@ -225,8 +229,11 @@ impl GpuRenderer {
         let chunked_for = plan.drawable.chunked_for;
         context.catching_out_of_memory("the cloud", || {
             for records in &plan.drawable.streams {
-                let uploaded_bytes = residency.ensure(records, |bytes| {
-                    instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
+                let uploaded_bytes = residency.ensure(records, |contents| match contents {
+                    StreamContents::Records(bytes) => {
+                        instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
+                    }
+                    StreamContents::Mesh(mesh) => indexed.upload(context, chunked_for, mesh),
                 });
                 stats.uploads += u64::from(uploaded_bytes > 0);
                 stats.uploaded_bytes += uploaded_bytes;
@@ -236,10 +243,11 @@ impl GpuRenderer {
 
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
+        let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
         let quads = streams_of(plan, &self.residency)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
-            .map(|chunk| self.instancing.quads_per_draw(chunk.record_count, amplification))
+            .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
             .max()
             .unwrap_or(0);
         if quads > self.quad_capacity {
@@ -272,9 +280,9 @@ impl Renderer for GpuRenderer {
         self.ensure_surfaces(&plan)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
+        let instancing = instancing_of(&plan, self.instancing.as_mut(), &mut self.indexed);
         for key in plan.geometry_keys() {
-            self.pipelines
-                .ensure_geometry(&self.context, key, self.instancing.as_ref());
+            self.pipelines.ensure_geometry(&self.context, key, instancing);
         }
         for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass, plan.precision);
@@ -310,6 +318,19 @@ impl Renderer for GpuRenderer {
             gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
             ..self.stats
         }
+    }
+}
+
+/// How the records of a plan reach the vertex stage: as the strategy has it, or as those of meshes always do.
+fn instancing_of<'a>(
+    plan: &Plan<'_>,
+    of_strategy: &'a mut dyn RecordInstancing,
+    indexed: &'a mut Indexed,
+) -> &'a mut dyn Instancing {
+    if plan.drawable.amplification.is_indexed {
+        indexed
+    } else {
+        of_strategy
     }
 }
 

@@ -6,6 +6,7 @@
 //! not drawn for longest, down to the budget.
 
 use super::instancing::Stream;
+use crate::cloud::MeshRecords;
 use bytemuck::NoUninit;
 use std::any::Any;
 use std::collections::HashMap;
@@ -32,7 +33,7 @@ struct Resident {
 pub(super) struct StreamKey(usize);
 
 impl StreamKey {
-    fn of<T>(records: &Arc<Vec<T>>) -> Self {
+    fn of<T>(records: &Arc<T>) -> Self {
         Self(Arc::as_ptr(records) as usize)
     }
 }
@@ -41,16 +42,33 @@ impl StreamKey {
 #[derive(Debug)]
 pub(super) struct RecordSource<'a> {
     key: StreamKey,
-    bytes: &'a [u8],
+    contents: StreamContents<'a>,
     owner: Weak<dyn Any + Send + Sync>,
+}
+
+/// What becomes a stream.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum StreamContents<'a> {
+    /// Records of 16 bytes.
+    Records(&'a [u8]),
+    /// Triangles and their vertices.
+    Mesh(&'a MeshRecords),
 }
 
 impl<'a> RecordSource<'a> {
     pub(super) fn of<T: NoUninit + Send + Sync>(records: &'a Arc<Vec<T>>) -> Self {
-        let shared: Arc<dyn Any + Send + Sync> = Arc::clone(records) as _;
+        Self::owned_by(records, StreamContents::Records(bytemuck::cast_slice(records)))
+    }
+
+    pub(super) fn of_mesh(mesh: &'a Arc<MeshRecords>) -> Self {
+        Self::owned_by(mesh, StreamContents::Mesh(mesh))
+    }
+
+    fn owned_by<T: Send + Sync + 'static>(owner: &Arc<T>, contents: StreamContents<'a>) -> Self {
+        let shared: Arc<dyn Any + Send + Sync> = Arc::clone(owner) as _;
         Self {
-            key: StreamKey::of(records),
-            bytes: bytemuck::cast_slice(records),
+            key: StreamKey::of(owner),
+            contents,
             owner: Arc::downgrade(&shared),
         }
     }
@@ -77,7 +95,11 @@ impl Residency {
     }
 
     /// Makes sure that `records` are resident. Returns the bytes uploaded, 0 when they were.
-    pub(super) fn ensure(&mut self, records: &RecordSource<'_>, upload: impl FnOnce(&[u8]) -> Stream) -> u64 {
+    pub(super) fn ensure(
+        &mut self,
+        records: &RecordSource<'_>,
+        upload: impl FnOnce(StreamContents<'_>) -> Stream,
+    ) -> u64 {
         self.clock += 1;
         let key = records.key.0;
         if let Some(resident) = self.streams.get_mut(&key) {
@@ -85,7 +107,7 @@ impl Residency {
             resident.last_drawn = self.clock;
             return 0;
         }
-        let stream = upload(records.bytes);
+        let stream = upload(records.contents);
         let bytes = stream.byte_size;
         self.resident_bytes += bytes;
         self.streams.insert(
@@ -139,7 +161,10 @@ impl Residency {
 mod tests {
     use super::*;
 
-    fn stream_of(records: &[u8]) -> Stream {
+    fn stream_of(contents: StreamContents<'_>) -> Stream {
+        let StreamContents::Records(records) = contents else {
+            panic!("{contents:?}")
+        };
         Stream {
             chunks: Vec::new(),
             byte_size: records.len() as u64,

@@ -29,7 +29,10 @@ impl Permutation {
             }
             for pass in amplification.passes {
                 let of_strategy = |&strategy| Self::Geometry(strategy, amplification, pass);
-                all.extend(Strategy::ALL.iter().map(of_strategy));
+                let strategies = Strategy::ALL
+                    .iter()
+                    .filter(|&&strategy| amplification.strategy(strategy) == strategy);
+                all.extend(strategies.map(of_strategy));
             }
         }
         all
@@ -50,8 +53,11 @@ impl Permutation {
     pub fn source(self) -> String {
         match self {
             Self::Geometry(strategy, amplification, pass) => {
-                let mut files = instancing::row(strategy).vertex_wgsl(amplification);
-                files.extend([include_str!("../../../shaders/common/varyings.wgsl"), pass.wgsl]);
+                let mut files = instancing::vertex_wgsl(strategy, amplification);
+                if !amplification.is_indexed {
+                    files.push(include_str!("../../../shaders/common/varyings.wgsl"));
+                }
+                files.extend([include_str!("../../../shaders/common/fragments.wgsl"), pass.wgsl]);
                 wgsl::of_records(amplification, &files)
             }
             Self::Amplify(amplification) => instancing::compute_source(amplification),

@@ -41,6 +41,7 @@ const DARK_LUMA: f32 = 45.0;
 
 /// Guesses about a sequence.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a guess of its own")]
 pub struct FirstLook {
     /// What is looked at.
     pub kind: CaptureKind,
@@ -54,6 +55,8 @@ pub struct FirstLook {
     pub primitive: Primitive,
     /// Why.
     pub primitive_why: &'static str,
+    /// Whether there are triangles that can be drawn in place of points.
+    pub has_faces: bool,
     /// Share of places of the cloud whose neighbours lie in a plane.
     pub planar_share: f32,
     /// How many times as far apart as most points the sparse ones are.
@@ -130,6 +133,7 @@ impl FirstLook {
             } else {
                 "the points are too sparse for a surface, or lie in lines or in a volume"
             },
+            has_faces: frames.iter().any(|frame| frame.has_faces()),
             planar_share: sample.planar_share,
             spacing_spread,
             is_closed: standpoint::is_closed(&sample, &trimmed),
@@ -162,6 +166,17 @@ impl FirstLook {
             .collect();
         let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
         Self::of(&frames, sequence.origin())
+    }
+
+    /// What is drawn where somebody has chosen a primitive that the files have not, in words.
+    pub fn lack_of(&self, chosen: Primitive) -> Option<String> {
+        let lacks = chosen == Primitive::Mesh && !self.has_faces;
+        lacks.then(|| {
+            format!(
+                "there are no triangles in these files: they are drawn as {}s",
+                self.primitive
+            )
+        })
     }
 
     /// The same, but for which axis is up: somebody knows.

@@ -23,7 +23,7 @@ use codes::surfels_near;
 use glam::{DVec3, Vec3};
 use ray::Ray;
 use rayon::prelude::*;
-use records::{Cubes, Disks, Sprites};
+use records::{Cubes, Disks, Sprites, Triangles};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -108,7 +108,8 @@ fn half_step(position: Vec3) -> f64 {
 /// Of points at one place it is the last, whose colour is seen.
 ///
 /// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is
-/// inside, unless it closes a gap between others.
+/// inside, unless it closes a gap between others. Where triangles are drawn, it is the nearest one as well: they may
+/// have no other points than their corners.
 pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], radius_px: f64) -> Option<usize> {
     let ray = Ray::new(packet, place_px);
     match &packet.content {
@@ -133,6 +134,10 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             let chosen = ray.choose(&cubes, radius_px)?;
             let cell = cubes.cell(chosen.record);
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
+        }
+        Content::Mesh(mesh) => {
+            let chosen = ray.choose(&Triangles::new(mesh, packet.style.points), radius_px)?;
+            nearest_drawn(packet, frame, chosen.place, |_| true)
         }
         Content::Coded(coded) => {
             let surfels = surfels_near(&ray, coded, &packet.style, radius_px);
@@ -184,6 +189,8 @@ fn nearest(points: &[PointRecord], place: DVec3, is_within: impl Fn(DVec3) -> bo
     best.map(|(_, _, slot)| slot)
 }
 
+#[cfg(test)]
+mod mesh_tests;
 #[cfg(test)]
 mod oracle;
 #[cfg(test)]

@@ -44,23 +44,30 @@ impl Oracle<'_> {
         (z >= self.near()).then_some([z, x, y])
     }
 
-    pub(super) fn point(&self) -> Option<usize> {
+    /// The depth of a point at an offset from the eye, if its square or disk covers the pixel.
+    fn point_over_pixel(&self, offset: DVec3) -> Option<f64> {
         let half_px = 0.5 * f64::from(self.packet.style.points.size_px);
+        let place = self.rotation() * offset;
+        let clip = self.packet.view.clip_from_view().as_dmat4() * place.extend(1.0);
+        let ndc = clip.truncate() / clip.w;
+        let [width, height] = SIZE.map(f64::from);
+        let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
+        let aside = px - self.px;
+        let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
+        let covers = match self.packet.style.points.shape {
+            PointShape::Square => is_near(half_px),
+            PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
+        };
+        (clip.w > 0.0 && ndc.z <= 1.0 && covers).then_some(clip.w)
+    }
+
+    pub(super) fn point(&self) -> Option<usize> {
         let mut best: Option<(f64, usize)> = None;
         for (slot, point) in self.packet.content.points().unwrap().iter().enumerate() {
-            let place = self.rotation() * self.offset(point.position);
-            let clip = self.packet.view.clip_from_view().as_dmat4() * place.extend(1.0);
-            let ndc = clip.truncate() / clip.w;
-            let [width, height] = SIZE.map(f64::from);
-            let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
-            let aside = px - self.px;
-            let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
-            let covers = match self.packet.style.points.shape {
-                PointShape::Square => is_near(half_px),
-                PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
-            };
-            if clip.w > 0.0 && ndc.z <= 1.0 && covers && best.is_none_or(|(depth, _)| clip.w <= depth) {
-                best = Some((clip.w, slot));
+            if let Some(depth) = self.point_over_pixel(self.offset(point.position))
+                && best.is_none_or(|(nearest, _)| depth <= nearest)
+            {
+                best = Some((depth, slot));
             }
         }
         best.map(|(_, slot)| slot)
@@ -95,6 +102,31 @@ impl Oracle<'_> {
         met.retain(|&(depth, ..)| depth <= backmost);
         met.sort_by(|a, b| a.2.total_cmp(&b.2));
         met.first().map(|&(.., slot)| slot)
+    }
+
+    /// The record of the nearest triangle or point of a mesh, and where it is met.
+    pub(super) fn triangle(&self) -> Option<(usize, DVec3)> {
+        let mesh = self.packet.content.mesh().unwrap();
+        let eye = -self.offset([0.0; 3]);
+        let mut best: Option<(f64, usize, DVec3)> = None;
+        for (record, triangle) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = triangle
+                .corners
+                .map(|corner| self.offset(mesh.vertices[corner as usize].position));
+            let depth = if a == b && b == c {
+                self.point_over_pixel(a)
+            } else {
+                let met = self.plane(a, b - a, c - a);
+                met.filter(|&[_, p, q]| p >= 0.0 && q >= 0.0 && p + q <= 1.0)
+                    .map(|[depth, ..]| depth)
+            };
+            if let Some(depth) = depth
+                && best.is_none_or(|(nearest, ..)| depth <= nearest)
+            {
+                best = Some((depth, record, eye + depth * self.direction()));
+            }
+        }
+        best.map(|(_, record, place)| (record, place))
     }
 
     /// The record of the nearest face towards the eye.

@@ -50,6 +50,28 @@ pub(super) trait Drawn: Sync {
     fn faces_eye(&self, record: usize, offset: DVec3) -> bool;
     /// Where the ray meets a record at an offset from the eye.
     fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met>;
+    /// How far beside the pixel a record is that the ray does not meet; `None` where that is not in the picture.
+    fn miss(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Miss> {
+        let (depth, aside_px) = ray.project(offset)?;
+        let aside_px = aside_px.length();
+        let reach_px = self.reach_px() + self.reach(record) / depth * ray.px_per_slope;
+        Some(Miss {
+            depth,
+            aside_px,
+            outline_px: (aside_px - reach_px).max(0.0),
+        })
+    }
+}
+
+/// How far a record is from a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Miss {
+    /// Of its middle from the eye along the view, scene units.
+    pub(super) depth: f64,
+    /// From its middle.
+    pub(super) aside_px: f64,
+    /// From its outline.
+    pub(super) outline_px: f64,
 }
 
 /// Where a ray meets a record.
@@ -184,17 +206,14 @@ impl Ray {
                 aside: met.aside,
             });
         }
-        let (depth, aside_px) = self.project(offset)?;
-        let aside_px = aside_px.length();
-        let reach_px = records.reach_px() + records.reach(record) / depth * self.px_per_slope;
-        let miss_px = (aside_px - reach_px).max(0.0);
-        (miss_px < radius_px).then(|| Seen {
+        let miss = records.miss(self, record, offset)?;
+        (miss.outline_px < radius_px).then(|| Seen {
             record,
             place: self.eye + offset,
-            depth,
+            depth: miss.depth,
             slack: 0.0,
-            miss_px: Some(miss_px),
-            aside: aside_px,
+            miss_px: Some(miss.outline_px),
+            aside: miss.aside_px,
         })
     }
 

@@ -1,9 +1,9 @@
 //! The records of packets as a ray meets them: by the rules of the renderers.
 
-use super::ray::{Drawn, Met, Ray};
-use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
+use super::ray::{Drawn, Met, Miss, Ray};
+use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, decode_ellipse, oct_decode};
 use crate::scene::{PointShape, PointStyle, Primitive, Style, Surfels, Voxels};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 /// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
 const LONGEST_HALF_AXIS: f64 = std::f64::consts::SQRT_2;
@@ -47,19 +47,24 @@ impl Drawn for Sprites<'_> {
     }
 
     fn meet(&self, ray: &Ray, _: usize, offset: DVec3) -> Option<Met> {
-        let (depth, aside_px) = ray.project(offset)?;
-        let aside_most_px = aside_px.abs().max_element();
-        let covers = match self.shape {
-            PointShape::Square => aside_most_px <= self.half_px,
-            // And the pixel that the point is in.
-            PointShape::Disk => aside_px.length() <= self.half_px || aside_most_px <= 0.5,
-        };
-        covers.then_some(Met {
-            depth,
-            slack: 0.0,
-            aside: 0.0,
-        })
+        meet_sprite(ray, offset, self.half_px, self.shape)
     }
+}
+
+/// Where the ray meets the square or the disk of a point.
+fn meet_sprite(ray: &Ray, offset: DVec3, half_px: f64, shape: PointShape) -> Option<Met> {
+    let (depth, aside_px) = ray.project(offset)?;
+    let aside_most_px = aside_px.abs().max_element();
+    let covers = match shape {
+        PointShape::Square => aside_most_px <= half_px,
+        // And the pixel that the point is in.
+        PointShape::Disk => aside_px.length() <= half_px || aside_most_px <= 0.5,
+    };
+    covers.then_some(Met {
+        depth,
+        slack: 0.0,
+        aside: 0.0,
+    })
 }
 
 /// Surfels as the disks or ellipses whose depths decide what is seen.
@@ -222,4 +227,104 @@ impl Drawn for Cubes<'_> {
             aside: 0.0,
         })
     }
+}
+
+/// Triangles, and the vertices between them as squares or disks of pixels.
+pub(super) struct Triangles<'a> {
+    mesh: &'a MeshRecords,
+    half_px: f64,
+    shape: PointShape,
+}
+
+impl<'a> Triangles<'a> {
+    pub(super) fn new(mesh: &'a MeshRecords, style: PointStyle) -> Self {
+        Self {
+            mesh,
+            half_px: 0.5 * f64::from(style.size_px.max(1.0)),
+            shape: style.shape,
+        }
+    }
+
+    fn is_point(&self, record: usize) -> bool {
+        self.mesh.triangles[record].is_point()
+    }
+
+    /// Its corners from the eye, of a triangle whose middle is at this offset.
+    fn corners_from_eye(&self, record: usize, offset: DVec3) -> [DVec3; 3] {
+        let middle = self.position(record).as_dvec3();
+        self.mesh
+            .corners(record)
+            .map(|corner| offset + (corner.as_dvec3() - middle))
+    }
+}
+
+impl Drawn for Triangles<'_> {
+    fn len(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn position(&self, record: usize) -> Vec3 {
+        self.mesh.middle(record)
+    }
+
+    fn reach(&self, record: usize) -> f64 {
+        let middle = self.position(record).as_dvec3();
+        let corners = self.mesh.corners(record).map(Vec3::as_dvec3);
+        corners
+            .into_iter()
+            .map(|corner| corner.distance(middle))
+            .fold(0.0, f64::max)
+    }
+
+    fn reach_px(&self) -> f64 {
+        if self.mesh.has_points() { self.half_px } else { 0.0 }
+    }
+
+    fn faces_eye(&self, _: usize, _: DVec3) -> bool {
+        true
+    }
+
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
+        if self.is_point(record) {
+            return meet_sprite(ray, offset, self.half_px, self.shape);
+        }
+        let [a, b, c] = self.corners_from_eye(record, offset);
+        let direction = ray.direction();
+        // The ray passes all sides on the same hand.
+        let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| from.cross(to).dot(direction));
+        let is_inside = sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
+        let normal = (b - a).cross(c - a);
+        let depth = normal.dot(a) / normal.dot(direction);
+        // Not where it is seen edge-on.
+        (is_inside && depth > 0.0 && depth.is_finite()).then_some(Met {
+            depth,
+            slack: 0.0,
+            aside: 0.0,
+        })
+    }
+
+    /// From the nearest of its sides.
+    fn miss(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Miss> {
+        let (depth, aside_px) = ray.project(offset)?;
+        let outline_px = if self.is_point(record) {
+            (aside_px.length() - self.half_px).max(0.0)
+        } else {
+            let [a, b, c] = self.corners_from_eye(record, offset);
+            let [a, b, c] = [ray.project(a)?.1, ray.project(b)?.1, ray.project(c)?.1];
+            let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| nearest_to_zero(from, to).length());
+            sides.into_iter().fold(f64::INFINITY, f64::min)
+        };
+        Some(Miss {
+            depth,
+            aside_px: aside_px.length(),
+            outline_px,
+        })
+    }
+}
+
+/// The place between two places that is nearest to zero.
+fn nearest_to_zero(from: DVec2, to: DVec2) -> DVec2 {
+    let along = to - from;
+    let share = -from.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+    from + along * share.clamp(0.0, 1.0)
 }

@@ -28,7 +28,7 @@ fn needs() -> Needs {
     }
 }
 
-fn prepared(raw: RawCloud, origin: DVec3) -> PreparedFrame {
+pub(super) fn prepared(raw: RawCloud, origin: DVec3) -> PreparedFrame {
     let frame = Frame::from_raw(raw, origin).unwrap();
     prepare(7, Arc::new(frame), 0.0, &needs(), &PrepareCounters::default())
 }
@@ -60,7 +60,7 @@ fn cloud(places: &[[f32; 3]], radius: f32, origin: DVec3) -> PreparedFrame {
     frame
 }
 
-fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
+pub(super) fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
     Camera {
         target_in_world: origin,
         distance,
@@ -72,7 +72,7 @@ fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
     }
 }
 
-fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, style: &Style) -> ScenePacket {
+pub(super) fn packet_of(frame: &PreparedFrame, origin: DVec3, camera: &Camera, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, origin, camera, style, SIZE)
 }
 
@@ -106,7 +106,8 @@ proptest! {
             let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
             let found = pick(&packet, &frame, place_px, 0.0);
             match primitive {
-                Primitive::Point => prop_assert_eq!(found, oracle.point()),
+                // Without faces.
+                Primitive::Point | Primitive::Mesh => prop_assert_eq!(found, oracle.point()),
                 Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => {
                     prop_assert_eq!(found, oracle.surfel());
                 }
@@ -180,7 +181,7 @@ fn nothing_is_picked_where_nothing_is() {
         bare.shapes = None;
         bare.levels = LevelsSet::default();
         let packet = packet_of(&bare, origin, &camera, &style);
-        let expected = (primitive == Primitive::Point).then_some(0);
+        let expected = style.draws_points().then_some(0);
         assert_eq!(pick(&packet, &bare, [80.0, 60.0], 5.0), expected);
         // Places that no picture has.
         for place_px in [[f64::NAN; 2], [f64::INFINITY; 2], [-1e300, 1e300]] {

@@ -13,6 +13,8 @@ choices! {
         /// Paper 002 §4.
         Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
         /// Paper 000 §VI.
+        /// Paper 002, Figs. 5 and 6.
+        Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them";
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
         Point = "point", "Points", "Plain squares of a size in pixels: the fastest";
     }

@@ -145,7 +145,7 @@ impl Style {
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
             When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
-            When::Points => self.primitive == Primitive::Point,
+            When::Points => self.draws_points(),
             When::Voxels => self.primitive == Primitive::Voxel,
             When::Cells => self.draws_cells() || self.draws_codes(),
             When::Lit => self.primitive != Primitive::Point,
@@ -195,6 +195,11 @@ impl Style {
         matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Ellipse)
     }
 
+    /// Whether points are drawn that stay points: all of them, or those that belong to no triangle.
+    pub fn draws_points(&self) -> bool {
+        matches!(self.primitive, Primitive::Point | Primitive::Mesh)
+    }
+
     /// The levels of detail that are drawn; `None` where all points are.
     pub fn levels_kind(&self) -> Option<LevelsKind> {
         let of_surfels = self.levels.structure.kind();
@@ -203,7 +208,7 @@ impl Style {
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.surfel_lod.then_some(of_surfels),
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
             Primitive::Voxel => Some(LevelsKind::Cubes),
-            Primitive::Point => None,
+            Primitive::Point | Primitive::Mesh => None,
         }
     }
 
@@ -241,7 +246,7 @@ impl Style {
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.stop.of_surfels(),
-            Primitive::Voxel | Primitive::Point => self.levels.stop,
+            Primitive::Voxel | Primitive::Point | Primitive::Mesh => self.levels.stop,
         }
     }
 

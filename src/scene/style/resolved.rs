@@ -34,6 +34,7 @@ impl Style {
     pub fn resolved(&self, look: &FirstLook) -> Self {
         let primitive = match self.primitive {
             Primitive::Auto => look.primitive,
+            Primitive::Mesh if !look.has_faces => look.primitive,
             chosen => chosen,
         };
         let back_faces = match self.surfels.back_faces {
@@ -43,7 +44,11 @@ impl Style {
             chosen => chosen,
         };
         // Of points that sample no surface, normals are noise.
-        let shows_shape = primitive != Primitive::Point && look.primitive == Primitive::Surfel;
+        let shows_shape = match primitive {
+            Primitive::Point => false,
+            Primitive::Mesh => true,
+            _ => look.primitive == Primitive::Surfel,
+        };
         let eye_dome = match self.light.eye_dome {
             EyeDome::Auto if shows_shape => EyeDome::Off,
             EyeDome::Auto => EyeDome::On,

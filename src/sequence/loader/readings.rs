@@ -13,6 +13,8 @@ pub enum ReadingStage {
     AllPoints(usize),
     /// Its points can be shown, and their normals and radii are being estimated, and whatever else they lack.
     Normals,
+    /// Its points can be shown, and its triangles are being read.
+    Mesh,
     /// Its points can be shown, and an octree of them is being made.
     Octree,
 }

@@ -25,7 +25,9 @@ pub(crate) const FEWEST_SAMPLED: usize = 1 << 19;
 /// Whether `frame` is shown with nothing but its points before `needs` are met, as these take long.
 pub(super) fn comes_in_stages(frame: &Frame, needs: &Needs) -> bool {
     let wants_shapes = needs.shapes || needs_normals(frame, needs);
-    frame.len() > STAGED_POINTS && (needs.levels.is_some() || (wants_shapes && lacks_surface(frame)))
+    let takes_long =
+        needs.levels.is_some() || (wants_shapes && lacks_surface(frame)) || (needs.mesh && frame.has_faces());
+    frame.len() > STAGED_POINTS && takes_long
 }
 
 /// What the points of `frame` take of `needs` alone.

@@ -3,7 +3,7 @@
 use super::queue::{Job, NextStage, Queue};
 use super::readings::{ReadingStage, Readings};
 use super::stages;
-use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::cloud::{Frame, Mesh, PointRecord, ShapeRecord};
 use crate::locks::lock;
 use crate::memory;
 use crate::priority;
@@ -11,8 +11,9 @@ use crate::progress::Progress;
 use crate::sequence::effort::MakingCost;
 use crate::sequence::error::catch_panic;
 use crate::sequence::prepare::{complete_observed, prepare, prepare_observed, prepare_sample};
-use crate::sequence::{FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError};
+use crate::sequence::{FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, milliseconds_since};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// What the loader shares with its workers.
 pub(super) struct Shared {
@@ -158,27 +159,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
     if let Some(existing) = &job.existing {
-        let stage = match existing.shapes {
-            None if job.needs.shapes => ReadingStage::Normals,
-            _ => ReadingStage::Octree,
-        };
-        let reading = shared.readings.begin(job.index, stage);
-        let progress = &reading.progress;
-        if job.next_stage.is_some() {
-            progress.set(0, 0);
-            let fits = check_memory(shared, job.index, &existing.frame, &job.needs);
-            fits.inspect_err(|error| log::warn!("{error}"))?;
-            memory::give_back_freed_pages();
-        }
-        let frame = shared.run_stages(job, || from_existing(shared, existing, job, progress))?;
-        if progress.is_cancelled() {
-            return Err(shared.sequence.cancelled(job.index));
-        }
-        return Ok(Some(Finished {
-            frame,
-            decoder_ms: None,
-            is_settled: false,
-        }));
+        return complete_existing(shared, job, existing).map(Some);
     }
     if job.next_stage == Some(NextStage::Sample)
         && let Some(sample) = sample(shared, job)
@@ -213,12 +194,15 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     } else {
         needs
     };
+    let has_mesh = needs.mesh && frame.has_faces();
+    let (mesh, mesh_ms) = load_mesh(shared, job, has_mesh, &reading.progress)?;
     let frame = Arc::new(frame);
     let prepared = || {
         prepare_observed(
             job.index,
             frame,
-            loaded.decode_ms,
+            mesh,
+            loaded.decode_ms + mesh_ms,
             &needs,
             &shared.counters,
             &reading.progress,
@@ -230,9 +214,53 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     }
     Ok(Some(Finished {
         frame,
-        decoder_ms: Some(loaded.decoder_ms),
+        decoder_ms: Some(loaded.decoder_ms + mesh_ms),
         is_settled,
     }))
+}
+
+/// Adds what `job` asks for to a frame that was prepared for other needs, or takes some of its points.
+fn complete_existing(shared: &Shared, job: &Job, existing: &PreparedFrame) -> Result<Finished, FrameError> {
+    let lacks_mesh = existing.lacks_mesh_for(&job.needs);
+    let stage = match existing.shapes {
+        _ if lacks_mesh => ReadingStage::Mesh,
+        None if job.needs.shapes => ReadingStage::Normals,
+        _ => ReadingStage::Octree,
+    };
+    let reading = shared.readings.begin(job.index, stage);
+    let progress = &reading.progress;
+    if job.next_stage.is_some() {
+        progress.set(0, 0);
+        let fits = check_memory(shared, job.index, &existing.frame, &job.needs);
+        fits.inspect_err(|error| log::warn!("{error}"))?;
+        memory::give_back_freed_pages();
+    }
+    let (mesh, mesh_ms) = load_mesh(shared, job, lacks_mesh, progress)?;
+    let mut frame = shared.run_stages(job, || from_existing(shared, existing, mesh, job, progress))?;
+    if progress.is_cancelled() {
+        return Err(shared.sequence.cancelled(job.index));
+    }
+    frame.timings.decode_ms += mesh_ms;
+    Ok(Finished {
+        frame,
+        decoder_ms: None,
+        is_settled: false,
+    })
+}
+
+/// The triangles of the frame that `job` is for, if they are wanted, and the milliseconds that they took.
+fn load_mesh(
+    shared: &Shared,
+    job: &Job,
+    is_wanted: bool,
+    progress: &Progress,
+) -> Result<(Option<Mesh>, f32), FrameError> {
+    if !is_wanted {
+        return Ok((None, 0.0));
+    }
+    let start = Instant::now();
+    let mesh = shared.run_stages(job, || shared.sequence.load_mesh(job.index, progress))?;
+    Ok((Some(mesh), milliseconds_since(start)))
 }
 
 /// Whether the machine has the memory that `frame` takes when it is completed for `needs`.
@@ -273,15 +301,16 @@ fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
 fn from_existing(
     shared: &Shared,
     existing: &PreparedFrame,
+    mesh: Option<Mesh>,
     job: &Job,
     progress: &Progress,
 ) -> Result<PreparedFrame, FrameError> {
     let most_points = job.detail.most_points();
     if !job.detail.is_exceeded_by(&existing.frame) {
         let counters = &shared.counters;
-        return Ok(complete_observed(existing, &job.needs, counters, progress));
+        return Ok(complete_observed(existing, mesh, &job.needs, counters, progress));
     }
-    prepare_sample(existing, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
+    prepare_sample(existing, mesh, most_points, &job.needs, &shared.counters).map_err(|reason| FrameError::Invalid {
         index: job.index,
         path: shared.sequence.entry(job.index).path.clone(),
         reason,

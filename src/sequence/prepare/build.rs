@@ -2,8 +2,9 @@
 
 use super::counters::{PrepareCounters, Timings};
 use super::frame::{PreparedFrame, next_id};
+use super::mesh::PreparedMesh;
 use crate::analysis::{Orientation, Surface, estimate_surface_observed, surface_steps};
-use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::cloud::{Frame, Mesh, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet, LevelsWork};
 use crate::progress::Progress;
 use crate::sequence::records::{self, SurfaceWork};
@@ -22,6 +23,10 @@ pub(super) struct Build<'a> {
     pub(super) frame: Arc<Frame>,
     /// The prepared frame that it was before, of the same points.
     pub(super) existing: Option<&'a PreparedFrame>,
+    /// Its triangles, if they were read.
+    pub(super) loaded_mesh: Option<Mesh>,
+    /// Whose triangles it has otherwise.
+    pub(super) mesh_of: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,
     /// Whether they have ellipses.
@@ -56,6 +61,10 @@ impl Build<'_> {
             None => (next_id(), self.painted_points(&paint)),
         };
         let levels = self.levels(needs, &paint, &points, same_colors);
+        let mesh = match self.loaded_mesh.take() {
+            Some(mesh) => Some(PreparedMesh::new(Arc::new(mesh), &paint)),
+            None => self.mesh_of.and_then(|other| other.mesh_in(&paint)),
+        };
         let (shapes, orientation) = self.shapes.unzip();
         PreparedFrame {
             index: self.index,
@@ -65,6 +74,7 @@ impl Build<'_> {
             shapes,
             has_ellipses: self.has_ellipses,
             orientation,
+            mesh,
             levels,
             timings: self.timings,
             asked: (needs.colors, needs.hints),

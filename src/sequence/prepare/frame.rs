@@ -1,8 +1,9 @@
 //! A frame with everything that a picture asks for.
 
 use super::counters::Timings;
+use super::mesh::PreparedMesh;
 use crate::analysis::Orientation;
-use crate::cloud::{Frame, PointRecord, ShapeRecord};
+use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
@@ -26,6 +27,8 @@ pub struct PreparedFrame {
     /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
     /// right. `None` without shapes.
     pub orientation: Option<Orientation>,
+    /// Its triangles, if they were asked for; without any of a frame that has none.
+    pub mesh: Option<PreparedMesh>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
     /// What the last completion took; decoding included if it happened then.
@@ -40,7 +43,24 @@ impl PreparedFrame {
     pub fn satisfies(&self, needs: &Needs) -> bool {
         self.is_painted_for(needs)
             && (!needs.shapes || self.has_shapes_for(needs))
+            && !self.lacks_mesh_for(needs)
             && needs.levels.is_none_or(|key| self.levels.has(key, needs.shapes))
+    }
+
+    /// Whether the file has triangles that are needed and were not read.
+    pub(in crate::sequence) fn lacks_mesh_for(&self, needs: &Needs) -> bool {
+        needs.mesh && self.mesh.is_none() && self.frame.has_faces()
+    }
+
+    /// The triangles in a paint; the same allocations if it is that of the points.
+    pub(super) fn mesh_in(&self, paint: &Paint) -> Option<PreparedMesh> {
+        let mesh = self.mesh.as_ref()?;
+        let is_painted = self.paint == *paint;
+        Some(if is_painted {
+            mesh.clone()
+        } else {
+            mesh.repainted(paint)
+        })
     }
 
     /// Estimated ellipses have the radii of disks, those of a file have not.
@@ -61,6 +81,12 @@ impl PreparedFrame {
     /// What the points are painted with.
     pub fn paint(&self) -> &Paint {
         &self.paint
+    }
+
+    /// What is drawn of its triangles, if they were asked for and the file has some.
+    pub fn triangles(&self) -> Option<&Arc<MeshRecords>> {
+        let mesh = self.mesh.as_ref().filter(|mesh| !mesh.mesh().triangles().is_empty());
+        mesh.map(PreparedMesh::records)
     }
 
     /// Whether it has fewer points than the file.
@@ -85,6 +111,8 @@ impl PreparedFrame {
         Self {
             id: next_id(),
             points,
+            // Its vertices are not these points, so that nobody knows their colours.
+            mesh: None,
             levels,
             paint,
             ..self.clone()
@@ -104,6 +132,7 @@ impl PreparedFrame {
         self.frame.byte_size()
             + size_of_val(self.points.as_slice())
             + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
+            + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)
             + self.levels.byte_size()
     }
 }

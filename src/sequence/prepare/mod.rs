@@ -10,6 +10,7 @@
 //! | colours | – | – | points; octree if one is needed |
 //! | shapes wanted now | – | normals and radii the file has not | shapes |
 //! | ellipses wanted now | – | ellipses | shapes; levels that are made of them |
+//! | triangles wanted now | the file once more, by the loader | – | triangles |
 //!
 //! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
 //! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself tells:
@@ -21,13 +22,15 @@
 mod build;
 mod counters;
 mod frame;
+mod mesh;
 
 pub use counters::{PrepareCounters, Timings};
 pub use frame::PreparedFrame;
+pub use mesh::PreparedMesh;
 
 use super::{Needs, milliseconds_since};
 use crate::analysis::estimate_surface_fast;
-use crate::cloud::{CloudError, Frame, ShapeRecord, radius_factor};
+use crate::cloud::{CloudError, Frame, Mesh, ShapeRecord, radius_factor};
 use crate::progress::Progress;
 use build::{Build, estimated_shapes};
 use std::sync::Arc;
@@ -42,14 +45,15 @@ pub fn prepare(
     counters: &PrepareCounters,
 ) -> PreparedFrame {
     let never = Progress::default();
-    prepare_observed(index, frame, decode_ms, needs, counters, &never)
+    prepare_observed(index, frame, None, decode_ms, needs, counters, &never)
 }
 
-/// [`prepare`], which says in `progress` how much of the estimation of normals is done: the rest takes little beside
-/// it. Once that is cancelled, the answer is of no use.
+/// [`prepare`] with the triangles of the frame, where they are wanted. It says in `progress` how much of the estimation
+/// of normals is done: the rest takes little beside it. Once that is cancelled, the answer is of no use.
 pub(super) fn prepare_observed(
     index: usize,
     frame: Arc<Frame>,
+    mesh: Option<Mesh>,
     decode_ms: f32,
     needs: &Needs,
     counters: &PrepareCounters,
@@ -63,6 +67,8 @@ pub(super) fn prepare_observed(
         index,
         frame,
         existing: None,
+        loaded_mesh: mesh,
+        mesh_of: None,
         shapes: None,
         has_ellipses: false,
         timings,
@@ -72,10 +78,11 @@ pub(super) fn prepare_observed(
     build.finish(needs)
 }
 
-/// Prepares at most `most_points` of the points of `existing`, taken evenly. Normals and radii that are known are not
-/// estimated again.
+/// Prepares at most `most_points` of the points of `existing`, taken evenly, with all triangles. Normals and radii that
+/// are known are not estimated again.
 pub(super) fn prepare_sample(
     existing: &PreparedFrame,
+    mesh: Option<Mesh>,
     most_points: usize,
     needs: &Needs,
     counters: &PrepareCounters,
@@ -98,6 +105,8 @@ pub(super) fn prepare_sample(
         index: existing.index,
         frame: Arc::new(frame),
         existing: None,
+        loaded_mesh: mesh,
+        mesh_of: needs.mesh.then_some(existing),
         shapes: shapes.zip(existing.orientation),
         has_ellipses: existing.has_ellipses,
         timings,
@@ -123,6 +132,8 @@ pub fn prepare_part(
         index: existing.index,
         frame: Arc::new(frame),
         existing: None,
+        loaded_mesh: None,
+        mesh_of: None,
         shapes: Some((Arc::new(shapes), orientation)),
         has_ellipses: false,
         timings,
@@ -134,12 +145,13 @@ pub fn prepare_part(
 
 /// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
 pub fn complete(existing: &PreparedFrame, needs: &Needs, counters: &PrepareCounters) -> PreparedFrame {
-    complete_observed(existing, needs, counters, &Progress::default())
+    complete_observed(existing, None, needs, counters, &Progress::default())
 }
 
-/// [`complete`], observed as [`prepare_observed`].
+/// [`complete`] with the triangles of the frame, where they are wanted and not there, observed as [`prepare_observed`].
 pub(super) fn complete_observed(
     existing: &PreparedFrame,
+    mesh: Option<Mesh>,
     needs: &Needs,
     counters: &PrepareCounters,
     progress: &Progress,
@@ -151,6 +163,8 @@ pub(super) fn complete_observed(
         index: existing.index,
         frame: Arc::clone(&existing.frame),
         existing: Some(existing),
+        loaded_mesh: mesh,
+        mesh_of: Some(existing),
         shapes: existing.shapes.clone().zip(existing.orientation),
         has_ellipses: existing.has_ellipses,
         timings: Timings::default(),

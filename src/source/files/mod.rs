@@ -62,6 +62,11 @@ impl Files {
             shared: Arc::default(),
         })
     }
+
+    fn decoder_with(&self, options: ReadOptions) -> Box<dyn Decoder> {
+        let shared = Arc::clone(&self.shared);
+        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, &options, &shared, progress))
+    }
 }
 
 impl Source for Files {
@@ -74,8 +79,11 @@ impl Source for Files {
     }
 
     fn decoder(&self) -> Box<dyn Decoder> {
-        let (options, shared) = (self.options.read, Arc::clone(&self.shared));
-        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, &options, &shared, progress))
+        self.decoder_with(self.options.read)
+    }
+
+    fn mesh_decoder(&self) -> Box<dyn Decoder> {
+        self.decoder_with(self.options.read.of_meshes())
     }
 
     fn sample(

@@ -63,7 +63,7 @@ fn words(point: &LabPoint) -> String {
 fn color(primitive: Primitive) -> Color32 {
     match primitive {
         Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => ACCENT,
-        Primitive::Voxel => GOOD,
+        Primitive::Voxel | Primitive::Mesh => GOOD,
         Primitive::Point => ODD,
     }
 }

@@ -1,6 +1,7 @@
 //! What is drawn on the processor: one file or folder a primitive, with the names of `render/gpu/primitives`.
 
 mod coded;
+mod mesh;
 mod points;
 mod surfels;
 mod voxels;
@@ -11,6 +12,7 @@ use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
 use crate::scene::{Content, ScenePacket, Splatting};
 use coded::Coded;
+use mesh::Mesh;
 use points::Points;
 use surfels::Surfels;
 use voxels::Cubes;
@@ -20,6 +22,7 @@ pub(super) enum Drawable<'a> {
     Points(Points<'a>),
     Surfels(Surfels<'a>),
     Cubes(Cubes<'a>),
+    Mesh(Mesh<'a>),
     Coded(Coded<'a>),
     /// The frame lacks what the primitive needs.
     Nothing,
@@ -55,6 +58,7 @@ impl<'a> Drawable<'a> {
                 slack_radii,
             }),
             Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting)),
+            Content::Mesh(records) => Self::Mesh(Mesh { records, style }),
             Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),
         }
     }
@@ -65,6 +69,7 @@ impl<'a> Drawable<'a> {
             Self::Points(points) => Blocks::of(points),
             Self::Surfels(surfels) => Blocks::of(surfels),
             Self::Cubes(cubes) => Blocks::of(cubes),
+            Self::Mesh(mesh) => Blocks::of(mesh),
             Self::Coded(_) | Self::Nothing => Blocks::of(&Points::NONE),
         }
     }
@@ -75,6 +80,7 @@ impl<'a> Drawable<'a> {
             Self::Points(points) => records::draw(points, blocks, packet, bands),
             Self::Surfels(surfels) => records::draw(surfels, blocks, packet, bands),
             Self::Cubes(cubes) => records::draw(cubes, blocks, packet, bands),
+            Self::Mesh(mesh) => records::draw(&mesh.seen(packet), blocks, packet, bands),
             Self::Coded(coded) => coded::draw(coded, packet, bands),
             Self::Nothing => records::draw(&Points::NONE, blocks, packet, bands),
         }

@@ -5,6 +5,7 @@ use crate::render::cpu::blocks::Placed;
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::DrawnRecords;
+use crate::render::cpu::sprites::Sprite;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{PointShape, ScenePacket};
@@ -61,14 +62,7 @@ impl DrawnRecords for Points<'_> {
                 if self.size_px <= 1.0 {
                     draw_pixels(simd, tile, clip, records.len(), &projected);
                 } else {
-                    match self.shape {
-                        PointShape::Square => {
-                            self.draw_squares(tile, clip, records.len(), &projected);
-                        }
-                        PointShape::Disk => {
-                            self.draw_disks(tile, clip, records.len(), &projected);
-                        }
-                    }
+                    self.draw_sprites(tile, clip, records.len(), &projected);
                 }
             }
         }
@@ -93,59 +87,29 @@ impl Points<'_> {
     };
 
     #[inline(always)]
-    fn draw_squares<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
-        let half = 0.5 * self.size_px;
+    fn draw_sprites<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
         for point in 0..count {
             let depth = projected.depth[point];
             if !(depth > 0.0 && depth <= 1.0) {
                 continue;
             }
             let key = key(depth.to_bits(), projected.color[point].to_bits());
-            // Pixels whose middles are within.
-            let range = |middle: f32, axis: usize| {
-                let [start, end] = [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
-                start.max(clip.start[axis])..end.min(clip.end[axis])
+            let sprite = Sprite {
+                place_px: [projected.x_px[point], projected.y_px[point]],
+                size_px: self.size_px,
+                shape: self.shape,
             };
-            let columns = range(projected.x_px[point], 0);
-            for y in range(projected.y_px[point], 1) {
-                let row = (y - tile.origin[1]) as usize * WIDTH;
-                for x in columns.clone() {
-                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn draw_disks<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
-        let radius = 0.5 * self.size_px;
-        for point in 0..count {
-            let depth = projected.depth[point];
-            if !(depth > 0.0 && depth <= 1.0) {
-                continue;
-            }
-            let key = key(depth.to_bits(), projected.color[point].to_bits());
-            let [x_px, y_px] = [projected.x_px[point], projected.y_px[point]];
-            let own = [x_px, y_px].map(|place| place.floor() as i32);
-            let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
-            for y in top.max(clip.start[1])..(bottom + 1).min(clip.end[1]) {
-                let aside = y as f32 + 0.5 - y_px;
-                let half2 = radius * radius - aside * aside;
-                // Pixels whose middles are in the circle, and the one that the point is in.
-                let half = half2.max(0.0).sqrt();
-                let mut start = (x_px - half - 0.5).ceil() as i32;
-                let mut end = (x_px + half + 0.5).floor() as i32;
-                if y == own[1] {
-                    start = start.min(own[0]);
-                    end = end.max(own[0] + 1);
-                } else if half2 < 0.0 {
-                    continue;
-                }
-                let row = (y - tile.origin[1]) as usize * WIDTH;
-                for x in start.max(clip.start[0])..end.min(clip.end[0]) {
-                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
-                }
-            }
+            let [left, top] = tile.origin;
+            sprite.for_each_row(
+                clip,
+                #[inline(always)]
+                |y, columns| {
+                    let row = (y - top) as usize * WIDTH;
+                    for x in columns {
+                        put(&mut tile.keys[row + (x - left) as usize], key);
+                    }
+                },
+            );
         }
     }
 }

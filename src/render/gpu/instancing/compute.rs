@@ -7,7 +7,7 @@
 
 use super::binding::{max_indexed_records, single_binding};
 use super::storage::{self, Storage};
-use super::strategy::{Instancing, StrategyRow};
+use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, ViewBinding};
 use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
@@ -176,10 +176,6 @@ impl Instancing for Compute {
             .min(max_indexed_records(context, amplification))
     }
 
-    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
-        self.storage.upload(context, records)
-    }
-
     fn amplify(
         &mut self,
         context: &Context,
@@ -244,5 +240,11 @@ impl Instancing for Compute {
             pass.draw_indexed_indirect(&output.indirect, 0);
         }
         self.outputs.len() as u32
+    }
+}
+
+impl RecordInstancing for Compute {
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        self.storage.upload(context, records)
     }
 }

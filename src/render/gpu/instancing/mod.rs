@@ -5,10 +5,11 @@
 //! each uploaded with one copy and drawn with one call (the uniform strategy: one a batch).
 //!
 //! Its file has what it is for the GPU: its [`StrategyRow`], binding, limits and draw call. What it is called is a line
-//! of [`Strategy`] in the scene, which knows no GPU.
+//! of [`Strategy`] in the scene, which knows no GPU. Meshes are drawn in one way, whatever the strategy (`indexed.rs`).
 
 mod binding;
 mod compute;
+mod indexed;
 mod storage;
 mod strategy;
 mod stream;
@@ -17,10 +18,20 @@ mod uniform;
 mod vertex;
 
 pub(super) use compute::compute_source;
-pub(super) use strategy::{Instancing, StrategyRow, upload};
+pub(super) use indexed::Indexed;
+pub(super) use strategy::{Instancing, RecordInstancing, StrategyRow, upload};
 pub(super) use stream::{Draw, Stream, ViewBinding};
 
+use super::primitives::Amplification;
 use crate::scene::Strategy;
+
+/// The files by which the vertex stage gets its corners.
+pub(super) fn vertex_wgsl(strategy: Strategy, amplification: &Amplification) -> Vec<&'static str> {
+    if amplification.is_indexed {
+        return [&[indexed::FETCH], amplification.wgsl].concat();
+    }
+    row(strategy).vertex_wgsl(amplification)
+}
 
 /// The table of strategies.
 pub(super) fn row(strategy: Strategy) -> &'static StrategyRow {

@@ -5,7 +5,7 @@
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
 use super::binding::{buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};
-use super::strategy::{Instancing, StrategyRow};
+use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
@@ -47,7 +47,9 @@ impl Instancing for Storage {
             .min(context.limits.max_buffer_size);
         records_of(bytes).min(max_indexed_records(context, amplification))
     }
+}
 
+impl RecordInstancing for Storage {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let buffer = buffer_with(context, wgpu::BufferUsages::STORAGE, records, RECORD_BYTES);
         Chunk {

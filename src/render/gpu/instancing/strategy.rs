@@ -13,7 +13,7 @@ pub(in crate::render::gpu) struct StrategyRow {
     /// The file by which it gets a corner that a compute pass has written, of strategies with such a pass.
     pub(super) fetch_corner: Option<&'static str>,
     /// Makes it; the layout is that of the view's bind group.
-    pub(in crate::render::gpu) open: fn(&Context, &wgpu::BindGroupLayout) -> Box<dyn Instancing>,
+    pub(in crate::render::gpu) open: fn(&Context, &wgpu::BindGroupLayout) -> Box<dyn RecordInstancing>,
 }
 
 impl StrategyRow {
@@ -24,7 +24,7 @@ impl StrategyRow {
     }
 
     /// The files by which the vertex stage gets its corners.
-    pub(in crate::render::gpu) fn vertex_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
+    pub(super) fn vertex_wgsl(&self, amplification: &Amplification) -> Vec<&'static str> {
         match self.fetch_corner {
             Some(fetch_corner) if amplification.compute_amplifies => vec![fetch_corner],
             _ => self.amplifying_wgsl(amplification),
@@ -56,9 +56,6 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
         records * amplification.quads_per_record()
     }
 
-    /// One copy: `records` become a chunk.
-    fn upload(&self, context: &Context, records: &[u8]) -> Chunk;
-
     /// Work before a render pass. Returns the number of compute passes.
     fn amplify(
         &mut self,
@@ -80,9 +77,15 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     }
 }
 
+/// A way that brings streams of records, each of which is read where it stands.
+pub(in crate::render::gpu) trait RecordInstancing: Instancing {
+    /// One copy: `records` become a chunk.
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk;
+}
+
 /// Cuts `records` into chunks that the strategy and the adapter can hold, and uploads each.
 pub(in crate::render::gpu) fn upload(
-    instancing: &dyn Instancing,
+    instancing: &dyn RecordInstancing,
     context: &Context,
     amplification: &'static Amplification,
     records: &[u8],

@@ -4,7 +4,7 @@
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
 use super::binding::{max_indexed_records, single_binding, single_binding_layout};
-use super::strategy::{Instancing, StrategyRow};
+use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
@@ -45,7 +45,9 @@ impl Instancing for Texture {
         (ROW_RECORDS * context.limits.max_texture_dimension_2d as usize)
             .min(max_indexed_records(context, amplification))
     }
+}
 
+impl RecordInstancing for Texture {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let row_bytes = ROW_RECORDS * RECORD_BYTES;
         let size = wgpu::Extent3d {

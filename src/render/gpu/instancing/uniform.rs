@@ -5,7 +5,7 @@
 //! memory had a cache of its own.
 
 use super::binding::{buffer_with, single_binding, single_binding_layout};
-use super::strategy::{Instancing, StrategyRow};
+use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::BATCH_RECORDS;
 use crate::render::gpu::context::Context;
@@ -54,6 +54,21 @@ impl Instancing for Uniform {
         records.min(BATCH_RECORDS) * amplification.quads_per_record()
     }
 
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
+        let mut draw_calls = 0;
+        for chunk in 0..draw.chunk_count() {
+            let records = draw.chunk_records(chunk);
+            for first in (0..records).step_by(BATCH_RECORDS as usize) {
+                draw.bind(pass, chunk, &[first * RECORD_BYTES as u32]);
+                draw.pulled(pass, BATCH_RECORDS.min(records - first));
+                draw_calls += 1;
+            }
+        }
+        draw_calls
+    }
+}
+
+impl RecordInstancing for Uniform {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         // The last batch is bound whole, so the buffer must reach to its end.
         let buffer = buffer_with(context, wgpu::BufferUsages::UNIFORM, records, BATCH_BYTES);
@@ -71,18 +86,5 @@ impl Instancing for Uniform {
             )),
             buffer: None,
         }
-    }
-
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
-        let mut draw_calls = 0;
-        for chunk in 0..draw.chunk_count() {
-            let records = draw.chunk_records(chunk);
-            for first in (0..records).step_by(BATCH_RECORDS as usize) {
-                draw.bind(pass, chunk, &[first * RECORD_BYTES as u32]);
-                draw.pulled(pass, BATCH_RECORDS.min(records - first));
-                draw_calls += 1;
-            }
-        }
-        draw_calls
     }
 }

@@ -4,7 +4,7 @@
 //! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
 use super::binding::{buffer_with, records_of};
-use super::strategy::{Instancing, StrategyRow};
+use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::INDICES_PER_QUAD;
 use crate::render::gpu::context::Context;
@@ -58,14 +58,6 @@ impl Instancing for Vertex {
         amplification.quads_per_record()
     }
 
-    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
-        Chunk {
-            record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: None,
-            buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
-        }
-    }
-
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw<'_>) -> u32 {
         for chunk in 0..draw.chunk_count() {
             for (slot, stream) in (0..).zip(draw.streams) {
@@ -80,5 +72,15 @@ impl Instancing for Vertex {
             }
         }
         draw.chunk_count() as u32
+    }
+}
+
+impl RecordInstancing for Vertex {
+    fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
+        Chunk {
+            record_count: (records.len() / RECORD_BYTES) as u32,
+            bind_group: None,
+            buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
+        }
     }
 }

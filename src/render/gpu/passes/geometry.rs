@@ -48,7 +48,7 @@ pub(in crate::render::gpu) const OPAQUE: GeometryPass = GeometryPass {
     ..SOLID
 };
 
-/// Opaque faces in their light (paper 000 §VI-B).
+/// Opaque faces in their light (paper 000 §VI-B), and triangles.
 pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
     name: "solid",
     wgsl: include_str!("../../../../shaders/passes/solid.wgsl"),
@@ -57,6 +57,13 @@ pub(in crate::render::gpu) const SOLID: GeometryPass = GeometryPass {
         blend: None,
     }),
     depth: Some(DepthUse::TestAndWrite),
+};
+
+/// The same with round points.
+pub(in crate::render::gpu) const ROUND_SOLID: GeometryPass = GeometryPass {
+    name: "round solid",
+    wgsl: include_str!("../../../../shaders/passes/round_solid.wgsl"),
+    ..SOLID
 };
 
 /// Plain points without light: the cheapest picture of a cloud.
@@ -102,7 +109,7 @@ pub(in crate::render::gpu) const SURFACE_NO_DEPTH: GeometryPass = GeometryPass {
     ..SURFACE_REGULAR
 };
 
-/// Opaque faces for deferred shading.
+/// Opaque faces and triangles for deferred shading.
 pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
     name: "surface solid",
     wgsl: include_str!("../../../../shaders/passes/surface_solid.wgsl"),
@@ -111,6 +118,13 @@ pub(in crate::render::gpu) const SURFACE_SOLID: GeometryPass = GeometryPass {
         blend: None,
     }),
     depth: Some(DepthUse::TestAndWrite),
+};
+
+/// The same with round points.
+pub(in crate::render::gpu) const SURFACE_ROUND_SOLID: GeometryPass = GeometryPass {
+    name: "surface round solid",
+    wgsl: include_str!("../../../../shaders/passes/surface_round_solid.wgsl"),
+    ..SURFACE_SOLID
 };
 
 /// Hard disks for deferred shading.

@@ -2,6 +2,7 @@
 
 use crate::render::gpu::constants::VERTICES_PER_QUAD;
 use crate::render::gpu::passes::GeometryPass;
+use crate::scene::Strategy;
 
 /// What one record becomes.
 #[derive(Debug)]
@@ -14,6 +15,9 @@ pub struct Amplification {
     pub vertices_per_record: u32,
     /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
     pub reads_shapes: bool,
+    /// Whether records are triangles, which name vertices: then they reach the vertex stage in one way, whatever the
+    /// strategy.
+    pub is_indexed: bool,
     /// Whether the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
     /// the vertex stage computes once anyway.
     pub compute_amplifies: bool,
@@ -25,6 +29,11 @@ impl Amplification {
     /// Whether records are vertices of a list of points, not of quads.
     pub(in crate::render::gpu) fn is_point_list(&self) -> bool {
         self.vertices_per_record == 1
+    }
+
+    /// The strategy by which it is drawn where this one is chosen: see [`Amplification::is_indexed`].
+    pub(in crate::render::gpu) fn strategy(&self, chosen: Strategy) -> Strategy {
+        if self.is_indexed { Strategy::Storage } else { chosen }
     }
 
     /// Quads that one record becomes; 0 for point lists.

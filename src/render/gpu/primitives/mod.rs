@@ -5,6 +5,7 @@
 //! |---|---|
 //! | point | point, or round point |
 //! | voxel | solid |
+//! | mesh | solid, or round solid |
 //! | surfel `regular`, `no-depth` | splat |
 //! | surfel `opaque` | opaque |
 //! | surfel `visibility` | visibility, depth view |
@@ -15,6 +16,7 @@
 
 mod amplification;
 mod drawable;
+mod mesh;
 mod points;
 mod surfels;
 mod voxels;
@@ -25,13 +27,14 @@ pub(super) use drawable::Drawable;
 use crate::scene::{Content, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 6] = [
+pub const AMPLIFICATIONS: [&Amplification; 7] = [
     &points::PIXEL,
     &points::SQUARE,
     &surfels::DISK,
     &surfels::ELLIPSE,
     &voxels::LIT_BY_FACES,
     &voxels::LIT_BY_NORMALS,
+    &mesh::TRIANGLE,
 ];
 
 /// What a packet shows: the one place where its content is asked for, once a picture.
@@ -43,5 +46,6 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         Content::Points(records) => points::drawable(Some(records), style),
         Content::Surfels(surfels) => surfels::drawable(surfels, style),
         Content::Voxels(voxels) => voxels::drawable(voxels, style),
+        Content::Mesh(mesh) => mesh::drawable(mesh, style),
     }
 }

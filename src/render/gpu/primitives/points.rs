@@ -23,6 +23,7 @@ pub(super) const SQUARE: Amplification = Amplification {
     wgsl: &[include_str!("../../../../shaders/primitives/points.wgsl")],
     vertices_per_record: 4,
     reads_shapes: false,
+    is_indexed: false,
     compute_amplifies: false,
     passes: &[&POINT, &ROUND_POINT],
 };

@@ -21,6 +21,7 @@ pub(super) const DISK: Amplification = Amplification {
     ],
     vertices_per_record: 4,
     reads_shapes: true,
+    is_indexed: false,
     compute_amplifies: true,
     passes: &[
         &VISIBILITY,

@@ -17,6 +17,7 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
     ],
     vertices_per_record: 12,
     reads_shapes: false,
+    is_indexed: false,
     compute_amplifies: true,
     passes: &[&SOLID, &SURFACE_SOLID],
 };

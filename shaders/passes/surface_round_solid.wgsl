@@ -1,0 +1,14 @@
+// Opaque geometry among which points are round, for deferred shading.
+
+@vertex
+fn vertex(instance: Instance) -> Varyings {
+    return varyings(instance);
+}
+
+@fragment
+fn fragment(in: Varyings) -> Surface {
+    if (is_beside_disk(in.quad)) {
+        discard;
+    }
+    return surface(in, in.normal, 1.0);
+}

@@ -1,0 +1,46 @@
+//! Triangles, and the vertices between them as points.
+
+use super::amplification::Amplification;
+use super::drawable::{Drawable, Passes};
+use crate::cloud::MeshRecords;
+use crate::render::gpu::passes::ScreenPass;
+use crate::render::gpu::passes::geometry::{ROUND_SOLID, SOLID, SURFACE_ROUND_SOLID, SURFACE_SOLID};
+use crate::render::gpu::passes::screen::RESOLVE;
+use crate::render::gpu::residency::RecordSource;
+use crate::scene::{PointShape, Style};
+use std::sync::Arc;
+
+/// Half a quad, or the square of a point.
+pub(super) const TRIANGLE: Amplification = Amplification {
+    name: "triangle",
+    wgsl: &[
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/primitives/mesh.wgsl"),
+    ],
+    vertices_per_record: 4,
+    reads_shapes: false,
+    is_indexed: true,
+    compute_amplifies: false,
+    passes: &[&SOLID, &ROUND_SOLID, &SURFACE_SOLID, &SURFACE_ROUND_SOLID],
+};
+
+pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawable<'a> {
+    // Fragments that may be discarded are tested late, all of them.
+    let has_disks = mesh.has_points() && style.points.shape == PointShape::Disk;
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match (style.light.lighting.is_deferred(), has_disks)
+    {
+        (false, false) => (&[&SOLID], None),
+        (false, true) => (&[&ROUND_SOLID], None),
+        (true, false) => (&[&SURFACE_SOLID], Some(&RESOLVE)),
+        (true, true) => (&[&SURFACE_ROUND_SOLID], Some(&RESOLVE)),
+    };
+    Drawable {
+        amplification: &TRIANGLE,
+        streams: vec![RecordSource::of_mesh(mesh)],
+        chunked_for: &TRIANGLE,
+        // Files turn their faces as they like.
+        cull_back_faces: false,
+        passes,
+        resolve,
+    }
+}
