@@ -85,6 +85,9 @@ draw_all() { # draw_all PROGRAM FOLDER
         for value in none surfel vertex fragment; do
             picture "$renderer-lighting-$value" "${surfels[@]}" --lighting "$value"
         done
+        for value in surfel voxel; do
+            picture "$renderer-ao-$value" "${demo[@]}" --primitive "$value" --lighting lambert --ao on
+        done
         for value in auto drawn darker culled; do
             picture "$renderer-back-faces-$value" "${of_torus[@]}" --primitive surfel --back-faces "$value" \
                 --clip-box=-2,-2,-2,2,0.1,2

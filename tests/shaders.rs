@@ -133,6 +133,10 @@ fn rust_and_wgsl_agree_on_every_layout() {
         head_light,
         specular,
         usual_distance,
+        occlusion_near_radius_px,
+        occlusion_most_radius_px,
+        occlusion_strength,
+        px_per_slope,
         lamps
     );
 }

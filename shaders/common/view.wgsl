@@ -61,6 +61,13 @@ struct View {
     specular: f32,
     // How far away the middle of the cloud is: the unit of distances that half floats hold.
     usual_distance: f32,
+    // Of ambient occlusion: the radius of the ball at the near plane, the largest one, and how much it darkens, 0 where
+    // there is none.
+    occlusion_near_radius_px: f32,
+    occlusion_most_radius_px: f32,
+    occlusion_strength: f32,
+    // Pixels from the view axis for a slope of 1.
+    px_per_slope: f32,
     lamps: array<Lamp, MOST_LAMPS>,
 }
 

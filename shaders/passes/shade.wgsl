@@ -4,6 +4,7 @@
 @group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(2) var nearnesses: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(3) var depths: texture_depth_2d;
 
 // Linear light: what colours are multiplied with, and what is added.
 struct Light {
@@ -59,6 +60,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     // Surfaces have two sides.
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
     let light = light_on(ray * distance, normal, to_eye);
-    let lit = min(to_linear(albedo) * light.diffuse + light.specular, vec3f(1.0));
+    let diffuse = light.diffuse * openness(depths, vec2i(pixel), normal);
+    let lit = min(to_linear(albedo) * diffuse + light.specular, vec3f(1.0));
     return vec4f(to_display(lit) * sum.a, sum.a);
 }

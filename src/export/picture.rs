@@ -5,8 +5,8 @@
 //! piece of the same screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most,
 //! however large the picture is.
 //!
-//! Where eye-dome lighting looks at neighbours, parts are drawn with as many pixels around them as it looks far: no
-//! seams are seen.
+//! Where eye-dome lighting and ambient occlusion look at neighbours, parts are drawn with as many pixels around them as
+//! they look far: no seams are seen.
 //!
 //! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c`
 //! leaves `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
@@ -19,7 +19,7 @@ use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
-use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Style};
+use crate::scene::{Background, Camera, Legend, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
@@ -162,7 +162,7 @@ fn for_each_strip(
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
     let packet = headless.packet(frame, camera, style, size_px);
-    let halo_px = EyeDomeLight::of(&packet).map_or(0, |light| light.halo_px());
+    let halo_px = packet.halo_px();
     let [part_width, part_height] = size.largest_part_px(headless.renderer(), halo_px);
     let legend = Legend::of(frame).filter(|_| size.has_legend);
     let unit = frame.frame.unit();
@@ -214,7 +214,7 @@ fn for_each_strip(
     Ok(())
 }
 
-/// A part of a picture as it is drawn, in pixels: with pixels around it, as eye-dome lighting looks at neighbours.
+/// A part of a picture as it is drawn, in pixels: with the pixels around it that its own depend on.
 struct PictureTile {
     /// Its upper left pixel.
     start: [u32; 2],

@@ -1,6 +1,7 @@
 //! Plain data between the sequence and a renderer: where the camera is, how the picture is asked for, and the
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
+mod ambient_occlusion;
 mod camera;
 mod clip;
 mod compose;
@@ -19,6 +20,7 @@ mod scale_bar;
 mod style;
 mod view_text;
 
+pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};
@@ -36,7 +38,7 @@ pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError, PointShape, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -1,7 +1,7 @@
 //! Everything that one picture needs.
 
 use super::content::Content;
-use super::{GroundPlane, Style, ViewTransform};
+use super::{AmbientOcclusion, EyeDomeLight, GroundPlane, Style, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -27,6 +27,13 @@ impl ScenePacket {
         let middle = -self.view.to_view(self.bounds.center()).z;
         let radius = self.bounds.radius().max(f32::MIN_POSITIVE);
         [middle - radius, middle + radius]
+    }
+
+    /// How many pixels around a pixel its colour depends on at most.
+    pub fn halo_px(&self) -> u32 {
+        let eye_dome = EyeDomeLight::of(self).map_or(0, |light| light.halo_px());
+        let occlusion = AmbientOcclusion::of(self).map_or(0, |occlusion| occlusion.halo_px());
+        eye_dome.max(occlusion)
     }
 
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:

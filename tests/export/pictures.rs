@@ -8,7 +8,9 @@ use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, EyeDome, Footprint, PointStyle, Primitive, Splatting, Strategy, Style};
+use pointreel::scene::{
+    Background, EyeDome, Footprint, Lighting, OnOff, PointStyle, Primitive, Splatting, Strategy, Style,
+};
 use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
@@ -72,6 +74,10 @@ fn ways() -> Vec<Style> {
             style.light.eye_dome = EyeDome::On;
             style.backdrop.grid = true;
         })
+    }));
+    ways.push(style().with(|style| {
+        style.light.lighting = Lighting::Lambert;
+        style.light.ao = OnOff::On;
     }));
     ways
 }

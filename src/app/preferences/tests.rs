@@ -6,7 +6,7 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointShape, PointStyle, Primitive, RendererChoice,
     Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
@@ -47,6 +47,9 @@ fn unusual() -> Preferences {
             light: LightStyle {
                 lighting: Lighting::PerVertex,
                 rig: LightRig::ThreePoint,
+                ao: OnOff::On,
+                ao_strength: 0.5,
+                ao_radius: 2.0,
                 eye_dome: EyeDome::On,
                 eye_dome_strength: 2.5,
             },
@@ -94,6 +97,9 @@ fn of_version_6() -> Preferences {
         settings: unusual.settings.with(|style| {
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Head;
+            style.light.ao = OnOff::Off;
+            style.light.ao_strength = 1.0;
+            style.light.ao_radius = 1.0;
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
@@ -162,7 +168,11 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 one_color: [9, 8, 7],
             };
             style.points = of_version_6().settings.points;
-            style.light.rig = of_version_6().settings.light.rig;
+            style.light = LightStyle {
+                eye_dome: style.light.eye_dome,
+                eye_dome_strength: style.light.eye_dome_strength,
+                ..of_version_6().settings.light
+            };
         }),
         ..unusual()
     };

@@ -4,7 +4,7 @@ use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle, RendererChoice, Splatting, Strategy,
     SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
@@ -79,6 +79,9 @@ fn of_version_1() -> Style {
         light: LightStyle {
             lighting: Lighting::PerVertex,
             rig: LightRig::Head,
+            ao: OnOff::Off,
+            ao_strength: 1.0,
+            ao_radius: 1.0,
             eye_dome: EyeDome::Auto,
             eye_dome_strength: 1.0,
         },

@@ -1,6 +1,7 @@
 //! Deferred shading on the processor (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time,
 //! when its surface is blended. The lights: `scene/lights.rs`.
 
+use super::ambient_occlusion::Occlusion;
 use super::eight::{Vectors, lane_numbers};
 use super::linear::{to_display, to_linear};
 use super::view::PixelView;
@@ -16,6 +17,13 @@ pub(super) struct Surface<S: Simd> {
     pub(super) normal: Vectors<S>,
     /// Reversed.
     pub(super) depth: f32x8<S>,
+}
+
+/// What falls on surfaces, and what keeps it away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Illumination<'a> {
+    pub(super) lights: Lights,
+    pub(super) occlusion: Option<Occlusion<'a>>,
 }
 
 /// Linear light on eight pixels: what their colours are multiplied with, and what is added.
@@ -47,7 +55,7 @@ fn rays<S: Simd>(simd: S, view: &PixelView, [x, y]: [i32; 2]) -> Vectors<S> {
 #[inline(always)]
 pub(super) fn shade<S: Simd>(
     simd: S,
-    lights: &Lights,
+    illumination: &Illumination<'_>,
     view: &PixelView,
     pixel: [i32; 2],
     surface: &Surface<S>,
@@ -66,7 +74,10 @@ pub(super) fn shade<S: Simd>(
         to_eye,
         position: ray.times(distance),
     };
-    let light = lit.light(simd, lights, facing.abs());
+    let mut light = lit.light(simd, &illumination.lights, facing.abs());
+    if let Some(occlusion) = &illumination.occlusion {
+        light.dim(occlusion.openness(simd, view, pixel, lit.normal, lit.normal.dot(ray)));
+    }
     let [red, green, blue] = surface.albedo;
     // No `map` over arrays of registers: see `raster.rs`.
     let [red_diffuse, green_diffuse, blue_diffuse] = light.diffuse;
@@ -88,6 +99,16 @@ pub(super) fn shade<S: Simd>(
 fn lit_channel<S: Simd>(simd: S, albedo: f32x8<S>, diffuse: f32x8<S>, specular: f32x8<S>) -> f32x8<S> {
     let linear = to_linear(simd, albedo).mul_add(diffuse, specular);
     to_display(simd, linear.min(f32x8::splat(simd, 1.0)))
+}
+
+impl<S: Simd> Light<S> {
+    /// Leaves a share of what does not mirror lamps.
+    #[inline(always)]
+    fn dim(&mut self, share: f32x8<S>) {
+        for diffuse in &mut self.diffuse {
+            *diffuse *= share;
+        }
+    }
 }
 
 impl<S: Simd> Lit<S> {

@@ -8,6 +8,7 @@
 //!
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
+mod ambient_occlusion;
 mod blocks;
 mod deferred;
 mod eight;
@@ -33,8 +34,10 @@ mod view;
 
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{Content, ScenePacket};
+use crate::scene::{AmbientOcclusion, Content, Lights, ScenePacket};
+use ambient_occlusion::Occlusion;
 use blocks::Blocks;
+use deferred::Illumination;
 use image::RgbaImage;
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
@@ -51,6 +54,8 @@ pub struct CpuRenderer {
     image: RgbaImage,
     /// Reversed depths of the picture, where something follows that needs them.
     depths: Vec<f32>,
+    /// The same, drawn before the picture, where light depends on them.
+    occluders: Vec<f32>,
     stats: RenderStats,
 }
 
@@ -77,9 +82,11 @@ impl CpuRenderer {
         };
         let packet = of_surfaces(packet);
         let size_px = packet.viewport_px;
-        let mut depth = vec![f32::INFINITY; size_px.map(|edge| edge as usize).iter().product()];
-        let bands = bands_of(&packet, &mut depth, 1).map(TileRow::Distances);
-        Drawable::of_surface(&packet).draw(&packet, blocks, bands.collect());
+        let mut depth = vec![0.0; size_px.map(|edge| edge as usize).iter().product()];
+        draw_reversed_depths(&Drawable::of_surface(&packet), &packet, blocks, &mut depth);
+        for depth in &mut depth {
+            *depth = packet.view.near / *depth;
+        }
         Ok(DepthImage { size_px, depth })
     }
 
@@ -130,8 +137,14 @@ impl Renderer for CpuRenderer {
         } else {
             bytes.map(TileRow::Bytes).collect()
         };
-        let drawable = Drawable::of(packet);
-        let drawn_records = drawable.draw(packet, blocks, bands);
+        let occlusion = AmbientOcclusion::of(packet).map(|settings| {
+            self.occluders.resize(pixels, 0.0);
+            let packet = of_surfaces(packet);
+            draw_reversed_depths(&Drawable::of(&packet), &packet, blocks, &mut self.occluders);
+            Occlusion::new(settings, packet.viewport_px, &self.occluders)
+        });
+        let illumination = Lights::of(packet).map(|lights| Illumination { lights, occlusion });
+        let drawn_records = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
             let start = Instant::now();
@@ -157,6 +170,12 @@ impl Renderer for CpuRenderer {
     fn stats(&self) -> RenderStats {
         self.stats
     }
+}
+
+/// Reversed depths of all pixels of a packet; 0 where nothing is.
+fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks, depths: &mut [f32]) {
+    let bands = bands_of(packet, depths, 1).map(TileRow::Depths);
+    drawable.draw(packet, blocks, None, bands.collect());
 }
 
 fn milliseconds_since(start: Instant) -> f64 {

@@ -9,7 +9,7 @@ use crate::render::constants::{
     HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, SQUARE_REACH_RADII,
     UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{EyeDomeLight, Lights};
+use crate::scene::{AmbientOcclusion, EyeDomeLight, Lights};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -36,6 +36,10 @@ pub(super) const INDICES_PER_QUAD: u32 = 6;
 /// Share of neighbours without depth from which a pixel belongs to no surface.
 const LONE: f32 = EyeDomeLight::LONE;
 
+/// Of ambient occlusion.
+const OCCLUSION_LINE_COUNT: u32 = AmbientOcclusion::LINES as u32;
+const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
+
 /// Lamps beside the head light.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 
@@ -46,7 +50,7 @@ const SHININESS: u32 = Lights::SHININESS;
 pub(super) fn shared() -> String {
     macro_rules! declared {
         ($($name:ident),+ $(,)?) => {
-            [$(declaration(stringify!($name), $name)),+].join("\n")
+            [occlusion_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
         };
     }
     declared![
@@ -72,6 +76,8 @@ pub(super) fn shared() -> String {
         MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
+        OCCLUSION_LINE_COUNT,
+        OCCLUSION_ROUGHNESS,
         OUTPUT_GROUP,
         SHAPE_GROUP,
         SOURCE_GROUP,
@@ -105,6 +111,12 @@ impl Number for f32 {
 impl Number for u32 {
     const TYPE: &'static str = "u32";
     const SUFFIX: &'static str = "u";
+}
+
+/// Where the lines of ambient occlusion are.
+fn occlusion_lines() -> String {
+    let lines = AmbientOcclusion::lines().map(|[x, y]| format!("vec2f({x:?}, {y:?})"));
+    format!("const OCCLUSION_LINES = array({});", lines.join(", "))
 }
 
 fn declaration<T: Number>(name: &str, value: T) -> String {

@@ -3,7 +3,9 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
-use crate::scene::{Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Style, SurfelStyle};
+use crate::scene::{
+    AmbientOcclusion, Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Style, SurfelStyle,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -53,6 +55,10 @@ pub struct ViewUniform {
     pub head_light: f32,
     pub specular: f32,
     pub usual_distance: f32,
+    pub occlusion_near_radius_px: f32,
+    pub occlusion_most_radius_px: f32,
+    pub occlusion_strength: f32,
+    pub px_per_slope: f32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
@@ -101,6 +107,8 @@ impl ViewUniform {
         };
         let lights = Lights::of(packet);
         let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
+        let occlusion = AmbientOcclusion::of(packet);
+        let of_occlusion = |value: fn(AmbientOcclusion) -> f32| occlusion.map_or(0.0, value);
         let one_pass = !splatting.has_visibility_pass();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
@@ -150,6 +158,10 @@ impl ViewUniform {
             head_light: of_lights(|lights| lights.head),
             specular: of_lights(|lights| lights.specular),
             usual_distance: of_lights(|lights| lights.usual_distance),
+            occlusion_near_radius_px: of_occlusion(|occlusion| occlusion.near_radius_px),
+            occlusion_most_radius_px: of_occlusion(|occlusion| occlusion.most_radius_px),
+            occlusion_strength: of_occlusion(|occlusion| occlusion.strength),
+            px_per_slope: packet.view.pixels_per_unit_at_1,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }

@@ -30,7 +30,7 @@ pub(super) enum Target {
 pub(super) enum Source {
     Sums,
     Depths,
-    /// Sums of colours, of normals and of nearnesses.
+    /// Sums of colours, of normals and of nearnesses; and depths.
     Surfaces,
 }
 
@@ -98,7 +98,7 @@ impl Targets {
         match source {
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
-            Source::Surfaces => self.surfaces.iter().flatten().collect(),
+            Source::Surfaces => self.surfaces.iter().flatten().chain([&self.depth_view]).collect(),
         }
     }
 }

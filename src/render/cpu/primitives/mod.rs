@@ -6,10 +6,11 @@ mod surfels;
 mod voxels;
 
 use super::blocks::Blocks;
+use super::deferred::Illumination;
 use super::records;
 use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Content, ScenePacket, Splatting};
+use crate::scene::{Content, Lighting, ScenePacket, Splatting};
 use coded::Coded;
 use points::Points;
 use surfels::Surfels;
@@ -68,21 +69,30 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// Draws what [`Drawable::blocks`] are around; how many records were handed to tiles.
-    pub(super) fn draw(&self, packet: &ScenePacket, blocks: &Blocks, bands: Vec<TileRow<'_>>) -> u64 {
+    /// Draws what [`Drawable::blocks`] are around, in a light if shading is deferred; how many records were handed to
+    /// tiles.
+    pub(super) fn draw(
+        &self,
+        packet: &ScenePacket,
+        blocks: &Blocks,
+        illumination: Option<Illumination<'_>>,
+        bands: Vec<TileRow<'_>>,
+    ) -> u64 {
         match self {
-            Self::Points(points) => records::draw(points, blocks, packet, bands),
-            Self::Surfels(surfels) => records::draw(surfels, blocks, packet, bands),
-            Self::Cubes(cubes) => records::draw(cubes, blocks, packet, bands),
+            Self::Points(points) => records::draw(points, blocks, packet, illumination, bands),
+            Self::Surfels(surfels) => records::draw(surfels, blocks, packet, illumination, bands),
+            Self::Cubes(cubes) => records::draw(cubes, blocks, packet, illumination, bands),
             Self::Coded(coded) => coded::draw(coded, packet, bands),
-            Self::Nothing => records::draw(&Points::NONE, blocks, packet, bands),
+            Self::Nothing => records::draw(&Points::NONE, blocks, packet, illumination, bands),
         }
     }
 }
 
-/// `packet` as it is drawn for depths alone: what is blended in two passes lies on the disks of its first.
+/// `packet` as it is drawn for depths alone, without light: what is blended in two passes lies on the disks of its
+/// first.
 pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
+    packet.style.light.lighting = Lighting::Unlit;
     let surfels = &mut packet.style.surfels;
     match surfels.splatting {
         Splatting::Regular | Splatting::NoDepth | Splatting::Visibility | Splatting::Opaque => {}
