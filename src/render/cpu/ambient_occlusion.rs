@@ -94,15 +94,10 @@ impl<'a> Occlusion<'a> {
     fn eight_of_row<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> f32x8<S> {
         let [width, _] = self.size_px;
         let row = &self.depths[width * y..width * (y + 1)];
-        match row.get(x..x + LANES) {
-            Some(eight) => f32x8::from_slice(simd, eight),
-            None => {
-                let mut eight = [0.0; LANES];
-                let rest = &row[x..];
-                eight[..rest.len()].copy_from_slice(rest);
-                f32x8::from_slice(simd, &eight)
-            }
-        }
+        let mut eight = [0.0; LANES];
+        let there = &row[x..row.len().min(x + LANES)];
+        eight[..there.len()].copy_from_slice(there);
+        f32x8::from_slice(simd, &eight)
     }
 
     /// Depths of pixels of the picture.
