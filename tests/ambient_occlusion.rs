@@ -182,7 +182,7 @@ fn a_corner_is_as_dark_as_the_volume_behind_its_walls() {
                 let expected = 1.0 - hidden_in_corner(place / RADIUS);
                 assert!(
                     (left - expected).abs() < 0.04,
-                    "from {distance}, {azimuth_deg} degrees, {projection:?}, {by}: {left} {place} radii away, not {expected}"
+                    "from {distance}, {azimuth_deg} degrees, {projection:?}, {by}: {left} at {place}, not {expected}"
                 );
             }
         }

@@ -98,6 +98,9 @@ draw_all() { # draw_all PROGRAM FOLDER
         picture "$renderer-splat-scale" "${surfels[@]}" --splat-scale 1.5 --enlargement 1.3
         picture "$renderer-point-size" "${points[@]}" --point-size 3
         picture "$renderer-resolution" "${surfels[@]}" --resolution 0.5
+        for value in fxaa supersample; do
+            picture "$renderer-antialiasing-$value" "${surfels[@]}" --antialiasing "$value"
+        done
 
         for value in '--lod 4' '--lod-level 5' '--lod-budget 2000'; do
             # shellcheck disable=SC2086 # an option and its value

@@ -136,7 +136,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         occlusion_near_radius_px,
         occlusion_most_radius_px,
         occlusion_strength,
-        px_per_slope,
+        samples_per_edge,
         lamps
     );
 }

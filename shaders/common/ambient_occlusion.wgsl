@@ -11,7 +11,7 @@ fn openness(depths: texture_depth_2d, pixel: vec2i, normal: vec3f) -> f32 {
     }
     let radius_px = min(view.occlusion_near_radius_px * depth, view.occlusion_most_radius_px);
     // From relative distances to heights in radii.
-    let heights = view.px_per_slope / radius_px;
+    let heights = 0.5 * view.focal.y * view.viewport_px.y / radius_px;
     let facing = dot(normal, ray_through(vec2f(pixel) + 0.5));
     let last = vec2i(view.viewport_px) - 1;
     var lines = OCCLUSION_LINES;

@@ -66,8 +66,8 @@ struct View {
     occlusion_near_radius_px: f32,
     occlusion_most_radius_px: f32,
     occlusion_strength: f32,
-    // Pixels from the view axis for a slope of 1.
-    px_per_slope: f32,
+    // Pixels that are drawn for one that is shown, along both edges of the picture.
+    samples_per_edge: f32,
     lamps: array<Lamp, MOST_LAMPS>,
 }
 

@@ -9,6 +9,7 @@ mod content;
 mod eye_dome;
 mod first_look;
 mod ground;
+mod halo;
 mod in_view;
 mod legend;
 mod lights;
@@ -28,6 +29,7 @@ pub use content::{CodedCells, Content, Surfels, Voxels};
 pub use eye_dome::EyeDomeLight;
 pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
+pub use halo::halo_px;
 pub use in_view::points_in_view;
 pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};
@@ -37,8 +39,9 @@ pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError, PointShape, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
+    PointShape, PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle,
+    coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -1,7 +1,7 @@
 //! Everything that one picture needs.
 
 use super::content::Content;
-use super::{AmbientOcclusion, EyeDomeLight, GroundPlane, Style, ViewTransform};
+use super::{GroundPlane, Style, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -29,11 +29,20 @@ impl ScenePacket {
         [middle - radius, middle + radius]
     }
 
-    /// How many pixels around a pixel its colour depends on at most.
-    pub fn halo_px(&self) -> u32 {
-        let eye_dome = EyeDomeLight::of(self).map_or(0, |light| light.halo_px());
-        let occlusion = AmbientOcclusion::of(self).map_or(0, |occlusion| occlusion.halo_px());
-        eye_dome.max(occlusion)
+    /// What renderers draw for this picture before antialiasing: several pixels for each, see
+    /// [`Antialiasing::samples_per_edge`](super::Antialiasing::samples_per_edge). What is told in pixels has as many
+    /// more.
+    #[must_use]
+    pub fn as_drawn(&self) -> Self {
+        let samples = self.style.drawing.antialiasing.samples_per_edge();
+        let mut drawn = self.clone();
+        drawn.viewport_px = self.viewport_px.map(|edge| edge * samples);
+        drawn.view.pixels_per_unit_at_1 *= samples as f32;
+        drawn.style.points.size_px *= samples as f32;
+        if let Content::Coded(cells) = &mut drawn.content {
+            cells.lod_px *= samples as f32;
+        }
+        drawn
     }
 
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:

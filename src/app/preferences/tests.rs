@@ -5,9 +5,9 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointShape, PointStyle, Primitive, RendererChoice,
-    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointShape, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -69,6 +69,7 @@ fn unusual() -> Preferences {
                 renderer: RendererChoice::Cpu,
                 strategy: Strategy::Compute,
                 resolution: 0.5,
+                antialiasing: Antialiasing::Supersample,
             },
         },
         present: PresentChoice::Cpu,
@@ -97,6 +98,7 @@ fn of_version_6() -> Preferences {
         settings: unusual.settings.with(|style| {
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Head;
+            style.drawing.antialiasing = Antialiasing::None;
             style.light.ao = OnOff::Off;
             style.light.ao_strength = 1.0;
             style.light.ao_radius = 1.0;
@@ -168,6 +170,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 one_color: [9, 8, 7],
             };
             style.points = of_version_6().settings.points;
+            style.drawing = of_version_6().settings.drawing;
             style.light = LightStyle {
                 eye_dome: style.light.eye_dome,
                 eye_dome_strength: style.light.eye_dome_strength,

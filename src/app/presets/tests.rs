@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle, RendererChoice, Splatting, Strategy,
-    SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle, RendererChoice,
+    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -101,6 +101,7 @@ fn of_version_1() -> Style {
             renderer: RendererChoice::Cpu,
             strategy: Strategy::Compute,
             resolution: 0.5,
+            antialiasing: Antialiasing::None,
         },
     }
 }

@@ -9,12 +9,14 @@
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
 mod ambient_occlusion;
+mod antialiasing;
 mod blocks;
 mod deferred;
 mod eight;
 mod eye_dome;
 mod facet;
 mod finish;
+mod fxaa;
 mod grid;
 mod linear;
 mod packed_ellipses;
@@ -34,7 +36,7 @@ mod view;
 
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{AmbientOcclusion, Content, Lights, ScenePacket};
+use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket};
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use deferred::Illumination;
@@ -52,6 +54,8 @@ pub struct CpuRenderer {
     /// Boxes around what the prepared packet draws, made for the records of this one.
     blocks: Option<(Content, Blocks)>,
     image: RgbaImage,
+    /// The picture that antialiasing makes of it; empty where there is none.
+    smooth: RgbaImage,
     /// Reversed depths of the picture, where something follows that needs them.
     depths: Vec<f32>,
     /// The same, drawn before the picture, where light depends on them.
@@ -92,36 +96,18 @@ impl CpuRenderer {
 
     /// The last picture.
     pub fn image(&self) -> &RgbaImage {
-        &self.image
-    }
-}
-
-impl Renderer for CpuRenderer {
-    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
-        let start = Instant::now();
-        let [width, height] = packet.viewport_px;
-        if width.max(height) > Self::MAX_EDGE_PX {
-            let max = Self::MAX_EDGE_PX;
-            return Err(RenderError::TooLarge { width, height, max });
+        if self.smooth.is_empty() {
+            &self.image
+        } else {
+            &self.smooth
         }
-        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
-        if !is_kept {
-            let blocks = Drawable::of(packet).blocks();
-            self.blocks = Some((packet.content.clone(), blocks));
-        }
-        self.prepared = Some(packet.clone());
-        self.stats.prepare_ms = milliseconds_since(start);
-        Ok(())
     }
 
-    fn render(&mut self) -> Result<(), RenderError> {
-        let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
+    /// Draws a packet as it is before antialiasing ([`ScenePacket::as_drawn`]).
+    fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let Some((_, blocks)) = &self.blocks else {
             return Err(RenderError::NothingPrepared);
         };
-        if self.drawn.as_ref() == Some(packet) {
-            return Ok(());
-        }
-        let start = Instant::now();
         let [width, height] = packet.viewport_px;
         if self.image.dimensions() != (width, height) {
             self.image = RgbaImage::new(width, height);
@@ -144,19 +130,63 @@ impl Renderer for CpuRenderer {
             Occlusion::new(settings, packet.viewport_px, &self.occluders)
         });
         let illumination = Lights::of(packet).map(|lights| Illumination { lights, occlusion });
-        let drawn_records = Drawable::of(packet).draw(packet, blocks, illumination, bands);
+        self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
             let start = Instant::now();
             rayon::scope(|_| screen.draw(&mut self.image, &self.depths));
             self.stats.screen_ms = milliseconds_since(start);
         }
+        Ok(())
+    }
+
+    /// Makes the picture that is shown of the one that was drawn.
+    fn antialias(&mut self, packet: &ScenePacket) {
+        let antialiasing = packet.style.drawing.antialiasing;
+        let [width, height] = match antialiasing {
+            Antialiasing::None => [0; 2],
+            Antialiasing::Fxaa | Antialiasing::Supersample => packet.viewport_px,
+        };
+        if self.smooth.dimensions() != (width, height) {
+            self.smooth = RgbaImage::new(width, height);
+        }
+        if !self.smooth.is_empty() {
+            antialiasing::antialias(antialiasing, &self.image, &mut self.smooth);
+        }
+    }
+}
+
+impl Renderer for CpuRenderer {
+    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let [width, height] = packet.as_drawn().viewport_px;
+        if width.max(height) > Self::MAX_EDGE_PX {
+            let max = Self::MAX_EDGE_PX;
+            return Err(RenderError::TooLarge { width, height, max });
+        }
+        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
+        if !is_kept {
+            let blocks = Drawable::of(packet).blocks();
+            self.blocks = Some((packet.content.clone(), blocks));
+        }
+        self.prepared = Some(packet.clone());
+        self.stats.prepare_ms = milliseconds_since(start);
+        Ok(())
+    }
+
+    fn render(&mut self) -> Result<(), RenderError> {
+        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
+        if self.drawn.as_ref() == Some(&packet) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.draw(&packet.as_drawn())?;
+        self.antialias(&packet);
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;
-        self.stats.drawn_instances = drawn_records;
         self.stats.encode_ms = milliseconds_since(start);
-        self.drawn = Some(packet.clone());
+        self.drawn = Some(packet);
         Ok(())
     }
 
@@ -164,7 +194,7 @@ impl Renderer for CpuRenderer {
         if self.drawn.is_none() {
             return Err(RenderError::NothingPrepared);
         }
-        Ok(self.image.clone())
+        Ok(self.image().clone())
     }
 
     fn stats(&self) -> RenderStats {

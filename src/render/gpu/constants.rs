@@ -5,11 +5,12 @@ use super::gpu_data::{
 };
 use crate::cloud::ELLIPSE_STEPS;
 use crate::render::constants::{
-    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, HEAD_LIGHT_AMBIENT,
-    HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, SQUARE_REACH_RADII,
-    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, FARTHEST_GREY, FINE_LINES, FXAA_BLUE, FXAA_DETAIL,
+    FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED, FXAA_RED,
+    HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY,
+    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{AmbientOcclusion, EyeDomeLight, Lights};
+use crate::scene::{AmbientOcclusion, Antialiasing, EyeDomeLight, Lights};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -40,6 +41,9 @@ const LONE: f32 = EyeDomeLight::LONE;
 const OCCLUSION_LINE_COUNT: u32 = AmbientOcclusion::LINES as u32;
 const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
 
+/// How far along an edge its end is looked for.
+const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
+
 /// Lamps beside the head light.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 
@@ -63,6 +67,15 @@ pub(super) fn shared() -> String {
         ELLIPSE_STEPS,
         FARTHEST_GREY,
         FINE_LINES,
+        FXAA_BLUE,
+        FXAA_DETAIL,
+        FXAA_END_OF_EDGE,
+        FXAA_GREEN,
+        FXAA_LEAST_CONTRAST,
+        FXAA_LEAST_SHARE,
+        FXAA_MOST_BLENDED,
+        FXAA_RED,
+        FXAA_SEARCH_STEPS,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
         HEAD_LIGHT_SHININESS,
@@ -106,6 +119,11 @@ trait Number: Debug + Copy {
 impl Number for f32 {
     const TYPE: &'static str = "f32";
     const SUFFIX: &'static str = "f";
+}
+
+impl Number for i32 {
+    const TYPE: &'static str = "i32";
+    const SUFFIX: &'static str = "i";
 }
 
 impl Number for u32 {

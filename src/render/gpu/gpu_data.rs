@@ -58,7 +58,7 @@ pub struct ViewUniform {
     pub occlusion_near_radius_px: f32,
     pub occlusion_most_radius_px: f32,
     pub occlusion_strength: f32,
-    pub px_per_slope: f32,
+    pub samples_per_edge: f32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
@@ -83,7 +83,8 @@ pub struct SplatVertex {
 }
 
 impl ViewUniform {
-    /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
+    /// The uniforms of one pass over `packet` as it is drawn ([`ScenePacket::as_drawn`]); `enlargement` multiplies its
+    /// splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
         let Style {
             surfels: SurfelStyle { splatting, .. },
@@ -161,7 +162,7 @@ impl ViewUniform {
             occlusion_near_radius_px: of_occlusion(|occlusion| occlusion.near_radius_px),
             occlusion_most_radius_px: of_occlusion(|occlusion| occlusion.most_radius_px),
             occlusion_strength: of_occlusion(|occlusion| occlusion.strength),
-            px_per_slope: packet.view.pixels_per_unit_at_1,
+            samples_per_edge: packet.style.drawing.antialiasing.samples_per_edge() as f32,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }

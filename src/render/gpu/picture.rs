@@ -79,7 +79,7 @@ impl Recorder<'_> {
         self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
         let targets = self.targets;
         let load = |target| match target {
-            Target::Picture => wgpu::LoadOp::Load,
+            Target::Picture | Target::Shown => wgpu::LoadOp::Load,
             Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
         };
         let onto = key

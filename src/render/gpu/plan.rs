@@ -3,17 +3,17 @@
 //!
 //! Where shading is deferred, light falls on what the primitive left, and leaves sums that are resolved as others are.
 //! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
-//! the end.
+//! the end. Antialiasing makes the picture that is shown of it.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
+use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SUPERSAMPLE};
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
 use super::targets::Target;
-use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
+use crate::scene::{Antialiasing, EyeDomeLight, ScenePacket, Strategy};
 
-/// What a packet asks for.
+/// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     pub(super) drawable: Drawable<'a>,
@@ -40,11 +40,16 @@ impl<'a> Plan<'a> {
             [resolve, eye_dome]
         };
         let grid = packet.ground.map(|_| &GRID);
+        let antialias = match packet.style.drawing.antialiasing {
+            Antialiasing::None => None,
+            Antialiasing::Fxaa => Some(&FXAA),
+            Antialiasing::Supersample => Some(&SUPERSAMPLE),
+        };
         let background = packet.style.backdrop.background;
         Self {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
-            finish: [shade, first, second, grid].into_iter().flatten().collect(),
+            finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
             strategy: packet.style.drawing.strategy,
         }
     }

@@ -8,10 +8,10 @@ use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
 use super::residency::Residency;
-use super::targets::Targets;
+use super::targets::{SizesPx, Targets};
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{ScenePacket, Strategy, Style};
+use crate::scene::{Antialiasing, ScenePacket, Strategy, Style};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -92,7 +92,7 @@ impl GpuRenderer {
 
     /// The picture as a texture of the last packet's size; `None` before the first packet.
     pub fn color_view(&self) -> Option<&wgpu::TextureView> {
-        self.targets.as_ref().map(|targets| &targets.color_view)
+        self.targets.as_ref().map(|targets| targets.picture().1)
     }
 
     /// Changes whenever [`GpuRenderer::color_view`] is another texture than before.
@@ -123,7 +123,7 @@ impl GpuRenderer {
             return Ok(None);
         }
         let start = Instant::now();
-        let commands = self.encode_picture(&packet)?;
+        let commands = self.encode_picture(&packet.as_drawn())?;
         self.stats.frames += 1;
         self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.drawn = Some(packet);
@@ -165,11 +165,15 @@ impl GpuRenderer {
         Ok(encoder.finish())
     }
 
-    fn ensure_targets(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        if self.targets.as_ref().is_some_and(|targets| targets.size_px == size_px) {
+    fn ensure_targets(&mut self, sizes_px: SizesPx) -> Result<(), RenderError> {
+        if self
+            .targets
+            .as_ref()
+            .is_some_and(|targets| targets.sizes_px() == sizes_px)
+        {
             return Ok(());
         }
-        let [width, height] = size_px;
+        let ([width, height], _) = sizes_px;
         let max = self.context.max_edge_px();
         if width > max || height > max {
             return Err(RenderError::TooLarge { width, height, max });
@@ -179,7 +183,7 @@ impl GpuRenderer {
         self.drawn = None;
         let targets = self
             .context
-            .catching_out_of_memory("the picture", || Targets::new(&self.context, size_px))?;
+            .catching_out_of_memory("the picture", || Targets::new(&self.context, sizes_px))?;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -259,14 +263,16 @@ impl Renderer for GpuRenderer {
         }
         let start = Instant::now();
         self.prepared = None;
-        self.ensure_targets(packet.viewport_px)?;
+        let drawn = packet.as_drawn();
+        let is_smoothed = packet.style.drawing.antialiasing != Antialiasing::None;
+        self.ensure_targets((drawn.viewport_px, is_smoothed.then_some(packet.viewport_px)))?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
             self.residency.clear();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
-        let plan = Plan::new(packet);
+        let plan = Plan::new(&drawn);
         self.ensure_surfaces(&plan)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
@@ -277,7 +283,7 @@ impl Renderer for GpuRenderer {
         for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass);
         }
-        for (index, view) in (0..).zip(Plan::views(packet)) {
+        for (index, view) in (0..).zip(Plan::views(&drawn)) {
             let offset = u64::from(self.view_stride) * index;
             self.context
                 .queue
@@ -300,7 +306,7 @@ impl Renderer for GpuRenderer {
     fn read_image(&mut self) -> Result<image::RgbaImage, RenderError> {
         self.context.check_alive()?;
         let targets = self.targets.as_ref().ok_or(RenderError::NothingPrepared)?;
-        read_color(&self.context, &targets.color)
+        read_color(&self.context, targets.picture().0)
     }
 
     fn stats(&self) -> RenderStats {

@@ -23,22 +23,28 @@ pub(super) enum Target {
     Sums,
     /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
     Surfaces,
+    /// What antialiasing makes of the picture.
+    Shown,
 }
 
 /// What a screen pass reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
+    Picture,
     Sums,
     Depths,
     /// Sums of colours, of normals and of nearnesses; and depths.
     Surfaces,
 }
 
+/// Of the picture that is drawn, and of the one that is shown where that is another.
+pub(super) type SizesPx = ([u32; 2], Option<[u32; 2]>);
+
 impl Target {
     /// One for each texture.
     pub(super) fn formats(self) -> &'static [wgpu::TextureFormat] {
         match self {
-            Self::Picture => &[COLOR_FORMAT],
+            Self::Picture | Self::Shown => &[COLOR_FORMAT],
             Self::Sums => &[ACCUMULATION_FORMAT],
             Self::Surfaces => &[ACCUMULATION_FORMAT, ACCUMULATION_FORMAT, NEARNESS_FORMAT],
         }
@@ -48,9 +54,12 @@ impl Target {
 /// The textures of one viewport size.
 #[derive(Debug)]
 pub(super) struct Targets {
-    pub(super) size_px: [u32; 2],
-    pub(super) color: wgpu::Texture,
-    pub(super) color_view: wgpu::TextureView,
+    size_px: [u32; 2],
+    /// The size of the picture that is shown, where that is another texture than the one that is drawn into.
+    shown_px: Option<[u32; 2]>,
+    color: wgpu::Texture,
+    color_view: wgpu::TextureView,
+    shown: Option<(wgpu::Texture, wgpu::TextureView)>,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
     /// Those of [`Target::Surfaces`], once shading was deferred.
@@ -58,18 +67,38 @@ pub(super) struct Targets {
 }
 
 impl Targets {
-    /// Precondition: both edges at least 1 and at most [`Context::max_edge_px`].
-    pub(super) fn new(context: &Context, size_px: [u32; 2]) -> Self {
+    /// Precondition: all edges at least 1 and at most [`Context::max_edge_px`].
+    pub(super) fn new(context: &Context, (size_px, shown_px): SizesPx) -> Self {
         let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let shown = shown_px.map(|shown_px| {
+            let shown = self::texture(context, shown_px, "shown", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+            let view = view(&shown);
+            (shown, view)
+        });
         Self {
             size_px,
+            shown_px,
+            shown,
             color_view: view(&color),
             color,
             accumulation_view: view(&texture("accumulation", ACCUMULATION_FORMAT, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
+        }
+    }
+
+    /// What they were made for.
+    pub(super) fn sizes_px(&self) -> SizesPx {
+        (self.size_px, self.shown_px)
+    }
+
+    /// The picture that is shown.
+    pub(super) fn picture(&self) -> (&wgpu::Texture, &wgpu::TextureView) {
+        match &self.shown {
+            Some((texture, view)) => (texture, view),
+            None => (&self.color, &self.color_view),
         }
     }
 
@@ -90,12 +119,14 @@ impl Targets {
             Target::Picture => vec![&self.color_view],
             Target::Sums => vec![&self.accumulation_view],
             Target::Surfaces => self.surfaces.iter().flatten().collect(),
+            Target::Shown => self.shown.iter().map(|(_, view)| view).collect(),
         }
     }
 
     /// What a pass over the screen reads, with the same precondition.
     pub(super) fn sources(&self, source: Source) -> Vec<&wgpu::TextureView> {
         match source {
+            Source::Picture => vec![&self.color_view],
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => self.surfaces.iter().flatten().chain([&self.depth_view]).collect(),

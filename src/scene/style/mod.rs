@@ -26,7 +26,7 @@ pub use background::Background;
 pub(super) use background::luma;
 pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
-pub use drawing::{DrawingStyle, Primitive, RendererChoice, Strategy};
+pub use drawing::{Antialiasing, DrawingStyle, Primitive, RendererChoice, Strategy};
 pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
@@ -238,8 +238,8 @@ impl Style {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be decided
-    /// before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
+    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
+    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
     /// normals, nor of ellipses.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()

@@ -90,7 +90,7 @@ impl Pipelines {
     /// Layout of the textures that a screen pass reads.
     pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
         match source {
-            Source::Sums => &self.color_source_layout,
+            Source::Sums | Source::Picture => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
         }
