@@ -152,6 +152,27 @@ fn surfaces_with_ambient_occlusion() {
 }
 
 #[test]
+fn surfaces_with_shadows() {
+    for &splatting in Splatting::ALL {
+        for &rig in LightRig::ALL {
+            let style = Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.light.lighting = Lighting::BlinnPhong;
+                style.light.rig = rig;
+                style.light.shadows = OnOff::On;
+            });
+            let (least_psnr_db, most_differing) = agreement(splatting);
+            // At the borders of shadows both ask nearly the same texels of nearly the same maps.
+            assert_same_picture(
+                &surfel_scene(style, 1.9),
+                least_psnr_db.min(50.0),
+                most_differing.max(2e-3),
+            );
+        }
+    }
+}
+
+#[test]
 fn points_of_one_pixel_and_of_many() {
     for size_px in [1.0, 1.2, 2.0, 3.5, 16.0] {
         for &shape in PointShape::ALL {

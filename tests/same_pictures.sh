@@ -87,6 +87,8 @@ draw_all() { # draw_all PROGRAM FOLDER
         done
         for value in surfel voxel; do
             picture "$renderer-ao-$value" "${demo[@]}" --primitive "$value" --lighting lambert --ao on
+            picture "$renderer-shadows-$value" "${demo[@]}" --primitive "$value" --lighting lambert \
+                --lights three-point --shadows on
         done
         for value in auto drawn darker culled; do
             picture "$renderer-back-faces-$value" "${of_torus[@]}" --primitive surfel --back-faces "$value" \

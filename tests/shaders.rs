@@ -137,6 +137,13 @@ fn rust_and_wgsl_agree_on_every_layout() {
         occlusion_most_radius_px,
         occlusion_strength,
         samples_per_edge,
-        lamps
+        lamps,
+        lamp_from_view_x,
+        lamp_from_view_y,
+        lamp_from_view_z,
+        shadow_focal,
+        shadow_near,
+        shadow_texel,
+        padding
     );
 }

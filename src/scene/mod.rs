@@ -18,6 +18,7 @@ mod packet;
 mod path;
 mod pick;
 mod scale_bar;
+mod shadow;
 mod style;
 mod view_text;
 
@@ -37,6 +38,7 @@ pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
 pub use scale_bar::ScaleBar;
+pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,

@@ -47,6 +47,7 @@ fn unusual() -> Preferences {
             light: LightStyle {
                 lighting: Lighting::PerVertex,
                 rig: LightRig::ThreePoint,
+                shadows: OnOff::On,
                 ao: OnOff::On,
                 ao_strength: 0.5,
                 ao_radius: 2.0,
@@ -99,6 +100,7 @@ fn of_version_6() -> Preferences {
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Head;
             style.drawing.antialiasing = Antialiasing::None;
+            style.light.shadows = OnOff::Off;
             style.light.ao = OnOff::Off;
             style.light.ao_strength = 1.0;
             style.light.ao_radius = 1.0;

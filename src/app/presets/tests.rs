@@ -79,6 +79,7 @@ fn of_version_1() -> Style {
         light: LightStyle {
             lighting: Lighting::PerVertex,
             rig: LightRig::Head,
+            shadows: OnOff::Off,
             ao: OnOff::Off,
             ao_strength: 1.0,
             ao_radius: 1.0,

@@ -22,53 +22,93 @@ use rayon::prelude::*;
 /// The picture that was drawn.
 struct Drawn<'a> {
     pixels: &'a [[u8; 4]],
+    lumas: &'a [f32],
     size_px: [i32; 2],
+}
+
+/// The luma of a pixel, and of those above, below, left and right of it.
+struct Cross {
+    middle: f32,
+    sides: [f32; 4],
 }
 
 /// Makes `shown`, of the same size, of `drawn`.
 pub(super) fn smooth(drawn: &RgbaImage, shown: &mut RgbaImage) {
-    let size_px @ [width, _] = [drawn.width(), drawn.height()].map(|edge| edge as i32);
+    let size_px @ [width, height] = [drawn.width(), drawn.height()].map(|edge| edge as i32);
+    let (pixels, _) = drawn.as_chunks();
+    let lumas: Vec<f32> = pixels.par_iter().map(|&pixel| luma(color(pixel))).collect();
     let drawn = Drawn {
-        pixels: drawn.as_chunks().0,
+        pixels,
+        lumas: &lumas,
         size_px,
     };
     let rows = shown.par_chunks_exact_mut(4 * width as usize);
     rows.enumerate().for_each(|(y, row)| {
-        for (pixel, x) in row.as_chunks_mut::<4>().0.iter_mut().zip(0..) {
-            *pixel = drawn.smoothed([x, y as i32]);
+        let y = y as i32;
+        let own = drawn.row_of_lumas(y);
+        let (above, below) = (
+            drawn.row_of_lumas((y - 1).max(0)),
+            drawn.row_of_lumas((y + 1).min(height - 1)),
+        );
+        for (x, pixel) in row.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            let cross = Cross {
+                middle: own[x],
+                sides: [
+                    above[x],
+                    below[x],
+                    own[x.saturating_sub(1)],
+                    own[(x + 1).min(own.len() - 1)],
+                ],
+            };
+            let place = [x as i32, y];
+            *pixel = match cross.contrast() {
+                Some(contrast) => drawn.smoothed(place, &cross, contrast),
+                None => drawn.pixel(place),
+            };
         }
     });
 }
 
+impl Cross {
+    /// Between the lightest and the darkest of them; `None` where that is too little for an edge.
+    fn contrast(&self) -> Option<f32> {
+        let most = self.sides.iter().copied().fold(self.middle, f32::max);
+        let contrast = most - self.sides.iter().copied().fold(self.middle, f32::min);
+        (contrast >= FXAA_LEAST_CONTRAST.max(FXAA_LEAST_SHARE * most)).then_some(contrast)
+    }
+}
+
 impl Drawn<'_> {
-    /// The pixel, or that at the border beside it.
-    fn pixel(&self, [x, y]: [i32; 2]) -> [u8; 4] {
-        let [width, height] = self.size_px;
-        let [x, y] = [x.clamp(0, width - 1), y.clamp(0, height - 1)];
-        self.pixels[(y * width + x) as usize]
+    fn row_of_lumas(&self, y: i32) -> &[f32] {
+        let width = self.size_px[0] as usize;
+        &self.lumas[width * y as usize..width * (y as usize + 1)]
     }
 
-    fn color(&self, place: [i32; 2]) -> Vec3 {
-        let [red, green, blue, _] = self.pixel(place).map(f32::from);
-        Vec3::new(red, green, blue) / 255.0
+    /// Where a pixel is, or that at the border beside it.
+    fn index(&self, [x, y]: [i32; 2]) -> usize {
+        let [width, height] = self.size_px;
+        let [x, y] = [x.clamp(0, width - 1), y.clamp(0, height - 1)];
+        (y * width + x) as usize
+    }
+
+    fn pixel(&self, place: [i32; 2]) -> [u8; 4] {
+        self.pixels[self.index(place)]
     }
 
     fn luma(&self, place: [i32; 2]) -> f32 {
-        luma(self.color(place))
+        self.lumas[self.index(place)]
     }
 
-    fn smoothed(&self, place @ [x, y]: [i32; 2]) -> [u8; 4] {
-        let own = self.color(place);
-        let middle = luma(own);
-        let sides = [[x, y - 1], [x, y + 1], [x - 1, y], [x + 1, y]].map(|side| self.color(side));
-        let [north, south, west, east] = sides.map(luma);
-        let most = middle.max(north).max(south).max(west).max(east);
-        let contrast = most - middle.min(north).min(south).min(west).min(east);
-        if contrast < FXAA_LEAST_CONTRAST.max(FXAA_LEAST_SHARE * most) {
-            return self.pixel(place);
-        }
-        let corners = [[-1, -1], [1, -1], [-1, 1], [1, 1]].map(|[right, down]| self.color([x + right, y + down]));
-        let [north_west, north_east, south_west, south_east] = corners.map(luma);
+    fn smoothed(&self, place @ [x, y]: [i32; 2], cross: &Cross, contrast: f32) -> [u8; 4] {
+        let Cross {
+            middle,
+            sides: [north, south, west, east],
+        } = *cross;
+        let own = color(self.pixel(place));
+        let sides = [[x, y - 1], [x, y + 1], [x - 1, y], [x + 1, y]].map(|side| color(self.pixel(side)));
+        let corners = [[-1, -1], [1, -1], [-1, 1], [1, 1]].map(|[right, down]| [x + right, y + down]);
+        let [north_west, north_east, south_west, south_east] = corners.map(|corner| self.luma(corner));
+        let corners = corners.map(|corner| color(self.pixel(corner)));
         let across_rows = (north_west + south_west - 2.0 * west).abs()
             + 2.0 * (north + south - 2.0 * middle).abs()
             + (north_east + south_east - 2.0 * east).abs();
@@ -87,7 +127,7 @@ impl Drawn<'_> {
             ([down, right], after)
         };
         let share = self.covered(place, middle, other, beside, along);
-        let smooth_edge = own.lerp(self.color(sum(place, beside)), share);
+        let smooth_edge = own.lerp(color(self.pixel(sum(place, beside))), share);
         let detail = (0.25 * (north + south + west + east) - middle).abs() / contrast - FXAA_DETAIL;
         let blended = (detail / (1.0 - FXAA_DETAIL)).clamp(0.0, FXAA_MOST_BLENDED);
         let around = (own + sides.iter().sum::<Vec3>() + corners.iter().sum::<Vec3>()) / 9.0;
@@ -119,6 +159,11 @@ impl Drawn<'_> {
         }
         0.5 - (nearest - 0.5) / (back.0 + ahead.0 - 1.0)
     }
+}
+
+fn color(pixel: [u8; 4]) -> Vec3 {
+    let [red, green, blue, _] = pixel.map(f32::from);
+    Vec3::new(red, green, blue) / 255.0
 }
 
 fn luma(color: Vec3) -> f32 {

@@ -29,6 +29,7 @@ mod records;
 mod rows;
 mod screen;
 mod shading;
+mod shadow;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -36,7 +37,7 @@ mod view;
 
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket};
+use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket, Shadow};
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use deferred::Illumination;
@@ -44,6 +45,7 @@ use image::RgbaImage;
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
+use shadow::ShadowMap;
 use std::time::Instant;
 
 /// Draws on the processor.
@@ -60,6 +62,8 @@ pub struct CpuRenderer {
     depths: Vec<f32>,
     /// The same, drawn before the picture, where light depends on them.
     occluders: Vec<f32>,
+    /// The depths that the key light sees, and what they were drawn from.
+    shadow_map: Option<(ScenePacket, Vec<f32>)>,
     stats: RenderStats,
 }
 
@@ -129,7 +133,16 @@ impl CpuRenderer {
             draw_reversed_depths(&Drawable::of(&packet), &packet, blocks, &mut self.occluders);
             Occlusion::new(settings, packet.viewport_px, &self.occluders)
         });
-        let illumination = Lights::of(packet).map(|lights| Illumination { lights, occlusion });
+        let shadow = Shadow::of(packet);
+        let shadow = shadow.as_ref().map(|shadow| ShadowMap {
+            shadow,
+            depths: depths_from_lamp(&mut self.shadow_map, &shadow.lamp_packet, blocks),
+        });
+        let illumination = Lights::of(packet).map(|lights| Illumination {
+            lights,
+            occlusion,
+            shadow,
+        });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
@@ -206,6 +219,21 @@ impl Renderer for CpuRenderer {
 fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks, depths: &mut [f32]) {
     let bands = bands_of(packet, depths, 1).map(TileRow::Depths);
     drawable.draw(packet, blocks, None, bands.collect());
+}
+
+/// The reversed depths that a lamp sees: those that are known, or drawn now.
+fn depths_from_lamp<'a>(
+    known: &'a mut Option<(ScenePacket, Vec<f32>)>,
+    packet: &ScenePacket,
+    blocks: &Blocks,
+) -> &'a [f32] {
+    let (of, mut depths) = known.take().unwrap_or_else(|| (packet.clone(), Vec::new()));
+    if depths.is_empty() || of != *packet {
+        let [width, height] = packet.viewport_px.map(|edge| edge as usize);
+        depths.resize(width * height, 0.0);
+        draw_reversed_depths(&Drawable::of_shadow(packet), packet, blocks, &mut depths);
+    }
+    &known.insert((packet.clone(), depths)).1
 }
 
 fn milliseconds_since(start: Instant) -> f64 {

@@ -10,7 +10,7 @@ use crate::render::constants::{
     HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY,
     SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{AmbientOcclusion, Antialiasing, EyeDomeLight, Lights};
+use crate::scene::{AmbientOcclusion, Antialiasing, EyeDomeLight, Lights, Shadow};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -43,6 +43,11 @@ const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
 
 /// How far along an edge its end is looked for.
 const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
+
+/// Of the map of a shadow.
+const SHADOW_EDGE_PX: f32 = Shadow::EDGE_PX as f32;
+const SHADOW_OFFSET_TEXELS: f32 = Shadow::OFFSET_TEXELS[0];
+const SHADOW_SLOPE_TEXELS: f32 = Shadow::OFFSET_TEXELS[1];
 
 /// Lamps beside the head light.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
@@ -92,6 +97,9 @@ pub(super) fn shared() -> String {
         OCCLUSION_LINE_COUNT,
         OCCLUSION_ROUGHNESS,
         OUTPUT_GROUP,
+        SHADOW_EDGE_PX,
+        SHADOW_OFFSET_TEXELS,
+        SHADOW_SLOPE_TEXELS,
         SHAPE_GROUP,
         SOURCE_GROUP,
         SHININESS,

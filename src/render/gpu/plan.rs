@@ -11,7 +11,7 @@ use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
 use super::targets::Target;
-use crate::scene::{Antialiasing, EyeDomeLight, ScenePacket, Strategy};
+use crate::scene::{Antialiasing, EyeDomeLight, ScenePacket, Shadow, Strategy};
 
 /// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
@@ -21,11 +21,16 @@ pub(super) struct Plan<'a> {
     pub(super) background: Option<&'static ScreenPass>,
     /// What follows the passes over records.
     pub(super) finish: Vec<&'static ScreenPass>,
+    /// Of the key light, if it has one.
+    pub(super) shadow: Option<Shadow>,
     strategy: Strategy,
 }
 
-/// Views that a picture can need: one for each pass over records.
-pub(super) const VIEWS: usize = 2;
+/// Views that a picture can need: one for each pass over records, and that of the key light.
+pub(super) const VIEWS: usize = 3;
+
+/// The place of the view of the key light among them.
+pub(super) const LAMP_VIEW: u32 = 2;
 
 impl<'a> Plan<'a> {
     pub(super) fn new(packet: &'a ScenePacket) -> Self {
@@ -50,18 +55,22 @@ impl<'a> Plan<'a> {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
             finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
+            shadow: Shadow::of(packet),
             strategy: packet.style.drawing.strategy,
         }
     }
 
-    /// The uniforms of each pass over records.
-    pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; VIEWS] {
+    /// The uniforms of each pass over records, the first of which are those of passes over the screen, and of the key
+    /// light.
+    pub(super) fn views(&self, packet: &ScenePacket) -> Vec<ViewUniform> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
-        [
-            ViewUniform::new(packet, visibility),
-            ViewUniform::new(packet, attribute).without_slack(),
-        ]
+        let first = ViewUniform::new(packet, visibility);
+        let second = ViewUniform::new(packet, attribute).without_slack();
+        match &self.shadow {
+            Some(shadow) => vec![first.with_shadow(shadow), second, ViewUniform::of_lamp(shadow)],
+            None => vec![first, second],
+        }
     }
 
     /// The streams that are drawn.
@@ -77,6 +86,19 @@ impl<'a> Plan<'a> {
             amplification: drawable.amplification,
             pass,
             cull_back_faces: drawable.cull_back_faces,
+        })
+    }
+
+    /// The pass over records that draws the shadow map.
+    pub(super) fn shadow_key(&self) -> Option<GeometryKey> {
+        let drawable = &self.drawable;
+        let pass = drawable.depth_pass.filter(|_| self.shadow.is_some())?;
+        Some(GeometryKey {
+            strategy: self.strategy,
+            amplification: drawable.amplification,
+            pass,
+            // Cells have faces towards the lamp alone; surfels cast shadows to both sides.
+            cull_back_faces: false,
         })
     }
 

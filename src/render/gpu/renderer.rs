@@ -151,7 +151,7 @@ impl GpuRenderer {
         let mut recorder = Recorder {
             context: &self.context,
             pipelines: &self.pipelines,
-            targets: self.targets.as_ref().ok_or(RenderError::NothingPrepared)?,
+            targets: self.targets.as_mut().ok_or(RenderError::NothingPrepared)?,
             view_group: &self.view_group,
             view_stride: self.view_stride,
             encoder: &mut encoder,
@@ -191,9 +191,14 @@ impl GpuRenderer {
 
     fn ensure_surfaces(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         match &mut self.targets {
-            Some(targets) if plan.defers_shading() => self
-                .context
-                .catching_out_of_memory("the surfaces of the picture", || targets.ensure_surfaces(&self.context)),
+            Some(targets) if plan.defers_shading() => {
+                self.context.catching_out_of_memory("the surfaces of the picture", || {
+                    targets.ensure_surfaces(&self.context);
+                    if plan.shadow.is_some() {
+                        targets.ensure_shadow_map(&self.context);
+                    }
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -276,14 +281,14 @@ impl Renderer for GpuRenderer {
         self.ensure_surfaces(&plan)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
-        for key in plan.geometry_keys() {
+        for key in plan.geometry_keys().chain(plan.shadow_key()) {
             self.pipelines
                 .ensure_geometry(&self.context, key, self.instancing.as_ref());
         }
         for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass);
         }
-        for (index, view) in (0..).zip(Plan::views(&drawn)) {
+        for (index, view) in (0..).zip(plan.views(&drawn)) {
             let offset = u64::from(self.view_stride) * index;
             self.context
                 .queue

@@ -1,6 +1,7 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
+use crate::scene::{ScenePacket, Shadow};
 
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -33,7 +34,7 @@ pub(super) enum Source {
     Picture,
     Sums,
     Depths,
-    /// Sums of colours, of normals and of nearnesses; and depths.
+    /// Sums of colours, of normals and of nearnesses; depths; and the shadow map.
     Surfaces,
 }
 
@@ -64,6 +65,9 @@ pub(super) struct Targets {
     pub(super) depth_view: wgpu::TextureView,
     /// Those of [`Target::Surfaces`], once shading was deferred.
     surfaces: Option<Vec<wgpu::TextureView>>,
+    /// The depths that the key light sees, and what they were drawn from; a texel that is never read until then.
+    shadow_map: wgpu::TextureView,
+    shadow_of: Option<ScenePacket>,
 }
 
 impl Targets {
@@ -86,6 +90,27 @@ impl Targets {
             accumulation_view: view(&texture("accumulation", ACCUMULATION_FORMAT, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
+            shadow_map: view(&self::texture(context, [1; 2], "no shadow map", DEPTH_FORMAT, none)),
+            shadow_of: None,
+        }
+    }
+
+    /// The shadow map of what a lamp sees; `None` if that is what it has already.
+    pub(super) fn outdated_shadow_map(&mut self, lamp_packet: &ScenePacket) -> Option<&wgpu::TextureView> {
+        if self.shadow_of.as_ref() == Some(lamp_packet) {
+            return None;
+        }
+        self.shadow_of = Some(lamp_packet.clone());
+        Some(&self.shadow_map)
+    }
+
+    /// Makes the texture of the shadow map unless it is there.
+    pub(super) fn ensure_shadow_map(&mut self, context: &Context) {
+        let size_px = [Shadow::EDGE_PX; 2];
+        let texture = self.shadow_map.texture();
+        if [texture.width(), texture.height()] != size_px {
+            let none = wgpu::TextureUsages::empty();
+            self.shadow_map = view(&self::texture(context, size_px, "shadow map", DEPTH_FORMAT, none));
         }
     }
 
@@ -129,7 +154,10 @@ impl Targets {
             Source::Picture => vec![&self.color_view],
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
-            Source::Surfaces => self.surfaces.iter().flatten().chain([&self.depth_view]).collect(),
+            Source::Surfaces => {
+                let depths = [&self.depth_view, &self.shadow_map];
+                self.surfaces.iter().flatten().chain(depths).collect()
+            }
         }
     }
 }

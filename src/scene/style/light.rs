@@ -34,6 +34,13 @@ choices! {
     }
 }
 
+impl LightRig {
+    /// Whether its first lamp is far away, so that its shadow can be told.
+    pub fn has_far_key(self) -> bool {
+        matches!(self, Self::ThreePoint | Self::Colored)
+    }
+}
+
 choices! {
     /// Whether depths shade the picture.
     EyeDome, "choice of eye-dome lighting" {
@@ -78,6 +85,18 @@ group! {
             when: When::Deferred,
             label: Label::Unusual(Place::What, "{} lights"),
             values: Values::Words(LightRig::WORDS),
+        }
+        /// Whether the first lamp casts shadows.
+        shadows: OnOff = OnOff::Off, "shadows" SHADOWS {
+            flag: "shadows",
+            value_name: "WHETHER",
+            help: "Shadows of the first of the lights three-point and colored",
+            title: "Shadows",
+            hint: "Whether the first of several lights that are far away casts shadows",
+            section: Section::Shading,
+            when: When::KeyLight,
+            label: Label::If(When::Shadows, Place::What, "with shadows"),
+            values: Values::Words(OnOff::WORDS),
         }
         /// Whether what is near a place keeps light from it (ambient occlusion).
         ao: OnOff = OnOff::Off, "ao" AO {

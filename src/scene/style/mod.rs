@@ -150,6 +150,8 @@ impl Style {
             When::Deferred => self.primitive != Primitive::Point && self.light.lighting.is_deferred(),
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
+            When::KeyLight => self.is(When::Deferred) && self.light.rig.has_far_key(),
+            When::Shadows => self.is(When::KeyLight) && self.light.shadows == OnOff::On,
             When::Shaded => self.is_shaded_with_depths(),
             When::Occluded => self.is_shaded_with_depths() && self.light.ao == OnOff::On,
             When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
@@ -239,8 +241,8 @@ impl Style {
     }
 
     /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
-    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
-    /// normals, nor of ellipses.
+    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table
+    /// of normals, nor of ellipses.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && self.primitive != Primitive::Ellipse

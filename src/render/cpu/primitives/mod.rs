@@ -28,18 +28,24 @@ pub(super) enum Drawable<'a> {
 
 impl<'a> Drawable<'a> {
     pub(super) fn of(packet: &'a ScenePacket) -> Self {
-        Self::with_slack(packet, DEPTH_SLACK_RADII)
+        Self::with_slack(packet, [DEPTH_SLACK_RADII, 0.0])
+    }
+
+    /// What leaves depths in a shadow map.
+    pub(super) fn of_shadow(packet: &'a ScenePacket) -> Self {
+        Self::with_slack(packet, [DEPTH_SLACK_RADII; 2])
     }
 
     /// What lies on the surface that [`of_surfaces`] shows.
     pub(super) fn of_surface(packet: &'a ScenePacket) -> Self {
-        match Self::with_slack(packet, 0.0) {
+        match Self::with_slack(packet, [0.0; 2]) {
             Self::Coded(_) => Self::Nothing,
             drawable => drawable,
         }
     }
 
-    fn with_slack(packet: &'a ScenePacket, slack_radii: f32) -> Self {
+    /// With how far surfels and cells are pushed back.
+    fn with_slack(packet: &'a ScenePacket, [slack_radii, slack_of_cells]: [f32; 2]) -> Self {
         let style = &packet.style;
         match &packet.content {
             Content::Nothing => Self::Nothing,
@@ -54,7 +60,7 @@ impl<'a> Drawable<'a> {
                 style,
                 slack_radii,
             }),
-            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting)),
+            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting, slack_of_cells)),
             Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),
         }
     }

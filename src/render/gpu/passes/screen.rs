@@ -35,6 +35,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     wgsl: concat!(
         include_str!("../../../../shaders/common/linear.wgsl"),
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Surfaces),
