@@ -11,8 +11,8 @@
 //! without it, since tiles have to keep their depths as well.
 //!
 //! Light at 1280×720 with eye-dome lighting, two threads: whole pictures of the same surfels in each way to light them;
-//! what deferred shading costs is their difference to `none`. Then, of Lambert's light of three lamps, each further pass
-//! beside the picture without one. A shadow map is drawn once: the light stays.
+//! what deferred shading costs is their difference to `none`. Then, of Lambert's light of three lamps, each further
+//! pass beside the picture without one. A shadow map is drawn once: the light stays.
 //!
 //! `plain fill` is what the memory of the picture takes to be written.
 //!
