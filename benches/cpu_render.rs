@@ -11,7 +11,8 @@
 //! without it, since tiles have to keep their depths as well.
 //!
 //! Light at 1280×720 with eye-dome lighting, two threads: whole pictures of the same surfels in each way to light them;
-//! what deferred shading costs is their difference to `none`.
+//! what deferred shading costs is their difference to `none`. Then, of Lambert's light of three lamps, each further
+//! pass beside the picture without one. A shadow map is drawn once: the light stays.
 //!
 //! `plain fill` is what the memory of the picture takes to be written.
 //!
@@ -29,8 +30,8 @@ use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, Primitive, ScenePacket, SplatFilter, Style, Surfels,
-    UpAxis, Voxels,
+    Antialiasing, Camera, Content, EyeDome, GroundPlane, LightRig, Lighting, OnOff, Primitive, ScenePacket,
+    SplatFilter, Style, Surfels, UpAxis, Voxels,
 };
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -239,6 +240,29 @@ fn light(criterion: &mut Criterion) {
                 bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
             });
         }
+    }
+    packet.style.light.lighting = Lighting::Lambert;
+    packet.style.light.rig = LightRig::ThreePoint;
+    let style = packet.style;
+    let passes = [
+        ("no further pass", style),
+        ("ambient occlusion", style.with(|style| style.light.ao = OnOff::On)),
+        ("shadows", style.with(|style| style.light.shadows = OnOff::On)),
+        (
+            "fxaa",
+            style.with(|style| style.drawing.antialiasing = Antialiasing::Fxaa),
+        ),
+        (
+            "supersample",
+            style.with(|style| style.drawing.antialiasing = Antialiasing::Supersample),
+        ),
+    ];
+    for (name, style) in passes {
+        packet.style = style;
+        let mut renderer = CpuRenderer::new();
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| pool.install(|| draw_on_cpu(&mut renderer, &packet)));
+        });
     }
     group.finish();
 }

@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, EyeDome, Kernel, LightRig, LightStyle, Lighting, PointShape,
-    PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, EyeDome, Kernel, LightRig, LightStyle, Lighting, OnOff,
+    PointShape, PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -165,6 +165,44 @@ fn surfaces_under_every_rig_of_lights_with_eye_dome_lighting() {
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
             assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+    }
+}
+
+#[test]
+fn surfaces_with_ambient_occlusion() {
+    for &splatting in Splatting::ALL {
+        for (distance, radius) in [(1.9, 1.0), (1.2, 4.0)] {
+            let style = Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.light.lighting = Lighting::Lambert;
+                style.light.ao = OnOff::On;
+                style.light.ao_radius = radius;
+            });
+            let (least_psnr_db, _) = agreement(splatting);
+            // A pixel on the other side of an edge is on a line of 24 others.
+            assert_same_picture(&surfel_scene(style, distance), least_psnr_db.min(55.0), 5e-4);
+        }
+    }
+}
+
+#[test]
+fn surfaces_with_shadows() {
+    for &splatting in Splatting::ALL {
+        for &rig in LightRig::ALL {
+            let style = Style::default().with(|style| {
+                style.surfels.splatting = splatting;
+                style.light.lighting = Lighting::BlinnPhong;
+                style.light.rig = rig;
+                style.light.shadows = OnOff::On;
+            });
+            let (least_psnr_db, most_differing) = agreement(splatting);
+            // At the borders of shadows both ask nearly the same texels of nearly the same maps.
+            assert_same_picture(
+                &surfel_scene(style, 1.9),
+                least_psnr_db.min(50.0),
+                most_differing.max(2e-3),
+            );
         }
     }
 }

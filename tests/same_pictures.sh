@@ -85,6 +85,11 @@ draw_all() { # draw_all PROGRAM FOLDER
         for value in none surfel vertex fragment; do
             picture "$renderer-lighting-$value" "${surfels[@]}" --lighting "$value"
         done
+        for value in surfel voxel; do
+            picture "$renderer-ao-$value" "${demo[@]}" --primitive "$value" --lighting lambert --ao on
+            picture "$renderer-shadows-$value" "${demo[@]}" --primitive "$value" --lighting lambert \
+                --lights three-point --shadows on
+        done
         for value in auto drawn darker culled; do
             picture "$renderer-back-faces-$value" "${of_torus[@]}" --primitive surfel --back-faces "$value" \
                 --clip-box=-2,-2,-2,2,0.1,2
@@ -95,6 +100,9 @@ draw_all() { # draw_all PROGRAM FOLDER
         picture "$renderer-splat-scale" "${surfels[@]}" --splat-scale 1.5 --enlargement 1.3
         picture "$renderer-point-size" "${points[@]}" --point-size 3
         picture "$renderer-resolution" "${surfels[@]}" --resolution 0.5
+        for value in fxaa supersample; do
+            picture "$renderer-antialiasing-$value" "${surfels[@]}" --antialiasing "$value"
+        done
 
         for value in '--lod 4' '--lod-level 5' '--lod-budget 2000'; do
             # shellcheck disable=SC2086 # an option and its value

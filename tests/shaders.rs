@@ -153,6 +153,17 @@ fn rust_and_wgsl_agree_on_every_layout() {
         depth_slack_px,
         filter_radius_px,
         kernel,
-        lamps
+        samples_per_edge,
+        occlusion_near_radius_px,
+        occlusion_most_radius_px,
+        occlusion_strength,
+        shadow_texel,
+        lamps,
+        lamp_from_view_x,
+        lamp_from_view_y,
+        lamp_from_view_z,
+        shadow_focal,
+        shadow_near,
+        padding
     );
 }

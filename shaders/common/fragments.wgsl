@@ -19,13 +19,14 @@ struct Surface {
     @location(0) color: vec4f,
     // In view space.
     @location(1) normal: vec4f,
-    // The usual distance over that of the fragment. Blending takes the weight from the fourth number of each target.
+    // The usual distance over that of the fragment, less 1: half floats are densest at 0, and surfaces near there, in
+    // orthographic views most of all. Blending takes the weight from the fourth number of each target.
     @location(2) nearness: vec4f,
 }
 
 fn surface(in: Varyings, normal: vec3f, weight: f32) -> Surface {
     // Half floats end at 65504.
-    let nearness = min(in.position.z * view.usual_distance / view.near, 6e4);
+    let nearness = min(in.position.z * view.usual_distance / view.near - 1.0, 6e4);
     return Surface(
         vec4f(albedo(in), 1.0) * weight,
         vec4f(normal, 1.0) * weight,

@@ -34,7 +34,7 @@ struct View {
     point_size_px: f32,
     // Half the edge of the octree's cube.
     cube_half_edge: f32,
-    // How far the visibility pass is pushed back, in splat radii.
+    // How far the visibility pass and the shadow map are pushed back, in splat radii.
     depth_slack: f32,
     // LIGHTING_*, or without light.
     lighting: u32,
@@ -67,7 +67,25 @@ struct View {
     filter_radius_px: f32,
     // KERNEL_*, or Gaussian.
     kernel: u32,
+    // Pixels that are drawn for one that is shown, along both edges of the picture.
+    samples_per_edge: f32,
+    // Of ambient occlusion: the radius of the ball at the near plane, the largest one, and how much it darkens, 0 where
+    // there is none.
+    occlusion_near_radius_px: f32,
+    occlusion_most_radius_px: f32,
+    occlusion_strength: f32,
+    // Edge of a texel of the shadow map in the middle of the cloud, scene units; 0 where there are no shadows.
+    shadow_texel: f32,
     lamps: array<Lamp, MOST_LAMPS>,
+    // Rows of the matrix from view space into that of the first lamp, which the shadow map is drawn in.
+    lamp_from_view_x: vec4f,
+    lamp_from_view_y: vec4f,
+    lamp_from_view_z: vec4f,
+    // Cotangent of half the field of view of that lamp, and its distance to the near plane.
+    shadow_focal: f32,
+    shadow_near: f32,
+    // Fills the last row.
+    padding: vec2u,
 }
 
 @group(VIEW_GROUP) @binding(0) var<uniform> view: View;

@@ -18,7 +18,8 @@ fn lines(place: vec2f, per_px: vec2f, spacing: f32) -> f32 {
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> GridPixel {
-    let slope_per_px = vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
+    // Lines are as wide as pixels that are shown.
+    let slope_per_px = view.samples_per_edge * vec2f(2.0, -2.0) / (view.viewport_px * view.focal);
     let ray = ray_through(position.xy);
     let facing = dot(view.ground_normal.xyz, ray);
     let distance = view.ground_normal.w / facing;

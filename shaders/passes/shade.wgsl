@@ -4,6 +4,8 @@
 @group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(2) var nearnesses: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(3) var depths: texture_depth_2d;
+@group(SOURCE_GROUP) @binding(4) var shadow_map: texture_depth_2d;
 
 // Linear light: what colours are multiplied with, and what is added.
 struct Light {
@@ -28,10 +30,14 @@ fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
         // A surface at the place of a lamp gets no light of it.
         let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
         let lamp_facing = max(dot(normal, to_lamp), 0.0);
-        light.diffuse += lamp.color.rgb * lamp_facing;
+        var color = lamp.color.rgb;
+        if (index == 0u) {
+            color *= light_of_key(shadow_map, position, normal, lamp_facing);
+        }
+        light.diffuse += color * lamp_facing;
         if (lamp_facing > 0.0) {
             let along = max(dot(normal, normalize(to_lamp + to_eye)), 0.0);
-            light.specular += lamp.color.rgb * view.specular * highlight(along);
+            light.specular += color * view.specular * highlight(along);
         }
     }
     return light;
@@ -52,13 +58,14 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if (length2 == 0.0) {
         return sum;
     }
-    let distance = view.usual_distance / max(textureLoad(nearnesses, pixel, 0).r * per_weight, 1e-6);
+    let distance = view.usual_distance / max(1.0 + textureLoad(nearnesses, pixel, 0).r * per_weight, 1e-6);
     let ray = ray_through(position.xy);
     let to_eye = -normalize(ray);
     let unit = mean_normal / sqrt(length2);
     // Surfaces have two sides.
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
     let light = light_on(ray * distance, normal, to_eye);
-    let lit = min(to_linear(albedo) * light.diffuse + light.specular, vec3f(1.0));
+    let diffuse = light.diffuse * openness(depths, vec2i(pixel), normal);
+    let lit = min(to_linear(albedo) * diffuse + light.specular, vec3f(1.0));
     return vec4f(to_display(lit) * sum.a, sum.a);
 }

@@ -30,7 +30,10 @@ fn voxel_vertex(cell: PointRecord, lit_normal: u32, face: u32, corner: u32) -> S
     let q = quad_corner(corner);
     let face_center = center + normal * half_edge;
     let offset = face_center + (u * q.x + v * q.y) * half_edge;
-    let clip = project(rotate_to_view(offset));
+    var clip = project(rotate_to_view(offset));
+    // In a shadow map: the faces of cells are steps of the surface that they stand for.
+    let step = 2.0 * CUBE_REACH_HALF_EDGES * half_edge;
+    clip.z /= 1.0 + view.depth_slack * step / max(length(center), view.near);
     let light = light_at_vertex(oct_decode(lit_normal), face_center, offset);
     return SplatVertex(clip, cell.color, lit_normal, pack2x16unorm(light), 1.0);
 }

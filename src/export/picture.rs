@@ -5,8 +5,8 @@
 //! piece of the same screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most,
 //! however large the picture is.
 //!
-//! Where eye-dome lighting looks at neighbours, parts are drawn with as many pixels around them as it looks far: no
-//! seams are seen.
+//! Where eye-dome lighting and ambient occlusion look at neighbours, parts are drawn with as many pixels around them as
+//! they look far: no seams are seen.
 //!
 //! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c`
 //! leaves `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
@@ -19,7 +19,7 @@ use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, scaled_to};
-use crate::scene::{Background, Camera, EyeDomeLight, Legend, ScenePacket, Style};
+use crate::scene::{Background, Camera, Legend, ScenePacket, Style, halo_px};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
 use std::fs::File;
@@ -60,9 +60,10 @@ impl PictureSize {
     }
 
     /// Without the halo that is drawn around a part.
-    fn largest_part_px(&self, renderer: &AnyRenderer, halo_px: u32) -> [u32; 2] {
-        let edge = self.part_edge_px.unwrap_or(MAX_PART_EDGE_PX);
-        let most = renderer.max_edge_px().saturating_sub(2 * halo_px);
+    fn largest_part_px(&self, renderer: &AnyRenderer, packet: &ScenePacket) -> [u32; 2] {
+        let samples = packet.style.drawing.antialiasing.samples_per_edge();
+        let edge = self.part_edge_px.unwrap_or(MAX_PART_EDGE_PX / samples);
+        let most = (renderer.max_edge_px() / samples).saturating_sub(2 * halo_px(packet));
         let edge = edge.clamp(1, most.max(1));
         let rows = MAX_STRIP_BYTES / (4 * self.size_px[0]);
         [edge, edge.min(rows.max(1))]
@@ -161,9 +162,13 @@ fn for_each_strip(
 ) -> Result<(), ExportError> {
     let size_px @ [width, height] = size.size_px;
     check_size(size_px)?;
-    let packet = headless.packet(frame, camera, style, size_px);
-    let halo_px = EyeDomeLight::of(&packet).map_or(0, |light| light.halo_px());
-    let [part_width, part_height] = size.largest_part_px(headless.renderer(), halo_px);
+    let mut style = *style;
+    if size.is_transparent {
+        style.drawing.antialiasing = style.drawing.antialiasing.without_background();
+    }
+    let packet = headless.packet(frame, camera, &style, size_px);
+    let halo_px = halo_px(&packet);
+    let [part_width, part_height] = size.largest_part_px(headless.renderer(), &packet);
     let legend = Legend::of(frame).filter(|_| size.has_legend);
     let unit = frame.frame.unit();
     let bar = size
@@ -214,7 +219,7 @@ fn for_each_strip(
     Ok(())
 }
 
-/// A part of a picture as it is drawn, in pixels: with pixels around it, as eye-dome lighting looks at neighbours.
+/// A part of a picture as it is drawn, in pixels: with the pixels around it that its own depend on.
 struct PictureTile {
     /// Its upper left pixel.
     start: [u32; 2],

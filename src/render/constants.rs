@@ -60,3 +60,18 @@ pub(super) const WIDEST_CELL_PX: f32 = 16.0;
 pub(super) const USUAL_LINES: f32 = 0.4;
 pub(super) const COARSE_LINES: f32 = 0.6;
 pub(super) const FINE_LINES: f32 = 0.2;
+
+/// Luma of display-referred colours (ITU-R BT.601), by which FXAA finds edges.
+pub(super) const FXAA_RED: f32 = 0.299;
+pub(super) const FXAA_GREEN: f32 = 0.587;
+pub(super) const FXAA_BLUE: f32 = 0.114;
+/// Contrast below which there is no edge: absolute, and relative to the lightest pixel (both as Lottes 2009 advises for
+/// high quality).
+pub(super) const FXAA_LEAST_CONTRAST: f32 = 1.0 / 16.0;
+pub(super) const FXAA_LEAST_SHARE: f32 = 1.0 / 8.0;
+/// Share of the contrast by which the mean of both sides changes where an edge ends.
+pub(super) const FXAA_END_OF_EDGE: f32 = 0.25;
+/// How much a pixel differs from its surroundings, as a share of the contrast, where it is a detail; and how much of
+/// them is blended in at most.
+pub(super) const FXAA_DETAIL: f32 = 0.25;
+pub(super) const FXAA_MOST_BLENDED: f32 = 0.75;

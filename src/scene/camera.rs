@@ -154,7 +154,7 @@ const DEFAULT_FOV_DEG: f64 = 45.0;
 
 /// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one
 /// leaves fewer bits of f32 for what is in the picture.
-const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
+pub(super) const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
 
 /// How much of the picture's height the bounding sphere fills after [`Camera::frame_bounds`].
 const FRAMED_FRACTION: f64 = 0.95;

@@ -63,6 +63,11 @@ impl Lights {
     /// How small highlights are: the power of Blinn 1977.
     pub const SHININESS: u32 = 32;
 
+    /// The first lamp, if it is far away: its shadow can be told.
+    pub fn key(&self) -> Option<&Lamp> {
+        self.lamps.first().filter(|lamp| lamp.is_on() && lamp.place.w == 0.0)
+    }
+
     /// The most lamps beside the head light.
     pub const MOST_LAMPS: usize = 4;
 

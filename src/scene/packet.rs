@@ -29,6 +29,22 @@ impl ScenePacket {
         [middle - radius, middle + radius]
     }
 
+    /// What renderers draw for this picture before antialiasing: several pixels for each, see
+    /// [`Antialiasing::samples_per_edge`](super::Antialiasing::samples_per_edge). What is told in pixels has as many
+    /// more.
+    #[must_use]
+    pub fn as_drawn(&self) -> Self {
+        let samples = self.style.drawing.antialiasing.samples_per_edge();
+        let mut drawn = self.clone();
+        drawn.viewport_px = self.viewport_px.map(|edge| edge * samples);
+        drawn.view.pixels_per_unit_at_1 *= samples as f32;
+        drawn.style.points.size_px *= samples as f32;
+        if let Content::Coded(cells) = &mut drawn.content {
+            cells.lod_px *= samples as f32;
+        }
+        drawn
+    }
+
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:
     /// it lies within the picture, which is no part itself.
     #[must_use]

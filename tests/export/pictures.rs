@@ -8,7 +8,9 @@ use pointreel::levels::Lod;
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::progress::Progress;
 use pointreel::render::AnyRenderer;
-use pointreel::scene::{Background, EyeDome, Footprint, PointStyle, Primitive, Splatting, Strategy, Style};
+use pointreel::scene::{
+    Antialiasing, Background, EyeDome, Footprint, Lighting, OnOff, PointStyle, Primitive, Splatting, Strategy, Style,
+};
 use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
@@ -73,6 +75,16 @@ fn ways() -> Vec<Style> {
             style.backdrop.grid = true;
         })
     }));
+    ways.push(style().with(|style| {
+        style.light.lighting = Lighting::Lambert;
+        style.light.ao = OnOff::On;
+    }));
+    ways.extend([Antialiasing::Fxaa, Antialiasing::Supersample].map(|antialiasing| {
+        style().with(|style| {
+            style.drawing.antialiasing = antialiasing;
+            style.light.eye_dome = EyeDome::On;
+        })
+    }));
     ways
 }
 
@@ -127,10 +139,12 @@ fn over(picture: &RgbaImage, behind: [u8; 3]) -> RgbaImage {
 #[test]
 fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
     let primitives = [Primitive::Surfel, Primitive::Voxel, Primitive::Point];
-    for (primitive, eye_dome) in primitives
-        .into_iter()
-        .flat_map(|primitive| [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, eye_dome)))
-    {
+    let with_each = primitives.into_iter().flat_map(|primitive| {
+        Antialiasing::ALL.iter().flat_map(move |&antialiasing| {
+            [EyeDome::Off, EyeDome::On].map(|eye_dome| (primitive, antialiasing, eye_dome))
+        })
+    });
+    for (primitive, antialiasing, eye_dome) in with_each {
         let style = Style::default().with(|style| {
             style.primitive = primitive;
             style.light.eye_dome = eye_dome;
@@ -138,14 +152,17 @@ fn laid_over_a_colour_a_transparent_picture_is_the_opaque_one() {
         });
         let mut headless = headless(AnyRenderer::cpu());
         let (frame, camera) = near_by(&headless, &style);
-        let mut draw = |is_transparent| {
+        let mut draw = |is_transparent, antialiasing| {
             let size = PictureSize {
                 is_transparent,
                 ..PictureSize::opaque(SIZE_PX)
             };
+            let style = style.with(|style| style.drawing.antialiasing = antialiasing);
             draw_picture(&mut headless, &frame, &camera, &style, size).unwrap()
         };
-        let (opaque, transparent) = (draw(false), draw(true));
+        // FXAA would find other edges on another background.
+        let opaque = draw(false, antialiasing.without_background());
+        let transparent = draw(true, antialiasing);
         let (_, largest) = common::difference(&over(&transparent, [200, 60, 120]), &opaque);
         assert!(largest <= 2, "{primitive}: {largest}");
         let share = |alpha: u8| transparent.pixels().filter(|pixel| pixel.0[3] == alpha).count();

@@ -5,9 +5,9 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure, LevelStyle,
-    LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive,
-    RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointShape, PointStyle,
+    Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -49,6 +49,10 @@ fn unusual() -> Preferences {
             light: LightStyle {
                 lighting: Lighting::PerVertex,
                 rig: LightRig::ThreePoint,
+                shadows: OnOff::On,
+                ao: OnOff::On,
+                ao_strength: 0.5,
+                ao_radius: 2.0,
                 eye_dome: EyeDome::On,
                 eye_dome_strength: 2.5,
             },
@@ -68,6 +72,7 @@ fn unusual() -> Preferences {
                 renderer: RendererChoice::Cpu,
                 strategy: Strategy::Compute,
                 resolution: 0.5,
+                antialiasing: Antialiasing::Supersample,
             },
         },
         present: PresentChoice::Cpu,
@@ -94,8 +99,15 @@ fn of_version_6() -> Preferences {
     let unusual = unusual();
     Preferences {
         settings: unusual.settings.with(|style| {
+            style.surfels.filter = SplatFilter::Off;
+            style.surfels.kernel = Kernel::Gaussian;
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Head;
+            style.drawing.antialiasing = Antialiasing::None;
+            style.light.shadows = OnOff::Off;
+            style.light.ao = OnOff::Off;
+            style.light.ao_strength = 1.0;
+            style.light.ao_radius = 1.0;
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
@@ -164,7 +176,12 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 one_color: [9, 8, 7],
             };
             style.points = of_version_6().settings.points;
-            style.light.rig = of_version_6().settings.light.rig;
+            style.drawing = of_version_6().settings.drawing;
+            style.light = LightStyle {
+                eye_dome: style.light.eye_dome,
+                eye_dome_strength: style.light.eye_dome_strength,
+                ..of_version_6().settings.light
+            };
         }),
         ..unusual()
     };

@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointStyle, RendererChoice, Splatting, Strategy,
-    SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle, RendererChoice,
+    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -80,6 +80,10 @@ fn of_version_1() -> Style {
         light: LightStyle {
             lighting: Lighting::PerVertex,
             rig: LightRig::Head,
+            shadows: OnOff::Off,
+            ao: OnOff::Off,
+            ao_strength: 1.0,
+            ao_radius: 1.0,
             eye_dome: EyeDome::Auto,
             eye_dome_strength: 1.0,
         },
@@ -99,6 +103,7 @@ fn of_version_1() -> Style {
             renderer: RendererChoice::Cpu,
             strategy: Strategy::Compute,
             resolution: 0.5,
+            antialiasing: Antialiasing::None,
         },
     }
 }

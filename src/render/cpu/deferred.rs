@@ -1,8 +1,10 @@
 //! Deferred shading on the processor (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time,
 //! when its surface is blended. The lights: `scene/lights.rs`.
 
+use super::ambient_occlusion::Occlusion;
 use super::eight::{Vectors, lane_numbers};
 use super::linear::{to_display, to_linear};
+use super::shadow::ShadowMap;
 use super::view::PixelView;
 use crate::scene::{Lamp, Lights};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
@@ -16,6 +18,14 @@ pub(super) struct Surface<S: Simd> {
     pub(super) normal: Vectors<S>,
     /// Reversed.
     pub(super) depth: f32x8<S>,
+}
+
+/// What falls on surfaces, and what keeps it away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Illumination<'a> {
+    pub(super) lights: Lights,
+    pub(super) occlusion: Option<Occlusion<'a>>,
+    pub(super) shadow: Option<ShadowMap<'a>>,
 }
 
 /// Linear light on eight pixels: what their colours are multiplied with, and what is added.
@@ -47,7 +57,7 @@ pub(super) fn rays<S: Simd>(simd: S, view: &PixelView, [x, y]: [i32; 2]) -> Vect
 #[inline(always)]
 pub(super) fn shade<S: Simd>(
     simd: S,
-    lights: &Lights,
+    illumination: &Illumination<'_>,
     view: &PixelView,
     pixel: [i32; 2],
     surface: &Surface<S>,
@@ -66,7 +76,10 @@ pub(super) fn shade<S: Simd>(
         to_eye,
         position: ray.times(distance),
     };
-    let light = lit.light(simd, lights, facing.abs());
+    let mut light = lit.light(simd, illumination, facing.abs());
+    if let Some(occlusion) = &illumination.occlusion {
+        light.dim(occlusion.openness(simd, view, pixel, lit.normal, lit.normal.dot(ray)));
+    }
     let [red, green, blue] = surface.albedo;
     // No `map` over arrays of registers: see `raster.rs`.
     let [red_diffuse, green_diffuse, blue_diffuse] = light.diffuse;
@@ -90,10 +103,21 @@ fn lit_channel<S: Simd>(simd: S, albedo: f32x8<S>, diffuse: f32x8<S>, specular: 
     to_display(simd, linear.min(f32x8::splat(simd, 1.0)))
 }
 
+impl<S: Simd> Light<S> {
+    /// Leaves a share of what does not mirror lamps.
+    #[inline(always)]
+    fn dim(&mut self, share: f32x8<S>) {
+        for diffuse in &mut self.diffuse {
+            *diffuse *= share;
+        }
+    }
+}
+
 impl<S: Simd> Lit<S> {
     /// All lights together; `facing` is the cosine between the normal and the way to the eye.
     #[inline(always)]
-    fn light(&self, simd: S, lights: &Lights, facing: f32x8<S>) -> Light<S> {
+    fn light(&self, simd: S, illumination: &Illumination<'_>, facing: f32x8<S>) -> Light<S> {
+        let lights = &illumination.lights;
         let splat = |value: f32| f32x8::splat(simd, value);
         let diffuse = facing.mul_add(splat(lights.head), splat(lights.ambient));
         // The half vector of the head light is the way to the eye.
@@ -102,15 +126,17 @@ impl<S: Simd> Lit<S> {
             diffuse: [diffuse; 3],
             specular: [specular; 3],
         };
+        let mut shadow = illumination.shadow.as_ref();
         for lamp in lights.lamps.iter().filter(|lamp| lamp.is_on()) {
-            self.add(simd, lamp, lights.specular, &mut light);
+            // The first one is the key light.
+            self.add(simd, (lamp, shadow.take()), lights.specular, &mut light);
         }
         light
     }
 
     /// Adds the light of a lamp.
     #[inline(always)]
-    fn add(&self, simd: S, lamp: &Lamp, white: f32, light: &mut Light<S>) {
+    fn add(&self, simd: S, (lamp, shadow): (&Lamp, Option<&ShadowMap<'_>>), white: f32, light: &mut Light<S>) {
         let place = Vectors::splat(simd, lamp.place.truncate());
         let way = place.minus(self.position.times(f32x8::splat(simd, lamp.place.w)));
         let to_lamp = way.times(1.0 / way.dot(way).max(f32::MIN_POSITIVE).sqrt());
@@ -119,9 +145,16 @@ impl<S: Simd> Lit<S> {
         let half = to_lamp.plus(self.to_eye);
         let along = self.normal.dot(half).max(nothing) * (1.0 / half.dot(half).max(f32::MIN_POSITIVE).sqrt());
         let highlight = simd.select_f32x8(facing.simd_gt(nothing), highlight(along), nothing) * white;
+        let (lit_facing, highlight) = match shadow {
+            Some(shadow) => {
+                let lit = shadow.light_of_key(simd, self.position, self.normal, facing);
+                (facing * lit, highlight * lit)
+            }
+            None => (facing, highlight),
+        };
         let Vec3 { x, y, z } = lamp.color;
         for (channel, color) in [x, y, z].into_iter().enumerate() {
-            light.diffuse[channel] = facing.mul_add(f32x8::splat(simd, color), light.diffuse[channel]);
+            light.diffuse[channel] = lit_facing.mul_add(f32x8::splat(simd, color), light.diffuse[channel]);
             light.specular[channel] = highlight.mul_add(f32x8::splat(simd, color), light.specular[channel]);
         }
     }

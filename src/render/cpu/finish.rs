@@ -1,6 +1,6 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::deferred::{Surface, shade};
+use super::deferred::{Illumination, Surface, shade};
 use super::eight::Vectors;
 use super::pixels::{OPAQUE_ALPHA, opaque};
 use super::rows::TileRow;
@@ -19,8 +19,8 @@ pub(super) enum Held {
     BlendedColors,
     /// Sums of weighted colours, and of weights, which hide the background from this one on.
     Sums { opaque_weight: f32 },
-    /// The same, with sums of weighted normals, on which these lights fall.
-    Surfaces { opaque_weight: f32, lights: Lights },
+    /// The same, with sums of weighted normals, on which light falls.
+    Surfaces { opaque_weight: f32 },
     /// Keys of points.
     Keys,
     /// Depths, to be shown between these distances.
@@ -37,9 +37,8 @@ impl Held {
 
     /// Surfaces, if shading is deferred.
     pub(super) fn surfaces(packet: &ScenePacket) -> Option<Self> {
-        Lights::of(packet).map(|lights| Self::Surfaces {
+        Lights::of(packet).map(|_| Self::Surfaces {
             opaque_weight: opaque_weight(&packet.style),
-            lights,
         })
     }
 
@@ -84,6 +83,16 @@ impl Gradient {
     }
 }
 
+/// What becomes of the pixels of tiles.
+#[derive(Debug)]
+pub(super) struct Finish<'a> {
+    pub(super) view: PixelView,
+    pub(super) held: Held,
+    pub(super) gradient: Gradient,
+    /// Where pixels hold surfaces.
+    pub(super) illumination: Option<Illumination<'a>>,
+}
+
 impl Tile {
     /// Clears what will be drawn to.
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
@@ -124,16 +133,11 @@ impl Tile {
 
     /// Writes its pixels to their places in the rows of the picture that it is in.
     #[inline(always)]
-    pub(super) fn write<S: Simd>(
-        &self,
-        simd: S,
-        view: &PixelView,
-        held: Held,
-        gradient: &Gradient,
-        rows: &mut TileRow<'_>,
-    ) {
-        let clip = self.rect().intersection(PixelRect::of_picture(view.size_px));
-        let width_px = view.size_px[0] as usize;
+    pub(super) fn write<S: Simd>(&self, simd: S, finish: &Finish<'_>, rows: &mut TileRow<'_>) {
+        let held = finish.held;
+        let size_px = finish.view.size_px;
+        let clip = self.rect().intersection(PixelRect::of_picture(size_px));
+        let width_px = size_px[0] as usize;
         let columns = clip.start[0] as usize..clip.end[0] as usize;
         for (row, y) in (clip.start[1]..clip.end[1]).enumerate() {
             let columns = width_px * row + columns.start..width_px * row + columns.end;
@@ -141,22 +145,16 @@ impl Tile {
             match rows {
                 TileRow::Bytes(bytes) => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
-                    self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
+                    self.finish_row(simd, finish, row, finish.gradient.at_row(y), pixels);
                 }
                 TileRow::Unfinished { bytes, depths } => {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
-                    self.finish_row(simd, view, row, held, gradient.at_row(y), pixels);
+                    self.finish_row(simd, finish, row, finish.gradient.at_row(y), pixels);
                     let depths = &mut depths[columns];
                     self.write_depths(row, held, depths);
                     self.write_opacities(row, held, depths, pixels);
                 }
-                TileRow::Distances(distances) => {
-                    let distances = &mut distances[columns];
-                    self.write_depths(row, held, distances);
-                    for distance in distances {
-                        *distance = view.near / *distance;
-                    }
-                }
+                TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
             }
         }
     }
@@ -178,7 +176,7 @@ impl Tile {
     /// Writes how much of the background the pixels of a row hide, in place of the alpha of an opaque picture.
     #[inline(always)]
     fn write_opacities(&self, row: usize, held: Held, depths: &[f32], pixels: &mut [[u8; 4]]) {
-        if let Held::Sums { opaque_weight } | Held::Surfaces { opaque_weight, .. } = held {
+        if let Held::Sums { opaque_weight } | Held::Surfaces { opaque_weight } = held {
             let weights = &self.weight[WIDTH * row..];
             for (pixel, weight) in pixels.iter_mut().zip(weights) {
                 pixel[3] = ((weight * (255.0 / opaque_weight)).min(255.0) + 0.5) as u8;
@@ -194,9 +192,8 @@ impl Tile {
     fn finish_row<S: Simd>(
         &self,
         simd: S,
-        view: &PixelView,
+        finish: &Finish<'_>,
         row: usize,
-        held: Held,
         background: [f32; 3],
         pixels: &mut [[u8; 4]],
     ) {
@@ -211,7 +208,7 @@ impl Tile {
             let [red, green, blue] = &self.colors;
             [values(red, place), values(green, place), values(blue, place)]
         };
-        match held {
+        match finish.held {
             Held::Keys => {
                 let empty = opaque(simd, background)[0];
                 for (pixel, &key) in pixels.iter_mut().zip(&self.keys[first..]) {
@@ -238,7 +235,7 @@ impl Tile {
                     sums[2].mul_add(share, background[2] * shows_through),
                 ]
             }),
-            Held::Surfaces { opaque_weight, lights } => write(
+            Held::Surfaces { opaque_weight } => write(
                 simd,
                 pixels,
                 #[inline(always)]
@@ -260,7 +257,10 @@ impl Tile {
                         depth: values(depth, place) * per_weight,
                     };
                     let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
-                    let lit = shade(simd, &lights, view, pixel, &surface);
+                    let lit = match &finish.illumination {
+                        Some(illumination) => shade(simd, illumination, &finish.view, pixel, &surface),
+                        None => surface.albedo,
+                    };
                     let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
                     over(simd, lit, opacity, background)
                 },

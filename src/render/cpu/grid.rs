@@ -5,7 +5,7 @@ use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
 use super::view::PixelView;
 use crate::render::constants::{COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX};
-use crate::scene::SeenGround;
+use crate::scene::{ScenePacket, SeenGround};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
 
@@ -13,11 +13,19 @@ use glam::Vec3;
 pub(super) struct Grid {
     ground: SeenGround,
     view: PixelView,
+    /// Of pixels that are shown: lines are as wide as these.
+    slope_per_px: [f32; 2],
 }
 
 impl Grid {
-    pub(super) fn new(ground: SeenGround, view: PixelView) -> Self {
-        Self { ground, view }
+    pub(super) fn new(ground: SeenGround, packet: &ScenePacket) -> Self {
+        let view = PixelView::new(packet);
+        let samples = packet.style.drawing.antialiasing.samples_per_edge() as f32;
+        Self {
+            ground,
+            slope_per_px: view.px_per_slope.map(|px| samples / px),
+            view,
+        }
     }
 
     /// Lays lines over a row of the picture, where nothing is before them, and makes it opaque.
@@ -104,11 +112,11 @@ impl Coordinate {
         [per_facing, distance]: [f32x8<S>; 2],
     ) -> [f32x8<S>; 2] {
         let normal = grid.ground.normal;
-        let [across_px, down_px] = grid.view.px_per_slope;
+        let [across_slope, down_slope] = grid.slope_per_px;
         let along = Vectors::splat(simd, self.axis).dot(ray);
         let slope = along * per_facing;
-        let to_right = (self.axis.x - slope * normal.x) * (1.0 / across_px);
-        let downwards = (self.axis.y - slope * normal.y) * (1.0 / down_px);
+        let to_right = (self.axis.x - slope * normal.x) * across_slope;
+        let downwards = (self.axis.y - slope * normal.y) * down_slope;
         let per_px = distance * to_right.mul_add(to_right, downwards * downwards).sqrt();
         [distance * along - self.of_point, 1.0 / per_px.max(1e-30)]
     }

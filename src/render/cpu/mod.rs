@@ -8,6 +8,8 @@
 //!
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 
+mod ambient_occlusion;
+mod antialiasing;
 mod blocks;
 mod deferred;
 mod eight;
@@ -15,6 +17,7 @@ mod ewa;
 mod eye_dome;
 mod facet;
 mod finish;
+mod fxaa;
 mod grid;
 mod linear;
 mod packed_ellipses;
@@ -27,6 +30,7 @@ mod records;
 mod rows;
 mod screen;
 mod shading;
+mod shadow;
 mod spans;
 mod sprites;
 #[cfg(test)]
@@ -37,12 +41,15 @@ mod view;
 
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{Content, ScenePacket};
+use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket, Shadow};
+use ambient_occlusion::Occlusion;
 use blocks::Blocks;
+use deferred::Illumination;
 use image::RgbaImage;
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
+use shadow::ShadowMap;
 use std::time::Instant;
 
 /// Draws on the processor.
@@ -53,8 +60,14 @@ pub struct CpuRenderer {
     /// Boxes around what the prepared packet draws, made for the records of this one.
     blocks: Option<(Content, Blocks)>,
     image: RgbaImage,
+    /// The picture that antialiasing makes of it; empty where there is none.
+    smooth: RgbaImage,
     /// Reversed depths of the picture, where something follows that needs them.
     depths: Vec<f32>,
+    /// The same, drawn before the picture, where light depends on them.
+    occluders: Vec<f32>,
+    /// The depths that the key light sees, and what they were drawn from.
+    shadow_map: Option<(ScenePacket, Vec<f32>)>,
     stats: RenderStats,
 }
 
@@ -81,44 +94,28 @@ impl CpuRenderer {
         };
         let packet = of_surfaces(packet);
         let size_px = packet.viewport_px;
-        let mut depth = vec![f32::INFINITY; size_px.map(|edge| edge as usize).iter().product()];
-        let bands = bands_of(&packet, &mut depth, 1).map(TileRow::Distances);
-        Drawable::of_surface(&packet).draw(&packet, blocks, bands.collect());
+        let mut depth = vec![0.0; size_px.map(|edge| edge as usize).iter().product()];
+        draw_reversed_depths(&Drawable::of_surface(&packet), &packet, blocks, &mut depth);
+        for depth in &mut depth {
+            *depth = packet.view.near / *depth;
+        }
         Ok(DepthImage { size_px, depth })
     }
 
     /// The last picture.
     pub fn image(&self) -> &RgbaImage {
-        &self.image
-    }
-}
-
-impl Renderer for CpuRenderer {
-    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
-        let start = Instant::now();
-        let [width, height] = packet.viewport_px;
-        if width.max(height) > Self::MAX_EDGE_PX {
-            let max = Self::MAX_EDGE_PX;
-            return Err(RenderError::TooLarge { width, height, max });
+        if self.smooth.is_empty() {
+            &self.image
+        } else {
+            &self.smooth
         }
-        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
-        if !is_kept {
-            let blocks = Drawable::of(packet).blocks();
-            self.blocks = Some((packet.content.clone(), blocks));
-        }
-        self.prepared = Some(packet.clone());
-        self.stats.prepare_ms = milliseconds_since(start);
-        Ok(())
     }
 
-    fn render(&mut self) -> Result<(), RenderError> {
-        let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
+    /// Draws a packet as it is before antialiasing ([`ScenePacket::as_drawn`]).
+    fn draw(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let Some((_, blocks)) = &self.blocks else {
             return Err(RenderError::NothingPrepared);
         };
-        if self.drawn.as_ref() == Some(packet) {
-            return Ok(());
-        }
-        let start = Instant::now();
         let [width, height] = packet.viewport_px;
         if self.image.dimensions() != (width, height) {
             self.image = RgbaImage::new(width, height);
@@ -134,20 +131,79 @@ impl Renderer for CpuRenderer {
         } else {
             bytes.map(TileRow::Bytes).collect()
         };
-        let drawable = Drawable::of(packet);
-        let drawn_records = drawable.draw(packet, blocks, bands);
+        let occlusion = AmbientOcclusion::of(packet).map(|settings| {
+            self.occluders.resize(pixels, 0.0);
+            let packet = of_surfaces(packet);
+            draw_reversed_depths(&Drawable::of(&packet), &packet, blocks, &mut self.occluders);
+            Occlusion::new(settings, packet.viewport_px, &self.occluders)
+        });
+        let shadow = Shadow::of(packet);
+        let shadow = shadow.as_ref().map(|shadow| ShadowMap {
+            shadow,
+            depths: depths_from_lamp(&mut self.shadow_map, &shadow.lamp_packet, blocks),
+        });
+        let illumination = Lights::of(packet).map(|lights| Illumination {
+            lights,
+            occlusion,
+            shadow,
+        });
+        self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
             let start = Instant::now();
             rayon::scope(|_| screen.draw(&mut self.image, &self.depths));
             self.stats.screen_ms = milliseconds_since(start);
         }
+        Ok(())
+    }
+
+    /// Makes the picture that is shown of the one that was drawn.
+    fn antialias(&mut self, packet: &ScenePacket) {
+        let antialiasing = packet.style.drawing.antialiasing;
+        let [width, height] = match antialiasing {
+            Antialiasing::None => [0; 2],
+            Antialiasing::Fxaa | Antialiasing::Supersample => packet.viewport_px,
+        };
+        if self.smooth.dimensions() != (width, height) {
+            self.smooth = RgbaImage::new(width, height);
+        }
+        if !self.smooth.is_empty() {
+            antialiasing::antialias(antialiasing, &self.image, &mut self.smooth);
+        }
+    }
+}
+
+impl Renderer for CpuRenderer {
+    fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let [width, height] = packet.as_drawn().viewport_px;
+        if width.max(height) > Self::MAX_EDGE_PX {
+            let max = Self::MAX_EDGE_PX;
+            return Err(RenderError::TooLarge { width, height, max });
+        }
+        let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
+        if !is_kept {
+            let blocks = Drawable::of(packet).blocks();
+            self.blocks = Some((packet.content.clone(), blocks));
+        }
+        self.prepared = Some(packet.clone());
+        self.stats.prepare_ms = milliseconds_since(start);
+        Ok(())
+    }
+
+    fn render(&mut self) -> Result<(), RenderError> {
+        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
+        if self.drawn.as_ref() == Some(&packet) {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.draw(&packet.as_drawn())?;
+        self.antialias(&packet);
         self.stats.frames += 1;
         self.stats.passes += 1;
         self.stats.draw_calls = 1;
-        self.stats.drawn_instances = drawn_records;
         self.stats.encode_ms = milliseconds_since(start);
-        self.drawn = Some(packet.clone());
+        self.drawn = Some(packet);
         Ok(())
     }
 
@@ -155,12 +211,33 @@ impl Renderer for CpuRenderer {
         if self.drawn.is_none() {
             return Err(RenderError::NothingPrepared);
         }
-        Ok(self.image.clone())
+        Ok(self.image().clone())
     }
 
     fn stats(&self) -> RenderStats {
         self.stats
     }
+}
+
+/// Reversed depths of all pixels of a packet; 0 where nothing is.
+fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks, depths: &mut [f32]) {
+    let bands = bands_of(packet, depths, 1).map(TileRow::Depths);
+    drawable.draw(packet, blocks, None, bands.collect());
+}
+
+/// The reversed depths that a lamp sees: those that are known, or drawn now.
+fn depths_from_lamp<'a>(
+    known: &'a mut Option<(ScenePacket, Vec<f32>)>,
+    packet: &ScenePacket,
+    blocks: &Blocks,
+) -> &'a [f32] {
+    let (of, mut depths) = known.take().unwrap_or_else(|| (packet.clone(), Vec::new()));
+    if depths.is_empty() || of != *packet {
+        let [width, height] = packet.viewport_px.map(|edge| edge as usize);
+        depths.resize(width * height, 0.0);
+        draw_reversed_depths(&Drawable::of_shadow(packet), packet, blocks, &mut depths);
+    }
+    &known.insert((packet.clone(), depths)).1
 }
 
 fn milliseconds_since(start: Instant) -> f64 {

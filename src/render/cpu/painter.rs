@@ -1,6 +1,7 @@
 //! The loop over the tiles of a picture, the same for whatever is drawn into them.
 
-use super::finish::{Gradient, Held};
+use super::deferred::Illumination;
+use super::finish::{Finish, Gradient, Held};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -18,21 +19,27 @@ pub(super) trait InTiles: Sync {
 }
 
 /// What all tiles of a picture share.
-pub(super) struct Painter {
-    pub(super) view: PixelView,
+pub(super) struct Painter<'a> {
     pub(super) tiles: Tiles,
-    held: Held,
-    gradient: Gradient,
+    finish: Finish<'a>,
 }
 
-impl Painter {
-    pub(super) fn new(packet: &ScenePacket, held: Held) -> Self {
+impl<'a> Painter<'a> {
+    /// Of pixels that hold something, on which this light falls if they are surfaces.
+    pub(super) fn new(packet: &ScenePacket, held: Held, illumination: Option<Illumination<'a>>) -> Self {
         Self {
-            view: PixelView::new(packet),
             tiles: Tiles::of_picture(packet.viewport_px),
-            held,
-            gradient: Gradient::of(packet),
+            finish: Finish {
+                view: PixelView::new(packet),
+                held,
+                gradient: Gradient::of(packet),
+                illumination,
+            },
         }
+    }
+
+    pub(super) fn view(&self) -> &PixelView {
+        &self.finish.view
     }
 
     /// Draws every tile, and writes it to its place in its row of the picture.
@@ -60,10 +67,10 @@ impl Painter {
         rows: &mut TileRow<'_>,
     ) {
         let origin = [(WIDTH * column) as i32, (HEIGHT * row) as i32];
-        tile.begin(origin, self.held, &self.gradient);
-        let picture = PixelRect::of_picture(self.view.size_px);
+        tile.begin(origin, self.finish.held, &self.finish.gradient);
+        let picture = PixelRect::of_picture(self.finish.view.size_px);
         let clip = tile.rect().intersection(picture);
         content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
-        tile.write(simd, &self.view, self.held, &self.gradient, rows);
+        tile.write(simd, &self.finish, rows);
     }
 }

@@ -1,6 +1,7 @@
 //! Primitives with a record for everything that is drawn: blocks of records are handed to the tiles that they touch.
 
 use super::blocks::{Blocks, Placed, TileLists};
+use super::deferred::Illumination;
 use super::finish::Held;
 use super::painter::{InTiles, Painter};
 use super::raster;
@@ -39,19 +40,21 @@ pub(super) fn draw<R: DrawnRecords>(
     records: &R,
     blocks: &Blocks,
     packet: &ScenePacket,
+    illumination: Option<Illumination<'_>>,
     bands: Vec<TileRow<'_>>,
 ) -> u64 {
     let held = records.held(packet);
-    let painter = Painter::new(packet, held);
+    let painter = Painter::new(packet, held, illumination);
+    let view = painter.view();
     let (scale, margin_px) = records.extent();
     let has_colors = matches!(held, Held::Sums { .. } | Held::BlendedColors | Held::SolidColors);
     // The work is handed to the threads that share it once, not step by step.
     rayon::scope(|_| {
-        let lists = blocks.by_tile(&painter.view, painter.tiles, scale, margin_px);
+        let lists = blocks.by_tile(view, painter.tiles, scale, margin_px);
         let content = InBlocks {
             records,
             lists: &lists,
-            view: &painter.view,
+            view,
             are_rays_measured: packet.style.light.lighting == Lighting::PerFragment && has_colors,
         };
         painter.paint(&content, bands);

@@ -10,8 +10,8 @@ pub(super) enum TileRow<'a> {
     /// Of a picture that [`Screen`](super::screen::Screen) finishes: the fourth byte of a pixel is its opacity. And
     /// reversed depths.
     Unfinished { bytes: &'a mut [u8], depths: &'a mut [f32] },
-    /// Distances along the view axis.
-    Distances(&'a mut [f32]),
+    /// Reversed depths alone.
+    Depths(&'a mut [f32]),
 }
 
 /// What belongs to rows of tiles, of as many values for each pixel of a picture.

@@ -13,7 +13,6 @@ use super::finish::Gradient;
 use super::grid::Grid;
 use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
-use super::view::PixelView;
 use crate::scene::{EyeDomeLight, ScenePacket};
 use fearless_simd::{Level, Simd, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
@@ -37,7 +36,7 @@ impl Screen {
         (eye_dome.is_some() || ground.is_some()).then(|| Self {
             size_px: packet.viewport_px.map(|edge| edge as usize),
             eye_dome,
-            grid: ground.map(|ground| Grid::new(ground, PixelView::new(packet))),
+            grid: ground.map(|ground| Grid::new(ground, packet)),
             gradient: Gradient::of(packet),
         })
     }

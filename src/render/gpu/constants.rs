@@ -7,10 +7,11 @@ use super::gpu_data::{
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FARTHEST_GREY, FINE_LINES,
-    HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY,
-    OPAQUE_WEIGHT, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST, FXAA_LEAST_SHARE, FXAA_MOST_BLENDED,
+    FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX,
+    NEAREST_GREY, OPAQUE_WEIGHT, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{EyeDomeLight, Lights, SplatFilter};
+use crate::scene::{AmbientOcclusion, Antialiasing, EyeDomeLight, Lights, Shadow, SplatFilter};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -37,6 +38,18 @@ pub(super) const INDICES_PER_QUAD: u32 = 6;
 /// Share of neighbours without depth from which a pixel belongs to no surface.
 const LONE: f32 = EyeDomeLight::LONE;
 
+/// Of ambient occlusion.
+const OCCLUSION_LINE_COUNT: u32 = AmbientOcclusion::LINES as u32;
+const OCCLUSION_ROUGHNESS: f32 = AmbientOcclusion::ROUGHNESS;
+
+/// How far along an edge its end is looked for.
+const FXAA_SEARCH_STEPS: i32 = Antialiasing::FXAA_SEARCH_STEPS as i32;
+
+/// Of the map of a shadow.
+const SHADOW_EDGE_PX: f32 = Shadow::EDGE_PX as f32;
+const SHADOW_OFFSET_TEXELS: f32 = Shadow::OFFSET_TEXELS[0];
+const SHADOW_SLOPE_TEXELS: f32 = Shadow::OFFSET_TEXELS[1];
+
 /// Lamps beside the head light.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 
@@ -58,7 +71,7 @@ const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 pub(super) fn shared() -> String {
     macro_rules! declared {
         ($($name:ident),+ $(,)?) => {
-            [$(declaration(stringify!($name), $name)),+].join("\n")
+            [occlusion_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
         };
     }
     declared![
@@ -70,17 +83,26 @@ pub(super) fn shared() -> String {
         CUBE_REACH_HALF_EDGES,
         ELLIPSE_STEPS,
         EWA_LEAST_DETERMINANT,
-        KERNEL_BOX,
-        KERNEL_HAT,
-        LEAST_COSINE,
         EWA_MEAN_WEIGHT,
         FARTHEST_GREY,
         FINE_LINES,
+        FXAA_BLUE,
+        FXAA_DETAIL,
+        FXAA_END_OF_EDGE,
+        FXAA_GREEN,
+        FXAA_LEAST_CONTRAST,
+        FXAA_LEAST_SHARE,
+        FXAA_MOST_BLENDED,
+        FXAA_RED,
+        FXAA_SEARCH_STEPS,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
         HEAD_LIGHT_SHININESS,
         HEAD_LIGHT_SPECULAR,
         INDICES_PER_QUAD,
+        KERNEL_BOX,
+        KERNEL_HAT,
+        LEAST_COSINE,
         LIGHTING_PER_FRAGMENT,
         LIGHTING_PER_SURFEL,
         LIGHTING_PER_VERTEX,
@@ -89,10 +111,15 @@ pub(super) fn shared() -> String {
         MOST_LAMPS,
         NARROWEST_CELL_PX,
         NEAREST_GREY,
-        OPAQUE_WEIGHT,
         NO_NORMAL,
         NO_TEXTURE,
+        OCCLUSION_LINE_COUNT,
+        OCCLUSION_ROUGHNESS,
+        OPAQUE_WEIGHT,
         OUTPUT_GROUP,
+        SHADOW_EDGE_PX,
+        SHADOW_OFFSET_TEXELS,
+        SHADOW_SLOPE_TEXELS,
         SHAPE_GROUP,
         SOURCE_GROUP,
         SHININESS,
@@ -122,9 +149,20 @@ impl Number for f32 {
     const SUFFIX: &'static str = "f";
 }
 
+impl Number for i32 {
+    const TYPE: &'static str = "i32";
+    const SUFFIX: &'static str = "i";
+}
+
 impl Number for u32 {
     const TYPE: &'static str = "u32";
     const SUFFIX: &'static str = "u";
+}
+
+/// Where the lines of ambient occlusion are.
+fn occlusion_lines() -> String {
+    let lines = AmbientOcclusion::lines().map(|[x, y]| format!("vec2f({x:?}, {y:?})"));
+    format!("const OCCLUSION_LINES = array({});", lines.join(", "))
 }
 
 fn declaration<T: Number>(name: &str, value: T) -> String {

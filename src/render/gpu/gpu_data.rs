@@ -4,7 +4,8 @@ pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, V
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
-    Backdrop, EyeDomeLight, Kernel, Lamp, LightStyle, Lighting, Lights, ScenePacket, SplatFilter, Style, SurfelStyle,
+    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, LightStyle, Lighting, Lights, ScenePacket, Shadow,
+    SplatFilter, Style, SurfelStyle,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -63,8 +64,19 @@ pub struct ViewUniform {
     pub depth_slack_px: f32,
     pub filter_radius_px: f32,
     pub kernel: u32,
-    pub padding: u32,
+    pub samples_per_edge: f32,
+    pub occlusion_near_radius_px: f32,
+    pub occlusion_most_radius_px: f32,
+    pub occlusion_strength: f32,
+    pub shadow_texel: f32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
+    pub lamp_from_view_x: [f32; 4],
+    pub lamp_from_view_y: [f32; 4],
+    pub lamp_from_view_z: [f32; 4],
+    pub shadow_focal: f32,
+    pub shadow_near: f32,
+    /// Fills the last row.
+    pub padding: [u32; 2],
 }
 
 /// Twin of `Lamp` in `common/view.wgsl`.
@@ -89,7 +101,8 @@ pub struct SplatVertex {
 }
 
 impl ViewUniform {
-    /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
+    /// The uniforms of one pass over `packet` as it is drawn ([`ScenePacket::as_drawn`]); `enlargement` multiplies its
+    /// splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
         let Style {
             surfels: SurfelStyle { splatting, .. },
@@ -113,7 +126,9 @@ impl ViewUniform {
         };
         let lights = Lights::of(packet);
         let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
-        let one_pass = !splatting.has_visibility_pass();
+        let occlusion = AmbientOcclusion::of(packet);
+        let of_occlusion = |value: fn(AmbientOcclusion) -> f32| occlusion.map_or(0.0, value);
+        let has_slack = splatting.has_visibility_pass() && packet.content.voxels().is_none();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
             rotation_y: rotation.y_axis.extend(0.0).to_array(),
@@ -130,7 +145,7 @@ impl ViewUniform {
             depth_range: packet.depth_range(),
             point_size_px: packet.style.points.size_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
-            depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
+            depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
             lighting: match lighting {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
@@ -173,8 +188,36 @@ impl ViewUniform {
                 Kernel::Hat => KERNEL_HAT,
                 Kernel::Flat => KERNEL_BOX,
             },
-            padding: 0,
+            occlusion_near_radius_px: of_occlusion(|occlusion| occlusion.near_radius_px),
+            occlusion_most_radius_px: of_occlusion(|occlusion| occlusion.most_radius_px),
+            occlusion_strength: of_occlusion(|occlusion| occlusion.strength),
+            samples_per_edge: packet.style.drawing.antialiasing.samples_per_edge() as f32,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
+            ..Self::zeroed()
+        }
+    }
+
+    /// The same with the shadow of the key light.
+    #[must_use]
+    pub fn with_shadow(self, shadow: &Shadow) -> Self {
+        let [x, y, z] = shadow.lamp_from_view.map(|row| row.to_array());
+        let lamp_view = &shadow.lamp_packet.view;
+        Self {
+            lamp_from_view_x: x,
+            lamp_from_view_y: y,
+            lamp_from_view_z: z,
+            shadow_focal: lamp_view.focal[0],
+            shadow_near: lamp_view.near,
+            shadow_texel: shadow.texel,
+            ..self
+        }
+    }
+
+    /// The uniforms of the pass that draws the map of a shadow.
+    pub fn of_lamp(shadow: &Shadow) -> Self {
+        Self {
+            depth_slack: DEPTH_SLACK_RADII,
+            ..Self::new(&shadow.lamp_packet, 1.0)
         }
     }
 

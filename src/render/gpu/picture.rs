@@ -4,7 +4,7 @@ use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
-use super::plan::Plan;
+use super::plan::{LAMP_VIEW, Plan};
 use super::targets::{Target, Targets};
 use crate::render::RenderStats;
 use crate::scene::Background;
@@ -17,7 +17,7 @@ const FAR: f32 = 0.0;
 pub(super) struct Recorder<'a> {
     pub(super) context: &'a Context,
     pub(super) pipelines: &'a Pipelines,
-    pub(super) targets: &'a Targets,
+    pub(super) targets: &'a mut Targets,
     pub(super) view_group: &'a wgpu::BindGroup,
     pub(super) view_stride: u32,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
@@ -30,7 +30,7 @@ type ColorTargets<'a> = (Vec<&'a wgpu::TextureView>, wgpu::LoadOp<wgpu::Color>);
 /// A depth buffer without load operation is only read.
 type DepthTarget<'a> = Option<(&'a wgpu::TextureView, Option<wgpu::LoadOp<f32>>)>;
 
-impl Recorder<'_> {
+impl<'a> Recorder<'a> {
     /// Records all passes of a plan.
     pub(super) fn record(
         &mut self,
@@ -41,6 +41,7 @@ impl Recorder<'_> {
     ) {
         self.stats.draw_calls = 0;
         self.stats.drawn_instances = 0;
+        self.shadow_map(plan, instancing, draw);
         self.background(plan, background);
         for (index, key) in (0..).zip(plan.geometry_keys()) {
             self.geometry(index, key, instancing, draw);
@@ -73,16 +74,34 @@ impl Recorder<'_> {
         }
     }
 
-    /// The pass of this index over all records.
-    fn geometry(&mut self, index: u32, key: GeometryKey, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
-        let view = ViewBinding {
+    /// The depths that the key light sees, unless they are there.
+    fn shadow_map(&mut self, plan: &Plan<'_>, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
+        if let (Some(shadow), Some(key)) = (&plan.shadow, plan.shadow_key())
+            && let Some(map) = self.targets.outdated_shadow_map(&shadow.lamp_packet).cloned()
+        {
+            let view = self.view(LAMP_VIEW);
+            self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
+            let depth = Some((&map, Some(wgpu::LoadOp::Clear(FAR))));
+            let pass = begin(self.encoder, "shadow map", (Vec::new(), wgpu::LoadOp::Load), depth);
+            draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
+        }
+    }
+
+    /// The uniforms of this index.
+    fn view(&self, index: u32) -> ViewBinding<'a> {
+        ViewBinding {
             bind_group: self.view_group,
             offset: index * self.view_stride,
-        };
+        }
+    }
+
+    /// The pass of this index over all records.
+    fn geometry(&mut self, index: u32, key: GeometryKey, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
+        let view = self.view(index);
         self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
-        let targets = self.targets;
+        let targets = &*self.targets;
         let load = |target| match target {
-            Target::Picture => wgpu::LoadOp::Load,
+            Target::Picture | Target::Shown => wgpu::LoadOp::Load,
             Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
         };
         let onto = key
@@ -94,17 +113,8 @@ impl Recorder<'_> {
             DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
             DepthUse::TestOnly => (&targets.depth_view, None),
         });
-        let mut pass = begin(self.encoder, key.pass.name, color, depth);
-        self.stats.passes += 1;
-        if !draw.streams.is_empty()
-            && let Some(pipeline) = self.pipelines.geometry(key)
-        {
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
-            pass.set_index_buffer(draw.quad_indices.slice(..), wgpu::IndexFormat::Uint32);
-            self.stats.draw_calls += instancing.draw(&mut pass, draw);
-            self.stats.drawn_instances += draw.record_count();
-        }
+        let pass = begin(self.encoder, key.pass.name, color, depth);
+        draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
     }
 
     /// A pass over the screen.
@@ -112,7 +122,7 @@ impl Recorder<'_> {
         let Some(pipeline) = self.pipelines.screen(screen, plan.precision) else {
             return;
         };
-        let targets = self.targets;
+        let targets = &*self.targets;
         let source = screen.source.map(|source| {
             let layout = self.pipelines.source_layout(source);
             source_group(self.context, layout, &targets.sources(source))
@@ -130,6 +140,27 @@ impl Recorder<'_> {
         }
         pass.draw(0..3, 0..1);
         self.stats.draw_calls += 1;
+    }
+}
+
+/// Draws all records in a pass that has begun.
+fn draw_records(
+    pipelines: &Pipelines,
+    stats: &mut RenderStats,
+    mut pass: wgpu::RenderPass<'_>,
+    (key, view): (GeometryKey, ViewBinding<'_>),
+    instancing: &dyn Instancing,
+    draw: &Draw<'_>,
+) {
+    stats.passes += 1;
+    if !draw.streams.is_empty()
+        && let Some(pipeline) = pipelines.geometry(key)
+    {
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
+        pass.set_index_buffer(draw.quad_indices.slice(..), wgpu::IndexFormat::Uint32);
+        stats.draw_calls += instancing.draw(&mut pass, draw);
+        stats.drawn_instances += draw.record_count();
     }
 }
 

@@ -3,18 +3,18 @@
 //!
 //! Where shading is deferred, light falls on what the primitive left, and leaves sums that are resolved as others are.
 //! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
-//! the end.
+//! the end. Antialiasing makes the picture that is shown of it.
 
 use super::context::Context;
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, GRID, SHADE};
+use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SUPERSAMPLE};
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
 use super::targets::{Precision, Target};
-use crate::scene::{EyeDomeLight, ScenePacket, Strategy};
+use crate::scene::{Antialiasing, EyeDomeLight, ScenePacket, Shadow, Strategy};
 
-/// What a packet asks for.
+/// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     pub(super) drawable: Drawable<'a>,
@@ -22,13 +22,18 @@ pub(super) struct Plan<'a> {
     pub(super) background: Option<&'static ScreenPass>,
     /// What follows the passes over records.
     pub(super) finish: Vec<&'static ScreenPass>,
+    /// Of the key light, if it has one.
+    pub(super) shadow: Option<Shadow>,
     strategy: Strategy,
     /// What sums are to be held in.
     pub(super) precision: Precision,
 }
 
-/// Views that a picture can need: one for each pass over records.
-pub(super) const VIEWS: usize = 2;
+/// Views that a picture can need: one for each pass over records, and that of the key light.
+pub(super) const VIEWS: usize = 3;
+
+/// The place of the view of the key light among them.
+pub(super) const LAMP_VIEW: u32 = 2;
 
 impl<'a> Plan<'a> {
     pub(super) fn new(packet: &'a ScenePacket, context: &Context) -> Self {
@@ -43,11 +48,17 @@ impl<'a> Plan<'a> {
             [resolve, eye_dome]
         };
         let grid = packet.ground.map(|_| &GRID);
+        let antialias = match packet.style.drawing.antialiasing {
+            Antialiasing::None => None,
+            Antialiasing::Fxaa => Some(&FXAA),
+            Antialiasing::Supersample => Some(&SUPERSAMPLE),
+        };
         let background = packet.style.backdrop.background;
         Self {
             drawable,
             background: (background.top != background.bottom).then_some(&BACKGROUND),
-            finish: [shade, first, second, grid].into_iter().flatten().collect(),
+            finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
+            shadow: Shadow::of(packet),
             strategy: packet.style.drawing.strategy,
             precision: if packet.style.filters_splats() && context.blends_single_floats {
                 Precision::Single
@@ -57,14 +68,17 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The uniforms of each pass over records.
-    pub(super) fn views(packet: &ScenePacket) -> [ViewUniform; VIEWS] {
+    /// The uniforms of each pass over records, the first of which are those of passes over the screen, and of the key
+    /// light.
+    pub(super) fn views(&self, packet: &ScenePacket) -> Vec<ViewUniform> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
-        [
-            ViewUniform::new(packet, visibility),
-            ViewUniform::new(packet, attribute).of_attributes(),
-        ]
+        let first = ViewUniform::new(packet, visibility);
+        let second = ViewUniform::new(packet, attribute).of_attributes();
+        match &self.shadow {
+            Some(shadow) => vec![first.with_shadow(shadow), second, ViewUniform::of_lamp(shadow)],
+            None => vec![first, second],
+        }
     }
 
     /// The streams that are drawn.
@@ -80,6 +94,20 @@ impl<'a> Plan<'a> {
             amplification: drawable.amplification,
             pass,
             cull_back_faces: drawable.cull_back_faces,
+            precision: self.precision,
+        })
+    }
+
+    /// The pass over records that draws the shadow map.
+    pub(super) fn shadow_key(&self) -> Option<GeometryKey> {
+        let drawable = &self.drawable;
+        let pass = drawable.depth_pass.filter(|_| self.shadow.is_some())?;
+        Some(GeometryKey {
+            strategy: drawable.amplification.strategy(self.strategy),
+            amplification: drawable.amplification,
+            pass,
+            // Cells have faces towards the lamp alone; surfels cast shadows to both sides.
+            cull_back_faces: false,
             precision: self.precision,
         })
     }

@@ -8,10 +8,10 @@ use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
 use super::residency::{Residency, StreamContents};
-use super::targets::{Precision, Targets};
+use super::targets::{Precision, SizesPx, Targets};
 use super::timer::Timer;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{ScenePacket, Strategy, Style};
+use crate::scene::{Antialiasing, ScenePacket, Strategy, Style};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -94,7 +94,7 @@ impl GpuRenderer {
 
     /// The picture as a texture of the last packet's size; `None` before the first packet.
     pub fn color_view(&self) -> Option<&wgpu::TextureView> {
-        self.targets.as_ref().map(|targets| &targets.color_view)
+        self.targets.as_ref().map(|targets| targets.picture().1)
     }
 
     /// Changes whenever [`GpuRenderer::color_view`] is another texture than before.
@@ -125,7 +125,7 @@ impl GpuRenderer {
             return Ok(None);
         }
         let start = Instant::now();
-        let commands = self.encode_picture(&packet)?;
+        let commands = self.encode_picture(&packet.as_drawn())?;
         self.stats.frames += 1;
         self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.drawn = Some(packet);
@@ -153,7 +153,7 @@ impl GpuRenderer {
         let mut recorder = Recorder {
             context: &self.context,
             pipelines: &self.pipelines,
-            targets: self.targets.as_ref().ok_or(RenderError::NothingPrepared)?,
+            targets: self.targets.as_mut().ok_or(RenderError::NothingPrepared)?,
             view_group: &self.view_group,
             view_stride: self.view_stride,
             encoder: &mut encoder,
@@ -168,12 +168,12 @@ impl GpuRenderer {
         Ok(encoder.finish())
     }
 
-    fn ensure_targets(&mut self, size_px: [u32; 2], precision: Precision) -> Result<(), RenderError> {
-        let is_made = |targets: &Targets| targets.size_px == size_px && targets.precision == precision;
+    fn ensure_targets(&mut self, sizes_px: SizesPx, precision: Precision) -> Result<(), RenderError> {
+        let is_made = |targets: &Targets| targets.sizes_px() == sizes_px && targets.precision == precision;
         if self.targets.as_ref().is_some_and(is_made) {
             return Ok(());
         }
-        let [width, height] = size_px;
+        let ([width, height], _) = sizes_px;
         let max = self.context.max_edge_px();
         if width > max || height > max {
             return Err(RenderError::TooLarge { width, height, max });
@@ -183,7 +183,7 @@ impl GpuRenderer {
         self.drawn = None;
         let targets = self
             .context
-            .catching_out_of_memory("the picture", || Targets::new(&self.context, size_px, precision))?;
+            .catching_out_of_memory("the picture", || Targets::new(&self.context, sizes_px, precision))?;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -191,9 +191,14 @@ impl GpuRenderer {
 
     fn ensure_surfaces(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         match &mut self.targets {
-            Some(targets) if plan.defers_shading() => self
-                .context
-                .catching_out_of_memory("the surfaces of the picture", || targets.ensure_surfaces(&self.context)),
+            Some(targets) if plan.defers_shading() => {
+                self.context.catching_out_of_memory("the surfaces of the picture", || {
+                    targets.ensure_surfaces(&self.context);
+                    if plan.shadow.is_some() {
+                        targets.ensure_shadow_map(&self.context);
+                    }
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -268,9 +273,12 @@ impl Renderer for GpuRenderer {
         }
         let start = Instant::now();
         self.prepared = None;
+        let drawn = packet.as_drawn();
         let context = Arc::clone(&self.context);
-        let plan = Plan::new(packet, &context);
-        self.ensure_targets(packet.viewport_px, plan.precision)?;
+        let plan = Plan::new(&drawn, &context);
+        let is_smoothed = packet.style.drawing.antialiasing != Antialiasing::None;
+        let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
+        self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
             self.residency.clear();
@@ -281,13 +289,13 @@ impl Renderer for GpuRenderer {
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
         let instancing = instancing_of(&plan, self.instancing.as_mut(), &mut self.indexed);
-        for key in plan.geometry_keys() {
+        for key in plan.geometry_keys().chain(plan.shadow_key()) {
             self.pipelines.ensure_geometry(&self.context, key, instancing);
         }
         for pass in plan.screen_passes() {
             self.pipelines.ensure_screen(&self.context, pass, plan.precision);
         }
-        for (index, view) in (0..).zip(Plan::views(packet)) {
+        for (index, view) in (0..).zip(plan.views(&drawn)) {
             let offset = u64::from(self.view_stride) * index;
             self.context
                 .queue
@@ -310,7 +318,7 @@ impl Renderer for GpuRenderer {
     fn read_image(&mut self) -> Result<image::RgbaImage, RenderError> {
         self.context.check_alive()?;
         let targets = self.targets.as_ref().ok_or(RenderError::NothingPrepared)?;
-        read_color(&self.context, &targets.color)
+        read_color(&self.context, targets.picture().0)
     }
 
     fn stats(&self) -> RenderStats {

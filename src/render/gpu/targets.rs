@@ -1,6 +1,7 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
+use crate::scene::{ScenePacket, Shadow};
 
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -26,26 +27,32 @@ pub(super) enum Target {
     Sums,
     /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
     Surfaces,
+    /// What antialiasing makes of the picture.
+    Shown,
 }
 
 /// What a screen pass reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
+    Picture,
     Sums,
     Depths,
-    /// Sums of colours, of normals and of nearnesses.
+    /// Sums of colours, of normals and of nearnesses; depths; and the shadow map.
     Surfaces,
 }
+
+/// Of the picture that is drawn, and of the one that is shown where that is another.
+pub(super) type SizesPx = ([u32; 2], Option<[u32; 2]>);
 
 impl Target {
     /// One for each texture.
     pub(super) fn formats(self, precision: Precision) -> &'static [wgpu::TextureFormat] {
         use wgpu::TextureFormat::{R16Float, R32Float, Rgba16Float, Rgba32Float};
         match (self, precision) {
-            (Self::Picture, _) => &[COLOR_FORMAT],
+            (Self::Picture | Self::Shown, _) => &[COLOR_FORMAT],
             (Self::Sums, Precision::Half) => &[Rgba16Float],
             (Self::Sums, Precision::Single) => &[Rgba32Float],
-            // Reversed distances are in the unit of `Lights::usual_distance`.
+            // Reversed distances are in the unit of `Lights::usual_distance`, less 1.
             (Self::Surfaces, Precision::Half) => &[Rgba16Float, Rgba16Float, R16Float],
             (Self::Surfaces, Precision::Single) => &[Rgba32Float, Rgba32Float, R32Float],
         }
@@ -55,34 +62,81 @@ impl Target {
 /// The textures of one viewport size.
 #[derive(Debug)]
 pub(super) struct Targets {
-    pub(super) size_px: [u32; 2],
+    size_px: [u32; 2],
+    /// The size of the picture that is shown, where that is another texture than the one that is drawn into.
+    shown_px: Option<[u32; 2]>,
     /// Of sums.
     pub(super) precision: Precision,
-    pub(super) color: wgpu::Texture,
-    pub(super) color_view: wgpu::TextureView,
+    color: wgpu::Texture,
+    color_view: wgpu::TextureView,
+    shown: Option<(wgpu::Texture, wgpu::TextureView)>,
     pub(super) accumulation_view: wgpu::TextureView,
     pub(super) depth_view: wgpu::TextureView,
     /// Those of [`Target::Surfaces`], once shading was deferred.
     surfaces: Option<Vec<wgpu::TextureView>>,
+    /// The depths that the key light sees, and what they were drawn from; a texel that is never read until then.
+    shadow_map: wgpu::TextureView,
+    shadow_of: Option<ScenePacket>,
 }
 
 impl Targets {
-    /// Precondition: both edges at least 1 and at most [`Context::max_edge_px`].
-    pub(super) fn new(context: &Context, size_px: [u32; 2], precision: Precision) -> Self {
+    /// Precondition: all edges at least 1 and at most [`Context::max_edge_px`].
+    pub(super) fn new(context: &Context, (size_px, shown_px): SizesPx, precision: Precision) -> Self {
         let texture = |label, format, usage| texture(context, size_px, label, format, usage);
         let none = wgpu::TextureUsages::empty();
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+        let shown = shown_px.map(|shown_px| {
+            let shown = self::texture(context, shown_px, "shown", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+            let view = view(&shown);
+            (shown, view)
+        });
         let [of_sums] = Target::Sums.formats(precision) else {
             unreachable!("sums are one texture")
         };
         Self {
             size_px,
+            shown_px,
             precision,
+            shown,
             color_view: view(&color),
             color,
             accumulation_view: view(&texture("accumulation", *of_sums, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
+            shadow_map: view(&self::texture(context, [1; 2], "no shadow map", DEPTH_FORMAT, none)),
+            shadow_of: None,
+        }
+    }
+
+    /// The shadow map of what a lamp sees; `None` if that is what it has already.
+    pub(super) fn outdated_shadow_map(&mut self, lamp_packet: &ScenePacket) -> Option<&wgpu::TextureView> {
+        if self.shadow_of.as_ref() == Some(lamp_packet) {
+            return None;
+        }
+        self.shadow_of = Some(lamp_packet.clone());
+        Some(&self.shadow_map)
+    }
+
+    /// Makes the texture of the shadow map unless it is there.
+    pub(super) fn ensure_shadow_map(&mut self, context: &Context) {
+        let size_px = [Shadow::EDGE_PX; 2];
+        let texture = self.shadow_map.texture();
+        if [texture.width(), texture.height()] != size_px {
+            let none = wgpu::TextureUsages::empty();
+            self.shadow_map = view(&self::texture(context, size_px, "shadow map", DEPTH_FORMAT, none));
+        }
+    }
+
+    /// What they were made for.
+    pub(super) fn sizes_px(&self) -> SizesPx {
+        (self.size_px, self.shown_px)
+    }
+
+    /// The picture that is shown.
+    pub(super) fn picture(&self) -> (&wgpu::Texture, &wgpu::TextureView) {
+        match &self.shown {
+            Some((texture, view)) => (texture, view),
+            None => (&self.color, &self.color_view),
         }
     }
 
@@ -103,15 +157,20 @@ impl Targets {
             Target::Picture => vec![&self.color_view],
             Target::Sums => vec![&self.accumulation_view],
             Target::Surfaces => self.surfaces.iter().flatten().collect(),
+            Target::Shown => self.shown.iter().map(|(_, view)| view).collect(),
         }
     }
 
     /// What a pass over the screen reads, with the same precondition.
     pub(super) fn sources(&self, source: Source) -> Vec<&wgpu::TextureView> {
         match source {
+            Source::Picture => vec![&self.color_view],
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
-            Source::Surfaces => self.surfaces.iter().flatten().collect(),
+            Source::Surfaces => {
+                let depths = [&self.depth_view, &self.shadow_map];
+                self.surfaces.iter().flatten().chain(depths).collect()
+            }
         }
     }
 }

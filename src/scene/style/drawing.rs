@@ -52,6 +52,47 @@ choices! {
     }
 }
 
+choices! {
+    /// What is done about the steps of edges.
+    Antialiasing, "way of antialiasing" {
+        None = "none", "None", "Pixels show what is in their middle";
+        /// Lottes 2009.
+        Fxaa = "fxaa", "FXAA", "Edges are found in the finished picture and smoothed";
+        Supersample = "supersample", "Supersampling", "Four pixels are drawn for each and averaged";
+    }
+}
+
+impl Antialiasing {
+    /// How far along an edge its end is looked for.
+    pub const FXAA_SEARCH_STEPS: u32 = 16;
+
+    /// Pixels that are drawn for one that is shown, along both edges of the picture.
+    pub fn samples_per_edge(self) -> u32 {
+        match self {
+            Self::None | Self::Fxaa => 1,
+            Self::Supersample => 2,
+        }
+    }
+
+    /// How many pixels around one it depends on.
+    pub(in crate::scene) fn halo_px(self) -> u32 {
+        match self {
+            // Beside the end of an edge its corners count.
+            Self::Fxaa => Self::FXAA_SEARCH_STEPS + 1,
+            Self::None | Self::Supersample => 0,
+        }
+    }
+
+    /// What is done where nothing is behind the cloud: how light the background is would change which edges FXAA finds.
+    #[must_use]
+    pub fn without_background(self) -> Self {
+        match self {
+            Self::Fxaa => Self::Supersample,
+            chosen => chosen,
+        }
+    }
+}
+
 group! {
     /// Who draws, and how many pixels.
     DrawingStyle {
@@ -93,6 +134,17 @@ group! {
                 unit: Unit::Share,
                 ..Numbers::USUAL
             }),
+        }
+        /// What is done about the steps of edges.
+        antialiasing: Antialiasing = Antialiasing::None, "antialiasing" ANTIALIASING {
+            flag: "antialiasing",
+            value_name: "HOW",
+            help: "What is done about the steps of edges",
+            title: "Antialiasing",
+            hint: "What is done about the steps of edges: supersampling draws four times the pixels, FXAA smooths the \
+                   finished picture",
+            label: Label::Unusual(Place::HowFine, "with {title}"),
+            values: Values::Words(Antialiasing::WORDS),
         }
     }
 }

@@ -34,6 +34,13 @@ choices! {
     }
 }
 
+impl LightRig {
+    /// Whether its first lamp is far away, so that its shadow can be told.
+    pub fn has_far_key(self) -> bool {
+        matches!(self, Self::ThreePoint | Self::Colored)
+    }
+}
+
 choices! {
     /// Whether depths shade the picture.
     EyeDome, "choice of eye-dome lighting" {
@@ -41,6 +48,14 @@ choices! {
         Auto = "auto", "Automatic", "Where points have no other light";
         On = "on", "On", "Whatever is drawn";
         Off = "off", "Off", "Never";
+    }
+}
+
+choices! {
+    /// Whether something is done.
+    OnOff, "choice of on and off" {
+        Off = "off", "Off", "Without it";
+        On = "on", "On", "With it";
     }
 }
 
@@ -70,6 +85,64 @@ group! {
             when: When::Deferred,
             label: Label::Unusual(Place::What, "{} lights"),
             values: Values::Words(LightRig::WORDS),
+        }
+        /// Whether the first lamp casts shadows.
+        shadows: OnOff = OnOff::Off, "shadows" SHADOWS {
+            flag: "shadows",
+            value_name: "WHETHER",
+            help: "Shadows of the first of the lights three-point and colored",
+            title: "Shadows",
+            hint: "Whether the first of several lights that are far away casts shadows",
+            section: Section::Shading,
+            when: When::KeyLight,
+            label: Label::If(When::Shadows, Place::What, "with shadows"),
+            values: Values::Words(OnOff::WORDS),
+        }
+        /// Whether what is near a place keeps light from it (ambient occlusion).
+        ao: OnOff = OnOff::Off, "ao" AO {
+            flag: "ao",
+            value_name: "WHETHER",
+            help: "Darken creases of the blended surface (ambient occlusion)",
+            title: "Ambient occlusion",
+            hint: "Darkens creases and hollows of the blended surface: what is near a place keeps light from it",
+            section: Section::Shading,
+            when: When::Shaded,
+            label: Label::If(When::Occluded, Place::What, "with ambient occlusion"),
+            values: Values::Words(OnOff::WORDS),
+        }
+        /// How much of that light is lost; 1 is as much as is kept away.
+        ao_strength: f32 = 1.0, "ao_strength" AO_STRENGTH {
+            flag: "ao-strength",
+            value_name: "S",
+            help: "How much --ao darkens (usually 1)",
+            title: "Occlusion strength",
+            hint: "How much ambient occlusion darkens; 1 is as much as light is kept away",
+            section: Section::Shading,
+            when: When::Occluded,
+            values: Values::Number(Numbers {
+                kept: [0.0, 4.0],
+                offered: [0.0, 2.0],
+                typed: Typed::NotNegative,
+                unit: Unit::Is(" ×"),
+                ..Numbers::USUAL
+            }),
+        }
+        /// How far what keeps light away is at most: 1 is a fifth of the cloud's radius.
+        ao_radius: f32 = 1.0, "ao_radius" AO_RADIUS {
+            flag: "ao-radius",
+            value_name: "R",
+            help: "How far --ao looks (1: a fifth of the cloud's radius)",
+            title: "Occlusion radius",
+            hint: "How far away what keeps light from a place may be; 1 is a fifth of the cloud's radius",
+            section: Section::Shading,
+            when: When::Occluded,
+            values: Values::Number(Numbers {
+                kept: [0.05, 4.0],
+                offered: [0.1, 4.0],
+                unit: Unit::Is(" ×"),
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            }),
         }
         /// Whether depths shade the picture as well (eye-dome lighting).
         eye_dome: EyeDome = EyeDome::Auto, "eye_dome" EYE_DOME {

@@ -26,9 +26,9 @@ pub use background::Background;
 pub(super) use background::luma;
 pub(crate) use choices::choices;
 pub use codes::{CodeStyle, Footprint, NormalBits, OffsetBits};
-pub use drawing::{DrawingStyle, Primitive, RendererChoice, Strategy};
+pub use drawing::{Antialiasing, DrawingStyle, Primitive, RendererChoice, Strategy};
 pub use levels::{LevelStructure, LevelStyle};
-pub use light::{EyeDome, LightRig, LightStyle, Lighting};
+pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointShape, PointStyle};
@@ -152,6 +152,10 @@ impl Style {
             When::Deferred => self.primitive != Primitive::Point && self.light.lighting.is_deferred(),
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
+            When::KeyLight => self.is(When::Deferred) && self.light.rig.has_far_key(),
+            When::Shadows => self.is(When::KeyLight) && self.light.shadows == OnOff::On,
+            When::Shaded => self.is_shaded_with_depths(),
+            When::Occluded => self.is_shaded_with_depths() && self.light.ao == OnOff::On,
             When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
         }
     }
@@ -215,6 +219,12 @@ impl Style {
     /// Whether what is drawn leaves depths, by which pictures can be shaded.
     pub fn leaves_depths(&self) -> bool {
         !self.draws_surfels() || self.surfels.splatting != Splatting::NoDepth
+    }
+
+    /// Whether light falls on the blended surface, and there are depths that say where it is.
+    pub fn is_shaded_with_depths(&self) -> bool {
+        let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
+        self.is(When::Deferred) && self.leaves_depths() && !shows_depths
     }
 
     /// Whether what is drawn are cells of an octree.

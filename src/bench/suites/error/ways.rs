@@ -4,7 +4,8 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Background, Footprint, Lighting, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style, VoxelLight,
+    Antialiasing, Background, Footprint, Lighting, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style,
+    VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -88,6 +89,13 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     }
     for whole in [*base, enlarged, detail, voxel, point] {
         ways.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
+    }
+    let opaque = base.with(|style| style.surfels.splatting = Splatting::Opaque);
+    for stepped in [*base, opaque, voxel, point] {
+        ways.extend(
+            [Antialiasing::Fxaa, Antialiasing::Supersample]
+                .map(|antialiasing| stepped.with(|style| style.drawing.antialiasing = antialiasing)),
+        );
     }
     ways
 }

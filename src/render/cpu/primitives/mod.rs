@@ -7,10 +7,11 @@ mod surfels;
 mod voxels;
 
 use super::blocks::Blocks;
+use super::deferred::Illumination;
 use super::records;
 use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Content, ScenePacket, Splatting};
+use crate::scene::{Content, Lighting, ScenePacket, Splatting};
 use coded::Coded;
 use mesh::Mesh;
 use points::Points;
@@ -30,18 +31,24 @@ pub(super) enum Drawable<'a> {
 
 impl<'a> Drawable<'a> {
     pub(super) fn of(packet: &'a ScenePacket) -> Self {
-        Self::with_slack(packet, DEPTH_SLACK_RADII)
+        Self::with_slack(packet, [DEPTH_SLACK_RADII, 0.0])
+    }
+
+    /// What leaves depths in a shadow map.
+    pub(super) fn of_shadow(packet: &'a ScenePacket) -> Self {
+        Self::with_slack(packet, [DEPTH_SLACK_RADII; 2])
     }
 
     /// What lies on the surface that [`of_surfaces`] shows.
     pub(super) fn of_surface(packet: &'a ScenePacket) -> Self {
-        match Self::with_slack(packet, 0.0) {
+        match Self::with_slack(packet, [0.0; 2]) {
             Self::Coded(_) => Self::Nothing,
             drawable => drawable,
         }
     }
 
-    fn with_slack(packet: &'a ScenePacket, slack_radii: f32) -> Self {
+    /// With how far surfels and cells are pushed back.
+    fn with_slack(packet: &'a ScenePacket, [slack_radii, slack_of_cells]: [f32; 2]) -> Self {
         let style = &packet.style;
         match &packet.content {
             Content::Nothing => Self::Nothing,
@@ -57,7 +64,7 @@ impl<'a> Drawable<'a> {
                 is_filtered: style.filters_splats(),
                 slack_radii,
             }),
-            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting)),
+            Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting, slack_of_cells)),
             Content::Mesh(records) => Self::Mesh(Mesh { records, style }),
             Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),
         }
@@ -74,22 +81,31 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// Draws what [`Drawable::blocks`] are around; how many records were handed to tiles.
-    pub(super) fn draw(&self, packet: &ScenePacket, blocks: &Blocks, bands: Vec<TileRow<'_>>) -> u64 {
+    /// Draws what [`Drawable::blocks`] are around, in a light if shading is deferred; how many records were handed to
+    /// tiles.
+    pub(super) fn draw(
+        &self,
+        packet: &ScenePacket,
+        blocks: &Blocks,
+        illumination: Option<Illumination<'_>>,
+        bands: Vec<TileRow<'_>>,
+    ) -> u64 {
         match self {
-            Self::Points(points) => records::draw(points, blocks, packet, bands),
-            Self::Surfels(surfels) => records::draw(surfels, blocks, packet, bands),
-            Self::Cubes(cubes) => records::draw(cubes, blocks, packet, bands),
-            Self::Mesh(mesh) => records::draw(&mesh.seen(packet), blocks, packet, bands),
+            Self::Points(points) => records::draw(points, blocks, packet, illumination, bands),
+            Self::Surfels(surfels) => records::draw(surfels, blocks, packet, illumination, bands),
+            Self::Cubes(cubes) => records::draw(cubes, blocks, packet, illumination, bands),
+            Self::Mesh(mesh) => records::draw(&mesh.seen(packet), blocks, packet, illumination, bands),
             Self::Coded(coded) => coded::draw(coded, packet, bands),
-            Self::Nothing => records::draw(&Points::NONE, blocks, packet, bands),
+            Self::Nothing => records::draw(&Points::NONE, blocks, packet, illumination, bands),
         }
     }
 }
 
-/// `packet` as it is drawn for depths alone: what is blended in two passes lies on the disks of its first.
+/// `packet` as it is drawn for depths alone, without light: what is blended in two passes lies on the disks of its
+/// first.
 pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
+    packet.style.light.lighting = Lighting::Unlit;
     let surfels = &mut packet.style.surfels;
     match surfels.splatting {
         Splatting::Regular | Splatting::NoDepth | Splatting::Visibility | Splatting::Opaque => {}

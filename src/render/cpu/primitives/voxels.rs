@@ -23,6 +23,8 @@ pub(in crate::render::cpu) struct Cubes<'a> {
     normals: Option<&'a [ShapeRecord]>,
     cube_edge: f32,
     lighting: Lighting,
+    /// How far a shadow map is pushed back, in ways from corner to corner of a cell.
+    slack: f32,
 }
 
 impl Placed for Cubes<'_> {
@@ -72,12 +74,13 @@ impl DrawnRecords for Cubes<'_> {
 }
 
 impl<'a> Cubes<'a> {
-    pub(super) fn new(voxels: &'a Voxels, lighting: Lighting) -> Self {
+    pub(super) fn new(voxels: &'a Voxels, lighting: Lighting, slack: f32) -> Self {
         Self {
             records: &voxels.records,
             normals: voxels.normals.as_ref().map(|normals| normals.as_slice()),
             cube_edge: voxels.cube_edge,
             lighting,
+            slack,
         }
     }
 
@@ -126,10 +129,12 @@ impl<'a> Cubes<'a> {
             let [packed, ..] = words(simd, &normals[eight]);
             view.rotate_each(simd, oct_decode_each(simd, packed))
         });
+        let push_back = cells.push_back(view, self.slack);
         for (lane, record) in records.iter().enumerate() {
             let normal = normals.as_ref().map(|normals| normals.lane(lane));
             for (axis, (patches, facets)) in faces.iter().enumerate() {
-                if let Some(facet) = facets.get(lane) {
+                if let Some(mut facet) = facets.get(lane) {
+                    facet.depth_per_w *= push_back[lane];
                     let lit_normal = normal.unwrap_or_else(|| view.rotation().col(axis));
                     let light = if self.lighting == Lighting::PerFragment && normal.is_none() {
                         Light::OfPixels
@@ -175,6 +180,13 @@ struct EightCells<S: Simd> {
 }
 
 impl<S: Simd> EightCells<S> {
+    /// The factors on depths with which a shadow map leaves room for the faces of cells, which are steps of a surface.
+    #[inline(always)]
+    fn push_back(&self, view: &PixelView, slack: f32) -> f32x8<S> {
+        let distances = self.offsets.dot(self.offsets).sqrt().max(view.near);
+        1.0 / (1.0 + self.half_edges * (2.0 * CUBE_REACH_HALF_EDGES * slack) / distances)
+    }
+
     /// The faces towards the eye that an axis of the frame crosses.
     #[inline(always)]
     fn faces(&self, simd: S, canvas: &Canvas<'_>, axis: usize) -> (Patches<S>, Facets) {

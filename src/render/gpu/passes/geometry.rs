@@ -11,6 +11,13 @@ pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
     depth: Some(DepthUse::TestAndWrite),
 };
 
+/// Depths of faces and nothing else: what cells leave in a shadow map.
+pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
+    name: "depth",
+    wgsl: include_str!("../../../../shaders/passes/depth.wgsl"),
+    ..VISIBILITY
+};
+
 /// Sums colours and weights of what passes the depth test against the visibility pass (paper 000 §V-B, second pass;
 /// normalised sums instead of ordered blending, as in paper 002, so that no order is needed).
 pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {

@@ -88,14 +88,14 @@ impl Pipelines {
             ),
             color_source_layout: layout("color source", of_fragments, &[color]),
             depth_source_layout: layout("depth source", of_fragments, &[depth]),
-            surface_source_layout: layout("surface source", of_fragments, &[color; 3]),
+            surface_source_layout: layout("surface source", of_fragments, &[color, color, color, depth, depth]),
         }
     }
 
     /// Layout of the textures that a screen pass reads.
     pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
         match source {
-            Source::Sums => &self.color_source_layout,
+            Source::Sums | Source::Picture => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
         }

@@ -4,7 +4,7 @@ use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 7] = [
+pub const SCREEN_PASSES: [&ScreenPass; 9] = [
     &BACKGROUND,
     &SHADE,
     &RESOLVE,
@@ -12,6 +12,8 @@ pub const SCREEN_PASSES: [&ScreenPass; 7] = [
     &EYE_DOME,
     &EYE_DOME_OF_SUMS,
     &GRID,
+    &FXAA,
+    &SUPERSAMPLE,
 ];
 
 /// The gradient behind the cloud.
@@ -32,6 +34,8 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     name: "shade",
     wgsl: concat!(
         include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Surfaces),
@@ -95,4 +99,23 @@ pub(in crate::render::gpu) const GRID: ScreenPass = ScreenPass {
         blend: Some(OVER),
     },
     depth: Some(DepthUse::TestOnly),
+};
+
+/// The picture that is shown, with smooth edges (Lottes 2009).
+pub(in crate::render::gpu) const FXAA: ScreenPass = ScreenPass {
+    name: "FXAA",
+    wgsl: include_str!("../../../../shaders/passes/fxaa.wgsl"),
+    source: Some(Source::Picture),
+    color: ColorUse {
+        target: Target::Shown,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// The picture that is shown, of several pixels for each.
+pub(in crate::render::gpu) const SUPERSAMPLE: ScreenPass = ScreenPass {
+    name: "supersample",
+    wgsl: include_str!("../../../../shaders/passes/supersample.wgsl"),
+    ..FXAA
 };

@@ -4,7 +4,7 @@ use super::amplification::Amplification;
 use super::drawable::{Drawable, Passes};
 use crate::cloud::MeshRecords;
 use crate::render::gpu::passes::ScreenPass;
-use crate::render::gpu::passes::geometry::{ROUND_SOLID, SOLID, SURFACE_ROUND_SOLID, SURFACE_SOLID};
+use crate::render::gpu::passes::geometry::{DEPTH, ROUND_SOLID, SOLID, SURFACE_ROUND_SOLID, SURFACE_SOLID};
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
 use crate::scene::{PointShape, Style};
@@ -21,7 +21,7 @@ pub(super) const TRIANGLE: Amplification = Amplification {
     reads_shapes: false,
     is_indexed: true,
     compute_amplifies: false,
-    passes: &[&SOLID, &ROUND_SOLID, &SURFACE_SOLID, &SURFACE_ROUND_SOLID],
+    passes: &[&SOLID, &ROUND_SOLID, &SURFACE_SOLID, &SURFACE_ROUND_SOLID, &DEPTH],
 };
 
 pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawable<'a> {
@@ -41,6 +41,7 @@ pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawabl
         // Files turn their faces as they like.
         cull_back_faces: false,
         passes,
+        depth_pass: Some(&DEPTH),
         resolve,
     }
 }

@@ -41,6 +41,7 @@ pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &St
             PointShape::Disk if !is_pixel => &[&ROUND_POINT],
             PointShape::Disk | PointShape::Square => &[&POINT],
         },
+        depth_pass: None,
         resolve: None,
     }
 }

@@ -74,6 +74,7 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,
+        depth_pass: Some(&VISIBILITY),
         resolve,
     }
 }

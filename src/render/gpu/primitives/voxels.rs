@@ -3,7 +3,7 @@
 use super::amplification::Amplification;
 use super::drawable::{Drawable, Passes};
 use crate::render::gpu::passes::ScreenPass;
-use crate::render::gpu::passes::geometry::{SOLID, SURFACE_SOLID};
+use crate::render::gpu::passes::geometry::{DEPTH, SOLID, SURFACE_SOLID};
 use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
 use crate::scene::{Style, Voxels};
@@ -19,7 +19,7 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
     reads_shapes: false,
     is_indexed: false,
     compute_amplifies: true,
-    passes: &[&SOLID, &SURFACE_SOLID],
+    passes: &[&SOLID, &SURFACE_SOLID, &DEPTH],
 };
 
 /// Light falls on the surface in a cell.
@@ -54,6 +54,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
         // The faces of a cube that do not face the eye are never right to draw.
         cull_back_faces: true,
         passes,
+        depth_pass: Some(&DEPTH),
         resolve,
     }
 }

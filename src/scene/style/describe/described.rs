@@ -148,6 +148,14 @@ pub enum When {
     Depths,
     /// Depths shade what is drawn.
     EyeDome,
+    /// The first of the lights that fall on the blended surface is far away.
+    KeyLight,
+    /// That light casts shadows.
+    Shadows,
+    /// Light falls on the blended surface, and there are depths that say where it is.
+    Shaded,
+    /// What is near a place of that surface keeps light from it.
+    Occluded,
     /// The GPU draws.
     Gpu,
 }

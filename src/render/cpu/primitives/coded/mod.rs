@@ -50,8 +50,8 @@ pub(super) fn draw(coded: &Coded<'_>, packet: &ScenePacket, bands: Vec<TileRow<'
         Splatting::Visibility => Held::depths(packet),
         _ => Held::sums(packet),
     };
-    let painter = Painter::new(packet, held);
-    let view = &painter.view;
+    let painter = Painter::new(packet, held, None);
+    let view = painter.view();
     let transform = Transform::new(view, &coded.cloud.cube());
     let normal_error = largest_normal_error(coded.normal_bits);
     let reaches = coded.cloud.reaches(coded.largest_scale());

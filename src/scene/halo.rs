@@ -1,0 +1,12 @@
+//! How far what follows the passes over records looks.
+
+use super::{AmbientOcclusion, EyeDomeLight, ScenePacket};
+
+/// How many pixels around one of a picture its colour depends on at most.
+pub fn halo_px(packet: &ScenePacket) -> u32 {
+    let drawn = packet.as_drawn();
+    let eye_dome = EyeDomeLight::of(&drawn).map_or(0, |light| light.halo_px());
+    let occlusion = AmbientOcclusion::of(&drawn).map_or(0, |occlusion| occlusion.halo_px());
+    let antialiasing = packet.style.drawing.antialiasing;
+    eye_dome.max(occlusion).div_ceil(antialiasing.samples_per_edge()) + antialiasing.halo_px()
+}
