@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointStyle,
-    Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointSizing,
+    PointStyle, Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -140,12 +140,34 @@ fn points_of_one_pixel_and_of_many() {
         for &shape in PointShape::ALL {
             let style = Style {
                 primitive: Primitive::Point,
-                points: PointStyle { size_px, shape },
+                points: PointStyle {
+                    size_px,
+                    shape,
+                    ..PointStyle::default()
+                },
                 ..Style::default()
             };
             // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
             assert_same_picture(&surfel_scene(style, 1.9), 38.0, 2e-3);
             assert_same_picture(&surfel_scene(style, 0.7), 38.0, 2e-3);
+        }
+    }
+}
+
+#[test]
+fn points_that_are_sized_in_the_scene() {
+    for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
+        for &shape in PointShape::ALL {
+            let style = Style::default().with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.sizing = sizing;
+                style.points.shape = shape;
+                style.of_sequence.point_spacing = 0.05;
+            });
+            // From near to so far that most are as small as points get.
+            for distance in [0.7, 1.9, 30.0] {
+                assert_same_picture(&surfel_scene(style, distance), 38.0, 2e-3);
+            }
         }
     }
 }
@@ -159,6 +181,7 @@ fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
         points: PointStyle {
             size_px,
             shape: PointShape::Disk,
+            ..PointStyle::default()
         },
         backdrop: Backdrop {
             background: Background::solid([0; 3]),

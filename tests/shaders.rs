@@ -116,7 +116,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         opaque_weight,
         background_bottom,
         depth_range,
-        point_size_px,
+        point_least_px,
         cube_half_edge,
         depth_slack,
         lighting,
@@ -133,6 +133,9 @@ fn rust_and_wgsl_agree_on_every_layout() {
         head_light,
         specular,
         usual_distance,
+        px_per_slope,
+        point_edge,
+        point_edge_per_radius,
         lamps
     );
 }

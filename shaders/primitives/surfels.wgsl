@@ -41,7 +41,7 @@ fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord) -> bool {
     let distance = length(to_eye);
     let facing = dot(oct_decode(shape.normal), to_eye);
     let radius = shape.radius * view.splat_scale;
-    let px_per_slope = 0.5 * min(view.focal.x * view.viewport_px.x, view.focal.y * view.viewport_px.y);
+    let px_per_slope = min(view.px_per_slope.x, view.px_per_slope.y);
     // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
     let is_thin = -facing * radius * px_per_slope < 0.125 * distance * (distance + SQUARE_REACH_RADII * radius);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;

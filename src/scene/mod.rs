@@ -15,6 +15,7 @@ mod on_screen;
 mod packet;
 mod path;
 mod pick;
+mod point_size;
 mod scale_bar;
 mod style;
 mod view_text;
@@ -32,11 +33,12 @@ pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
+pub use point_size::PointSize;
 pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -6,8 +6,8 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointStyle, Primitive, RendererChoice,
-    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointSizing, PointStyle, Primitive,
+    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -26,7 +26,9 @@ fn unusual() -> Preferences {
                 back_faces: BackFaces::Drawn,
             },
             points: PointStyle {
+                sizing: PointSizing::Adaptive,
                 size_px: 7.0,
+                scale: 1.5,
                 shape: PointShape::Disk,
             },
             voxels: VoxelStyle {
@@ -60,6 +62,7 @@ fn unusual() -> Preferences {
             of_sequence: OfSequence {
                 ground_box: None,
                 color_hints: ColorHints::NONE,
+                point_spacing: 0.0,
                 clip: None,
             },
             drawing: DrawingStyle {

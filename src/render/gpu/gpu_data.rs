@@ -3,7 +3,9 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
-use crate::scene::{Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, ScenePacket, Style, SurfelStyle};
+use crate::scene::{
+    Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, PointSize, ScenePacket, Style, SurfelStyle,
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -36,7 +38,7 @@ pub struct ViewUniform {
     pub opaque_weight: f32,
     pub background_bottom: [f32; 4],
     pub depth_range: [f32; 2],
-    pub point_size_px: f32,
+    pub point_least_px: f32,
     pub cube_half_edge: f32,
     pub depth_slack: f32,
     pub lighting: u32,
@@ -53,6 +55,9 @@ pub struct ViewUniform {
     pub head_light: f32,
     pub specular: f32,
     pub usual_distance: f32,
+    pub px_per_slope: [f32; 2],
+    pub point_edge: f32,
+    pub point_edge_per_radius: f32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
 }
 
@@ -100,6 +105,7 @@ impl ViewUniform {
             })
         };
         let lights = Lights::of(packet);
+        let point_size = PointSize::of(packet);
         let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
         let one_pass = !splatting.has_visibility_pass();
         Self {
@@ -116,7 +122,7 @@ impl ViewUniform {
             opaque_weight: opaque_weight(&packet.style),
             background_bottom: background_bottom.extend(1.0).to_array(),
             depth_range: packet.depth_range(),
-            point_size_px: packet.style.points.size_px,
+            point_least_px: point_size.least_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
             lighting: match lighting {
@@ -150,6 +156,9 @@ impl ViewUniform {
             head_light: of_lights(|lights| lights.head),
             specular: of_lights(|lights| lights.specular),
             usual_distance: of_lights(|lights| lights.usual_distance),
+            px_per_slope: [0, 1].map(|axis| 0.5 * packet.view.focal[axis] * packet.viewport_px[axis] as f32),
+            point_edge: point_size.edge,
+            point_edge_per_radius: point_size.edge_per_radius,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::tests::SIZE;
 use crate::cloud::{decode_ellipse, oct_decode};
-use crate::scene::{PointShape, Primitive, ScenePacket};
+use crate::scene::{PointShape, PointSizing, Primitive, ScenePacket};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
@@ -45,7 +45,9 @@ impl Oracle<'_> {
     }
 
     pub(super) fn point(&self) -> Option<usize> {
-        let half_px = 0.5 * f64::from(self.packet.style.points.size_px);
+        let style = &self.packet.style;
+        let round = style.points.shape == PointShape::Disk;
+        let shapes = self.packet.content.shapes();
         let mut best: Option<(f64, usize)> = None;
         for (slot, point) in self.packet.content.points().unwrap().iter().enumerate() {
             let place = self.rotation() * self.offset(point.position);
@@ -54,8 +56,16 @@ impl Oracle<'_> {
             let [width, height] = SIZE.map(f64::from);
             let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
             let aside = px - self.px;
+            let scale = f64::from(style.points.scale);
+            let px_per_unit = 0.5 * height * f64::from(self.packet.view.focal[1]) / clip.w;
+            let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(if round { 0.715 } else { 0.505 });
+            let half_px = match style.points.sizing {
+                PointSizing::Pixels => 0.5 * f64::from(style.points.size_px),
+                PointSizing::Projected => in_scene_px(f64::from(style.of_sequence.point_spacing) / 2f64.sqrt()),
+                PointSizing::Adaptive => in_scene_px(f64::from(shapes.unwrap()[slot].radius)),
+            };
             let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
-            let covers = match self.packet.style.points.shape {
+            let covers = match style.points.shape {
                 PointShape::Square => is_near(half_px),
                 PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
             };

@@ -2,7 +2,7 @@
 
 use super::ray::{Drawn, Met, Ray};
 use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
-use crate::scene::{PointShape, PointStyle, Primitive, Style, Surfels, Voxels};
+use crate::scene::{PointShape, PointSize, Primitive, ScenePacket, Style, Surfels, Voxels};
 use glam::{DVec3, Vec3};
 
 /// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
@@ -11,17 +11,25 @@ const LONGEST_HALF_AXIS: f64 = std::f64::consts::SQRT_2;
 /// Points as squares or disks of pixels.
 pub(super) struct Sprites<'a> {
     points: &'a [PointRecord],
-    half_px: f64,
+    shapes: Option<&'a [ShapeRecord]>,
+    size: PointSize,
     shape: PointShape,
 }
 
 impl<'a> Sprites<'a> {
-    pub(super) fn new(points: &'a [PointRecord], style: PointStyle) -> Self {
+    pub(super) fn new(packet: &ScenePacket, points: &'a [PointRecord], shapes: Option<&'a [ShapeRecord]>) -> Self {
         Self {
             points,
-            half_px: 0.5 * f64::from(style.size_px.max(1.0)),
-            shape: style.shape,
+            shapes,
+            size: PointSize::of(packet),
+            shape: packet.style.points.shape,
         }
+    }
+
+    /// Half the edge of a point in the scene.
+    fn half_edge(&self, record: usize) -> f64 {
+        let radius = self.shapes.map_or(0.0, |shapes| shapes[record].radius);
+        0.5 * f64::from(self.size.edge + self.size.edge_per_radius * radius)
     }
 }
 
@@ -34,25 +42,26 @@ impl Drawn for Sprites<'_> {
         Vec3::from_array(self.points[record].position)
     }
 
-    fn reach(&self, _: usize) -> f64 {
-        0.0
+    fn reach(&self, record: usize) -> f64 {
+        self.half_edge(record)
     }
 
     fn reach_px(&self) -> f64 {
-        self.half_px
+        0.5 * f64::from(self.size.least_px.max(1.0))
     }
 
     fn faces_eye(&self, _: usize, _: DVec3) -> bool {
         true
     }
 
-    fn meet(&self, ray: &Ray, _: usize, offset: DVec3) -> Option<Met> {
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
         let (depth, aside_px) = ray.project(offset)?;
+        let half_px = ray.length_px(self.half_edge(record), depth).max(self.reach_px());
         let aside_most_px = aside_px.abs().max_element();
         let covers = match self.shape {
-            PointShape::Square => aside_most_px <= self.half_px,
+            PointShape::Square => aside_most_px <= half_px,
             // And the pixel that the point is in.
-            PointShape::Disk => aside_px.length() <= self.half_px || aside_most_px <= 0.5,
+            PointShape::Disk => aside_px.length() <= half_px || aside_most_px <= 0.5,
         };
         covers.then_some(Met {
             depth,

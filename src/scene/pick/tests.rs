@@ -5,7 +5,8 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet, Lod};
 use crate::scene::{
-    BackFaces, Camera, LevelStructure, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
+    BackFaces, Camera, LevelStructure, PointShape, PointSizing, PointStyle, Primitive, Projection, Scene, Style,
+    SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -86,6 +87,8 @@ proptest! {
         px in (0..SIZE[0], 0..SIZE[1]),
         size_px in 1f32..9.0,
         is_round: bool,
+        sizing in prop::sample::select(PointSizing::ALL),
+        scale in 0.1f32..8.0,
         is_far: bool,
         culled: bool,
     ) {
@@ -99,7 +102,7 @@ proptest! {
             let style = Style {
                 primitive,
                 surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
-                points: PointStyle { size_px, shape },
+                points: PointStyle { sizing, size_px, scale, shape },
                 ..Style::default()
             };
             let packet = packet_of(&frame, origin, &camera, &style);

@@ -31,7 +31,7 @@ pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
-pub use points::{PointShape, PointStyle};
+pub use points::{PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
@@ -144,6 +144,8 @@ impl Style {
             When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
             When::Points => self.primitive == Primitive::Point,
+            When::PointsOfPixels => self.is(When::Points) && self.points.sizing == PointSizing::Pixels,
+            When::PointsOfScene => self.is(When::Points) && self.points.sizing != PointSizing::Pixels,
             When::Voxels => self.primitive == Primitive::Voxel,
             When::Cells => self.draws_cells() || self.draws_codes(),
             When::Lit => self.primitive != Primitive::Point,
@@ -172,6 +174,11 @@ impl Style {
     /// Whether points are drawn as surfels, round or not.
     pub fn draws_surfels(&self) -> bool {
         matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Ellipse)
+    }
+
+    /// Whether points are drawn as points, by the radii of their surfels.
+    pub fn has_adaptive_points(&self) -> bool {
+        self.primitive == Primitive::Point && self.points.sizing == PointSizing::Adaptive
     }
 
     /// The levels of detail that are drawn; `None` where all points are.

@@ -26,6 +26,7 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
+use crate::scene::describe::When;
 use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
@@ -349,7 +350,7 @@ impl ErrorSamples {
             Cell::maybe(threshold),
             Cell::maybe(delta),
             number_if(is_surfel, way.surfels.splat_scale),
-            number_if(way.primitive == Primitive::Point, way.points.size_px),
+            number_if(way.is(When::PointsOfPixels), way.points.size_px),
             Cell::Number(f64::from(self.drawn_px[0])),
             Cell::Number(f64::from(self.drawn_px[1])),
             Cell::maybe(draw.map(|q| q.median)),

@@ -9,7 +9,7 @@ use super::blocks::Blocks;
 use super::records;
 use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Content, ScenePacket, Splatting};
+use crate::scene::{Content, Primitive, ScenePacket, Splatting};
 use coded::Coded;
 use points::Points;
 use surfels::Surfels;
@@ -42,11 +42,10 @@ impl<'a> Drawable<'a> {
         let style = &packet.style;
         match &packet.content {
             Content::Nothing => Self::Nothing,
-            Content::Points(records) => Self::Points(Points {
-                records,
-                size_px: style.points.size_px,
-                shape: style.points.shape,
-            }),
+            Content::Points(records) => Self::Points(Points::new(packet, records, None)),
+            Content::Surfels(surfels) if style.primitive == Primitive::Point => {
+                Self::Points(Points::new(packet, &surfels.points, Some(&surfels.shapes)))
+            }
             Content::Surfels(surfels) => Self::Surfels(Surfels {
                 points: &surfels.points,
                 shapes: &surfels.shapes,

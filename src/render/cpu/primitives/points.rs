@@ -1,35 +1,41 @@
 //! Points: pixels, or squares or disks of pixels, of one colour and one depth.
 
-use crate::cloud::PointRecord;
-use crate::render::cpu::blocks::Placed;
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::constants::SQUARE_REACH_RADII;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{PointShape, ScenePacket};
+use crate::scene::{PointShape, PointSize, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(super) records: &'a [PointRecord],
-    /// Edge of the squares, or diameter of the disks.
-    pub(super) size_px: f32,
+    /// Their radii, if somebody knows them.
+    pub(super) shapes: Option<&'a [ShapeRecord]>,
+    /// Edges of the squares, or diameters of the disks.
+    pub(super) size: PointSize,
     pub(super) shape: PointShape,
 }
 
 impl Placed for Points<'_> {
     fn len(&self) -> usize {
-        self.records.len()
+        let shapes = self.shapes.map_or(usize::MAX, <[_]>::len);
+        self.records.len().min(shapes)
     }
 
     fn position(&self, record: usize) -> [f32; 3] {
         self.records[record].position
     }
 
-    fn reach(&self, _: usize) -> f32 {
-        0.0
+    fn reach(&self, record: usize) -> f32 {
+        // As that of surfels: blocks that were made for these are right for points, too.
+        let reach = |shapes: &[ShapeRecord]| SQUARE_REACH_RADII * shapes[record].radius;
+        self.shapes.map_or(0.0, reach)
     }
 }
 
@@ -40,8 +46,12 @@ impl DrawnRecords for Points<'_> {
         Held::Keys
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (0.0, 0.5 * self.size_px)
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: 0.5 * self.size.edge_per_radius,
+            margin: 0.5 * self.size.edge,
+            margin_px: 0.5 * self.size.least_px,
+        }
     }
 
     /// Of two as far away the later one is seen.
@@ -55,20 +65,17 @@ impl DrawnRecords for Points<'_> {
         records: impl Iterator<Item = Range<usize>>,
         (): &mut (),
     ) {
+        let are_pixels = self.size.is_pixel();
         for range in records {
-            for records in self.records[range].chunks(LANES) {
-                let projected = project(simd, view, records);
-                if self.size_px <= 1.0 {
-                    draw_pixels(simd, tile, clip, records.len(), &projected);
-                } else {
-                    match self.shape {
-                        PointShape::Square => {
-                            self.draw_squares(tile, clip, records.len(), &projected);
-                        }
-                        PointShape::Disk => {
-                            self.draw_disks(tile, clip, records.len(), &projected);
-                        }
-                    }
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = first..end.min(first + LANES);
+                let count = eight.len();
+                let projected = self.project(simd, view, eight);
+                match self.shape {
+                    _ if are_pixels => draw_pixels(simd, tile, clip, count, &projected),
+                    PointShape::Square => draw_squares(tile, clip, count, &projected),
+                    PointShape::Disk => draw_disks(tile, clip, count, &projected),
                 }
             }
         }
@@ -81,70 +88,111 @@ struct Projected<S: Simd> {
     y_px: f32x8<S>,
     /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
     depth: f32x8<S>,
+    /// Half the edges of squares, or radii of disks.
+    half_px: f32x8<S>,
     /// Its bits are a colour.
     color: f32x8<S>,
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
     pub(super) const NONE: Self = Self {
         records: &[],
-        size_px: 1.0,
+        shapes: None,
+        size: PointSize {
+            least_px: 1.0,
+            edge: 0.0,
+            edge_per_radius: 0.0,
+        },
         shape: PointShape::Square,
     };
 
-    #[inline(always)]
-    fn draw_squares<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
-        let half = 0.5 * self.size_px;
-        for point in 0..count {
-            let depth = projected.depth[point];
-            if !(depth > 0.0 && depth <= 1.0) {
-                continue;
-            }
-            let key = key(depth.to_bits(), projected.color[point].to_bits());
-            // Pixels whose middles are within.
-            let range = |middle: f32, axis: usize| {
-                let [start, end] = [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
-                start.max(clip.start[axis])..end.min(clip.end[axis])
-            };
-            let columns = range(projected.x_px[point], 0);
-            for y in range(projected.y_px[point], 1) {
-                let row = (y - tile.origin[1]) as usize * WIDTH;
-                for x in columns.clone() {
-                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
-                }
-            }
+    pub(super) fn new(packet: &ScenePacket, records: &'a [PointRecord], shapes: Option<&'a [ShapeRecord]>) -> Self {
+        Self {
+            records,
+            shapes,
+            size: PointSize::of(packet),
+            shape: packet.style.points.shape,
         }
     }
 
     #[inline(always)]
-    fn draw_disks<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
-        let radius = 0.5 * self.size_px;
-        for point in 0..count {
-            let depth = projected.depth[point];
-            if !(depth > 0.0 && depth <= 1.0) {
+    fn project<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> Projected<S> {
+        let [x, y, z, color] = words(simd, &self.records[eight.clone()]);
+        let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+        let per_distance = -1.0 / points.z;
+        let px = |along: f32x8<S>, axis: usize| {
+            let px = along * per_distance * view.px_per_slope[axis];
+            px + view.middle_px[axis]
+        };
+        let half_edge = match self.shapes {
+            None => f32x8::splat(simd, 0.5 * self.size.edge),
+            Some(shapes) => {
+                let [_, radii, _, _] = words(simd, &shapes[eight]);
+                (radii * self.size.edge_per_radius + self.size.edge) * 0.5
+            }
+        };
+        Projected {
+            x_px: px(points.x, 0),
+            y_px: px(points.y, 1),
+            depth: per_distance * view.near,
+            half_px: (half_edge * per_distance * view.px_per_slope[0]).max(0.5 * self.size.least_px),
+            color,
+        }
+    }
+}
+
+#[inline(always)]
+fn draw_squares<S: Simd>(tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
+    for point in 0..count {
+        let depth = projected.depth[point];
+        if !(depth > 0.0 && depth <= 1.0) {
+            continue;
+        }
+        let key = key(depth.to_bits(), projected.color[point].to_bits());
+        let half = projected.half_px[point];
+        // Pixels whose middles are within.
+        let range = |middle: f32, axis: usize| {
+            let [start, end] = [middle - half, middle + half].map(|end| (end - 0.5).ceil() as i32);
+            start.max(clip.start[axis])..end.min(clip.end[axis])
+        };
+        let columns = range(projected.x_px[point], 0);
+        for y in range(projected.y_px[point], 1) {
+            let row = (y - tile.origin[1]) as usize * WIDTH;
+            for x in columns.clone() {
+                put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn draw_disks<S: Simd>(tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
+    for point in 0..count {
+        let depth = projected.depth[point];
+        if !(depth > 0.0 && depth <= 1.0) {
+            continue;
+        }
+        let key = key(depth.to_bits(), projected.color[point].to_bits());
+        let radius = projected.half_px[point];
+        let [x_px, y_px] = [projected.x_px[point], projected.y_px[point]];
+        let own = [x_px, y_px].map(|place| place.floor() as i32);
+        let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
+        for y in top.max(clip.start[1])..(bottom.saturating_add(1)).min(clip.end[1]) {
+            let aside = y as f32 + 0.5 - y_px;
+            let half2 = radius * radius - aside * aside;
+            // Pixels whose middles are in the circle, and the one that the point is in.
+            let half = half2.max(0.0).sqrt();
+            let mut start = (x_px - half - 0.5).ceil() as i32;
+            let mut end = (x_px + half + 0.5).floor() as i32;
+            if y == own[1] {
+                start = start.min(own[0]);
+                end = end.max(own[0].saturating_add(1));
+            } else if half2 < 0.0 {
                 continue;
             }
-            let key = key(depth.to_bits(), projected.color[point].to_bits());
-            let [x_px, y_px] = [projected.x_px[point], projected.y_px[point]];
-            let own = [x_px, y_px].map(|place| place.floor() as i32);
-            let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
-            for y in top.max(clip.start[1])..(bottom + 1).min(clip.end[1]) {
-                let aside = y as f32 + 0.5 - y_px;
-                let half2 = radius * radius - aside * aside;
-                // Pixels whose middles are in the circle, and the one that the point is in.
-                let half = half2.max(0.0).sqrt();
-                let mut start = (x_px - half - 0.5).ceil() as i32;
-                let mut end = (x_px + half + 0.5).floor() as i32;
-                if y == own[1] {
-                    start = start.min(own[0]);
-                    end = end.max(own[0] + 1);
-                } else if half2 < 0.0 {
-                    continue;
-                }
-                let row = (y - tile.origin[1]) as usize * WIDTH;
-                for x in start.max(clip.start[0])..end.min(clip.end[0]) {
-                    put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
-                }
+            let row = (y - tile.origin[1]) as usize * WIDTH;
+            for x in start.max(clip.start[0])..end.min(clip.end[0]) {
+                put(&mut tile.keys[row + (x - tile.origin[0]) as usize], key);
             }
         }
     }
@@ -191,21 +239,4 @@ fn key(depth_bits: u32, color_bits: u32) -> u64 {
 fn put(there: &mut u64, key: u64) {
     // Written in any case: which of two points is nearer nobody can foresee.
     *there = if key >> 32 >= *there >> 32 { key } else { *there };
-}
-
-#[inline(always)]
-fn project<S: Simd>(simd: S, view: &PixelView, records: &[PointRecord]) -> Projected<S> {
-    let [x, y, z, color] = words(simd, records);
-    let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-    let per_distance = -1.0 / points.z;
-    let px = |along: f32x8<S>, axis: usize| {
-        let px = along * per_distance * view.px_per_slope[axis];
-        px + view.middle_px[axis]
-    };
-    Projected {
-        x_px: px(points.x, 0),
-        y_px: px(points.y, 1),
-        depth: per_distance * view.near,
-        color,
-    }
 }

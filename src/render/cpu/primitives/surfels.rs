@@ -2,7 +2,7 @@
 
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
-use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
@@ -68,8 +68,11 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (self.largest_scale(), 0.0)
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: self.largest_scale(),
+            ..Extent::default()
+        }
     }
 
     /// All passes over a tile but the last, over the picture.

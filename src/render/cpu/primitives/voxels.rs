@@ -2,7 +2,7 @@
 
 use crate::cloud::{ShapeRecord, VoxelRecord};
 use crate::render::constants::CUBE_REACH_HALF_EDGES;
-use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
@@ -46,8 +46,11 @@ impl DrawnRecords for Cubes<'_> {
         Held::surfaces(packet).unwrap_or(Held::SolidColors)
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (1.0, 0.0)
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: 1.0,
+            ..Extent::default()
+        }
     }
 
     #[inline(always)]

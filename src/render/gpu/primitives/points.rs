@@ -3,11 +3,9 @@
 use super::amplification::Amplification;
 use super::drawable::Drawable;
 use super::surfels;
-use crate::cloud::PointRecord;
 use crate::render::gpu::passes::geometry::{POINT, ROUND_POINT};
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{PointShape, Style};
-use std::sync::Arc;
+use crate::scene::{PointShape, PointSize, ScenePacket};
 
 /// One vertex of a point list.
 pub(super) const PIXEL: Amplification = Amplification {
@@ -20,23 +18,43 @@ pub(super) const PIXEL: Amplification = Amplification {
 /// One quad that faces the screen.
 pub(super) const SQUARE: Amplification = Amplification {
     name: "square",
-    wgsl: &[include_str!("../../../../shaders/primitives/points.wgsl")],
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/points_alike.wgsl"),
+        include_str!("../../../../shaders/primitives/points.wgsl"),
+    ],
     vertices_per_record: 4,
     reads_shapes: false,
     compute_amplifies: false,
     passes: &[&POINT, &ROUND_POINT],
 };
 
-pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &Style) -> Drawable<'a> {
-    let is_pixel = style.points.size_px <= 1.0;
+/// The same, as large as the radius of the point says.
+pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
+    name: "square with shape",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/points_with_shapes.wgsl"),
+        include_str!("../../../../shaders/primitives/points.wgsl"),
+    ],
+    reads_shapes: true,
+    ..SQUARE
+};
+
+pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
+    let is_pixel = PointSize::of(packet).is_pixel();
+    let points = packet.content.points().map(RecordSource::of);
+    let shapes = packet.content.shapes().map(RecordSource::of);
     Drawable {
-        amplification: if is_pixel { &PIXEL } else { &SQUARE },
-        streams: points.map(RecordSource::of).into_iter().collect(),
+        amplification: match shapes {
+            Some(_) => &SQUARE_WITH_SHAPE,
+            None if is_pixel => &PIXEL,
+            None => &SQUARE,
+        },
+        streams: points.into_iter().chain(shapes).collect(),
         // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
         // again.
         chunked_for: &surfels::DISK,
-        cull_back_faces: style.culls_back_faces(),
-        passes: match style.points.shape {
+        cull_back_faces: packet.style.culls_back_faces(),
+        passes: match packet.style.points.shape {
             PointShape::Disk if !is_pixel => &[&ROUND_POINT],
             PointShape::Disk | PointShape::Square => &[&POINT],
         },

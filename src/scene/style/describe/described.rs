@@ -132,6 +132,10 @@ pub enum When {
     CodedSurfels,
     /// Points are drawn.
     Points,
+    /// Points are drawn whose size is one in pixels.
+    PointsOfPixels,
+    /// Points are drawn whose size is a length in the scene.
+    PointsOfScene,
     /// Voxels are drawn.
     Voxels,
     /// Cells of the octree are drawn.
