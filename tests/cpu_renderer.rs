@@ -13,8 +13,8 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
-    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointShape, PointSizing,
-    PointStyle, Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
+    BackFaces, Backdrop, Background, Camera, Content, EyeDome, LightRig, LightStyle, Lighting, PointLight, PointShape,
+    PointSizing, PointStyle, Primitive, Scene, ScenePacket, Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -167,6 +167,30 @@ fn points_that_are_sized_in_the_scene() {
             // From near to so far that most are as small as points get.
             for distance in [0.7, 1.9, 30.0] {
                 assert_same_picture(&surfel_scene(style, distance), 38.0, 2e-3);
+            }
+        }
+    }
+}
+
+#[test]
+fn points_of_every_shape_in_every_light() {
+    for sizing in [PointSizing::Pixels, PointSizing::Adaptive] {
+        for &shape in PointShape::ALL {
+            for &lighting in Lighting::ALL {
+                let style = Style::default().with(|style| {
+                    style.primitive = Primitive::Point;
+                    style.points.sizing = sizing;
+                    style.points.size_px = 5.0;
+                    style.points.shape = shape;
+                    style.points.light = PointLight::Normals;
+                    style.light.lighting = lighting;
+                });
+                // What is blended has no edges that rounding moves.
+                let bounds = match shape {
+                    PointShape::Gaussian => (55.0, 1e-4),
+                    PointShape::Square | PointShape::Disk => (38.0, 2e-3),
+                };
+                assert_same_picture(&surfel_scene(style, 1.9), bounds.0, bounds.1);
             }
         }
     }

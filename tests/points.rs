@@ -4,12 +4,14 @@
 
 mod common;
 
-use common::{Surfel, camera_at, covered, draw, plain, surfels};
+use common::{Surfel, camera_at, covered, draw, plain, sphere, surfels};
 use glam::Vec3;
 use image::RgbaImage;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{PointShape, PointSizing, Primitive, ScenePacket, Style};
+use pointreel::scene::{
+    Camera, Content, Lighting, PointLight, PointShape, PointSizing, Primitive, ScenePacket, Splatting, Style,
+};
 
 const SIZE: [u32; 2] = [200, 160];
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -85,11 +87,18 @@ fn no_point_vanishes_however_far_it_is() {
             point(slope * distance, 0.01)
         })
         .collect();
-    for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
+    let lights = [PointLight::None, PointLight::Normals];
+    for (&sizing, light) in PointSizing::ALL
+        .iter()
+        .flat_map(|sizing| lights.map(|light| (sizing, light)))
+    {
         for &shape in PointShape::ALL {
             let style = points(|style| {
                 style.points.sizing = sizing;
+                style.points.size_px = 1.0;
                 style.points.shape = shape;
+                style.points.light = light;
+                style.light.lighting = Lighting::Lambert;
                 style.of_sequence.point_spacing = 0.01;
             });
             // The eye is in the origin.
@@ -102,10 +111,119 @@ fn no_point_vanishes_however_far_it_is() {
                     let shown = cell.filter(|pixel| pixel.0[0] > 128).count();
                     assert!(
                         (1..=4).contains(&shown),
-                        "{sizing} {shape}, point {index}: {shown} pixels"
+                        "{sizing} {shape} {light}, point {index}: {shown} pixels"
                     );
                 }
             }
         }
+    }
+}
+
+/// Adaptive points are disks that face the screen, as large as surfels are: of surfels that do so by themselves they
+/// are the picture, in whatever light.
+#[test]
+fn adaptive_points_are_surfels_that_face_the_screen() {
+    let mut cloud = sphere(700, 1.0);
+    for surfel in &mut cloud {
+        surfel.normal = Vec3::Z;
+    }
+    for (shape, splatting) in [
+        (PointShape::Disk, Splatting::Opaque),
+        (PointShape::Gaussian, Splatting::TwoPass),
+    ] {
+        for &lighting in Lighting::ALL {
+            let as_points = points(|style| {
+                style.points.sizing = PointSizing::Adaptive;
+                style.points.shape = shape;
+                style.points.light = PointLight::Normals;
+                style.surfels.splatting = splatting;
+                style.light.lighting = lighting;
+            });
+            let as_surfels = as_points.with(|style| style.primitive = Primitive::Surfel);
+            let [of_points, of_surfels] =
+                [as_points, as_surfels].map(|style| drawn_by_both(&surfels(&cloud, &camera_at(2.0), style, SIZE)));
+            for (points, surfels) in of_points.iter().zip(&of_surfels) {
+                assert!(covered(points, BLACK) > 5_000);
+                // On edges, corners that are worked out in another order may be rounded to another pixel.
+                let jumps = points.iter().zip(surfels.iter()).filter(|(a, b)| a.abs_diff(**b) > 2);
+                let jumps = jumps.count();
+                assert!(jumps <= 9, "{shape} {lighting}: {jumps} channels differ");
+            }
+        }
+    }
+}
+
+/// Two of them that overlap in depth, seen from the side at which either is in front.
+#[test]
+fn gaussian_points_blend_and_others_do_not() {
+    let mut pair = [
+        point(Vec3::new(-0.1, 0.0, 0.05), 0.5),
+        point(Vec3::new(0.1, 0.0, 0.0), 0.5),
+    ];
+    pair[0].color = [250, 0, 0];
+    pair[1].color = [0, 250, 0];
+    for &shape in PointShape::ALL {
+        let style = points(|style| {
+            style.points.sizing = PointSizing::Adaptive;
+            style.points.shape = shape;
+        });
+        for image in drawn_by_both(&surfels(&pair, &camera_at(2.0), style, SIZE)) {
+            let [red, green, _, _] = image.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;
+            if shape == PointShape::Gaussian {
+                // As far from the middles of both, as nearly as perspective lets them be.
+                assert!(
+                    red.abs_diff(125) < 12 && red.abs_diff(250 - green) <= 1,
+                    "{red} {green}"
+                );
+            } else {
+                assert_eq!([red, green], [250, 0], "{shape}");
+            }
+        }
+    }
+}
+
+#[test]
+fn points_without_normals_are_drawn_as_without_light() {
+    let cloud = sphere(700, 1.0);
+    for &shape in PointShape::ALL {
+        let unlit = points(|style| style.points.shape = shape);
+        let lit = unlit.with(|style| {
+            style.points.light = PointLight::Normals;
+            style.light.lighting = Lighting::BlinnPhong;
+        });
+        let expected = surfels(&cloud, &camera_at(2.0), unlit, SIZE);
+        let packet = ScenePacket {
+            style: lit,
+            ..expected.clone()
+        };
+        assert!(matches!(packet.content, Content::Points(_)));
+        assert!(drawn_by_both(&packet) == drawn_by_both(&expected), "{shape}");
+    }
+}
+
+#[test]
+fn depths_of_blended_points_are_those_of_their_disks() {
+    let style = points(|style| {
+        style.points.sizing = PointSizing::Adaptive;
+        style.points.shape = PointShape::Gaussian;
+        style.points.light = PointLight::Normals;
+        style.light.lighting = Lighting::Lambert;
+    });
+    let camera = Camera {
+        azimuth_deg: 30.0,
+        ..camera_at(4.0)
+    };
+    let packet = surfels(&[point(Vec3::ZERO, 1.0)], &camera, style, SIZE);
+    let mut renderer = CpuRenderer::new();
+    renderer.prepare(&packet).unwrap();
+    let depths = renderer.draw_depths().unwrap();
+    let shown = |x: u32, y: u32| (f64::from(x) - 99.5).hypot(f64::from(y) - 79.5) <= 20.0;
+    for (place, depth) in (0..).zip(depths.depth) {
+        let expected = if shown(place % SIZE[0], place / SIZE[0]) {
+            4.0
+        } else {
+            f32::INFINITY
+        };
+        assert!((depth - expected).abs() < 1e-4 || depth == expected, "{place}: {depth}");
     }
 }

@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Content, Lighting, PointShape, PointSizing, PointStyle, Primitive, Scene,
-    ScenePacket, Splatting, Strategy, Style, UpAxis,
+    BackFaces, Background, Camera, Content, Lighting, PointLight, PointShape, PointSizing, PointStyle, Primitive,
+    Scene, ScenePacket, Splatting, Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -201,6 +201,31 @@ fn points_that_are_sized_in_the_scene() {
             });
             let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
             assert_agreement(&mut renderer, &packet, &format!("{sizing} points, {shape}"));
+        }
+    }
+}
+
+#[test]
+fn points_of_every_shape_in_every_light() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(1500, 1.0);
+    for sizing in [PointSizing::Pixels, PointSizing::Adaptive] {
+        for (&shape, &lighting) in PointShape::ALL
+            .iter()
+            .flat_map(|shape| Lighting::ALL.iter().map(move |lighting| (shape, lighting)))
+        {
+            let style = plain().with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.sizing = sizing;
+                style.points.size_px = 5.0;
+                style.points.shape = shape;
+                style.points.light = PointLight::Normals;
+                style.light.lighting = lighting;
+                style.backdrop.background = gradient();
+            });
+            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+            let what = format!("{sizing} points, {shape}, light {lighting}");
+            assert_agreement(&mut renderer, &packet, &what);
         }
     }
 }

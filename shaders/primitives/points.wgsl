@@ -4,12 +4,20 @@
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let point = fetch_point(instance);
     let shape = point_shape(instance);
-    var clip = project(rotate_to_view(offset_from_eye(point.position)));
+    let center = rotate_to_view(offset_from_eye(point.position));
+    var place = center;
+    var clip = project(center);
     if (VERTICES_PER_RECORD > 1u) {
         let corner = quad_corner(vertex_of_record(instance));
         let half_edge = 0.5 * (view.point_edge + view.point_edge_per_radius * shape.radius);
         let least = view.point_least_px / view.viewport_px * clip.w;
-        clip += vec4f(corner * max(half_edge * view.focal, least), 0.0, 0.0);
+        // Half edges times the focal length.
+        let half = max(half_edge * view.focal, least);
+        place += vec3f(corner * half / view.focal, 0.0);
+        clip += vec4f(corner * half, 0.0, 0.0);
+        // ε-z, as of surfels.
+        clip.z /= 1.0 + view.depth_slack * (half.y / view.focal.y) / max(length(center), view.near);
     }
-    return SplatVertex(clip, point.color, 0u, vec2f(1.0, 0.0));
+    let light = light_at_vertex(rotate_to_view(oct_decode(shape.normal)), center, place);
+    return SplatVertex(clip, point.color, shape.normal, light);
 }

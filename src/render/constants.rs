@@ -15,11 +15,7 @@ const OPAQUE_WEIGHT: f32 = 0.22;
 
 /// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
 pub(super) fn opaque_weight(style: &Style) -> f32 {
-    if style.draws_surfels() && style.surfels.splatting.has_visibility_pass() {
-        OPAQUE_WEIGHT
-    } else {
-        1.0
-    }
+    if style.blends_at_depths() { OPAQUE_WEIGHT } else { 1.0 }
 }
 
 /// Light of a surface that is seen edge-on.

@@ -109,7 +109,7 @@ impl Scene {
     /// What a frame must have for a picture with these settings.
     pub fn needs(style: &Style) -> Needs {
         Needs {
-            shapes: style.draws_surfels() || style.lights_voxels_by_normals() || style.has_adaptive_points(),
+            shapes: style.draws_surfels() || style.lights_voxels_by_normals() || style.has_points_with_shapes(),
             ellipses: style.primitive == Primitive::Ellipse,
             levels: style.levels_kind().map(|kind| LevelsKey {
                 kind,
@@ -188,7 +188,9 @@ impl Scene {
             }))
         };
         let whole = match style.primitive {
-            Primitive::Point if style.has_adaptive_points() => surfels().unwrap_or_else(|| Content::Points(points())),
+            Primitive::Point if style.has_points_with_shapes() => {
+                surfels().unwrap_or_else(|| Content::Points(points()))
+            }
             Primitive::Point => Content::Points(points()),
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => surfels().unwrap_or_default(),
             Primitive::Voxel => Content::Nothing,

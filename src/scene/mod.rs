@@ -38,7 +38,8 @@ pub use scale_bar::ScaleBar;
 pub(crate) use style::choices;
 pub use style::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, ParseChoiceError, PointLight, PointShape, PointSizing,
+    PointStyle, Primitive, RendererChoice, Splatting, Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring,
+    describe,
 };
 pub use view_text::ParseViewError;

@@ -6,15 +6,18 @@
 //! the scale 1 points close a surface that faces the eye, and are as large as the disks of surfels would be.
 
 use super::ScenePacket;
-use super::style::{PointShape, PointSizing};
+use super::style::{Lighting, PointShape, PointSizing};
 use std::f32::consts::SQRT_2;
 
-/// So wide are points at least whose size is a length in the scene: they cover the middle of a pixel wherever they are.
+/// So wide are points at least that are no plain ones of so many pixels: they cover the middle of a pixel wherever they
+/// are.
 /// A little more than squares and disks need for that, as rasterisers round corners to 1/256 pixel.
 fn least_px(shape: PointShape) -> f32 {
     match shape {
         PointShape::Square => 1.01,
         PointShape::Disk => 1.43,
+        // Their masks are opaque in the inner 0.7 of their radius.
+        PointShape::Gaussian => 2.0,
     }
 }
 
@@ -34,9 +37,14 @@ impl PointSize {
     pub fn of(packet: &ScenePacket) -> Self {
         let points = &packet.style.points;
         let least_px = least_px(points.shape);
+        let is_plain = points.shape != PointShape::Gaussian && packet.lighting() == Lighting::Unlit;
         match points.sizing {
             PointSizing::Pixels => Self {
-                least_px: points.size_px,
+                least_px: if is_plain {
+                    points.size_px.max(1.0)
+                } else {
+                    points.size_px.max(least_px)
+                },
                 edge: 0.0,
                 edge_per_radius: 0.0,
             },

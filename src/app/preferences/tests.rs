@@ -6,8 +6,8 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure, LevelStyle, LightRig,
-    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointShape, PointSizing, PointStyle, Primitive,
-    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -30,6 +30,7 @@ fn unusual() -> Preferences {
                 size_px: 7.0,
                 scale: 1.5,
                 shape: PointShape::Disk,
+                light: PointLight::Normals,
             },
             voxels: VoxelStyle {
                 light: VoxelLight::Faces,

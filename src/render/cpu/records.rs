@@ -51,7 +51,7 @@ pub(super) fn draw<R: DrawnRecords>(
             records,
             lists: &lists,
             view: &painter.view,
-            are_rays_measured: packet.style.light.lighting == Lighting::PerFragment && has_colors,
+            are_rays_measured: packet.lighting() == Lighting::PerFragment && has_colors,
         };
         painter.paint(&content, bands);
         lists.handed_out()

@@ -3,9 +3,7 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
-use crate::scene::{
-    Backdrop, EyeDomeLight, Lamp, LightStyle, Lighting, Lights, PointSize, ScenePacket, Style, SurfelStyle,
-};
+use crate::scene::{Backdrop, EyeDomeLight, Lamp, Lighting, Lights, PointSize, ScenePacket, Style};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -85,8 +83,6 @@ impl ViewUniform {
     /// The uniforms of one pass over `packet`; `enlargement` multiplies the packet's splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
         let Style {
-            surfels: SurfelStyle { splatting, .. },
-            light: LightStyle { lighting, .. },
             backdrop: Backdrop { background, .. },
             ..
         } = packet.style;
@@ -107,7 +103,6 @@ impl ViewUniform {
         let lights = Lights::of(packet);
         let point_size = PointSize::of(packet);
         let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
-        let one_pass = !splatting.has_visibility_pass();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
             rotation_y: rotation.y_axis.extend(0.0).to_array(),
@@ -124,8 +119,12 @@ impl ViewUniform {
             depth_range: packet.depth_range(),
             point_least_px: point_size.least_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
-            depth_slack: if one_pass { 0.0 } else { DEPTH_SLACK_RADII },
-            lighting: match lighting {
+            depth_slack: if packet.style.blends_at_depths() {
+                DEPTH_SLACK_RADII
+            } else {
+                0.0
+            },
+            lighting: match packet.lighting() {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,

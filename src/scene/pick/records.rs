@@ -47,7 +47,7 @@ impl Drawn for Sprites<'_> {
     }
 
     fn reach_px(&self) -> f64 {
-        0.5 * f64::from(self.size.least_px.max(1.0))
+        0.5 * f64::from(self.size.least_px)
     }
 
     fn faces_eye(&self, _: usize, _: DVec3) -> bool {
@@ -62,6 +62,14 @@ impl Drawn for Sprites<'_> {
             PointShape::Square => aside_most_px <= half_px,
             // And the pixel that the point is in.
             PointShape::Disk => aside_px.length() <= half_px || aside_most_px <= 0.5,
+            PointShape::Gaussian => {
+                let aside = aside_px.length() / half_px;
+                return (aside <= 1.0).then_some(Met {
+                    depth,
+                    slack: half_px / ray.length_px(1.0, depth),
+                    aside,
+                });
+            }
         };
         covers.then_some(Met {
             depth,

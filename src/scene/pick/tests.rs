@@ -5,8 +5,8 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet, Lod};
 use crate::scene::{
-    BackFaces, Camera, LevelStructure, PointShape, PointSizing, PointStyle, Primitive, Projection, Scene, Style,
-    SurfelStyle, UpAxis,
+    BackFaces, Camera, LevelStructure, PointLight, PointShape, PointSizing, PointStyle, Primitive, Projection, Scene,
+    Style, SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -86,7 +86,8 @@ proptest! {
         azimuth_deg in -180f64..180.0,
         px in (0..SIZE[0], 0..SIZE[1]),
         size_px in 1f32..9.0,
-        is_round: bool,
+        shape in prop::sample::select(PointShape::ALL),
+        light in prop::sample::select(PointLight::ALL),
         sizing in prop::sample::select(PointSizing::ALL),
         scale in 0.1f32..8.0,
         is_far: bool,
@@ -97,12 +98,11 @@ proptest! {
         let camera = camera(distance, azimuth_deg, origin);
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
-        let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         for &primitive in Primitive::ALL {
             let style = Style {
                 primitive,
                 surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
-                points: PointStyle { sizing, size_px, scale, shape },
+                points: PointStyle { sizing, size_px, scale, shape, light },
                 ..Style::default()
             };
             let packet = packet_of(&frame, origin, &camera, &style);

@@ -31,7 +31,7 @@ pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
-pub use points::{PointShape, PointSizing, PointStyle};
+pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
@@ -148,8 +148,8 @@ impl Style {
             When::PointsOfScene => self.is(When::Points) && self.points.sizing != PointSizing::Pixels,
             When::Voxels => self.primitive == Primitive::Voxel,
             When::Cells => self.draws_cells() || self.draws_codes(),
-            When::Lit => self.primitive != Primitive::Point,
-            When::Deferred => self.primitive != Primitive::Point && self.light.lighting.is_deferred(),
+            When::Lit => self.primitive != Primitive::Point || self.points.light == PointLight::Normals,
+            When::Deferred => self.is(When::Lit) && self.light.lighting.is_deferred(),
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
             When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
@@ -161,9 +161,9 @@ impl Style {
         shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
     }
 
-    /// Whether surfels are left out that face away.
+    /// Whether surfels are left out that face away. Points have no back.
     pub fn culls_back_faces(&self) -> bool {
-        matches!(self.surfels.back_faces, BackFaces::Auto | BackFaces::Culled)
+        self.primitive != Primitive::Point && matches!(self.surfels.back_faces, BackFaces::Auto | BackFaces::Culled)
     }
 
     /// Whether the light shows which side of a surfel is seen.
@@ -176,9 +176,30 @@ impl Style {
         matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Ellipse)
     }
 
-    /// Whether points are drawn as points, by the radii of their surfels.
+    /// Whether points are drawn as points, as large as their surfels are.
     pub fn has_adaptive_points(&self) -> bool {
         self.primitive == Primitive::Point && self.points.sizing == PointSizing::Adaptive
+    }
+
+    /// Whether points are drawn as points on whose normals light falls.
+    pub fn lights_points(&self) -> bool {
+        self.primitive == Primitive::Point
+            && self.points.light == PointLight::Normals
+            && self.light.lighting != Lighting::Unlit
+    }
+
+    /// Whether points are drawn as points, of which radii or normals are asked for.
+    pub fn has_points_with_shapes(&self) -> bool {
+        self.has_adaptive_points() || self.lights_points()
+    }
+
+    /// Whether depths are drawn first, and then what lies at them is blended by its masks.
+    pub fn blends_at_depths(&self) -> bool {
+        if self.primitive == Primitive::Point {
+            self.points.shape == PointShape::Gaussian
+        } else {
+            self.draws_surfels() && self.surfels.splatting.has_visibility_pass()
+        }
     }
 
     /// The levels of detail that are drawn; `None` where all points are.

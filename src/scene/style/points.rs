@@ -9,6 +9,17 @@ choices! {
         Square = "square", "Square", "All pixels of a square of this size";
         /// A pixel is covered where its middle is in the circle, and the pixel that the point is in.
         Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points";
+        /// Blended in two passes as surfels are, without normals.
+        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface";
+    }
+}
+
+choices! {
+    /// What the light of points falls on.
+    PointLight, "light of points" {
+        None = "none", "None", "No light: the colours of the file";
+        /// Those of the file, or estimated ones.
+        Normals = "normals", "Normals", "The surface around a point: its normal";
     }
 }
 
@@ -85,6 +96,18 @@ group! {
             when: When::Points,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointShape::WORDS),
+        }
+        /// What light falls on.
+        light: PointLight = PointLight::None, "point_light" LIGHT {
+            flag: "point-light",
+            value_name: "WHAT",
+            help: "What the light of points falls on",
+            title: "Light on",
+            hint: "What the light of points falls on",
+            section: Section::Points,
+            when: When::Points,
+            label: Label::Unusual(Place::What, "lit by {}"),
+            values: Values::Words(PointLight::WORDS),
         }
     }
 }

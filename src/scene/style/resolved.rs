@@ -43,7 +43,8 @@ impl Style {
             chosen => chosen,
         };
         // Of points that sample no surface, normals are noise.
-        let shows_shape = primitive != Primitive::Point && look.primitive == Primitive::Surfel;
+        let is_lit = primitive != Primitive::Point || Self { primitive, ..*self }.lights_points();
+        let shows_shape = is_lit && look.primitive == Primitive::Surfel;
         let eye_dome = match self.light.eye_dome {
             EyeDome::Auto if shows_shape => EyeDome::Off,
             EyeDome::Auto => EyeDome::On,

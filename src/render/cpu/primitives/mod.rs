@@ -34,6 +34,7 @@ impl<'a> Drawable<'a> {
     pub(super) fn of_surface(packet: &'a ScenePacket) -> Self {
         match Self::with_slack(packet, 0.0) {
             Self::Coded(_) => Self::Nothing,
+            Self::Points(points) => Self::Points(points.of_surface()),
             drawable => drawable,
         }
     }

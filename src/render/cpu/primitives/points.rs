@@ -1,5 +1,8 @@
-//! Points: pixels, or squares or disks of pixels, of one colour and one depth.
+//! Points: pixels, or squares or disks of pixels, of one colour and one depth; or patches that are lit or blended.
 
+mod patches;
+
+use super::surfels::Waiting;
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::SQUARE_REACH_RADII;
 use crate::render::cpu::blocks::{Extent, Placed};
@@ -8,7 +11,7 @@ use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{PointShape, PointSize, ScenePacket};
+use crate::scene::{Lighting, PointShape, PointSize, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
@@ -20,6 +23,8 @@ pub(in crate::render::cpu) struct Points<'a> {
     /// Edges of the squares, or diameters of the disks.
     pub(super) size: PointSize,
     pub(super) shape: PointShape,
+    /// None where they have no shapes.
+    pub(super) lighting: Lighting,
 }
 
 impl Placed for Points<'_> {
@@ -40,10 +45,14 @@ impl Placed for Points<'_> {
 }
 
 impl DrawnRecords for Points<'_> {
-    type Scratch = ();
+    type Scratch = Waiting;
 
-    fn held(&self, _: &ScenePacket) -> Held {
-        Held::Keys
+    fn held(&self, packet: &ScenePacket) -> Held {
+        match self.shape {
+            _ if !self.are_patches() => Held::Keys,
+            PointShape::Square | PointShape::Disk => Held::surfaces(packet).unwrap_or(Held::SolidColors),
+            PointShape::Gaussian => Held::sums(packet),
+        }
     }
 
     fn extent(&self) -> Extent {
@@ -63,8 +72,11 @@ impl DrawnRecords for Points<'_> {
         tile: &mut Tile,
         clip: PixelRect,
         records: impl Iterator<Item = Range<usize>>,
-        (): &mut (),
+        waiting: &mut Waiting,
     ) {
+        if self.are_patches() {
+            return self.draw_patches(simd, view, tile, clip, records, waiting);
+        }
         let are_pixels = self.size.is_pixel();
         for range in records {
             let end = range.end;
@@ -75,7 +87,7 @@ impl DrawnRecords for Points<'_> {
                 match self.shape {
                     _ if are_pixels => draw_pixels(simd, tile, clip, count, &projected),
                     PointShape::Square => draw_squares(tile, clip, count, &projected),
-                    PointShape::Disk => draw_disks(tile, clip, count, &projected),
+                    PointShape::Disk | PointShape::Gaussian => draw_disks(tile, clip, count, &projected),
                 }
             }
         }
@@ -104,6 +116,7 @@ impl<'a> Points<'a> {
             edge_per_radius: 0.0,
         },
         shape: PointShape::Square,
+        lighting: Lighting::Unlit,
     };
 
     pub(super) fn new(packet: &ScenePacket, records: &'a [PointRecord], shapes: Option<&'a [ShapeRecord]>) -> Self {
@@ -112,6 +125,36 @@ impl<'a> Points<'a> {
             shapes,
             size: PointSize::of(packet),
             shape: packet.style.points.shape,
+            lighting: packet.lighting(),
+        }
+    }
+
+    /// The surface that they show: without light, and their masks as disks.
+    pub(super) fn of_surface(self) -> Self {
+        Self {
+            shape: match self.shape {
+                PointShape::Square => PointShape::Square,
+                PointShape::Disk | PointShape::Gaussian => PointShape::Disk,
+            },
+            lighting: Lighting::Unlit,
+            ..self
+        }
+    }
+
+    /// Whether the passes of surfels draw them.
+    fn are_patches(&self) -> bool {
+        self.shape == PointShape::Gaussian || self.lighting != Lighting::Unlit
+    }
+
+    /// Half the edges of points in the scene, though it be less than they are drawn with.
+    #[inline(always)]
+    fn half_edges<S: Simd>(&self, simd: S, eight: Range<usize>) -> f32x8<S> {
+        match self.shapes {
+            None => f32x8::splat(simd, 0.5 * self.size.edge),
+            Some(shapes) => {
+                let [_, radii, _, _] = words(simd, &shapes[eight]);
+                (radii * self.size.edge_per_radius + self.size.edge) * 0.5
+            }
         }
     }
 
@@ -124,18 +167,11 @@ impl<'a> Points<'a> {
             let px = along * per_distance * view.px_per_slope[axis];
             px + view.middle_px[axis]
         };
-        let half_edge = match self.shapes {
-            None => f32x8::splat(simd, 0.5 * self.size.edge),
-            Some(shapes) => {
-                let [_, radii, _, _] = words(simd, &shapes[eight]);
-                (radii * self.size.edge_per_radius + self.size.edge) * 0.5
-            }
-        };
         Projected {
             x_px: px(points.x, 0),
             y_px: px(points.y, 1),
             depth: per_distance * view.near,
-            half_px: (half_edge * per_distance * view.px_per_slope[0]).max(0.5 * self.size.least_px),
+            half_px: (self.half_edges(simd, eight) * per_distance * view.px_per_slope[0]).max(0.5 * self.size.least_px),
             color,
         }
     }

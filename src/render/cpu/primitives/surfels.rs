@@ -27,7 +27,7 @@ pub(in crate::render::cpu) struct Surfels<'a> {
 }
 
 /// A splat of the attribute pass that waits for the visibility pass to end.
-type Waiting = Vec<(Facet, Shading)>;
+pub(super) type Waiting = Vec<(Facet, Shading)>;
 
 impl Placed for Surfels<'_> {
     fn len(&self) -> usize {

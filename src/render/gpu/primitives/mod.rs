@@ -4,6 +4,8 @@
 //! | primitive | passes |
 //! |---|---|
 //! | point | point, or round point |
+//! | point, lit | solid, or opaque |
+//! | point `gaussian` | visibility, attribute, resolve |
 //! | voxel | solid |
 //! | surfel `regular`, `no-depth` | splat |
 //! | surfel `opaque` | opaque |

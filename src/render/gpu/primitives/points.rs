@@ -1,11 +1,16 @@
-//! Points: pixels, or squares or disks that face the screen.
+//! Points: pixels, or squares or disks that face the screen. Where they are lit or blended, the passes of surfels and
+//! voxels draw them.
 
 use super::amplification::Amplification;
-use super::drawable::Drawable;
+use super::drawable::{Drawable, Passes};
 use super::surfels;
-use crate::render::gpu::passes::geometry::{POINT, ROUND_POINT};
+use crate::render::gpu::passes::ScreenPass;
+use crate::render::gpu::passes::geometry::{
+    ATTRIBUTE, OPAQUE, POINT, ROUND_POINT, SOLID, SURFACE_ATTRIBUTE, SURFACE_OPAQUE, SURFACE_SOLID, VISIBILITY,
+};
+use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{PointShape, PointSize, ScenePacket};
+use crate::scene::{Lighting, PointShape, PointSize, ScenePacket};
 
 /// One vertex of a point list.
 pub(super) const PIXEL: Amplification = Amplification {
@@ -25,10 +30,10 @@ pub(super) const SQUARE: Amplification = Amplification {
     vertices_per_record: 4,
     reads_shapes: false,
     compute_amplifies: false,
-    passes: &[&POINT, &ROUND_POINT],
+    passes: &[&POINT, &ROUND_POINT, &VISIBILITY, &ATTRIBUTE],
 };
 
-/// The same, as large as the radius of the point says.
+/// The same with a radius and a normal.
 pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
     name: "square with shape",
     wgsl: &[
@@ -36,11 +41,33 @@ pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
         include_str!("../../../../shaders/primitives/points.wgsl"),
     ],
     reads_shapes: true,
+    passes: &[
+        &POINT,
+        &ROUND_POINT,
+        &SOLID,
+        &OPAQUE,
+        &VISIBILITY,
+        &ATTRIBUTE,
+        &SURFACE_SOLID,
+        &SURFACE_OPAQUE,
+        &SURFACE_ATTRIBUTE,
+    ],
     ..SQUARE
 };
 
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let is_pixel = PointSize::of(packet).is_pixel();
+    let lighting = packet.lighting();
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match packet.style.points.shape {
+        PointShape::Gaussian if lighting.is_deferred() => (&[&VISIBILITY, &SURFACE_ATTRIBUTE], Some(&RESOLVE)),
+        PointShape::Gaussian => (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE)),
+        PointShape::Disk if lighting.is_deferred() => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
+        PointShape::Disk if lighting != Lighting::Unlit => (&[&OPAQUE], None),
+        PointShape::Disk if !is_pixel => (&[&ROUND_POINT], None),
+        PointShape::Square if lighting.is_deferred() => (&[&SURFACE_SOLID], Some(&RESOLVE)),
+        PointShape::Square if lighting != Lighting::Unlit => (&[&SOLID], None),
+        PointShape::Disk | PointShape::Square => (&[&POINT], None),
+    };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
     Drawable {
@@ -54,10 +81,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         // again.
         chunked_for: &surfels::DISK,
         cull_back_faces: packet.style.culls_back_faces(),
-        passes: match packet.style.points.shape {
-            PointShape::Disk if !is_pixel => &[&ROUND_POINT],
-            PointShape::Disk | PointShape::Square => &[&POINT],
-        },
-        resolve: None,
+        passes,
+        resolve,
     }
 }

@@ -140,7 +140,7 @@ pub enum When {
     Voxels,
     /// Cells of the octree are drawn.
     Cells,
-    /// Surfels or voxels are drawn.
+    /// Surfels or voxels are drawn, or points with normals.
     Lit,
     /// Light falls on the blended surface.
     Deferred,

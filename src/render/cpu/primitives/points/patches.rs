@@ -1,0 +1,143 @@
+//! Points that are lit or blended: patches that face the screen, drawn by what draws surfels and faces of voxels.
+
+use super::Points;
+use crate::cloud::PointRecord;
+use crate::render::constants::{DEPTH_SLACK_RADII, SQUARE_REACH_RADII};
+use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
+use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
+use crate::render::cpu::packed_normals::oct_decode_each;
+use crate::render::cpu::primitives::surfels::Waiting;
+use crate::render::cpu::raster;
+use crate::render::cpu::shading::{Light, Shading, unit_color};
+use crate::render::cpu::tile::{LANES, Tile};
+use crate::render::cpu::view::{PixelRect, PixelView};
+use crate::scene::{Lighting, PointShape};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
+use std::ops::Range;
+
+/// Eight points as patches in view space.
+struct EightPoints<'a, S: Simd> {
+    records: &'a [PointRecord],
+    patches: Patches<S>,
+    /// Zero where they have none.
+    normals: Vectors<S>,
+    half_edges: f32x8<S>,
+}
+
+impl Points<'_> {
+    /// All passes over a tile but the last, over the picture.
+    #[inline(always)]
+    pub(super) fn draw_patches<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
+        records: impl Iterator<Item = Range<usize>>,
+        waiting: &mut Waiting,
+    ) {
+        waiting.clear();
+        let pyramid = Pyramid::of(view, clip);
+        let canvas = Canvas {
+            view,
+            clip,
+            outline: match self.shape {
+                PointShape::Square => Outline::Parallelogram,
+                PointShape::Disk | PointShape::Gaussian => Outline::Disk,
+            },
+            cull_back_faces: false,
+        };
+        for range in records {
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = self.eight(simd, view, first..end.min(first + LANES));
+                let reach = eight.half_edges * SQUARE_REACH_RADII;
+                let may_touch =
+                    pyramid.may_touch(simd, eight.patches.centers, reach) & lanes_below(simd, eight.records.len());
+                if simd.any_true_mask32x8(may_touch) {
+                    let facets = Facets::new(simd, &canvas, &eight.patches, may_touch);
+                    self.draw_eight(simd, view, tile, &eight, &facets, waiting);
+                }
+            }
+        }
+        for (facet, shading) in waiting {
+            raster::attribute(simd, tile, facet, shading);
+        }
+    }
+
+    #[inline(always)]
+    fn eight<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> EightPoints<'_, S> {
+        let records = &self.records[eight.clone()];
+        let [x, y, z, _] = words(simd, records);
+        let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+        let zero = f32x8::splat(simd, 0.0);
+        let least = centers.z * (-0.5 * self.size.least_px / view.px_per_slope[0]);
+        let half_edges = self.half_edges(simd, eight.clone()).max(least);
+        let none = Vectors {
+            x: zero,
+            y: zero,
+            z: zero,
+        };
+        EightPoints {
+            records,
+            patches: Patches {
+                centers,
+                u: Vectors { x: half_edges, ..none },
+                v: Vectors { y: half_edges, ..none },
+            },
+            normals: self.shapes.map_or(none, |shapes| {
+                let [packed, ..] = words(simd, &shapes[eight]);
+                view.rotate_each(simd, oct_decode_each(simd, packed))
+            }),
+            half_edges,
+        }
+    }
+
+    /// Draws eight points, or lets them wait.
+    #[inline(always)]
+    fn draw_eight<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        tile: &mut Tile,
+        eight: &EightPoints<'_, S>,
+        facets: &Facets,
+        waiting: &mut Waiting,
+    ) {
+        // ε-z, as of surfels.
+        let centers = &eight.patches.centers;
+        let distances = centers.dot(*centers).sqrt().max(view.near);
+        let push_back = 1.0 / (1.0 + eight.half_edges * DEPTH_SLACK_RADII / distances);
+        for lane in 0..eight.records.len() {
+            let Some(facet) = facets.get(lane) else {
+                continue;
+            };
+            let shading = self.shading(view, eight, lane, &facet);
+            match self.shape {
+                PointShape::Square => raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram),
+                PointShape::Disk => raster::solid(simd, tile, &facet, &shading, Outline::Disk),
+                PointShape::Gaussian => {
+                    raster::visibility(simd, tile, &facet, push_back[lane]);
+                    waiting.push((facet, shading));
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn shading<S: Simd>(&self, view: &PixelView, eight: &EightPoints<'_, S>, lane: usize, facet: &Facet) -> Shading {
+        let [red, green, blue, _] = eight.records[lane].color;
+        let Patches { centers, u, v } = &eight.patches;
+        let [center, u, v] = [centers.lane(lane), u.lane(lane), v.lane(lane)];
+        let normal = eight.normals.lane(lane);
+        let towards_eye = if normal.dot(center) > 0.0 { -normal } else { normal };
+        Shading {
+            color: unit_color([red, green, blue]),
+            light: match self.lighting {
+                Lighting::PerFragment => facet.light_on(view, normal, [center, u, v]),
+                lighting => Light::new(lighting, normal, center, u, v),
+            },
+            normal: self.lighting.is_deferred().then_some(towards_eye),
+        }
+    }
+}
