@@ -7,11 +7,15 @@ mod common;
 use common::{Surfel, camera_at, covered, draw, plain, sphere, surfels};
 use glam::Vec3;
 use image::RgbaImage;
+use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Camera, Content, Lighting, PointLight, PointShape, PointSizing, Primitive, ScenePacket, Splatting, Style,
+    Camera, Content, Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, Splatting, Style,
+    UpAxis,
 };
+use pointreel::sequence::{PrepareCounters, Sequence, prepare};
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [200, 160];
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -21,6 +25,39 @@ fn points(change: impl FnOnce(&mut Style)) -> Style {
         style.primitive = Primitive::Point;
         change(style);
     })
+}
+
+/// From afar, cells of the octree that are small there are one point each, as large as they are.
+#[test]
+fn adaptive_points_of_levels_of_detail_are_fewer_and_leave_no_hole() {
+    let sequence = Sequence::demo();
+    let whole = points(|style| {
+        style.points.sizing = PointSizing::Adaptive;
+        style.points.shape = PointShape::Disk;
+    });
+    let coarse = whole.with(|style| {
+        style.levels.surfel_lod = true;
+        style.levels.lod = Lod::ThresholdPx(4.0);
+    });
+    let cloud = Arc::new(sequence.frame(0).unwrap());
+    let packets = [whole, coarse].map(|style| {
+        let needs = Scene::needs(&style);
+        let frame = prepare(0, Arc::clone(&cloud), 0.0, &needs, &PrepareCounters::default());
+        let camera = Camera::framing(&frame.frame.bounds(), sequence.origin(), UpAxis::Y);
+        Scene::default().packet(&frame, sequence.origin(), &camera, &style, SIZE)
+    });
+    let [all, some] = packets.each_ref().map(|packet| packet.content.record_count());
+    assert!(10 * some < 9 * all && some > 100, "{some} of {all}");
+    let [of_all, of_some] = packets.each_ref().map(drawn_by_both);
+    for (of_all, of_some) in of_all.iter().zip(&of_some) {
+        let pairs = of_all.pixels().zip(of_some.pixels());
+        let is_hole = |(all, some): &(&image::Rgba<u8>, &image::Rgba<u8>)| all.0[..3] != BLACK && some.0[..3] == BLACK;
+        let holes = pairs.filter(is_hole).count();
+        assert_eq!(holes, 0, "of {}", covered(of_all, BLACK));
+    }
+    // In pixels, points are all points, whatever is said of surfels.
+    let in_pixels = coarse.with(|style| style.points.sizing = PointSizing::Pixels);
+    assert_eq!(in_pixels.levels_kind(), None);
 }
 
 fn point(position: Vec3, radius: f32) -> Surfel {

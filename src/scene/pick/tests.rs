@@ -305,9 +305,14 @@ fn each_structure_of_levels_is_picked_where_it_is_drawn() {
         })
         .collect();
     let whole = cloud(&places, 0.02, DVec3::ZERO);
-    for &structure in LevelStructure::ALL {
+    let primitives = [Primitive::Surfel, Primitive::Point];
+    for (&structure, primitive) in LevelStructure::ALL
+        .iter()
+        .flat_map(|structure| primitives.map(|primitive| (structure, primitive)))
+    {
         let style = Style::default().with(|style| {
-            style.primitive = Primitive::Surfel;
+            style.primitive = primitive;
+            style.points.sizing = PointSizing::Adaptive;
             style.levels.surfel_lod = true;
             style.levels.structure = structure;
             style.levels.lod = Lod::Budget(700);
@@ -321,7 +326,7 @@ fn each_structure_of_levels_is_picked_where_it_is_drawn() {
         );
         let packet = packet_of(&frame, DVec3::ZERO, &camera(2.5, 30.0, DVec3::ZERO), &style);
         let Content::Surfels(drawn) = &packet.content else {
-            panic!("{structure} draws surfels")
+            panic!("{structure} draws what has radii")
         };
         assert!(
             (50..=700).contains(&drawn.points.len()),

@@ -288,7 +288,7 @@ group! {
             hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
                    afar",
             section: Section::Surfels,
-            when: When::Surfels,
+            when: When::SurfelRadii,
             values: Values::Switch("Fewer from afar"),
         }
         /// What surfels that stand for others are taken from.

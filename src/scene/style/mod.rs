@@ -141,7 +141,8 @@ impl Style {
             When::Always => true,
             When::Surfels => self.draws_surfels(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
-            When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
+            When::SurfelRadii => self.draws_surfels() || self.has_adaptive_points(),
+            When::SurfelLevels => self.is(When::SurfelRadii) && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
             When::Points => self.primitive == Primitive::Point,
             When::PointsOfPixels => self.is(When::Points) && self.points.sizing == PointSizing::Pixels,
@@ -207,10 +208,11 @@ impl Style {
         let of_surfels = self.levels.structure.kind();
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.surfel_lod.then_some(of_surfels),
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+                self.is(When::SurfelLevels).then_some(of_surfels)
+            }
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
             Primitive::Voxel => Some(LevelsKind::Cubes),
-            Primitive::Point => None,
         }
     }
 
@@ -243,12 +245,14 @@ impl Style {
             && self.light.lighting != Lighting::Unlit
     }
 
-    /// What the octree is to be divided for: surfels that it is drawn as have no use for leaves as large as the
-    /// spacing.
+    /// What the octree is to be divided for: surfels and points that it is drawn as have no use for leaves as large as
+    /// the spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.stop.of_surfels(),
-            Primitive::Voxel | Primitive::Point => self.levels.stop,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+                self.levels.stop.of_surfels()
+            }
+            Primitive::Voxel => self.levels.stop,
         }
     }
 

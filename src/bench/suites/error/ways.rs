@@ -69,6 +69,7 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     }
     let blended = of_scene(PointSizing::Adaptive, PointShape::Gaussian);
     ways.push(blended.with(|style| style.points.light = PointLight::Normals));
+    ways.push(blended.with(|style| style.levels.surfel_lod = true));
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
     ways.extend(modes.map(|&splatting| base.with(|style| style.surfels.splatting = splatting)));

@@ -126,7 +126,9 @@ pub enum When {
     Surfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
-    /// What is drawn are surfels, of which one stands for others.
+    /// What is drawn has the radii of surfels: these, or adaptive points.
+    SurfelRadii,
+    /// The same, and one of them stands for others.
     SurfelLevels,
     /// Surfels are drawn, from byte codes if the processor draws.
     CodedSurfels,
