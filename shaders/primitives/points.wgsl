@@ -1,5 +1,5 @@
-// A point is a square that faces the screen; one of a pixel is one vertex of a point list. What is known of it beside its
-// place and its colour: `points_*.wgsl`.
+// A point is a square that faces the screen; one of a pixel is one vertex of a point list. What is known of it beside
+// its place and its colour: `points_*.wgsl`.
 
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let point = fetch_point(instance);

@@ -1,9 +1,9 @@
 //! How large points are drawn.
 //!
-//! **How it works.** A point is a square, or a disk in it, that faces the screen. Its edge is a length in the scene over
-//! the distance, or so many pixels where that would be less: no point vanishes. The length is the same for all points
-//! (*projected*), or follows the radius of each (*adaptive*), as the modes of Potree (`attenuated`, `adaptive`) do; with
-//! the scale 1 points close a surface that faces the eye, and are as large as the disks of surfels would be.
+//! **How it works.** A point is a square, or a disk in it, that faces the screen. Its edge is a length in the scene
+//! over the distance, or so many pixels where that would be less: no point vanishes. The length is the same for all
+//! points (*projected*), or follows the radius of each (*adaptive*), as the modes of Potree (`attenuated`, `adaptive`)
+//! do; with the scale 1 points close a surface that faces the eye, and are as large as the disks of surfels would be.
 
 use super::ScenePacket;
 use super::style::{Lighting, PointShape, PointSizing};

@@ -101,7 +101,10 @@ fn of_version_6() -> Preferences {
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
-            style.points.shape = PointShape::Square;
+            style.points = PointStyle {
+                size_px: style.points.size_px,
+                ..PointStyle::default()
+            };
         }),
         present: PresentChoice::Auto,
         scale_bar: true,

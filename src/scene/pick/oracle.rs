@@ -142,8 +142,8 @@ impl Oracle<'_> {
     }
 }
 
-/// The one nearest to the middle of what is drawn there, of those no farther behind the nearest than its radius. Each is
-/// a depth, a radius, a share of the radius and a slot.
+/// The one nearest to the middle of what is drawn there, of those no farther behind the nearest than its radius. Each
+/// is a depth, a radius, a share of the radius and a slot.
 fn most_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
     let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
     met.retain(|&(depth, ..)| depth <= backmost);

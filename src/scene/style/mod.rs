@@ -262,8 +262,8 @@ impl Style {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be decided
-    /// before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
+    /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
+    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
     /// normals, nor of ellipses.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()

@@ -27,7 +27,7 @@ use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::describe::When;
-use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
+use crate::scene::{Background, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -346,7 +346,7 @@ impl ErrorSamples {
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.surfels.splatting.name()),
             text_if(is_gpu, way.drawing.strategy.name()),
-            text_if(way.primitive != Primitive::Point, way.light.lighting.name()),
+            text_if(way.is(When::Lit), way.light.lighting.name()),
             Cell::maybe(threshold),
             Cell::maybe(delta),
             number_if(is_surfel, way.surfels.splat_scale),
