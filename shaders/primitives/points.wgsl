@@ -18,6 +18,5 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
         // ε-z, as of surfels.
         clip.z /= 1.0 + view.depth_slack * (half.y / view.focal.y) / max(length(center), view.near);
     }
-    let light = light_at_vertex(rotate_to_view(oct_decode(shape.normal)), center, place);
-    return SplatVertex(clip, point.color, shape.normal, light);
+    return SplatVertex(clip, point.color, shape.normal, point_light(shape, center, place));
 }

@@ -15,9 +15,7 @@ use std::f32::consts::SQRT_2;
 fn least_px(shape: PointShape) -> f32 {
     match shape {
         PointShape::Square => 1.01,
-        PointShape::Disk => 1.43,
-        // Their masks are opaque in the inner 0.7 of their radius.
-        PointShape::Gaussian => 2.0,
+        PointShape::Disk | PointShape::Gaussian => 1.43,
     }
 }
 

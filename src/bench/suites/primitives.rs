@@ -3,7 +3,7 @@
 //! **How it works.** Clouds of a torus with as many points as are asked for are drawn beside the inputs, all of their
 //! points as each primitive, from three distances; each picture turns the object by 2°. Processor and adapter draw the
 //! same pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size
-//! in the scene are as large as the disks of surfels, so that all but single pixels cover as much.
+//! in the scene are about as large as the disks of surfels, so that all but single pixels cover as much.
 //!
 //! The second table counts what the shaders of each pass do, in naga's intermediate representation, beside what the
 //! paper counted in its instructions.
@@ -89,11 +89,11 @@ const KINDS: [Kind; 9] = [
         style.primitive = Primitive::Point;
         style.points.size_px = 1.0;
     }),
-    ("square point", |style| adaptive_points(style, PointShape::Square)),
-    ("round point", |style| adaptive_points(style, PointShape::Disk)),
-    ("gaussian point", |style| adaptive_points(style, PointShape::Gaussian)),
+    ("square point", |style| points_of_scene(style, PointShape::Square)),
+    ("round point", |style| points_of_scene(style, PointShape::Disk)),
+    ("gaussian point", |style| points_of_scene(style, PointShape::Gaussian)),
     ("square point, lit", |style| {
-        adaptive_points(style, PointShape::Square);
+        points_of_scene(style, PointShape::Square);
         style.points.light = PointLight::Normals;
     }),
     ("disk, opaque", |style| style.surfels.splatting = Splatting::Opaque),
@@ -105,9 +105,9 @@ const KINDS: [Kind; 9] = [
     }),
 ];
 
-fn adaptive_points(style: &mut Style, shape: PointShape) {
+fn points_of_scene(style: &mut Style, shape: PointShape) {
     style.primitive = Primitive::Point;
-    style.points.sizing = PointSizing::Adaptive;
+    style.points.sizing = PointSizing::Projected;
     style.points.shape = shape;
 }
 

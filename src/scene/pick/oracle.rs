@@ -61,8 +61,7 @@ impl Oracle<'_> {
             let px_per_unit = 0.5 * height * f64::from(self.packet.view.focal[1]) / clip.w;
             let least_px = match shape {
                 PointShape::Square => 0.505,
-                PointShape::Disk => 0.715,
-                PointShape::Gaussian => 1.0,
+                PointShape::Disk | PointShape::Gaussian => 0.715,
             };
             let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(least_px);
             let half_px = match style.points.sizing {

@@ -14,7 +14,7 @@ choices! {
         Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
         /// Paper 000 §VI.
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
-        Point = "point", "Points", "Plain squares of a size in pixels: the fastest";
+        Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest";
     }
 }
 

@@ -263,8 +263,8 @@ impl Style {
     }
 
     /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
-    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table of
-    /// normals, nor of ellipses.
+    /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table
+    /// of normals, nor of ellipses.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && self.primitive != Primitive::Ellipse

@@ -10,7 +10,7 @@ use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
 use crate::render::cpu::records::DrawnRecords;
-use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
+use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, Splatting, Style};
@@ -223,7 +223,7 @@ impl Surfels<'_> {
             light,
             normal: lighting
                 .is_deferred()
-                .then_some(if faces_away { -normal } else { normal }),
+                .then_some(SurfaceNormal::Same(if faces_away { -normal } else { normal })),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
 use crate::render::cpu::records::DrawnRecords;
-use crate::render::cpu::shading::{Light, Shading, unit_color};
+use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, ScenePacket, Voxels};
@@ -140,7 +140,9 @@ impl<'a> Cubes<'a> {
                         let center = patches.centers.lane(lane);
                         let [u, v] = [patches.u.lane(lane), patches.v.lane(lane)];
                         match self.lighting {
-                            Lighting::PerFragment => facet.light_on(view, lit_normal, [center, u, v]),
+                            Lighting::PerFragment => {
+                                Light::OfPixelsOn(facet.along_rays(view, lit_normal, [center, u, v]))
+                            }
                             lighting => Light::new(lighting, lit_normal, center, u, v),
                         }
                     };
@@ -148,7 +150,7 @@ impl<'a> Cubes<'a> {
                     let shading = Shading {
                         color,
                         light,
-                        normal: self.lighting.is_deferred().then_some(lit_normal),
+                        normal: self.lighting.is_deferred().then_some(SurfaceNormal::Same(lit_normal)),
                     };
                     raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram);
                 }

@@ -8,7 +8,7 @@ use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::primitives::surfels::Waiting;
 use crate::render::cpu::raster;
-use crate::render::cpu::shading::{Light, Shading, unit_color};
+use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, PointShape};
@@ -130,14 +130,14 @@ impl Points<'_> {
         let Patches { centers, u, v } = &eight.patches;
         let [center, u, v] = [centers.lane(lane), u.lane(lane), v.lane(lane)];
         let normal = eight.normals.lane(lane);
-        let towards_eye = if normal.dot(center) > 0.0 { -normal } else { normal };
+        let along_rays = facet.along_rays(view, normal, [center, u, v]);
         Shading {
             color: unit_color([red, green, blue]),
             light: match self.lighting {
-                Lighting::PerFragment => facet.light_on(view, normal, [center, u, v]),
+                Lighting::PerFragment => Light::OfPixelsOn(along_rays),
                 lighting => Light::new(lighting, normal, center, u, v),
             },
-            normal: self.lighting.is_deferred().then_some(towards_eye),
+            normal: (self.lighting.is_deferred()).then_some(SurfaceNormal::OfSideSeen { normal, along_rays }),
         }
     }
 }
