@@ -12,7 +12,8 @@ use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, PointShape};
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
+use fearless_simd::{Simd, SimdFloat};
+use glam::Vec3;
 use std::ops::Range;
 
 /// Eight points as patches in view space.
@@ -21,7 +22,6 @@ struct EightPoints<'a, S: Simd> {
     patches: Patches<S>,
     /// Zero where they have none.
     normals: Vectors<S>,
-    half_edges: f32x8<S>,
 }
 
 impl Points<'_> {
@@ -50,13 +50,18 @@ impl Points<'_> {
         for range in records {
             let end = range.end;
             for first in range.step_by(LANES) {
-                let eight = self.eight(simd, view, first..end.min(first + LANES));
-                let reach = eight.half_edges * SQUARE_REACH_RADII;
-                let may_touch =
-                    pyramid.may_touch(simd, eight.patches.centers, reach) & lanes_below(simd, eight.records.len());
+                let eight = first..end.min(first + LANES);
+                let patches = self.patches(simd, view, eight.clone());
+                let reach = patches.u.x * SQUARE_REACH_RADII;
+                let may_touch = pyramid.may_touch(simd, patches.centers, reach) & lanes_below(simd, eight.len());
                 if simd.any_true_mask32x8(may_touch) {
-                    let facets = Facets::new(simd, &canvas, &eight.patches, may_touch);
-                    self.draw_eight(simd, view, tile, &eight, &facets, waiting);
+                    let facets = Facets::new(simd, &canvas, &patches, may_touch);
+                    let seen = EightPoints {
+                        records: &self.records[eight.clone()],
+                        patches,
+                        normals: self.normals(simd, view, eight),
+                    };
+                    self.draw_eight(simd, view, tile, &seen, &facets, waiting);
                 }
             }
         }
@@ -65,31 +70,29 @@ impl Points<'_> {
         }
     }
 
+    /// Squares across the view, whose half edges are along its axes.
     #[inline(always)]
-    fn eight<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> EightPoints<'_, S> {
-        let records = &self.records[eight.clone()];
-        let [x, y, z, _] = words(simd, records);
+    fn patches<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> Patches<S> {
+        let [x, y, z, _] = words(simd, &self.records[eight.clone()]);
         let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-        let zero = f32x8::splat(simd, 0.0);
         let least = centers.z * (-0.5 * self.size.least_px / view.px_per_slope[0]);
-        let half_edges = self.half_edges(simd, eight.clone()).max(least);
-        let none = Vectors {
-            x: zero,
-            y: zero,
-            z: zero,
-        };
-        EightPoints {
-            records,
-            patches: Patches {
-                centers,
-                u: Vectors { x: half_edges, ..none },
-                v: Vectors { y: half_edges, ..none },
-            },
-            normals: self.shapes.map_or(none, |shapes| {
+        let half_edges = self.half_edges(simd, eight).max(least);
+        let none = Vectors::splat(simd, Vec3::ZERO);
+        Patches {
+            centers,
+            u: Vectors { x: half_edges, ..none },
+            v: Vectors { y: half_edges, ..none },
+        }
+    }
+
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> Vectors<S> {
+        match self.shapes {
+            None => Vectors::splat(simd, Vec3::ZERO),
+            Some(shapes) => {
                 let [packed, ..] = words(simd, &shapes[eight]);
                 view.rotate_each(simd, oct_decode_each(simd, packed))
-            }),
-            half_edges,
+            }
         }
     }
 
@@ -107,7 +110,7 @@ impl Points<'_> {
         // ε-z, as of surfels.
         let centers = &eight.patches.centers;
         let distances = centers.dot(*centers).sqrt().max(view.near);
-        let push_back = 1.0 / (1.0 + eight.half_edges * DEPTH_SLACK_RADII / distances);
+        let push_back = 1.0 / (1.0 + eight.patches.u.x * DEPTH_SLACK_RADII / distances);
         for lane in 0..eight.records.len() {
             let Some(facet) = facets.get(lane) else {
                 continue;
