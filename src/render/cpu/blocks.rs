@@ -135,7 +135,7 @@ pub(super) struct TileLists {
 
 impl TileLists {
     /// The records that may touch a tile, ascending.
-    pub(super) fn records(&self, tile: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
+    pub(super) fn records(&self, tile: usize) -> impl ExactSizeIterator<Item = Range<usize>> + Clone {
         let start = tile.checked_sub(1).map_or(0, |before| self.ends[before]);
         self.blocks[start as usize..self.ends[tile] as usize]
             .iter()

@@ -29,7 +29,7 @@ pub(super) trait DrawnRecords: Placed {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         scratch: &mut Self::Scratch,
     );
 }

@@ -2,7 +2,6 @@
 
 mod patches;
 
-use super::surfels::Waiting;
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::SQUARE_REACH_RADII;
 use crate::render::cpu::blocks::{Extent, Placed};
@@ -45,7 +44,7 @@ impl Placed for Points<'_> {
 }
 
 impl DrawnRecords for Points<'_> {
-    type Scratch = Waiting;
+    type Scratch = ();
 
     fn held(&self, packet: &ScenePacket) -> Held {
         match self.shape {
@@ -71,11 +70,11 @@ impl DrawnRecords for Points<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
-        waiting: &mut Waiting,
+        records: impl Iterator<Item = Range<usize>> + Clone,
+        (): &mut (),
     ) {
         if self.are_patches() {
-            return self.draw_patches(simd, view, tile, clip, records, waiting);
+            return self.draw_patches(simd, view, tile, clip, &records);
         }
         let are_pixels = self.size.is_pixel();
         for range in records {

@@ -27,7 +27,7 @@ pub(in crate::render::cpu) struct Surfels<'a> {
 }
 
 /// A splat of the attribute pass that waits for the visibility pass to end.
-pub(super) type Waiting = Vec<(Facet, Shading)>;
+type Waiting = Vec<(Facet, Shading)>;
 
 impl Placed for Surfels<'_> {
     fn len(&self) -> usize {
@@ -83,7 +83,7 @@ impl DrawnRecords for Surfels<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         waiting: &mut Waiting,
     ) {
         waiting.clear();

@@ -60,7 +60,7 @@ impl DrawnRecords for Cubes<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         (): &mut (),
     ) {
         let pyramid = Pyramid::of(view, clip);

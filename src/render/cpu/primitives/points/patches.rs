@@ -6,7 +6,6 @@ use crate::render::constants::{DEPTH_SLACK_RADII, SQUARE_REACH_RADII};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::packed_normals::oct_decode_each;
-use crate::render::cpu::primitives::surfels::Waiting;
 use crate::render::cpu::raster;
 use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
@@ -24,8 +23,17 @@ struct EightPoints<'a, S: Simd> {
     normals: Vectors<S>,
 }
 
+/// What is drawn of patches.
+#[derive(Debug, Clone, Copy)]
+enum Pass {
+    Visibility,
+    Attribute,
+    Solid,
+}
+
 impl Points<'_> {
-    /// All passes over a tile but the last, over the picture.
+    /// All passes over a tile but the last, over the picture. Points that are blended are worked out for each of both:
+    /// unlike surfels that are smaller than a pixel, no point is left out, and all of a cloud may be in one tile.
     #[inline(always)]
     pub(super) fn draw_patches<S: Simd>(
         &self,
@@ -33,10 +41,8 @@ impl Points<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
-        waiting: &mut Waiting,
+        records: &(impl Iterator<Item = Range<usize>> + Clone),
     ) {
-        waiting.clear();
         let pyramid = Pyramid::of(view, clip);
         let canvas = Canvas {
             view,
@@ -47,26 +53,18 @@ impl Points<'_> {
             },
             cull_back_faces: false,
         };
-        for range in records {
-            let end = range.end;
-            for first in range.step_by(LANES) {
-                let eight = first..end.min(first + LANES);
-                let patches = self.patches(simd, view, eight.clone());
-                let reach = patches.u.x * SQUARE_REACH_RADII;
-                let may_touch = pyramid.may_touch(simd, patches.centers, reach) & lanes_below(simd, eight.len());
-                if simd.any_true_mask32x8(may_touch) {
-                    let facets = Facets::new(simd, &canvas, &patches, may_touch);
-                    let seen = EightPoints {
-                        records: &self.records[eight.clone()],
-                        patches,
-                        normals: self.normals(simd, view, eight),
-                    };
-                    self.draw_eight(simd, view, tile, &seen, &facets, waiting);
+        let passes: &[Pass] = match self.shape {
+            PointShape::Square | PointShape::Disk => &[Pass::Solid],
+            PointShape::Gaussian => &[Pass::Visibility, Pass::Attribute],
+        };
+        for &pass in passes {
+            for range in records.clone() {
+                let end = range.end;
+                for first in range.step_by(LANES) {
+                    let eight = first..end.min(first + LANES);
+                    self.draw_eight(simd, &canvas, tile, &pyramid, eight, pass);
                 }
             }
-        }
-        for (facet, shading) in waiting {
-            raster::attribute(simd, tile, facet, shading);
         }
     }
 
@@ -96,32 +94,43 @@ impl Points<'_> {
         }
     }
 
-    /// Draws eight points, or lets them wait.
     #[inline(always)]
     fn draw_eight<S: Simd>(
         &self,
         simd: S,
-        view: &PixelView,
+        canvas: &Canvas<'_>,
         tile: &mut Tile,
-        eight: &EightPoints<'_, S>,
-        facets: &Facets,
-        waiting: &mut Waiting,
+        pyramid: &Pyramid,
+        eight: Range<usize>,
+        pass: Pass,
     ) {
+        let view = canvas.view;
+        let patches = self.patches(simd, view, eight.clone());
+        let half_edges = patches.u.x;
+        let may_touch =
+            pyramid.may_touch(simd, patches.centers, half_edges * SQUARE_REACH_RADII) & lanes_below(simd, eight.len());
+        if !simd.any_true_mask32x8(may_touch) {
+            return;
+        }
+        let facets = Facets::new(simd, canvas, &patches, may_touch);
         // ε-z, as of surfels.
-        let centers = &eight.patches.centers;
-        let distances = centers.dot(*centers).sqrt().max(view.near);
-        let push_back = 1.0 / (1.0 + eight.patches.u.x * DEPTH_SLACK_RADII / distances);
-        for lane in 0..eight.records.len() {
+        let distances = patches.centers.dot(patches.centers).sqrt().max(view.near);
+        let push_back = 1.0 / (1.0 + half_edges * DEPTH_SLACK_RADII / distances);
+        let seen = EightPoints {
+            records: &self.records[eight.clone()],
+            patches,
+            normals: self.normals(simd, view, eight),
+        };
+        for lane in 0..seen.records.len() {
             let Some(facet) = facets.get(lane) else {
                 continue;
             };
-            let shading = self.shading(view, eight, lane, &facet);
-            match self.shape {
-                PointShape::Square => raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram),
-                PointShape::Disk => raster::solid(simd, tile, &facet, &shading, Outline::Disk),
-                PointShape::Gaussian => {
-                    raster::visibility(simd, tile, &facet, push_back[lane]);
-                    waiting.push((facet, shading));
+            match pass {
+                Pass::Visibility => raster::visibility(simd, tile, &facet, push_back[lane]),
+                Pass::Attribute => raster::attribute(simd, tile, &facet, &self.shading(view, &seen, lane, &facet)),
+                Pass::Solid => {
+                    let shading = self.shading(view, &seen, lane, &facet);
+                    raster::solid(simd, tile, &facet, &shading, canvas.outline);
                 }
             }
         }
