@@ -22,6 +22,7 @@ fn small(suite: &'static Suite) -> BenchOptions {
         frames: 2,
         warmup: 1,
         repeat: 2,
+        cloud_points: Vec::new(),
         ..BenchOptions::new(suite)
     }
 }
@@ -255,6 +256,48 @@ fn structures_of_levels_of_detail_are_measured_from_three_distances() {
     for key in ["render_ms_median", "total_ms_median", "processed_nodes"] {
         assert!(numbers(&report, key).iter().all(|&number| number > 0.0), "{key}");
     }
+}
+
+#[test]
+fn primitives_are_measured_with_the_work_of_their_shaders() {
+    let options = BenchOptions {
+        cloud_points: vec![3000],
+        ..small(suites::PRIMITIVES)
+    };
+    let report = measure(&options);
+    assert_files_agree(&report);
+    let names: Vec<&str> = report.sequences.iter().map(|sequence| sequence.name.as_str()).collect();
+    assert_eq!(names, ["torus of 3000", "demo"]);
+    let speed = rows_of(&report, "speed");
+    let primitives = 9;
+    assert_eq!(speed.len(), 2 * 3 * primitives);
+    let records = column(&report, &speed, "records");
+    // All points from every distance, but for voxels, of which there are as many leaves.
+    assert!(
+        records[..3 * (primitives - 1)].iter().all(|&count| count == 3000.0),
+        "{records:?}"
+    );
+    for (mean, rate) in [
+        ("processor_ms_mean", "processor_mpoints_per_s"),
+        ("adapter_ms_mean", "adapter_mpoints_per_s"),
+    ] {
+        let [means, rates] = [mean, rate].map(|key| column(&report, &speed, key));
+        for ((mean, rate), records) in means.iter().zip(rates).zip(&records) {
+            // All pictures have as many records, so the ratio of sums is that of means.
+            assert!(
+                (rate * mean * 1e3 / records - 1.0).abs() < 1e-9,
+                "{rate} {mean} {records}"
+            );
+        }
+    }
+    let complexity = rows_of(&report, "complexity");
+    let passes: Vec<String> = complexity.iter().map(|row| report.cells(row)[..2].join(": ")).collect();
+    assert_eq!(passes[..2], ["pixel: point", "square point: point"]);
+    let work = column(&report, &complexity, "vertex_operations");
+    let of = |name: &str| work[passes.iter().position(|pass| pass == name).unwrap()];
+    assert!(of("pixel: point") <= of("square point: point"));
+    assert!(of("disk, two-pass: attribute") > of("square point: point"));
+    assert!(passes.contains(&"disk, two-pass: resolve".to_owned()), "{passes:?}");
 }
 
 /// The rows of one table of the accuracy suite.

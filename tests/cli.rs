@@ -489,7 +489,8 @@ fn bench_names_its_suites() {
     let output = pointreel(&["bench", "speed"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output).contains("expected surfels, octree, voxels, accuracy, render, play, window, error or lod"),
+        stderr(&output)
+            .contains("expected surfels, octree, voxels, accuracy, render, play, window, error, lod or primitives"),
         "{}",
         stderr(&output)
     );

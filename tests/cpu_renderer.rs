@@ -14,7 +14,8 @@ use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
     BackFaces, Backdrop, Background, Camera, Content, EyeDome, Kernel, LightRig, LightStyle, Lighting, OnOff,
-    PointShape, PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style, SurfelStyle, Voxels,
+    PointLight, PointShape, PointSizing, PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style,
+    SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -132,7 +133,8 @@ fn splats_of_every_kernel() {
                 style.surfels.splatting = splatting;
             });
             let (least_psnr_db, most_differing) = agreement(splatting);
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+            // Half floats round sums of many weights that are all 1 more than those of bells.
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db.min(57.0), most_differing);
         }
     }
 }
@@ -213,12 +215,58 @@ fn points_of_one_pixel_and_of_many() {
         for &shape in PointShape::ALL {
             let style = Style {
                 primitive: Primitive::Point,
-                points: PointStyle { size_px, shape },
+                points: PointStyle {
+                    size_px,
+                    shape,
+                    ..PointStyle::default()
+                },
                 ..Style::default()
             };
             // A software adapter rounds to a 256th of a pixel before it asks which one a point is in.
             assert_same_picture(&surfel_scene(style, 1.9), 38.0, 2e-3);
             assert_same_picture(&surfel_scene(style, 0.7), 38.0, 2e-3);
+        }
+    }
+}
+
+#[test]
+fn points_that_are_sized_in_the_scene() {
+    for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
+        for &shape in PointShape::ALL {
+            let style = Style::default().with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.sizing = sizing;
+                style.points.shape = shape;
+                style.of_sequence.point_spacing = 0.05;
+            });
+            // From near to so far that most are as small as points get.
+            for distance in [0.7, 1.9, 30.0] {
+                assert_same_picture(&surfel_scene(style, distance), 38.0, 2e-3);
+            }
+        }
+    }
+}
+
+#[test]
+fn points_of_every_shape_in_every_light() {
+    for sizing in [PointSizing::Pixels, PointSizing::Adaptive] {
+        for &shape in PointShape::ALL {
+            for &lighting in Lighting::ALL {
+                let style = Style::default().with(|style| {
+                    style.primitive = Primitive::Point;
+                    style.points.sizing = sizing;
+                    style.points.size_px = 5.0;
+                    style.points.shape = shape;
+                    style.points.light = PointLight::Normals;
+                    style.light.lighting = lighting;
+                });
+                // What is blended has no edges that rounding moves.
+                let bounds = match shape {
+                    PointShape::Gaussian => (55.0, 1e-4),
+                    PointShape::Square | PointShape::Disk => (38.0, 2e-3),
+                };
+                assert_same_picture(&surfel_scene(style, 1.9), bounds.0, bounds.1);
+            }
         }
     }
 }
@@ -232,6 +280,7 @@ fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
         points: PointStyle {
             size_px,
             shape: PointShape::Disk,
+            ..PointStyle::default()
         },
         backdrop: Backdrop {
             background: Background::solid([0; 3]),

@@ -130,7 +130,11 @@ fn points_are_picked_as_both_renderers_draw_them() {
     let (square, disk) = (PointShape::Square, PointShape::Disk);
     for (size_px, shape, least_shown) in [(1.0, square, 1_000), (4.5, square, 2_000), (4.5, disk, 2_000)] {
         let style = Style {
-            points: PointStyle { size_px, shape },
+            points: PointStyle {
+                size_px,
+                shape,
+                ..PointStyle::default()
+            },
             ..style(Primitive::Point)
         };
         let frame = torus(30_000, &style);

@@ -10,8 +10,8 @@ use pointreel::cloud::VoxelRecord;
 use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Content, Kernel, Lighting, PointShape, PointStyle, Primitive, Scene, ScenePacket,
-    SplatFilter, Splatting, Strategy, Style, UpAxis,
+    BackFaces, Background, Camera, Content, Kernel, Lighting, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, Scene, ScenePacket, SplatFilter, Splatting, Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -219,11 +219,58 @@ fn points_of_one_and_of_several_pixels() {
     for (size_px, &shape) in sizes.flat_map(|size_px| PointShape::ALL.iter().map(move |shape| (size_px, shape))) {
         let style = Style {
             primitive: Primitive::Point,
-            points: PointStyle { size_px, shape },
+            points: PointStyle {
+                size_px,
+                shape,
+                ..PointStyle::default()
+            },
             ..plain()
         };
         let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
         assert_agreement(&mut renderer, &packet, &format!("points of {size_px} px, {shape}"));
+    }
+}
+
+#[test]
+fn points_that_are_sized_in_the_scene() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(5000, 1.0);
+    for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
+        for &shape in PointShape::ALL {
+            let style = plain().with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.sizing = sizing;
+                style.points.shape = shape;
+                style.of_sequence.point_spacing = 0.03;
+            });
+            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+            assert_agreement(&mut renderer, &packet, &format!("{sizing} points, {shape}"));
+        }
+    }
+}
+
+#[test]
+fn points_of_every_shape_in_every_light() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(1500, 1.0);
+    for sizing in [PointSizing::Pixels, PointSizing::Adaptive] {
+        for (&shape, &lighting) in PointShape::ALL
+            .iter()
+            .flat_map(|shape| Lighting::ALL.iter().map(move |lighting| (shape, lighting)))
+        {
+            let style = plain().with(|style| {
+                style.primitive = Primitive::Point;
+                style.points.sizing = sizing;
+                style.points.size_px = 5.0;
+                style.points.shape = shape;
+                style.points.light = PointLight::Normals;
+                style.light.lighting = lighting;
+                style.backdrop.background = gradient();
+            });
+            let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+            let what = format!("{sizing} points, {shape}, light {lighting}");
+            assert_agreement(&mut renderer, &packet, &what);
+        }
     }
 }
 

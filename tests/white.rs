@@ -239,7 +239,11 @@ fn points_of_any_shape_are_white() {
     for &shape in PointShape::ALL {
         let style = Style {
             primitive: Primitive::Point,
-            points: PointStyle { size_px: 14.0, shape },
+            points: PointStyle {
+                size_px: 14.0,
+                shape,
+                ..PointStyle::default()
+            },
             ..white()
         };
         let frame = white_sphere(10_000, &style);

@@ -17,7 +17,7 @@ fn head_light(normal: vec3f, to_eye: vec3f) -> vec2f {
     );
 }
 
-// Both vectors in the axes of the frame.
+// All in the same axes.
 fn light_at_vertex(normal: vec3f, center_from_eye: vec3f, corner_from_eye: vec3f) -> vec2f {
     switch view.lighting {
         case LIGHTING_PER_SURFEL: { return head_light(normal, -center_from_eye); }

@@ -19,9 +19,10 @@ fn quad_corner(corner: u32) -> vec2f {
     return vec2f(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;
 }
 
-// Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not.
+// Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not. Points that
+// are larger than the least have it in their disk.
 fn is_beside_disk(quad: vec2f) -> bool {
-    let aside_px = abs(quad) * 0.5 * view.point_size_px;
+    let aside_px = abs(quad) * 0.5 * view.point_least_px;
     return dot(quad, quad) > 1.0 && max(aside_px.x, aside_px.y) > 0.5;
 }
 

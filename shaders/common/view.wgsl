@@ -30,8 +30,8 @@ struct View {
     background_bottom: vec4f,
     // View distances drawn white and black in the picture of the visibility pass.
     depth_range: vec2f,
-    // Edge of a drawn point.
-    point_size_px: f32,
+    // Edge of a drawn point at least.
+    point_least_px: f32,
     // Half the edge of the octree's cube.
     cube_half_edge: f32,
     // How far the visibility pass and the shadow map are pushed back, in splat radii.
@@ -76,6 +76,11 @@ struct View {
     occlusion_strength: f32,
     // Edge of a texel of the shadow map in the middle of the cloud, scene units; 0 where there are no shadows.
     shadow_texel: f32,
+    // Pixels for a slope of 1, to the right and upwards.
+    px_per_slope: vec2f,
+    // Edge of a drawn point, scene units, and what is added for each unit of its radius.
+    point_edge: f32,
+    point_edge_per_radius: f32,
     lamps: array<Lamp, MOST_LAMPS>,
     // Rows of the matrix from view space into that of the first lamp, which the shadow map is drawn in.
     lamp_from_view_x: vec4f,

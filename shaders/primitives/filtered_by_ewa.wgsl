@@ -3,11 +3,10 @@
 fn filtered(splat: Splat, center: vec3f) -> Splat {
     let middle = rotate_to_view(center);
     let per_distance = 1.0 / max(-middle.z, view.near);
-    let px_per_slope = 0.5 * view.focal * view.viewport_px;
-    let u = px_along(splat.axes[0] * splat.scale, middle, per_distance, px_per_slope);
-    let v = px_along(splat.axes[1] * splat.scale, middle, per_distance, px_per_slope);
+    let u = px_along(splat.axes[0] * splat.scale, middle, per_distance);
+    let v = px_along(splat.axes[1] * splat.scale, middle, per_distance);
     // At least as of splats that are seen almost edge-on.
-    let least = pow2(LEAST_COSINE * splat.scale * per_distance * px_per_slope.x);
+    let least = pow2(LEAST_COSINE * splat.scale * per_distance * view.px_per_slope.x);
     let uu = dot(u, u) + least * dot(splat.axes[0], splat.axes[0]);
     let vv = dot(v, v) + least * dot(splat.axes[1], splat.axes[1]);
     let uv = dot(u, v);
@@ -28,9 +27,9 @@ fn pow2(value: f32) -> f32 {
 }
 
 // How many pixels an edge reaches from a middle, as if it were short.
-fn px_along(edge: vec3f, middle: vec3f, per_distance: f32, px_per_slope: vec2f) -> vec2f {
+fn px_along(edge: vec3f, middle: vec3f, per_distance: f32) -> vec2f {
     let in_view = rotate_to_view(edge);
-    return (in_view.xy + middle.xy * (in_view.z * per_distance)) * per_distance * px_per_slope;
+    return (in_view.xy + middle.xy * (in_view.z * per_distance)) * per_distance * view.px_per_slope;
 }
 
 // In the unit of the weight that hides the background.

@@ -1,11 +1,23 @@
-// A point is a square of fixed size that faces the screen; one of a pixel is one vertex of a point list.
+// A point is a square that faces the screen; one of a pixel is one vertex of a point list. What is known of it beside
+// its place and its colour: `points_*.wgsl`.
 
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let point = fetch_point(instance);
-    var clip = project(rotate_to_view(offset_from_eye(point.position)));
+    let shape = point_shape(instance);
+    let center = rotate_to_view(offset_from_eye(point.position));
+    var place = center;
+    var clip = project(center);
     if (VERTICES_PER_RECORD > 1u) {
         let corner = quad_corner(vertex_of_record(instance));
-        clip += vec4f(corner * view.point_size_px / view.viewport_px * clip.w, 0.0, 0.0);
+        let half_edge = 0.5 * (view.point_edge + view.point_edge_per_radius * shape.radius);
+        let least = view.point_least_px / view.viewport_px * clip.w;
+        // Half edges times the focal length.
+        let half = max(half_edge * view.focal, least);
+        place += vec3f(corner * half / view.focal, 0.0);
+        clip += vec4f(corner * half, 0.0, 0.0);
+        // ε-z, as of surfels.
+        clip.z /= 1.0 + view.depth_slack * (half.y / view.focal.y) / max(length(center), view.near);
     }
-    return SplatVertex(clip, point.color, 0u, pack2x16unorm(vec2f(1.0, 0.0)), 1.0);
+    let light = point_light(shape, center, place);
+    return SplatVertex(clip, point.color, shape.normal, pack2x16unorm(light), 1.0);
 }

@@ -40,7 +40,7 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     let offset = center + (splat.axes[0] * q.x + splat.axes[1] * q.y) * splat.scale;
     var clip = project(rotate_to_view(offset));
     // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
-    let length_of_px = -2.0 * rotate_to_view(center).z / (view.focal.x * view.viewport_px.x);
+    let length_of_px = -rotate_to_view(center).z / view.px_per_slope.x;
     let slack = view.depth_slack * splat.scale + view.depth_slack_px * length_of_px;
     clip.z /= 1.0 + slack / max(length(center), view.near);
     let color = side_color(point.color, dot(n, center));
@@ -64,7 +64,7 @@ fn surfel_may_face_eye(point: PointRecord, shape: ShapeRecord, reach: f32) -> bo
     let to_eye = -offset_from_eye(point.position);
     let distance = length(to_eye);
     let facing = dot(oct_decode(shape.normal), to_eye);
-    let px_per_slope = 0.5 * min(view.focal.x * view.viewport_px.x, view.focal.y * view.viewport_px.y);
+    let px_per_slope = min(view.px_per_slope.x, view.px_per_slope.y);
     // As thick as its disk is seen where it is farthest, beside 1/8 pixel.
     let is_thin = -facing * reach * px_per_slope < 0.125 * SQUARE_REACH_RADII * distance * (distance + reach);
     return view.back_faces != BACK_FACES_CULLED || facing > -1e-3 * distance || is_thin;

@@ -62,7 +62,9 @@ pub fn run(
     if inputs.is_empty() {
         return Err(BenchError::Nothing("no sequence was named".to_owned()));
     }
-    let mut run = Run::new(inputs, options, context, say, progress)?;
+    let clouds = options.cloud_points.iter().copied().map(Input::torus);
+    let inputs: Vec<Input> = clouds.chain(inputs.iter().cloned()).collect();
+    let mut run = Run::new(&inputs, options, context, say, progress)?;
     suites::measure(&mut run)?;
     Ok(run.into_report())
 }

@@ -2,7 +2,7 @@
 
 use super::lab::LabPoint;
 use super::modes::Modes;
-use super::suite::{Defaults, Suite};
+use super::suite::{Defaults, OptionGroup, Suite};
 use crate::kept;
 use crate::sequence::{Sequence, Shape};
 use std::path::PathBuf;
@@ -27,6 +27,8 @@ pub struct BenchOptions {
     pub repeat: usize,
     /// Which ways to draw are compared, by the suite that compares them; all by default.
     pub modes: Modes,
+    /// Of how many points the clouds are that are made beside the inputs, by the suite that makes some.
+    pub cloud_points: Vec<usize>,
     /// Where true pictures are kept for the next run; `None` keeps none.
     #[serde(skip)]
     pub truth_folder: Option<PathBuf>,
@@ -49,6 +51,11 @@ impl BenchOptions {
             warmup: 1,
             repeat: 3,
             modes: Modes::default(),
+            cloud_points: if suite.takes(OptionGroup::Clouds) {
+                vec![1_000_000, 4_000_000]
+            } else {
+                Vec::new()
+            },
             truth_folder: None,
         }
     }
@@ -68,6 +75,17 @@ pub struct Input {
     pub sequence: Arc<Sequence>,
     /// The shape that it was sampled from, if its truth is known.
     pub shape: Option<Shape>,
+}
+
+impl Input {
+    /// One frame of a torus of so many points.
+    pub(super) fn torus(points: usize) -> Self {
+        Self {
+            name: format!("torus of {points}"),
+            sequence: Arc::new(Sequence::of(Shape::Torus.frame(points))),
+            shape: Some(Shape::Torus),
+        }
+    }
 }
 
 /// What a run says of itself.

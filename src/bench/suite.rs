@@ -68,6 +68,8 @@ pub enum OptionGroup {
     Playing,
     /// Who paints and draws a window: it opens one, and is measured by it.
     Window,
+    /// Of how many points the clouds are that it makes itself.
+    Clouds,
 }
 
 impl Suite {

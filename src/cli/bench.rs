@@ -48,6 +48,13 @@ pub(super) struct BenchArgs {
     ))]
     modes: Option<Modes>,
 
+    #[arg(long, value_name = "N,…", value_parser = count, value_delimiter = ',', help = format!(
+        "Points of the clouds that {} makes beside the inputs [default: {}]",
+        names(OptionGroup::Clouds),
+        cloud_points()
+    ))]
+    points: Option<Vec<usize>>,
+
     #[arg(long, value_name = "N", value_parser = count, help = format!(
         "Frames of each sequence, spread evenly; for {}, frames shown [default: {}]",
         names(OptionGroup::Playing),
@@ -111,6 +118,12 @@ fn names(group: OptionGroup) -> String {
     listed(&quoted.collect::<Vec<_>>(), "and")
 }
 
+/// The usual points of clouds, as they are given.
+fn cloud_points() -> String {
+    let points = BenchOptions::new(suites::PRIMITIVES).cloud_points;
+    points.iter().map(usize::to_string).collect::<Vec<_>>().join(",")
+}
+
 /// Each value that suites have, with those that have it; the first says nothing of who has it.
 fn defaults(value_of: impl Fn(&Suite) -> String) -> String {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
@@ -143,6 +156,7 @@ fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
             "--fps and --budget",
             arguments.fps.is_some() || arguments.budget.is_some(),
         ),
+        (OptionGroup::Clouds, "--points", arguments.points.is_some()),
         (
             OptionGroup::Window,
             "--present and --renderer",
@@ -175,6 +189,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         repeat: arguments.repeat,
         budget_bytes: arguments.budget.map(|bytes| bytes as usize),
         truth_folder: BenchOptions::truth_folder_of_person(),
+        cloud_points: arguments.points.clone().unwrap_or(default.cloud_points),
         modes: arguments.modes.clone().unwrap_or_default(),
         ..default
     };

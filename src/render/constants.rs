@@ -1,6 +1,6 @@
 //! Numbers that renderers on both sides know, and the truth. WGSL gets them from here (`gpu/constants.rs`).
 
-use crate::scene::{SplatFilter, Style};
+use crate::scene::{Primitive, SplatFilter, Style};
 
 /// How far the visibility pass is pushed back, in splat radii. One radius is as far as two splats of one surface that
 /// still overlap can lie apart in depth at 45 degrees.
@@ -13,9 +13,19 @@ pub(super) const MASK_FALLOFF: f32 = 3.0;
 /// towards its rim.
 pub(super) const OPAQUE_WEIGHT: f32 = 0.22;
 
+/// The same of points: a little less than the mask is at the rim. As points face the screen, those on a slope lie
+/// behind one another, and the rim of the front one is all that is blended there.
+const OPAQUE_WEIGHT_OF_POINTS: f32 = 0.049;
+
 /// Weight from which a pixel hides the background. Where masks are not summed up, weights are opacities.
 pub(super) fn opaque_weight(style: &Style) -> f32 {
-    if style.blends_surfels() { OPAQUE_WEIGHT } else { 1.0 }
+    if !style.blends_at_depths() {
+        1.0
+    } else if style.primitive == Primitive::Point {
+        OPAQUE_WEIGHT_OF_POINTS
+    } else {
+        OPAQUE_WEIGHT
+    }
 }
 
 /// How far filtered splats reach beyond others: their squares, and the rounding of what is far away.

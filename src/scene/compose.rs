@@ -4,8 +4,10 @@
 //! visible set is the same allocation, so that nobody downstream uploads it again.
 
 use super::content::{CodedCells, Content, Surfels};
+use super::first_look::typical_spacing;
 use super::packet::ScenePacket;
-use super::{Camera, Clip, GroundPlane, Primitive, Style, ViewTransform};
+use super::{Camera, Clip, GroundPlane, PointSizing, Primitive, Style, ViewTransform};
+use crate::cloud::Frame;
 use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
 };
@@ -38,6 +40,8 @@ pub struct SceneStats {
 pub struct Scene {
     last_cut: Option<LastCut>,
     clipped: Option<Clipped>,
+    /// The last frame whose points were measured, and how far apart they typically are.
+    spacing: Option<(Arc<Frame>, f32)>,
     remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
@@ -105,7 +109,7 @@ impl Scene {
     /// What a frame must have for a picture with these settings.
     pub fn needs(style: &Style) -> Needs {
         Needs {
-            shapes: style.draws_surfels() || style.lights_voxels_by_normals(),
+            shapes: style.draws_surfels() || style.lights_voxels_by_normals() || style.has_points_with_shapes(),
             ellipses: style.primitive == Primitive::Ellipse,
             mesh: style.primitive == Primitive::Mesh,
             levels: style.levels_kind().map(|kind| LevelsKey {
@@ -134,6 +138,7 @@ impl Scene {
         let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
         let mut style = *style;
         style.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
+        style.of_sequence.point_spacing = self.point_spacing(frame, &style);
         let bounds = frame.frame.bounds();
         let ground = style.backdrop.grid.then(|| {
             let ground_box = style.of_sequence.ground_box.unwrap_or(bounds);
@@ -176,15 +181,19 @@ impl Scene {
             });
         }
         let points = || Arc::clone(&frame.points);
+        let surfels = || {
+            let shapes = Arc::clone(frame.shapes.as_ref()?);
+            Some(Content::Surfels(Surfels {
+                points: points(),
+                shapes,
+            }))
+        };
         let whole = match style.primitive {
+            Primitive::Point if style.has_points_with_shapes() => {
+                surfels().unwrap_or_else(|| Content::Points(points()))
+            }
             Primitive::Point => Content::Points(points()),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => match &frame.shapes {
-                Some(shapes) => Content::Surfels(Surfels {
-                    points: points(),
-                    shapes: Arc::clone(shapes),
-                }),
-                None => Content::Nothing,
-            },
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => surfels().unwrap_or_default(),
             Primitive::Mesh => match frame.triangles() {
                 Some(triangles) => Content::Mesh(Arc::clone(triangles)),
                 None => Content::Points(points()),
@@ -195,6 +204,18 @@ impl Scene {
             Some(clip) => self.clip(clip, whole),
             None => whole,
         }
+    }
+
+    /// [`OfSequence::point_spacing`](super::OfSequence) of a frame for a style, if that asks for it.
+    fn point_spacing(&mut self, frame: &PreparedFrame, style: &Style) -> f32 {
+        if style.primitive != Primitive::Point || style.points.sizing == PointSizing::Pixels {
+            return 0.0;
+        }
+        let known = self.spacing.take().filter(|(of, _)| Arc::ptr_eq(of, &frame.frame));
+        let (_, spacing) = self
+            .spacing
+            .insert(known.unwrap_or_else(|| (Arc::clone(&frame.frame), typical_spacing(&frame.frame))));
+        *spacing
     }
 
     /// What `clip` keeps of all of a frame: the same allocation as long as both stay the same.

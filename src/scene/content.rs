@@ -13,9 +13,9 @@ pub enum Content {
     /// The frame lacks what the primitive needs: only the background is drawn.
     #[default]
     Nothing,
-    /// Points of a fixed size in pixels.
+    /// Points of which nothing is known but places and colours.
     Points(Arc<Vec<PointRecord>>),
-    /// Oriented disks.
+    /// Points with radii and normals: oriented disks, or points where the primitive is the point.
     Surfels(Surfels),
     /// Cubes.
     Voxels(Voxels),

@@ -74,7 +74,7 @@ impl Lights {
     /// Those of a packet; `None` where light is worked out for each splat, or there is none.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let light = &packet.style.light;
-        let specular = match light.lighting {
+        let specular = match packet.lighting() {
             Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => return None,
             Lighting::Lambert => 0.0,
             Lighting::BlinnPhong => 0.25,

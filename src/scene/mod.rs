@@ -17,6 +17,7 @@ mod on_screen;
 mod packet;
 mod path;
 mod pick;
+mod point_size;
 mod scale_bar;
 mod shadow;
 mod style;
@@ -37,13 +38,14 @@ pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use pick::{Pick, PickedNormal, pick};
+pub use point_size::PointSize;
 pub use scale_bar::ScaleBar;
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
     LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PointShape, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style, SurfelStyle,
-    VoxelLight, VoxelStyle, coloring, describe,
+    PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy,
+    Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

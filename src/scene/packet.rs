@@ -1,7 +1,7 @@
 //! Everything that one picture needs.
 
 use super::content::Content;
-use super::{GroundPlane, Style, ViewTransform};
+use super::{GroundPlane, Lighting, Primitive, Style, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -43,6 +43,17 @@ impl ScenePacket {
             cells.lod_px *= samples as f32;
         }
         drawn
+    }
+
+    /// How what is drawn is lit: points without normals are not.
+    pub fn lighting(&self) -> Lighting {
+        let is_lit =
+            self.style.primitive != Primitive::Point || self.style.lights_points() && self.content.shapes().is_some();
+        if is_lit {
+            self.style.light.lighting
+        } else {
+            Lighting::Unlit
+        }
     }
 
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:

@@ -18,7 +18,8 @@
 //! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it as it is.
 
 use super::camera::TELEPHOTO_FOCAL;
-use super::style::{Antialiasing, BackFaces, Lighting, OnOff, Splatting};
+use super::style::describe::When;
+use super::style::{Antialiasing, BackFaces, Lighting, Splatting};
 use super::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
@@ -47,7 +48,8 @@ impl Shadow {
     /// That of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` where there is none, or no key light that is
     /// far away.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
-        let lights = Lights::of(packet).filter(|_| packet.style.light.shadows == OnOff::On)?;
+        let is_on = packet.style.is(When::Shadows);
+        let lights = Lights::of(packet).filter(|_| is_on)?;
         let key = lights.key()?;
         let radius = packet.bounds.radius() * SHOWN_OF_RADIUS;
         if radius.is_nan() || radius <= 0.0 {

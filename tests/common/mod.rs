@@ -102,7 +102,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
     ScenePacket {
         viewport_px,
         view: camera.transform(DVec3::ZERO, viewport_px),
-        content: if style.primitive == Primitive::Point {
+        content: if style.primitive == Primitive::Point && !style.has_points_with_shapes() {
             Content::Points(points)
         } else {
             let shapes = Arc::new(shapes.collect());

@@ -9,8 +9,8 @@ use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
-    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape, Primitive, RendererChoice,
-    Splatting, Strategy, Style, UpAxis, VoxelLight,
+    BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape, PointSizing, Primitive,
+    RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -161,6 +161,13 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().style.points.size_px, 4.0);
     choose(&mut harness, "Shape", "Disk");
     assert_eq!(harness.state().style.points.shape, PointShape::Disk);
+    choose(&mut harness, "Shape", "Gaussian");
+    choose(&mut harness, "Size", "Adaptive");
+    assert_eq!(harness.state().style.points.sizing, PointSizing::Adaptive);
+    slide(&mut harness, "Point scale", 2.0);
+    assert_eq!(harness.state().style.points.scale, 2.0);
+    choose(&mut harness, "Light on", "Normals");
+    assert!(harness.state().style.lights_points());
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().style.primitive, Primitive::Surfel);
 

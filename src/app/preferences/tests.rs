@@ -6,8 +6,9 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointShape, PointStyle,
-    Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointLight, PointShape,
+    PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight,
+    VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -28,8 +29,11 @@ fn unusual() -> Preferences {
                 back_faces: BackFaces::Drawn,
             },
             points: PointStyle {
+                sizing: PointSizing::Adaptive,
                 size_px: 7.0,
+                scale: 1.5,
                 shape: PointShape::Disk,
+                light: PointLight::Normals,
             },
             voxels: VoxelStyle {
                 light: VoxelLight::Faces,
@@ -66,6 +70,7 @@ fn unusual() -> Preferences {
             of_sequence: OfSequence {
                 ground_box: None,
                 color_hints: ColorHints::NONE,
+                point_spacing: 0.0,
                 clip: None,
             },
             drawing: DrawingStyle {
@@ -111,7 +116,10 @@ fn of_version_6() -> Preferences {
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
-            style.points.shape = PointShape::Square;
+            style.points = PointStyle {
+                size_px: style.points.size_px,
+                ..PointStyle::default()
+            };
         }),
         present: PresentChoice::Auto,
         scale_bar: true,

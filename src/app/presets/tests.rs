@@ -97,6 +97,7 @@ fn of_version_1() -> Style {
         of_sequence: OfSequence {
             ground_box: None,
             color_hints: ColorHints::default(),
+            point_spacing: 0.0,
             clip: None,
         },
         drawing: DrawingStyle {

@@ -15,7 +15,7 @@ use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
 use crate::scene::describe::Value;
-use crate::scene::{PointStyle, Primitive, Style, SurfelStyle};
+use crate::scene::{PointSizing, PointStyle, Primitive, Style, SurfelStyle};
 use crate::sequence::Sequence;
 use crate::timeline::PlayRange;
 use std::sync::Arc;
@@ -200,7 +200,9 @@ impl State {
 
     fn scale_size(&mut self, factor: f32) {
         let scaled = match self.drawn_style().primitive {
-            Primitive::Point | Primitive::Mesh => &PointStyle::SIZE_PX,
+            Primitive::Mesh => &PointStyle::SIZE_PX,
+            Primitive::Point if self.style.points.sizing == PointSizing::Pixels => &PointStyle::SIZE_PX,
+            Primitive::Point => &PointStyle::SCALE,
             Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
         };
         self.style.edit(&mut |described, value| match value {

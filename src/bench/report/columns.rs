@@ -129,4 +129,20 @@ impl Row {
     pub(in crate::bench) fn new(cells: Vec<Cell>) -> Self {
         Self { cells }
     }
+
+    /// A row of `table` with `cells` under their keys; the others of `columns` are missing.
+    pub(in crate::bench) fn of_table(columns: &[Column], table: &str, cells: &[(&str, Cell)]) -> Self {
+        debug_assert!(
+            cells
+                .iter()
+                .all(|(key, _)| columns.iter().any(|column| column.key == *key)),
+            "every cell has a column"
+        );
+        let cell_of = |column: &Column| match cells.iter().find(|(key, _)| *key == column.key) {
+            Some((_, cell)) => cell.clone(),
+            None if column.key == Column::TABLE => Cell::Text(table.to_owned()),
+            None => Cell::Missing,
+        };
+        Self::new(columns.iter().map(cell_of).collect())
+    }
 }

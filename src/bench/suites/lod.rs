@@ -8,6 +8,7 @@
 //! The paper drew points on the hardware of 2004; its times are beside ours for their ratios, not for themselves.
 
 use super::paper_style::surfel_style;
+use super::turning::{VIEWS, cameras};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
@@ -73,12 +74,6 @@ pub const LOD: &Suite = &Suite {
     bars_title: "LOD, upload and render time of a picture, median ms",
     bar_labels: 3,
 };
-
-/// Turn from picture to picture, degrees.
-const STEP_DEG: f64 = 2.0;
-
-/// Names, and distances as parts of the one that shows the whole object.
-const VIEWS: [(&str, f64); 3] = [("zoomed out", 4.0), ("full", 1.0), ("zoomed in", 0.3)];
 
 /// The one that all points are drawn of comes first, then the octree, as others are compared with them.
 const STRUCTURES: [LevelStructure; 6] = [
@@ -190,20 +185,8 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         }
         for (place, (view, distance)) in VIEWS.into_iter().enumerate() {
             run.begin_step(format!("{} frame {index}: {view}", subject.name))?;
-            let framing = subject.framing(&frame);
-            let cameras = (0..run.options.viewpoints).map(|step| Camera {
-                azimuth_deg: framing.azimuth_deg + STEP_DEG * step as f64,
-                distance: distance * framing.distance,
-                ..framing
-            });
-            measure_view(
-                run,
-                subject,
-                &cameras.collect::<Vec<_>>(),
-                place,
-                &mut subjected,
-                &mut measured,
-            )?;
+            let cameras = cameras(subject, &frame, distance, run.options.viewpoints);
+            measure_view(run, subject, &cameras, place, &mut subjected, &mut measured)?;
         }
     }
     Run::check_measured(subject, &point_counts, first_failure)?;

@@ -9,8 +9,10 @@ mod lod;
 mod octree;
 mod paper_style;
 mod play;
+mod primitives;
 mod render;
 mod traversals;
+mod turning;
 mod window;
 
 pub use accuracy::ACCURACY;
@@ -19,6 +21,7 @@ pub use error::ERROR;
 pub use lod::LOD;
 pub use octree::OCTREE;
 pub use play::PLAY;
+pub use primitives::PRIMITIVES;
 pub use render::RENDER;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
@@ -40,6 +43,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (WINDOW, window::measure),
     (ERROR, error::measure),
     (LOD, lod::measure),
+    (PRIMITIVES, primitives::measure),
 ];
 
 /// Every suite.
@@ -82,7 +86,8 @@ mod tests {
         let error = named("disks").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error or lod"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod or \
+             primitives"
         );
     }
 

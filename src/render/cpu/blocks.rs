@@ -24,6 +24,17 @@ pub(super) trait Placed: Sync {
     fn reach(&self, record: usize) -> f32;
 }
 
+/// How far from their places records are drawn: the sum of these.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Extent {
+    /// A factor on [`Placed::reach`].
+    pub(super) scale: f32,
+    /// Scene units.
+    pub(super) margin: f32,
+    /// Pixels.
+    pub(super) margin_px: f32,
+}
+
 /// Boxes around blocks of records.
 #[derive(Debug)]
 pub(super) struct Blocks {
@@ -64,8 +75,8 @@ impl Blocks {
         Self { boxes, record_count }
     }
 
-    /// The blocks of every tile, if records reach `scale` times as far, and a number of pixels further.
-    pub(super) fn by_tile(&self, view: &PixelView, tiles: Tiles, scale: f32, margin_px: f32) -> TileLists {
+    /// The blocks of every tile.
+    pub(super) fn by_tile(&self, view: &PixelView, tiles: Tiles, extent: Extent) -> TileLists {
         let covered: Vec<[Range<usize>; 2]> = self
             .boxes
             .par_iter()
@@ -74,10 +85,10 @@ impl Blocks {
                 // Halves first: the sum of two extremes may be no number.
                 let (low, high) = (0.5 * block.min, 0.5 * block.max);
                 let center = view.rotate(view.offset_from_eye((low + high).to_array()));
-                let half = view.rotate_extent(high - low) + Vec3::splat(scale * block.reach);
+                let half = view.rotate_extent(high - low) + Vec3::splat(extent.scale * block.reach + extent.margin);
                 // For rounding on the way to pixels.
                 let slack = 1e-5 * (center.abs() + half);
-                Tiles::covered_by(view.covered_px(center, half + slack, margin_px))
+                Tiles::covered_by(view.covered_px(center, half + slack, extent.margin_px))
             })
             .collect();
         let mut ends = vec![0u32; tiles.count()];
@@ -124,7 +135,7 @@ pub(super) struct TileLists {
 
 impl TileLists {
     /// The records that may touch a tile, ascending.
-    pub(super) fn records(&self, tile: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
+    pub(super) fn records(&self, tile: usize) -> impl ExactSizeIterator<Item = Range<usize>> + Clone {
         let start = tile.checked_sub(1).map_or(0, |before| self.ends[before]);
         self.blocks[start as usize..self.ends[tile] as usize]
             .iter()

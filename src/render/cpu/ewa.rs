@@ -37,7 +37,8 @@ impl<S: Simd> Splats<S> {
             px_along(view, centers, per_distance, u),
             px_along(view, centers, per_distance, v),
         );
-        // JᵀJ, and at least that of splats which are seen almost edge-on: pixels on those reach too far into the picture.
+        // JᵀJ, and at least that of splats which are seen almost edge-on: on those, pixels reach too far into the
+        // picture.
         let px_per_length = per_distance * (SplatFilter::LEAST_COSINE * view.px_per_slope[0]);
         let least = px_per_length * px_per_length;
         let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, least * u.dot(u)));

@@ -13,7 +13,6 @@
 //! something is shaded. (Weyrich et al. 2007 rasterise elliptical splats by the same homogeneous functions.)
 
 use super::eight::Vectors;
-use super::shading::Light;
 use super::tile::LANES;
 use super::view::{Affine, PixelRect, PixelView};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
@@ -72,14 +71,15 @@ pub(super) struct Facets {
 }
 
 impl Facet {
-    /// The light at each pixel on a surface with another normal than this patch, whose middle and half edges are given.
+    /// What the functions `p`, `q` and `w` are multiplied with so that their sum is the product of a normal and the ray
+    /// that has z = −1, of a normal that need not be that of this patch, whose middle and half edges are given.
     ///
     /// The ray of a pixel meets the patch at `c + p·u + q·v`, which is the ray times the distance: what the normal and
     /// that have in common is `(n·u)·P + (n·v)·Q + (n·c)·W` over W, and the reversed depth is `near` over the distance.
     #[inline(always)]
-    pub(super) fn light_on(&self, view: &PixelView, normal: Vec3, [c, u, v]: [Vec3; 3]) -> Light {
+    pub(super) fn along_rays(&self, view: &PixelView, normal: Vec3, [c, u, v]: [Vec3; 3]) -> [f32; 3] {
         let per_distance = self.depth_per_w / view.near;
-        Light::OfPixelsOn([u, v, c].map(|along| normal.dot(along) * per_distance))
+        [u, v, c].map(|along| normal.dot(along) * per_distance)
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::eight::lane_numbers;
 use super::facet::{Facet, Outline};
-use super::shading::{Light, Shading};
+use super::shading::{Light, Shading, SurfaceNormal};
 use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
 use crate::render::constants::MASK_FALLOFF;
@@ -63,6 +63,14 @@ impl<S: Simd> Fragments<S> {
             }
             Outline::Parallelogram => self.p.abs().max(self.q.abs()).simd_le(self.w),
         }
+    }
+
+    /// Of the functions of pixels, each times a factor.
+    #[inline(always)]
+    fn sum(&self, simd: S, [p, q, w]: [f32; 3]) -> f32x8<S> {
+        let splat = |factor| f32x8::splat(simd, factor);
+        let of_two = self.q.mul_add(splat(q), self.w * splat(w));
+        self.p.mul_add(splat(p), of_two)
     }
 
     /// Reversed depths.
@@ -133,7 +141,10 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
             }
             store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
             if let Some(normal) = shading.normal {
-                for (value, sums) in surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces) {
+                for (value, sums) in surface(simd, normal, fragments, depths)
+                    .into_iter()
+                    .zip(&mut tile.surfaces)
+                {
                     store(value.mul_add(weight, load(simd, sums, at)), sums, at);
                 }
             }
@@ -176,7 +187,9 @@ pub(super) fn over<S: Simd>(
                 store((colors[channel] - there).mul_add(opacity, there), below, at);
             }
             if let Some(normal) = shading.normal {
-                let surface = surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces);
+                let surface = surface(simd, normal, fragments, depths)
+                    .into_iter()
+                    .zip(&mut tile.surfaces);
                 for (value, below) in surface.chain([(f32x8::splat(simd, 1.0), &mut tile.weight)]) {
                     let there = load(simd, below, at);
                     store((value - there).mul_add(opacity, there), below, at);
@@ -208,7 +221,9 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
                 store(simd.select_f32x8(drawn, colors[channel], there), below, at);
             }
             if let Some(normal) = shading.normal {
-                let surface = surface(simd, normal, depths).into_iter().zip(&mut tile.surfaces);
+                let surface = surface(simd, normal, fragments, depths)
+                    .into_iter()
+                    .zip(&mut tile.surfaces);
                 for (value, below) in surface.chain([(f32x8::splat(simd, 1.0), &mut tile.weight)]) {
                     let there = load(simd, below, at);
                     store(simd.select_f32x8(drawn, value, there), below, at);
@@ -220,9 +235,15 @@ pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &
 
 /// What eight fragments leave for deferred shading beside their colours: as [`Tile::surfaces`] has it.
 #[inline(always)]
-fn surface<S: Simd>(simd: S, normal: Vec3, depths: f32x8<S>) -> [f32x8<S>; 4] {
+fn surface<S: Simd>(simd: S, normal: SurfaceNormal, fragments: &Fragments<S>, depths: f32x8<S>) -> [f32x8<S>; 4] {
     let splat = |value: f32| f32x8::splat(simd, value);
-    [splat(normal.x), splat(normal.y), splat(normal.z), depths]
+    match normal {
+        SurfaceNormal::Same(Vec3 { x, y, z }) => [splat(x), splat(y), splat(z), depths],
+        SurfaceNormal::OfSideSeen { normal, along_rays } => {
+            let side = splat(1.0).copysign(-fragments.sum(simd, along_rays));
+            [side * normal.x, side * normal.y, side * normal.z, depths]
+        }
+    }
 }
 
 /// The mask of a kernel inside the disk (`shaders/common/varyings.wgsl`).
@@ -236,7 +257,8 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>, kernel: Kernel) -> f3
     }
 }
 
-/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error below 4·10⁻⁵.
+/// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error below
+/// 4·10⁻⁵.
 #[inline(always)]
 fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);
@@ -294,10 +316,8 @@ impl Shading {
                 let facing = fragments.w * per_length;
                 head_light_of(simd, facing)
             }
-            Light::OfPixelsOn([p, q, w]) => {
-                let along_ray = fragments.q.mul_add(splat(*q), fragments.w * splat(*w));
-                let along_ray = fragments.p.mul_add(splat(*p), along_ray);
-                let facing = along_ray.abs() * load(simd, per_ray_length, at);
+            Light::OfPixelsOn(along_rays) => {
+                let facing = fragments.sum(simd, *along_rays).abs() * load(simd, per_ray_length, at);
                 head_light_of(simd, facing)
             }
         };

@@ -1,6 +1,6 @@
 //! Primitives with a record for everything that is drawn: blocks of records are handed to the tiles that they touch.
 
-use super::blocks::{Blocks, Placed, TileLists};
+use super::blocks::{Blocks, Extent, Placed, TileLists};
 use super::deferred::Illumination;
 use super::finish::Held;
 use super::painter::{InTiles, Painter};
@@ -20,8 +20,8 @@ pub(super) trait DrawnRecords: Placed {
     /// What pixels hold when all is drawn.
     fn held(&self, packet: &ScenePacket) -> Held;
 
-    /// How far from its place a record is drawn: a factor on [`Placed::reach`], and pixels beyond.
-    fn extent(&self) -> (f32, f32);
+    /// How far from its place a record is drawn.
+    fn extent(&self) -> Extent;
 
     /// Draws those of some records that touch a tile.
     fn draw<S: Simd>(
@@ -30,7 +30,7 @@ pub(super) trait DrawnRecords: Placed {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         scratch: &mut Self::Scratch,
     );
 }
@@ -46,16 +46,15 @@ pub(super) fn draw<R: DrawnRecords>(
     let held = records.held(packet);
     let painter = Painter::new(packet, held, illumination);
     let view = painter.view();
-    let (scale, margin_px) = records.extent();
     let has_colors = matches!(held, Held::Sums { .. } | Held::BlendedColors | Held::SolidColors);
     // The work is handed to the threads that share it once, not step by step.
     rayon::scope(|_| {
-        let lists = blocks.by_tile(view, painter.tiles, scale, margin_px);
+        let lists = blocks.by_tile(view, painter.tiles, records.extent());
         let content = InBlocks {
             records,
             lists: &lists,
             view,
-            are_rays_measured: packet.style.light.lighting == Lighting::PerFragment && has_colors,
+            are_rays_measured: packet.lighting() == Lighting::PerFragment && has_colors,
         };
         painter.paint(&content, bands);
         lists.handed_out()

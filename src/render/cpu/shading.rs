@@ -14,8 +14,19 @@ pub(super) struct Shading {
     pub(super) light: Light,
     /// A factor on the mask, where masks are summed up.
     pub(super) weight: f32,
-    /// In view space, towards the eye: where light falls on the blended surface, for the sum of normals.
-    pub(super) normal: Option<Vec3>,
+    /// Where light falls on the blended surface.
+    pub(super) normal: Option<SurfaceNormal>,
+}
+
+/// What a patch leaves for the sum of normals, in view space. Surfaces have two sides: what is summed up is turned
+/// towards the eye.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum SurfaceNormal {
+    /// Of all pixels.
+    Same(Vec3),
+    /// Of a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels times
+    /// `along_rays` is the product of the normal and the ray that has z = −1, whose sign says which side is seen.
+    OfSideSeen { normal: Vec3, along_rays: [f32; 3] },
 }
 
 /// A factor on a colour, and white that is added to it.
@@ -27,8 +38,7 @@ pub(super) enum Light {
     OfCorners([[f32; 4]; 2]),
     /// Worked out at each pixel.
     OfPixels,
-    /// The same on a surface in another direction than the patch: the sum of the functions `p`, `q` and `w` of pixels
-    /// times these is the product of its normal and the ray that has z = −1.
+    /// The same on a surface in another direction than the patch: as [`SurfaceNormal::OfSideSeen`] has it.
     OfPixelsOn([f32; 3]),
 }
 

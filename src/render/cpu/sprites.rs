@@ -8,8 +8,8 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sprite {
     pub(super) place_px: [f32; 2],
-    /// Edge of the square, or diameter of the disk.
-    pub(super) size_px: f32,
+    /// Half the edge of the square, or radius of the disk.
+    pub(super) half_px: f32,
     pub(super) shape: PointShape,
 }
 
@@ -19,13 +19,13 @@ impl Sprite {
     pub(super) fn for_each_row(&self, clip: PixelRect, visit: impl FnMut(i32, Range<i32>)) {
         match self.shape {
             PointShape::Square => self.for_each_row_of_square(clip, visit),
-            PointShape::Disk => self.for_each_row_of_disk(clip, visit),
+            PointShape::Disk | PointShape::Gaussian => self.for_each_row_of_disk(clip, visit),
         }
     }
 
     #[inline(always)]
     fn for_each_row_of_square(&self, clip: PixelRect, mut visit: impl FnMut(i32, Range<i32>)) {
-        let half = 0.5 * self.size_px;
+        let half = self.half_px;
         // Pixels whose middles are within.
         let range = |axis: usize| {
             let middle = self.place_px[axis];
@@ -40,11 +40,11 @@ impl Sprite {
 
     #[inline(always)]
     fn for_each_row_of_disk(&self, clip: PixelRect, mut visit: impl FnMut(i32, Range<i32>)) {
-        let radius = 0.5 * self.size_px;
+        let radius = self.half_px;
         let [x_px, y_px] = self.place_px;
         let own = self.place_px.map(|place| place.floor() as i32);
         let [top, bottom] = [y_px - radius, y_px + radius].map(|end| end.floor() as i32);
-        for y in top.max(clip.start[1])..(bottom + 1).min(clip.end[1]) {
+        for y in top.max(clip.start[1])..bottom.saturating_add(1).min(clip.end[1]) {
             let aside = y as f32 + 0.5 - y_px;
             let half2 = radius * radius - aside * aside;
             // Pixels whose middles are in the circle, and the one that the point is in.
@@ -53,7 +53,7 @@ impl Sprite {
             let mut end = (x_px + half + 0.5).floor() as i32;
             if y == own[1] {
                 start = start.min(own[0]);
-                end = end.max(own[0] + 1);
+                end = end.max(own[0].saturating_add(1));
             } else if half2 < 0.0 {
                 continue;
             }

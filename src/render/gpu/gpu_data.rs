@@ -4,8 +4,8 @@ pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, V
 
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
-    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, LightStyle, Lighting, Lights, ScenePacket, Shadow,
-    SplatFilter, Style, SurfelStyle,
+    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PointSize, ScenePacket, Shadow,
+    SplatFilter, Style,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -44,7 +44,7 @@ pub struct ViewUniform {
     pub opaque_weight: f32,
     pub background_bottom: [f32; 4],
     pub depth_range: [f32; 2],
-    pub point_size_px: f32,
+    pub point_least_px: f32,
     pub cube_half_edge: f32,
     pub depth_slack: f32,
     pub lighting: u32,
@@ -69,6 +69,9 @@ pub struct ViewUniform {
     pub occlusion_most_radius_px: f32,
     pub occlusion_strength: f32,
     pub shadow_texel: f32,
+    pub px_per_slope: [f32; 2],
+    pub point_edge: f32,
+    pub point_edge_per_radius: f32,
     pub lamps: [LampUniform; Lights::MOST_LAMPS],
     pub lamp_from_view_x: [f32; 4],
     pub lamp_from_view_y: [f32; 4],
@@ -105,8 +108,6 @@ impl ViewUniform {
     /// splat scale.
     pub fn new(packet: &ScenePacket, enlargement: f32) -> Self {
         let Style {
-            surfels: SurfelStyle { splatting, .. },
-            light: LightStyle { lighting, .. },
             backdrop: Backdrop { background, .. },
             ..
         } = packet.style;
@@ -125,10 +126,11 @@ impl ViewUniform {
             })
         };
         let lights = Lights::of(packet);
+        let point_size = PointSize::of(packet);
         let of_lights = |value: fn(Lights) -> f32| lights.map_or(0.0, value);
         let occlusion = AmbientOcclusion::of(packet);
         let of_occlusion = |value: fn(AmbientOcclusion) -> f32| occlusion.map_or(0.0, value);
-        let has_slack = splatting.has_visibility_pass() && packet.content.voxels().is_none();
+        let has_slack = packet.style.blends_at_depths();
         Self {
             rotation_x: rotation.x_axis.extend(0.0).to_array(),
             rotation_y: rotation.y_axis.extend(0.0).to_array(),
@@ -143,10 +145,10 @@ impl ViewUniform {
             opaque_weight: opaque_weight(&packet.style),
             background_bottom: background_bottom.extend(1.0).to_array(),
             depth_range: packet.depth_range(),
-            point_size_px: packet.style.points.size_px,
+            point_least_px: point_size.least_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
-            lighting: match lighting {
+            lighting: match packet.lighting() {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
@@ -192,6 +194,9 @@ impl ViewUniform {
             occlusion_most_radius_px: of_occlusion(|occlusion| occlusion.most_radius_px),
             occlusion_strength: of_occlusion(|occlusion| occlusion.strength),
             samples_per_edge: packet.style.drawing.antialiasing.samples_per_edge() as f32,
+            px_per_slope: [0, 1].map(|axis| 0.5 * packet.view.focal[axis] * packet.viewport_px[axis] as f32),
+            point_edge: point_size.edge,
+            point_edge_per_radius: point_size.edge_per_radius,
             lamps: lights.map_or_else(Default::default, |lights| lights.lamps.map(LampUniform::from)),
             ..Self::zeroed()
         }

@@ -4,6 +4,7 @@
 //! picture's order of passes in `plan`, its commands in `picture`. A strategy owns upload and draw call, a pass owns
 //! targets and blending; neither knows the other. A primitive (`primitives`) says which passes draw it.
 
+pub mod complexity;
 mod constants;
 mod context;
 pub mod gpu_data;

@@ -5,7 +5,6 @@
 //! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
 //! the end. Antialiasing makes the picture that is shown of it.
 
-use super::context::Context;
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SUPERSAMPLE};
 use super::passes::{GeometryKey, ScreenPass};
@@ -36,7 +35,8 @@ pub(super) const VIEWS: usize = 3;
 pub(super) const LAMP_VIEW: u32 = 2;
 
 impl<'a> Plan<'a> {
-    pub(super) fn new(packet: &'a ScenePacket, context: &Context) -> Self {
+    /// `blends_single_floats`: see [`Context`](super::context::Context).
+    pub(super) fn new(packet: &'a ScenePacket, blends_single_floats: bool) -> Self {
         let drawable = primitives::drawable(packet);
         let shade = drawable.draws_into(Target::Surfaces).then_some(&SHADE);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
@@ -60,7 +60,7 @@ impl<'a> Plan<'a> {
             finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
             shadow: Shadow::of(packet),
             strategy: packet.style.drawing.strategy,
-            precision: if packet.style.filters_splats() && context.blends_single_floats {
+            precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single
             } else {
                 Precision::Half

@@ -138,7 +138,7 @@ impl GpuRenderer {
     }
 
     fn encode_picture(&mut self, packet: &ScenePacket) -> Result<wgpu::CommandBuffer, RenderError> {
-        let plan = Plan::new(packet, &self.context);
+        let plan = Plan::new(packet, self.context.blends_single_floats);
         let streams = streams_of(&plan, &self.residency);
         let draw = Draw {
             streams: &streams,
@@ -274,8 +274,7 @@ impl Renderer for GpuRenderer {
         let start = Instant::now();
         self.prepared = None;
         let drawn = packet.as_drawn();
-        let context = Arc::clone(&self.context);
-        let plan = Plan::new(&drawn, &context);
+        let plan = Plan::new(&drawn, self.context.blends_single_floats);
         let is_smoothed = packet.style.drawing.antialiasing != Antialiasing::None;
         let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
         self.ensure_targets(sizes_px, plan.precision)?;

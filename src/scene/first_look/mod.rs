@@ -16,6 +16,7 @@ mod trim;
 mod up;
 
 pub use kind::CaptureKind;
+pub(super) use sample::typical_spacing;
 pub use standpoint::Standpoint;
 
 use super::{Camera, Primitive, UpAxis};

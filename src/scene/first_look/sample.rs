@@ -16,6 +16,8 @@ pub(super) const MOST_POINTS: usize = 1 << 14;
 const SLOTS_AROUND: usize = 8;
 /// The distance to this neighbour is the spacing: one or two may be duplicates or a pair of outliers.
 const SPACING_NEIGHBOUR: usize = 4;
+/// Places of [`typical_spacing`], which is asked for while frames play: their middle is within two per cent.
+const SPACED_PLACES: usize = 1 << 12;
 /// Places whose neighbourhoods are fitted by planes.
 const PLACES: usize = 512;
 /// Points in a row among which the neighbours of a place are looked for.
@@ -90,6 +92,14 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
         })
         .collect();
     (!lumas.is_empty()).then(|| quantile(&mut lumas, 0.5))
+}
+
+/// How far apart the points of a frame are: the middle of some thousand places, scene units; 0 without points.
+pub(in crate::scene) fn typical_spacing(frame: &Frame) -> f32 {
+    let positions = frame.positions();
+    let slots = even_slots(positions.len(), SPACED_PLACES);
+    let mut spacing: Vec<f32> = slots.iter().map(|&slot| spacing_at(positions, slot)).collect();
+    quantile(&mut spacing, 0.5)
 }
 
 /// Places of at most `most` of `count`, evenly.

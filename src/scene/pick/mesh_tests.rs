@@ -44,7 +44,7 @@ proptest! {
         let frame = mesh(&positions, &faces);
         let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         let camera = camera(distance, azimuth_deg, DVec3::ZERO);
-        let packet = packet_of(&frame, DVec3::ZERO, &camera, &style(PointStyle { size_px, shape }));
+        let packet = packet_of(&frame, DVec3::ZERO, &camera, &style(PointStyle { size_px, shape, ..PointStyle::default() }));
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
         let Some(records) = packet.content.mesh() else {
@@ -52,7 +52,7 @@ proptest! {
             prop_assert!(frame.mesh.unwrap().mesh().triangles().is_empty());
             return Ok(());
         };
-        let triangles = Triangles::new(records, packet.style.points);
+        let triangles = Triangles::new(records, &packet);
         let found = Ray::new(&packet, place_px).choose(&triangles, 0.0);
         let expected = oracle.triangle();
         prop_assert_eq!(found.map(|seen| seen.record), expected.map(|(record, _)| record));

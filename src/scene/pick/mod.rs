@@ -16,7 +16,7 @@ mod ray;
 mod records;
 
 use super::clip::at;
-use super::{Content, ScenePacket};
+use super::{Content, Primitive, ScenePacket};
 use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
 use codes::surfels_near;
@@ -115,13 +115,17 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
     match &packet.content {
         Content::Nothing => None,
         Content::Points(points) => {
-            let sprites = Sprites::new(points, packet.style.points);
+            let sprites = Sprites::new(packet, points, None);
             let chosen = ray.choose(&sprites, radius_px)?;
             slot_of(packet, frame, points, chosen.record)
         }
         Content::Surfels(surfels) => {
-            let disks = Disks::new(surfels, &packet.style);
-            let chosen = ray.choose(&disks, radius_px)?;
+            let chosen = if packet.style.primitive == Primitive::Point {
+                let sprites = Sprites::new(packet, &surfels.points, Some(&surfels.shapes));
+                ray.choose(&sprites, radius_px)?
+            } else {
+                ray.choose(&Disks::new(surfels, &packet.style), radius_px)?
+            };
             let kind = packet.style.levels_kind();
             if kind.and_then(|kind| frame.levels.get(kind)).is_none() {
                 return slot_of(packet, frame, &surfels.points, chosen.record);
@@ -136,7 +140,7 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             nearest_drawn(packet, frame, chosen.place, |place| cell.contains(place))
         }
         Content::Mesh(mesh) => {
-            let chosen = ray.choose(&Triangles::new(mesh, packet.style.points), radius_px)?;
+            let chosen = ray.choose(&Triangles::new(mesh, packet), radius_px)?;
             nearest_drawn(packet, frame, chosen.place, |_| true)
         }
         Content::Coded(coded) => {

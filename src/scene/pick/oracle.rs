@@ -2,7 +2,7 @@
 
 use super::tests::SIZE;
 use crate::cloud::{decode_ellipse, oct_decode};
-use crate::scene::{PointShape, Primitive, ScenePacket};
+use crate::scene::{PointShape, PointSizing, Primitive, ScenePacket};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// From a place of the frame to clip space as the shaders' matrix does it, but in f64; and back to where rays go.
@@ -56,21 +56,53 @@ impl Oracle<'_> {
         let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
         let covers = match self.packet.style.points.shape {
             PointShape::Square => is_near(half_px),
-            PointShape::Disk => aside.length_squared() <= half_px * half_px || is_near(0.5),
+            PointShape::Disk | PointShape::Gaussian => aside.length_squared() <= half_px * half_px || is_near(0.5),
         };
         (clip.w > 0.0 && ndc.z <= 1.0 && covers).then_some(clip.w)
     }
 
     pub(super) fn point(&self) -> Option<usize> {
+        let style = &self.packet.style;
+        let shape = style.points.shape;
+        let shapes = self.packet.content.shapes();
         let mut best: Option<(f64, usize)> = None;
+        let mut blended = Vec::new();
         for (slot, point) in self.packet.content.points().unwrap().iter().enumerate() {
-            if let Some(depth) = self.point_over_pixel(self.offset(point.position))
-                && best.is_none_or(|(nearest, _)| depth <= nearest)
-            {
-                best = Some((depth, slot));
+            let place = self.rotation() * self.offset(point.position);
+            let clip = self.packet.view.clip_from_view().as_dmat4() * place.extend(1.0);
+            let ndc = clip.truncate() / clip.w;
+            let [width, height] = SIZE.map(f64::from);
+            let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
+            let aside = px - self.px;
+            let scale = f64::from(style.points.scale);
+            let px_per_unit = 0.5 * height * f64::from(self.packet.view.focal[1]) / clip.w;
+            let least_px = match shape {
+                PointShape::Square => 0.505,
+                PointShape::Disk | PointShape::Gaussian => 0.715,
+            };
+            let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(least_px);
+            let half_px = match style.points.sizing {
+                PointSizing::Pixels if shape == PointShape::Gaussian || style.lights_points() => {
+                    least_px.max(0.5 * f64::from(style.points.size_px))
+                }
+                PointSizing::Pixels => 0.5 * f64::from(style.points.size_px),
+                PointSizing::Projected => in_scene_px(f64::from(style.of_sequence.point_spacing) / 2f64.sqrt()),
+                PointSizing::Adaptive => in_scene_px(f64::from(shapes.unwrap()[slot].radius)),
+            };
+            let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
+            let is_round = aside.length_squared() <= half_px * half_px;
+            let covers = match shape {
+                PointShape::Square => is_near(half_px),
+                PointShape::Disk => is_round || is_near(0.5),
+                PointShape::Gaussian => is_round,
+            };
+            if clip.w > 0.0 && ndc.z <= 1.0 && covers && shape == PointShape::Gaussian {
+                blended.push((clip.w, half_px / px_per_unit, aside.length() / half_px, slot));
+            } else if clip.w > 0.0 && ndc.z <= 1.0 && covers && best.is_none_or(|(depth, _)| clip.w <= depth) {
+                best = Some((clip.w, slot));
             }
         }
-        best.map(|(_, slot)| slot)
+        best.map(|(_, slot)| slot).or_else(|| most_of_blended(blended))
     }
 
     pub(super) fn surfel(&self) -> Option<usize> {
@@ -98,10 +130,7 @@ impl Oracle<'_> {
                 met.push((depth, radius, a.hypot(b), slot));
             }
         }
-        let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
-        met.retain(|&(depth, ..)| depth <= backmost);
-        met.sort_by(|a, b| a.2.total_cmp(&b.2));
-        met.first().map(|&(.., slot)| slot)
+        most_of_blended(met)
     }
 
     /// The record of the nearest triangle or point of a mesh, and where it is met.
@@ -152,4 +181,13 @@ impl Oracle<'_> {
         }
         best.map(|(_, record)| record)
     }
+}
+
+/// The one nearest to the middle of what is drawn there, of those no farther behind the nearest than its radius. Each
+/// is a depth, a radius, a share of the radius and a slot.
+fn most_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
+    let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
+    met.retain(|&(depth, ..)| depth <= backmost);
+    met.sort_by(|a, b| a.2.total_cmp(&b.2));
+    met.first().map(|&(.., slot)| slot)
 }

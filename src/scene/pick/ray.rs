@@ -160,6 +160,11 @@ impl Ray {
         self.may_meet(low, high, reach, radius_px + records.reach_px())
     }
 
+    /// How many pixels a length across the view covers at a depth.
+    pub(super) fn length_px(&self, length: f64, depth: f64) -> f64 {
+        length / depth * self.px_per_slope
+    }
+
     /// How many pixels a length covers at the depth of the nearest point that is as far from `center` as half of it;
     /// infinite where that is behind the near plane.
     pub(super) fn size_px(&self, center: Vec3, length: f32) -> f64 {
@@ -169,7 +174,7 @@ impl Ray {
         if nearest <= self.near {
             return f64::INFINITY;
         }
-        f64::from(length) / nearest * self.px_per_slope
+        self.length_px(f64::from(length), nearest)
     }
 
     /// False if nothing that is in a box, or reaches beyond it, comes nearer to the pixel than a radius.

@@ -2,7 +2,7 @@
 
 use super::ray::{Drawn, Met, Miss, Ray};
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, decode_ellipse, oct_decode};
-use crate::scene::{PointShape, PointStyle, Primitive, Style, Surfels, Voxels};
+use crate::scene::{PointShape, PointSize, Primitive, ScenePacket, Style, Surfels, Voxels};
 use glam::{DVec2, DVec3, Vec3};
 
 /// The longer half axis of the thinnest ellipse, in radii: see [`ShapeRecord`].
@@ -11,17 +11,25 @@ const LONGEST_HALF_AXIS: f64 = std::f64::consts::SQRT_2;
 /// Points as squares or disks of pixels.
 pub(super) struct Sprites<'a> {
     points: &'a [PointRecord],
-    half_px: f64,
+    shapes: Option<&'a [ShapeRecord]>,
+    size: PointSize,
     shape: PointShape,
 }
 
 impl<'a> Sprites<'a> {
-    pub(super) fn new(points: &'a [PointRecord], style: PointStyle) -> Self {
+    pub(super) fn new(packet: &ScenePacket, points: &'a [PointRecord], shapes: Option<&'a [ShapeRecord]>) -> Self {
         Self {
             points,
-            half_px: 0.5 * f64::from(style.size_px.max(1.0)),
-            shape: style.shape,
+            shapes,
+            size: PointSize::of(packet),
+            shape: packet.style.points.shape,
         }
+    }
+
+    /// Half the edge of a point in the scene.
+    fn half_edge(&self, record: usize) -> f64 {
+        let radius = self.shapes.map_or(0.0, |shapes| shapes[record].radius);
+        0.5 * f64::from(self.size.edge + self.size.edge_per_radius * radius)
     }
 }
 
@@ -34,31 +42,40 @@ impl Drawn for Sprites<'_> {
         Vec3::from_array(self.points[record].position)
     }
 
-    fn reach(&self, _: usize) -> f64 {
-        0.0
+    fn reach(&self, record: usize) -> f64 {
+        self.half_edge(record)
     }
 
     fn reach_px(&self) -> f64 {
-        self.half_px
+        0.5 * f64::from(self.size.least_px)
     }
 
     fn faces_eye(&self, _: usize, _: DVec3) -> bool {
         true
     }
 
-    fn meet(&self, ray: &Ray, _: usize, offset: DVec3) -> Option<Met> {
-        meet_sprite(ray, offset, self.half_px, self.shape)
+    fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
+        let (depth, aside_px) = ray.project(offset)?;
+        let half_px = ray.length_px(self.half_edge(record), depth).max(self.reach_px());
+        if self.shape != PointShape::Gaussian {
+            return meet_sprite(depth, aside_px, half_px, self.shape);
+        }
+        let aside = aside_px.length() / half_px;
+        (aside <= 1.0).then_some(Met {
+            depth,
+            slack: half_px / ray.length_px(1.0, depth),
+            aside,
+        })
     }
 }
 
 /// Where the ray meets the square or the disk of a point.
-fn meet_sprite(ray: &Ray, offset: DVec3, half_px: f64, shape: PointShape) -> Option<Met> {
-    let (depth, aside_px) = ray.project(offset)?;
+fn meet_sprite(depth: f64, aside_px: DVec2, half_px: f64, shape: PointShape) -> Option<Met> {
     let aside_most_px = aside_px.abs().max_element();
     let covers = match shape {
         PointShape::Square => aside_most_px <= half_px,
         // And the pixel that the point is in.
-        PointShape::Disk => aside_px.length() <= half_px || aside_most_px <= 0.5,
+        PointShape::Disk | PointShape::Gaussian => aside_px.length() <= half_px || aside_most_px <= 0.5,
     };
     covers.then_some(Met {
         depth,
@@ -237,11 +254,11 @@ pub(super) struct Triangles<'a> {
 }
 
 impl<'a> Triangles<'a> {
-    pub(super) fn new(mesh: &'a MeshRecords, style: PointStyle) -> Self {
+    pub(super) fn new(mesh: &'a MeshRecords, packet: &ScenePacket) -> Self {
         Self {
             mesh,
-            half_px: 0.5 * f64::from(style.size_px.max(1.0)),
-            shape: style.shape,
+            half_px: 0.5 * f64::from(PointSize::of(packet).least_px),
+            shape: packet.style.points.shape,
         }
     }
 
@@ -286,7 +303,8 @@ impl Drawn for Triangles<'_> {
 
     fn meet(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Met> {
         if self.is_point(record) {
-            return meet_sprite(ray, offset, self.half_px, self.shape);
+            let (depth, aside_px) = ray.project(offset)?;
+            return meet_sprite(depth, aside_px, self.half_px, self.shape);
         }
         let [a, b, c] = self.corners_from_eye(record, offset);
         let direction = ray.direction();

@@ -5,7 +5,8 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet, Lod};
 use crate::scene::{
-    BackFaces, Camera, LevelStructure, PointShape, PointStyle, Primitive, Projection, Scene, Style, SurfelStyle, UpAxis,
+    BackFaces, Camera, LevelStructure, PointLight, PointShape, PointSizing, PointStyle, Primitive, Projection, Scene,
+    Style, SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -85,7 +86,10 @@ proptest! {
         azimuth_deg in -180f64..180.0,
         px in (0..SIZE[0], 0..SIZE[1]),
         size_px in 1f32..9.0,
-        is_round: bool,
+        shape in prop::sample::select(PointShape::ALL),
+        light in prop::sample::select(PointLight::ALL),
+        sizing in prop::sample::select(PointSizing::ALL),
+        scale in 0.1f32..8.0,
         is_far: bool,
         culled: bool,
     ) {
@@ -94,12 +98,11 @@ proptest! {
         let camera = camera(distance, azimuth_deg, origin);
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let back_faces = if culled { BackFaces::Culled } else { BackFaces::Drawn };
-        let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         for &primitive in Primitive::ALL {
             let style = Style {
                 primitive,
                 surfels: SurfelStyle { back_faces, ..SurfelStyle::default() },
-                points: PointStyle { size_px, shape },
+                points: PointStyle { sizing, size_px, scale, shape, light },
                 ..Style::default()
             };
             let packet = packet_of(&frame, origin, &camera, &style);
@@ -303,9 +306,14 @@ fn each_structure_of_levels_is_picked_where_it_is_drawn() {
         })
         .collect();
     let whole = cloud(&places, 0.02, DVec3::ZERO);
-    for &structure in LevelStructure::ALL {
+    let primitives = [Primitive::Surfel, Primitive::Point];
+    for (&structure, primitive) in LevelStructure::ALL
+        .iter()
+        .flat_map(|structure| primitives.map(|primitive| (structure, primitive)))
+    {
         let style = Style::default().with(|style| {
-            style.primitive = Primitive::Surfel;
+            style.primitive = primitive;
+            style.points.sizing = PointSizing::Adaptive;
             style.levels.surfel_lod = true;
             style.levels.structure = structure;
             style.levels.lod = Lod::Budget(700);
@@ -319,7 +327,7 @@ fn each_structure_of_levels_is_picked_where_it_is_drawn() {
         );
         let packet = packet_of(&frame, DVec3::ZERO, &camera(2.5, 30.0, DVec3::ZERO), &style);
         let Content::Surfels(drawn) = &packet.content else {
-            panic!("{structure} draws surfels")
+            panic!("{structure} draws what has radii")
         };
         assert!(
             (50..=700).contains(&drawn.points.len()),

@@ -16,7 +16,7 @@ choices! {
         /// Paper 002, Figs. 5 and 6.
         Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them";
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
-        Point = "point", "Points", "Plain squares of a size in pixels: the fastest";
+        Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest";
     }
 }
 

@@ -282,13 +282,13 @@ group! {
         /// are drawn.
         surfel_lod: bool = false, "surfel_lod" SURFEL_LOD {
             flag: "surfel-lod",
-            help: "Draw surfels of octree cells, as --lod… says, instead of all points",
+            help: "Draw surfels, or adaptive points, of octree cells, as --lod… says",
             heading: HEADING,
             title: "Surfel detail",
             hint: "One surfel for all points of an octree's cell that is small on the screen: fewer are drawn from \
                    afar",
             section: Section::Surfels,
-            when: When::Surfels,
+            when: When::SurfelRadii,
             values: Values::Switch("Fewer from afar"),
         }
         /// What surfels that stand for others are taken from.

@@ -31,7 +31,7 @@ pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
-pub use points::{PointShape, PointStyle};
+pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Kernel, SplatFilter, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
@@ -143,16 +143,22 @@ impl Style {
             When::BlendedSurfels => self.blends_surfels(),
             When::MaskedSurfels => self.draws_surfels() && self.surfels.splatting.has_masks() && !self.filters_splats(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
-            When::SurfelLevels => self.draws_surfels() && self.levels.surfel_lod,
+            When::SurfelRadii => self.draws_surfels() || self.has_adaptive_points(),
+            When::SurfelLevels => self.is(When::SurfelRadii) && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
-            When::Points => self.draws_points(),
+            When::DrawnPoints => self.draws_points(),
+            When::Points => self.primitive == Primitive::Point,
+            When::PointsOfPixels => {
+                self.primitive == Primitive::Mesh || self.is(When::Points) && self.points.sizing == PointSizing::Pixels
+            }
+            When::PointsOfScene => self.is(When::Points) && self.points.sizing != PointSizing::Pixels,
             When::Voxels => self.primitive == Primitive::Voxel,
             When::Cells => self.draws_cells() || self.draws_codes(),
-            When::Lit => self.primitive != Primitive::Point,
-            When::Deferred => self.primitive != Primitive::Point && self.light.lighting.is_deferred(),
+            When::Lit => self.primitive != Primitive::Point || self.points.light == PointLight::Normals,
+            When::Deferred => self.is(When::Lit) && self.light.lighting.is_deferred(),
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
-            When::KeyLight => self.is(When::Deferred) && self.light.rig.has_far_key(),
+            When::KeyLight => self.is(When::Shaded) && self.light.rig.has_far_key(),
             When::Shadows => self.is(When::KeyLight) && self.light.shadows == OnOff::On,
             When::Shaded => self.is_shaded_with_depths(),
             When::Occluded => self.is_shaded_with_depths() && self.light.ao == OnOff::On,
@@ -175,18 +181,18 @@ impl Style {
         self.blends_surfels() && self.surfels.filter == SplatFilter::Ewa
     }
 
-    /// How splats fall off: the filter is a convolution of Gaussians.
+    /// How splats fall off: the filter is a convolution of Gaussians, and so are the masks of points.
     pub fn kernel(&self) -> Kernel {
-        if self.filters_splats() {
-            Kernel::Gaussian
-        } else {
+        if self.is(When::MaskedSurfels) {
             self.surfels.kernel
+        } else {
+            Kernel::Gaussian
         }
     }
 
-    /// Whether surfels are left out that face away.
+    /// Whether surfels are left out that face away. Points have no back.
     pub fn culls_back_faces(&self) -> bool {
-        matches!(self.surfels.back_faces, BackFaces::Auto | BackFaces::Culled)
+        self.primitive != Primitive::Point && matches!(self.surfels.back_faces, BackFaces::Auto | BackFaces::Culled)
     }
 
     /// Whether the light shows which side of a surfel is seen.
@@ -204,15 +210,43 @@ impl Style {
         matches!(self.primitive, Primitive::Point | Primitive::Mesh)
     }
 
+    /// Whether points are drawn as points, as large as their surfels are.
+    pub fn has_adaptive_points(&self) -> bool {
+        self.primitive == Primitive::Point && self.points.sizing == PointSizing::Adaptive
+    }
+
+    /// Whether points are drawn as points on whose normals light falls.
+    pub fn lights_points(&self) -> bool {
+        self.primitive == Primitive::Point
+            && self.points.light == PointLight::Normals
+            && self.light.lighting != Lighting::Unlit
+    }
+
+    /// Whether points are drawn as points, of which radii or normals are asked for.
+    pub fn has_points_with_shapes(&self) -> bool {
+        self.has_adaptive_points() || self.lights_points()
+    }
+
+    /// Whether depths are drawn first, and then what lies at them is blended by its masks.
+    pub fn blends_at_depths(&self) -> bool {
+        if self.primitive == Primitive::Point {
+            self.points.shape == PointShape::Gaussian
+        } else {
+            self.draws_surfels() && self.surfels.splatting.has_visibility_pass()
+        }
+    }
+
     /// The levels of detail that are drawn; `None` where all points are.
     pub fn levels_kind(&self) -> Option<LevelsKind> {
         let of_surfels = self.levels.structure.kind();
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.surfel_lod.then_some(of_surfels),
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+                self.is(When::SurfelLevels).then_some(of_surfels)
+            }
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
             Primitive::Voxel => Some(LevelsKind::Cubes),
-            Primitive::Point | Primitive::Mesh => None,
+            Primitive::Mesh => None,
         }
     }
 
@@ -224,7 +258,7 @@ impl Style {
     /// Whether light falls on the blended surface, and there are depths that say where it is.
     pub fn is_shaded_with_depths(&self) -> bool {
         let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
-        self.is(When::Deferred) && self.leaves_depths() && !shows_depths
+        self.is(When::Deferred) && self.primitive != Primitive::Point && self.leaves_depths() && !shows_depths
     }
 
     /// Whether what is drawn are cells of an octree.
@@ -251,12 +285,14 @@ impl Style {
             && self.light.lighting != Lighting::Unlit
     }
 
-    /// What the octree is to be divided for: surfels that it is drawn as have no use for leaves as large as the
-    /// spacing.
+    /// What the octree is to be divided for: surfels and points that it is drawn as have no use for leaves as large as
+    /// the spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => self.levels.stop.of_surfels(),
-            Primitive::Voxel | Primitive::Point | Primitive::Mesh => self.levels.stop,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+                self.levels.stop.of_surfels()
+            }
+            Primitive::Voxel | Primitive::Mesh => self.levels.stop,
         }
     }
 

@@ -11,6 +11,8 @@ pub struct OfSequence {
     pub color_hints: ColorHints,
     /// What the ground is below, relative to the origin; all points of a frame if `None`.
     pub ground_box: Option<Aabb>,
+    /// How far apart neighbouring points of the frame typically are, scene units; 0 where nobody has measured it.
+    pub point_spacing: f32,
     /// What of the cloud is drawn; all if `None`.
     pub clip: Option<Clip>,
 }

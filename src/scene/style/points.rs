@@ -9,12 +9,46 @@ choices! {
         Square = "square", "Square", "All pixels of a square of this size";
         /// A pixel is covered where its middle is in the circle, and the pixel that the point is in.
         Disk = "disk", "Disk", "The pixels of the square that are in the circle in it: round points";
+        /// Blended in two passes as surfels are, without normals.
+        Gaussian = "gaussian", "Gaussian", "Round, fading towards the rim: points that overlap blend into a surface";
+    }
+}
+
+choices! {
+    /// What the light of points falls on.
+    PointLight, "light of points" {
+        None = "none", "None", "No light: the colours of the file";
+        /// Those of the file, or estimated ones.
+        Normals = "normals", "Normals", "The surface around a point: its normal";
+    }
+}
+
+choices! {
+    /// What the size of a point is measured in.
+    PointSizing, "size mode of points" {
+        Pixels = "pixels", "Fixed", "As many pixels wherever a point is";
+        /// *Attenuated* in other viewers.
+        Projected = "projected", "Attenuated", "As wide in the scene as points are apart: smaller from afar";
+        /// The radius of a point is that of its surfel, or of the node of a level of detail that it stands for.
+        Adaptive = "adaptive", "Adaptive", "As wide in the scene as each point is from those around it";
     }
 }
 
 group! {
     /// How points are drawn that stay points.
     PointStyle {
+        /// What their size is measured in.
+        sizing: PointSizing = PointSizing::Pixels, "point_size_mode" SIZING {
+            flag: "point-size-mode",
+            value_name: "MODE",
+            help: "What the size of points is measured in",
+            title: "Size",
+            hint: "What the size of points is measured in: pixels of the picture, or lengths in the scene",
+            section: Section::Points,
+            when: When::Points,
+            label: Label::Unusual(Place::What, "{}"),
+            values: Values::Words(PointSizing::WORDS),
+        }
         /// Edge of a drawn point in pixels.
         size_px: f32 = 2.0, "point_size_px" SIZE_PX {
             flag: "point-size",
@@ -23,13 +57,31 @@ group! {
             title: "Point size",
             hint: "Edge of the square drawn for a point, pixels (+ and -)",
             section: Section::Points,
-            when: When::Points,
-            label: Label::Always(Place::What, "{} px"),
+            when: When::PointsOfPixels,
+            label: Label::If(When::PointsOfPixels, Place::What, "{} px"),
             values: Values::Number(Numbers {
                 kept: [1.0, 32.0],
                 offered: [1.0, 32.0],
                 unit: Unit::Is(" px"),
                 decimals: 1,
+                ..Numbers::USUAL
+            }),
+        }
+        /// Factor on the edge of points that are sized in the scene; at 1 points just close a surface.
+        scale: f32 = 1.0, "point_scale" SCALE {
+            flag: "point-scale",
+            value_name: "S",
+            help: "Factor on the size of projected and adaptive points",
+            title: "Point scale",
+            hint: "Factor on the size of points in the scene; at 1 they just close a surface (+ and -)",
+            section: Section::Points,
+            when: When::PointsOfScene,
+            label: Label::Unusual(Place::What, "×{}"),
+            values: Values::Number(Numbers {
+                kept: [0.1, 10.0],
+                offered: [0.1, 10.0],
+                unit: Unit::Is(" ×"),
+                is_logarithmic: true,
                 ..Numbers::USUAL
             }),
         }
@@ -41,9 +93,21 @@ group! {
             title: "Shape",
             hint: "What a point is on the screen: a square, or round",
             section: Section::Points,
-            when: When::Points,
+            when: When::DrawnPoints,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(PointShape::WORDS),
+        }
+        /// What light falls on.
+        light: PointLight = PointLight::None, "point_light" LIGHT {
+            flag: "point-light",
+            value_name: "WHAT",
+            help: "What the light of points falls on",
+            title: "Light on",
+            hint: "What the light of points falls on",
+            section: Section::Points,
+            when: When::Points,
+            label: Label::Unusual(Place::What, "lit by {}"),
+            values: Values::Words(PointLight::WORDS),
         }
     }
 }

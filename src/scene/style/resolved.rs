@@ -45,8 +45,8 @@ impl Style {
         };
         // Of points that sample no surface, normals are noise.
         let shows_shape = match primitive {
-            Primitive::Point => false,
             Primitive::Mesh => true,
+            Primitive::Point if !(Self { primitive, ..*self }).lights_points() => false,
             _ => look.primitive == Primitive::Surfel,
         };
         let eye_dome = match self.light.eye_dome {

@@ -65,16 +65,5 @@ pub(super) const COLUMNS: &[Column] = &[
 
 /// A row of `table` with `cells` under their keys; the other columns are missing.
 pub(super) fn row(table: &str, cells: &[(&str, Cell)]) -> Row {
-    debug_assert!(
-        cells
-            .iter()
-            .all(|(key, _)| COLUMNS.iter().any(|column| column.key == *key)),
-        "every cell has a column"
-    );
-    let cell_of = |column: &Column| match cells.iter().find(|(key, _)| *key == column.key) {
-        Some((_, cell)) => cell.clone(),
-        None if column.key == Column::TABLE => Cell::Text(table.to_owned()),
-        None => Cell::Missing,
-    };
-    Row::new(COLUMNS.iter().map(cell_of).collect())
+    Row::of_table(COLUMNS, table, cells)
 }

@@ -26,7 +26,8 @@ use crate::levels::octree::StopCriterion;
 use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
-use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
+use crate::scene::describe::When;
+use crate::scene::{Background, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -345,11 +346,11 @@ impl ErrorSamples {
             Cell::Text(way.primitive.to_string()),
             text_if(is_surfel, way.surfels.splatting.name()),
             text_if(is_gpu, way.drawing.strategy.name()),
-            text_if(way.primitive != Primitive::Point, way.light.lighting.name()),
+            text_if(way.is(When::Lit), way.light.lighting.name()),
             Cell::maybe(threshold),
             Cell::maybe(delta),
             number_if(is_surfel, way.surfels.splat_scale),
-            number_if(way.primitive == Primitive::Point, way.points.size_px),
+            number_if(way.is(When::PointsOfPixels), way.points.size_px),
             Cell::Number(f64::from(self.drawn_px[0])),
             Cell::Number(f64::from(self.drawn_px[1])),
             Cell::maybe(draw.map(|q| q.median)),

@@ -4,8 +4,8 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Antialiasing, Background, Footprint, Lighting, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, Style,
-    VoxelLight,
+    Antialiasing, Background, Footprint, Lighting, PointLight, PointShape, PointSizing, Primitive, RendererChoice,
+    SplatFilter, Splatting, Strategy, Style, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -58,6 +58,18 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     let detail = base.with(|style| style.levels.surfel_lod = true);
     let mut ways = Vec::new();
     ways.extend([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
+    let of_scene = |sizing, shape| {
+        point.with(|style| {
+            style.points.sizing = sizing;
+            style.points.shape = shape;
+        })
+    };
+    for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
+        ways.extend([PointShape::Disk, PointShape::Gaussian].map(|shape| of_scene(sizing, shape)));
+    }
+    let blended = of_scene(PointSizing::Adaptive, PointShape::Gaussian);
+    ways.push(blended.with(|style| style.points.light = PointLight::Normals));
+    ways.push(blended.with(|style| style.levels.surfel_lod = true));
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
     ways.extend(modes.map(|&splatting| base.with(|style| style.surfels.splatting = splatting)));

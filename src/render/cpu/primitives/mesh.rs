@@ -1,7 +1,7 @@
 //! Triangles, and the vertices between them as points.
 
 use crate::cloud::{MeshRecords, TriangleRecord, VertexRecord, oct_decode};
-use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::unit_color;
@@ -117,13 +117,13 @@ impl DrawnRecords for SeenMesh<'_> {
         Held::surfaces(packet).unwrap_or(Held::SolidColors)
     }
 
-    fn extent(&self) -> (f32, f32) {
-        let points_px = if self.mesh.records.has_points() {
-            self.point_size_px()
-        } else {
-            0.0
-        };
-        (1.0, 0.5 * points_px)
+    fn extent(&self) -> Extent {
+        let has_points = self.mesh.records.has_points();
+        Extent {
+            scale: 1.0,
+            margin_px: if has_points { 0.5 * self.point_size_px() } else { 0.0 },
+            ..Extent::default()
+        }
     }
 
     /// Of two as far away the later one is seen.
@@ -134,7 +134,7 @@ impl DrawnRecords for SeenMesh<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         (): &mut (),
     ) {
         for record in records.flat_map(|range| &self.mesh.records.triangles[range]) {
@@ -230,7 +230,7 @@ impl SeenMesh<'_> {
         let PointStyle { shape, .. } = self.mesh.style.points;
         let sprite = Sprite {
             place_px: px.map(|place| place as f32),
-            size_px: self.point_size_px(),
+            half_px: 0.5 * self.point_size_px(),
             shape,
         };
         let color = self.color(vertex);

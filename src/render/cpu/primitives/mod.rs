@@ -11,7 +11,7 @@ use super::deferred::Illumination;
 use super::records;
 use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Content, Lighting, ScenePacket, Splatting};
+use crate::scene::{Content, Lighting, Primitive, ScenePacket, Splatting};
 use coded::Coded;
 use mesh::Mesh;
 use points::Points;
@@ -43,6 +43,7 @@ impl<'a> Drawable<'a> {
     pub(super) fn of_surface(packet: &'a ScenePacket) -> Self {
         match Self::with_slack(packet, [0.0; 2]) {
             Self::Coded(_) => Self::Nothing,
+            Self::Points(points) => Self::Points(points.of_surface()),
             drawable => drawable,
         }
     }
@@ -52,11 +53,10 @@ impl<'a> Drawable<'a> {
         let style = &packet.style;
         match &packet.content {
             Content::Nothing => Self::Nothing,
-            Content::Points(records) => Self::Points(Points {
-                records,
-                size_px: style.points.size_px,
-                shape: style.points.shape,
-            }),
+            Content::Points(records) => Self::Points(Points::new(packet, records, None)),
+            Content::Surfels(surfels) if style.primitive == Primitive::Point => {
+                Self::Points(Points::new(packet, &surfels.points, Some(&surfels.shapes)))
+            }
             Content::Surfels(surfels) => Self::Surfels(Surfels {
                 points: &surfels.points,
                 shapes: &surfels.shapes,

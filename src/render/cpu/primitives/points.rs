@@ -1,48 +1,66 @@
-//! Points: pixels, or squares or disks of pixels, of one colour and one depth.
+//! Points: pixels, or squares or disks of pixels, of one colour and one depth; or patches that are lit or blended.
 
-use crate::cloud::PointRecord;
-use crate::render::cpu::blocks::Placed;
+mod patches;
+
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::render::constants::SQUARE_REACH_RADII;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{lane_numbers, lanes_below, words};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::sprites::Sprite;
 use crate::render::cpu::tile::{LANES, NOWHERE, Tile, WIDTH};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{PointShape, ScenePacket};
+use crate::scene::{Lighting, PointShape, PointSize, ScenePacket};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, i32x8};
 use std::ops::Range;
 
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(super) records: &'a [PointRecord],
-    /// Edge of the squares, or diameter of the disks.
-    pub(super) size_px: f32,
+    /// Their radii, if somebody knows them.
+    pub(super) shapes: Option<&'a [ShapeRecord]>,
+    /// Edges of the squares, or diameters of the disks.
+    pub(super) size: PointSize,
     pub(super) shape: PointShape,
+    /// None where they have no shapes.
+    pub(super) lighting: Lighting,
 }
 
 impl Placed for Points<'_> {
     fn len(&self) -> usize {
-        self.records.len()
+        let shapes = self.shapes.map_or(usize::MAX, <[_]>::len);
+        self.records.len().min(shapes)
     }
 
     fn position(&self, record: usize) -> [f32; 3] {
         self.records[record].position
     }
 
-    fn reach(&self, _: usize) -> f32 {
-        0.0
+    fn reach(&self, record: usize) -> f32 {
+        // As that of surfels: blocks that were made for these are right for points, too.
+        let reach = |shapes: &[ShapeRecord]| SQUARE_REACH_RADII * shapes[record].radius;
+        self.shapes.map_or(0.0, reach)
     }
 }
 
 impl DrawnRecords for Points<'_> {
     type Scratch = ();
 
-    fn held(&self, _: &ScenePacket) -> Held {
-        Held::Keys
+    fn held(&self, packet: &ScenePacket) -> Held {
+        match self.shape {
+            _ if !self.are_patches() => Held::Keys,
+            PointShape::Square | PointShape::Disk => Held::surfaces(packet).unwrap_or(Held::SolidColors),
+            PointShape::Gaussian => Held::sums(packet),
+        }
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (0.0, 0.5 * self.size_px)
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: 0.5 * self.size.edge_per_radius,
+            margin: 0.5 * self.size.edge,
+            margin_px: 0.5 * self.size.least_px,
+        }
     }
 
     /// Of two as far away the later one is seen.
@@ -53,16 +71,23 @@ impl DrawnRecords for Points<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         (): &mut (),
     ) {
+        if self.are_patches() {
+            return self.draw_patches(simd, view, tile, clip, &records);
+        }
+        let are_pixels = self.size.is_pixel();
         for range in records {
-            for records in self.records[range].chunks(LANES) {
-                let projected = project(simd, view, records);
-                if self.size_px <= 1.0 {
-                    draw_pixels(simd, tile, clip, records.len(), &projected);
+            let end = range.end;
+            for first in range.step_by(LANES) {
+                let eight = first..end.min(first + LANES);
+                let count = eight.len();
+                let projected = self.project(simd, view, eight);
+                if are_pixels {
+                    draw_pixels(simd, tile, clip, count, &projected);
                 } else {
-                    self.draw_sprites(tile, clip, records.len(), &projected);
+                    self.draw_sprites(tile, clip, count, &projected);
                 }
             }
         }
@@ -75,17 +100,53 @@ struct Projected<S: Simd> {
     y_px: f32x8<S>,
     /// Reversed depth; not between 0 and 1 where a point is not in front of the near plane.
     depth: f32x8<S>,
+    /// Half the edges of squares, or radii of disks.
+    half_px: f32x8<S>,
     /// Its bits are a colour.
     color: f32x8<S>,
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
     pub(super) const NONE: Self = Self {
         records: &[],
-        size_px: 1.0,
+        shapes: None,
+        size: PointSize {
+            least_px: 1.0,
+            edge: 0.0,
+            edge_per_radius: 0.0,
+        },
         shape: PointShape::Square,
+        lighting: Lighting::Unlit,
     };
 
+    pub(super) fn new(packet: &ScenePacket, records: &'a [PointRecord], shapes: Option<&'a [ShapeRecord]>) -> Self {
+        Self {
+            records,
+            shapes,
+            size: PointSize::of(packet),
+            shape: packet.style.points.shape,
+            lighting: packet.lighting(),
+        }
+    }
+
+    /// The surface that they show: without light, and their masks as disks.
+    pub(super) fn of_surface(self) -> Self {
+        Self {
+            shape: match self.shape {
+                PointShape::Square => PointShape::Square,
+                PointShape::Disk | PointShape::Gaussian => PointShape::Disk,
+            },
+            lighting: Lighting::Unlit,
+            ..self
+        }
+    }
+
+    /// Whether the passes of surfels draw them.
+    fn are_patches(&self) -> bool {
+        self.shape == PointShape::Gaussian || self.lighting != Lighting::Unlit
+    }
+
+    /// Half the edges of points in the scene, though it be less than they are drawn with.
     #[inline(always)]
     fn draw_sprites<S: Simd>(&self, tile: &mut Tile, clip: PixelRect, count: usize, projected: &Projected<S>) {
         for point in 0..count {
@@ -96,7 +157,7 @@ impl Points<'_> {
             let key = key(depth.to_bits(), projected.color[point].to_bits());
             let sprite = Sprite {
                 place_px: [projected.x_px[point], projected.y_px[point]],
-                size_px: self.size_px,
+                half_px: projected.half_px[point],
                 shape: self.shape,
             };
             let [left, top] = tile.origin;
@@ -110,6 +171,35 @@ impl Points<'_> {
                     }
                 },
             );
+        }
+    }
+
+    #[inline(always)]
+    fn half_edges<S: Simd>(&self, simd: S, eight: Range<usize>) -> f32x8<S> {
+        match self.shapes {
+            None => f32x8::splat(simd, 0.5 * self.size.edge),
+            Some(shapes) => {
+                let [_, radii, _, _] = words(simd, &shapes[eight]);
+                (radii * self.size.edge_per_radius + self.size.edge) * 0.5
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, view: &PixelView, eight: Range<usize>) -> Projected<S> {
+        let [x, y, z, color] = words(simd, &self.records[eight.clone()]);
+        let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+        let per_distance = -1.0 / points.z;
+        let px = |along: f32x8<S>, axis: usize| {
+            let px = along * per_distance * view.px_per_slope[axis];
+            px + view.middle_px[axis]
+        };
+        Projected {
+            x_px: px(points.x, 0),
+            y_px: px(points.y, 1),
+            depth: per_distance * view.near,
+            half_px: (self.half_edges(simd, eight) * per_distance * view.px_per_slope[0]).max(0.5 * self.size.least_px),
+            color,
         }
     }
 }
@@ -155,21 +245,4 @@ fn key(depth_bits: u32, color_bits: u32) -> u64 {
 fn put(there: &mut u64, key: u64) {
     // Written in any case: which of two points is nearer nobody can foresee.
     *there = if key >> 32 >= *there >> 32 { key } else { *there };
-}
-
-#[inline(always)]
-fn project<S: Simd>(simd: S, view: &PixelView, records: &[PointRecord]) -> Projected<S> {
-    let [x, y, z, color] = words(simd, records);
-    let points = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-    let per_distance = -1.0 / points.z;
-    let px = |along: f32x8<S>, axis: usize| {
-        let px = along * per_distance * view.px_per_slope[axis];
-        px + view.middle_px[axis]
-    };
-    Projected {
-        x_px: px(points.x, 0),
-        y_px: px(points.y, 1),
-        depth: per_distance * view.near,
-        color,
-    }
 }

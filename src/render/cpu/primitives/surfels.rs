@@ -2,7 +2,7 @@
 
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
-use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
@@ -11,7 +11,7 @@ use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
 use crate::render::cpu::records::DrawnRecords;
-use crate::render::cpu::shading::{Light, Shading, seen_from_behind, unit_color};
+use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
@@ -71,8 +71,12 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (self.largest_scale(), if self.is_filtered { EWA_REACH_PX } else { 0.0 })
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: self.largest_scale(),
+            margin_px: if self.is_filtered { EWA_REACH_PX } else { 0.0 },
+            ..Extent::default()
+        }
     }
 
     /// All passes over a tile but the last, over the picture.
@@ -83,7 +87,7 @@ impl DrawnRecords for Surfels<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         waiting: &mut Waiting,
     ) {
         waiting.clear();
@@ -246,7 +250,7 @@ impl Surfels<'_> {
             weight: splats.weights[lane],
             normal: lighting
                 .is_deferred()
-                .then_some(if faces_away { -normal } else { normal }),
+                .then_some(SurfaceNormal::Same(if faces_away { -normal } else { normal })),
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use crate::cloud::{ShapeRecord, VoxelRecord};
 use crate::render::constants::CUBE_REACH_HALF_EDGES;
-use crate::render::cpu::blocks::Placed;
+use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::facet::{Canvas, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster;
 use crate::render::cpu::records::DrawnRecords;
-use crate::render::cpu::shading::{Light, Shading, unit_color};
+use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, unit_color};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, ScenePacket, Voxels};
@@ -48,8 +48,11 @@ impl DrawnRecords for Cubes<'_> {
         Held::surfaces(packet).unwrap_or(Held::SolidColors)
     }
 
-    fn extent(&self) -> (f32, f32) {
-        (1.0, 0.0)
+    fn extent(&self) -> Extent {
+        Extent {
+            scale: 1.0,
+            ..Extent::default()
+        }
     }
 
     #[inline(always)]
@@ -59,7 +62,7 @@ impl DrawnRecords for Cubes<'_> {
         view: &PixelView,
         tile: &mut Tile,
         clip: PixelRect,
-        records: impl Iterator<Item = Range<usize>>,
+        records: impl Iterator<Item = Range<usize>> + Clone,
         (): &mut (),
     ) {
         let pyramid = Pyramid::of(view, clip);
@@ -142,7 +145,9 @@ impl<'a> Cubes<'a> {
                         let center = patches.centers.lane(lane);
                         let [u, v] = [patches.u.lane(lane), patches.v.lane(lane)];
                         match self.lighting {
-                            Lighting::PerFragment => facet.light_on(view, lit_normal, [center, u, v]),
+                            Lighting::PerFragment => {
+                                Light::OfPixelsOn(facet.along_rays(view, lit_normal, [center, u, v]))
+                            }
                             lighting => Light::new(lighting, lit_normal, center, u, v),
                         }
                     };
@@ -151,7 +156,7 @@ impl<'a> Cubes<'a> {
                         color,
                         light,
                         weight: 1.0,
-                        normal: self.lighting.is_deferred().then_some(lit_normal),
+                        normal: self.lighting.is_deferred().then_some(SurfaceNormal::Same(lit_normal)),
                     };
                     raster::solid(simd, tile, &facet, &shading, Outline::Parallelogram);
                 }

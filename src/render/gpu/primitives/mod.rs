@@ -4,6 +4,8 @@
 //! | primitive | passes |
 //! |---|---|
 //! | point | point, or round point |
+//! | point, lit | solid, or opaque |
+//! | point `gaussian` | visibility, attribute, resolve |
 //! | voxel | solid |
 //! | mesh | solid, or round solid |
 //! | surfel `regular`, `no-depth` | splat |
@@ -24,12 +26,13 @@ mod voxels;
 pub use amplification::Amplification;
 pub(super) use drawable::Drawable;
 
-use crate::scene::{Content, ScenePacket};
+use crate::scene::{Content, Primitive, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 7] = [
+pub const AMPLIFICATIONS: [&Amplification; 8] = [
     &points::PIXEL,
     &points::SQUARE,
+    &points::SQUARE_WITH_SHAPE,
     &surfels::DISK,
     &surfels::ELLIPSE,
     &voxels::LIT_BY_FACES,
@@ -41,9 +44,9 @@ pub const AMPLIFICATIONS: [&Amplification; 7] = [
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let style = &packet.style;
     match &packet.content {
-        // Only the background is drawn: byte codes are for the processor alone.
-        Content::Nothing | Content::Coded(_) => points::drawable(None, style),
-        Content::Points(records) => points::drawable(Some(records), style),
+        // Of the first two only the background is drawn: byte codes are for the processor alone.
+        Content::Nothing | Content::Coded(_) | Content::Points(_) => points::drawable(packet),
+        Content::Surfels(_) if style.primitive == Primitive::Point => points::drawable(packet),
         Content::Surfels(surfels) => surfels::drawable(surfels, style),
         Content::Voxels(voxels) => voxels::drawable(voxels, style),
         Content::Mesh(mesh) => mesh::drawable(mesh, style),

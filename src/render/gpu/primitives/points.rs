@@ -1,13 +1,16 @@
-//! Points: pixels, or squares or disks that face the screen.
+//! Points: pixels, or squares or disks that face the screen. Where they are lit or blended, the passes of surfels and
+//! voxels draw them.
 
 use super::amplification::Amplification;
-use super::drawable::Drawable;
+use super::drawable::{Drawable, Passes};
 use super::surfels;
-use crate::cloud::PointRecord;
-use crate::render::gpu::passes::geometry::{POINT, ROUND_POINT};
+use crate::render::gpu::passes::ScreenPass;
+use crate::render::gpu::passes::geometry::{
+    ATTRIBUTE, OPAQUE, POINT, ROUND_POINT, SOLID, SURFACE_ATTRIBUTE, SURFACE_OPAQUE, SURFACE_SOLID, VISIBILITY,
+};
+use crate::render::gpu::passes::screen::RESOLVE;
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{PointShape, Style};
-use std::sync::Arc;
+use crate::scene::{Lighting, PointShape, PointSize, ScenePacket};
 
 /// One vertex of a point list.
 pub(super) const PIXEL: Amplification = Amplification {
@@ -20,28 +23,67 @@ pub(super) const PIXEL: Amplification = Amplification {
 /// One quad that faces the screen.
 pub(super) const SQUARE: Amplification = Amplification {
     name: "square",
-    wgsl: &[include_str!("../../../../shaders/primitives/points.wgsl")],
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/points_alike.wgsl"),
+        include_str!("../../../../shaders/primitives/points.wgsl"),
+    ],
     vertices_per_record: 4,
     reads_shapes: false,
     is_indexed: false,
     compute_amplifies: false,
-    passes: &[&POINT, &ROUND_POINT],
+    passes: &[&POINT, &ROUND_POINT, &VISIBILITY, &ATTRIBUTE],
 };
 
-pub(super) fn drawable<'a>(points: Option<&'a Arc<Vec<PointRecord>>>, style: &Style) -> Drawable<'a> {
-    let is_pixel = style.points.size_px <= 1.0;
+/// The same with a radius and a normal.
+pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
+    name: "square with shape",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/points_with_shapes.wgsl"),
+        include_str!("../../../../shaders/primitives/points.wgsl"),
+    ],
+    reads_shapes: true,
+    passes: &[
+        &POINT,
+        &ROUND_POINT,
+        &SOLID,
+        &OPAQUE,
+        &VISIBILITY,
+        &ATTRIBUTE,
+        &SURFACE_SOLID,
+        &SURFACE_OPAQUE,
+        &SURFACE_ATTRIBUTE,
+    ],
+    ..SQUARE
+};
+
+pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
+    let is_pixel = PointSize::of(packet).is_pixel();
+    let lighting = packet.lighting();
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match packet.style.points.shape {
+        PointShape::Gaussian if lighting.is_deferred() => (&[&VISIBILITY, &SURFACE_ATTRIBUTE], Some(&RESOLVE)),
+        PointShape::Gaussian => (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE)),
+        PointShape::Disk if lighting.is_deferred() => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
+        PointShape::Disk if lighting != Lighting::Unlit => (&[&OPAQUE], None),
+        PointShape::Disk if !is_pixel => (&[&ROUND_POINT], None),
+        PointShape::Square if lighting.is_deferred() => (&[&SURFACE_SOLID], Some(&RESOLVE)),
+        PointShape::Square if lighting != Lighting::Unlit => (&[&SOLID], None),
+        PointShape::Disk | PointShape::Square => (&[&POINT], None),
+    };
+    let points = packet.content.points().map(RecordSource::of);
+    let shapes = packet.content.shapes().map(RecordSource::of);
     Drawable {
-        amplification: if is_pixel { &PIXEL } else { &SQUARE },
-        streams: points.map(RecordSource::of).into_iter().collect(),
+        amplification: match shapes {
+            Some(_) => &SQUARE_WITH_SHAPE,
+            None if is_pixel => &PIXEL,
+            None => &SQUARE,
+        },
+        streams: points.into_iter().chain(shapes).collect(),
         // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
         // again.
         chunked_for: &surfels::DISK,
-        cull_back_faces: style.culls_back_faces(),
-        passes: match style.points.shape {
-            PointShape::Disk if !is_pixel => &[&ROUND_POINT],
-            PointShape::Disk | PointShape::Square => &[&POINT],
-        },
+        cull_back_faces: packet.style.culls_back_faces(),
+        passes,
         depth_pass: None,
-        resolve: None,
+        resolve,
     }
 }

@@ -130,17 +130,25 @@ pub enum When {
     MaskedSurfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
-    /// What is drawn are surfels, of which one stands for others.
+    /// What is drawn has the radii of surfels: these, or adaptive points.
+    SurfelRadii,
+    /// The same, and one of them stands for others.
     SurfelLevels,
     /// Surfels are drawn, from byte codes if the processor draws.
     CodedSurfels,
+    /// Points are drawn that stay points: all of them, or those that belong to no triangle.
+    DrawnPoints,
     /// Points are drawn.
     Points,
+    /// Points are drawn whose size is one in pixels.
+    PointsOfPixels,
+    /// Points are drawn whose size is a length in the scene.
+    PointsOfScene,
     /// Voxels are drawn.
     Voxels,
     /// Cells of the octree are drawn.
     Cells,
-    /// Surfels or voxels are drawn.
+    /// Surfels or voxels are drawn, or points with normals.
     Lit,
     /// Light falls on the blended surface.
     Deferred,

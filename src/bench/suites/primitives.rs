@@ -1,0 +1,305 @@
+//! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders are.
+//!
+//! **How it works.** Clouds of a torus with as many points as are asked for are drawn beside the inputs, all of their
+//! points as each primitive, from three distances; each picture turns the object by 2°. Processor and adapter draw the
+//! same pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size
+//! in the scene are about as large as the disks of surfels, so that all but single pixels cover as much.
+//!
+//! The second table counts what the shaders of each pass do, in naga's intermediate representation, beside what the
+//! paper counted in its instructions.
+
+use super::turning::{VIEWS, cameras};
+use crate::bench::BenchError;
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::Runner;
+use crate::bench::statistics::mean;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
+use crate::levels::Lod;
+use crate::render::AnyRenderer;
+use crate::render::gpu::complexity::{PassComplexity, StageComplexity, passes_of};
+use crate::scene::{Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, Splatting, Style};
+use crate::sequence::{Needs, PreparedFrame};
+
+/// Names of the tables.
+const SPEED: &str = "speed";
+const COMPLEXITY: &str = "complexity";
+
+/// Columns of both tables; the first says which one a row belongs to.
+const COLUMNS: &[Column] = &[
+    Column::text(Column::TABLE, "table"),
+    Column::text("sequence", "sequence"),
+    Column::text("primitive", "primitive"),
+    // Speed.
+    Column::text("view", "view"),
+    Column::number("points", "points", 0).hidden(),
+    Column::number("records", "drawn", 0),
+    Column::number("processor_ms_mean", "processor ms", 2),
+    Column::number("processor_mpoints_per_s", "M points/s", 1),
+    Column::number("adapter_ms_mean", "adapter ms", 2),
+    Column::number("adapter_mpoints_per_s", "M points/s", 1),
+    Column::number("samples", "pictures", 0).hidden(),
+    // Complexity.
+    Column::text("pass", "pass"),
+    Column::number("vertex_operations", "vertex operations", 0),
+    Column::number("vertex_buffer_reads", "buffer reads", 0),
+    Column::number("vertex_texture_reads", "texture reads", 0),
+    Column::number("fragment_operations", "fragment operations", 0),
+    Column::number("fragment_buffer_reads", "buffer reads", 0),
+    Column::number("fragment_texture_reads", "texture reads", 0),
+    Column::number("paper_vertex_instructions", "paper: vertex", 0),
+    Column::number("paper_fragment_instructions", "paper: fragment", 0),
+];
+
+/// Drawing each primitive, from three distances.
+pub const PRIMITIVES: &Suite = &Suite {
+    name: "primitives",
+    brief: "Fig. 5 and Table 1 of paper 002",
+    title: "Primitives",
+    hint: "Points a second of each primitive, from three distances, and how much work its shaders are (paper 002, \
+           Fig. 5 and Table 1)",
+    description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
+    measured: "CPU wall time from packet to finished picture, processor and adapter in turn; points a second are all \
+        points over all times; of voxels, leaves; operations and reads of shaders are counted in naga's \
+        intermediate representation, with all branches and the storage strategy",
+    not_measured: "decoding, normals, radii, ellipses, octrees, uploads, reading back, showing; the paper's are \
+        instructions of the Cg compiler for a GeForce 5900, with lights for each vertex",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [640, 480],
+        viewpoints: 4,
+        frames: 1,
+    },
+    takes: &[OptionGroup::Clouds],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "processor_mpoints_per_s",
+    bars_title: "Millions of points a second on the processor",
+    bar_labels: 3,
+};
+
+/// A primitive, and what makes it of the usual style.
+type Kind = (&'static str, fn(&mut Style));
+
+/// In the order of the paper: what is simple first.
+const KINDS: [Kind; 9] = [
+    ("pixel", |style| {
+        style.primitive = Primitive::Point;
+        style.points.size_px = 1.0;
+    }),
+    ("square point", |style| points_of_scene(style, PointShape::Square)),
+    ("round point", |style| points_of_scene(style, PointShape::Disk)),
+    ("gaussian point", |style| points_of_scene(style, PointShape::Gaussian)),
+    ("square point, lit", |style| {
+        points_of_scene(style, PointShape::Square);
+        style.points.light = PointLight::Normals;
+    }),
+    ("disk, opaque", |style| style.surfels.splatting = Splatting::Opaque),
+    ("disk, two-pass", |_| {}),
+    ("ellipse, two-pass", |style| style.primitive = Primitive::Ellipse),
+    ("voxel", |style| {
+        style.primitive = Primitive::Voxel;
+        style.levels.lod = Lod::ThresholdPx(0.0);
+    }),
+];
+
+fn points_of_scene(style: &mut Style, shape: PointShape) {
+    style.primitive = Primitive::Point;
+    style.points.sizing = PointSizing::Projected;
+    style.points.shape = shape;
+}
+
+/// Light for each vertex, as in the paper.
+fn style((_, change): Kind) -> Style {
+    let usual = Style::default().with(|style| {
+        style.primitive = Primitive::Surfel;
+        style.light.lighting = Lighting::PerVertex;
+    });
+    usual.with(change)
+}
+
+/// Table 1 of paper 002, where it has the pass of a primitive: instructions for a vertex and for a fragment.
+fn of_paper(primitive: &str, pass: &str) -> [Option<f64>; 2] {
+    match (primitive, pass) {
+        ("square point", "point") => [Some(14.0), None],
+        ("square point, lit", "solid") => [Some(55.0), None],
+        ("disk, two-pass", "visibility") => [Some(20.0), Some(21.0)],
+        ("disk, two-pass", "attribute") => [Some(60.0), Some(24.0)],
+        ("disk, two-pass", "resolve") => [None, Some(6.0)],
+        _ => [None; 2],
+    }
+}
+
+/// One step to prepare a frame, one for each primitive.
+const STEPS_PER_FRAME: usize = 1 + KINDS.len();
+
+/// What was measured of one primitive from one distance: sums over pictures.
+#[derive(Default)]
+struct Samples {
+    records: Vec<f64>,
+    processor_ms: Vec<f64>,
+    adapter_ms: Vec<f64>,
+}
+
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let mut processor = Runner::new(AnyRenderer::cpu());
+    let mut complexities = None;
+    for subject in run.subjects(STEPS_PER_FRAME)? {
+        complexities = Some(measure_sequence(run, &mut processor, &subject)?);
+    }
+    run.add_rows(complexities.into_iter().flatten());
+    Ok(())
+}
+
+/// Returns the rows of [`COMPLEXITY`], which are the same for every sequence.
+fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<Vec<Row>, BenchError> {
+    let mut samples: [[Samples; VIEWS.len()]; KINDS.len()] = Default::default();
+    let mut complexities = Vec::new();
+    let mut point_counts = Vec::new();
+    let mut first_failure = None;
+    for &index in &subject.chosen {
+        let frame = match run.load(subject, index, STEPS_PER_FRAME, &needs())? {
+            Ok(frame) => frame,
+            Err(reason) => {
+                first_failure.get_or_insert(reason);
+                continue;
+            }
+        };
+        point_counts.push(frame.points.len() as f64);
+        complexities.clear();
+        for (kind, samples) in KINDS.into_iter().zip(&mut samples) {
+            let (primitive, _) = kind;
+            run.begin_step(format!("{} frame {index}: {primitive}", subject.name))?;
+            for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
+                let packets = packets(run, subject, &frame, &style(kind), distance);
+                samples.measure(run, processor, &packets)?;
+                if complexities.last().is_none_or(|&(known, _)| known != primitive) {
+                    complexities.push((primitive, packets.first().map(passes_of).unwrap_or_default()));
+                }
+            }
+        }
+    }
+    Run::check_measured(subject, &point_counts, first_failure)?;
+    let points = mean(&point_counts);
+    let rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
+        let views = VIEWS.into_iter().zip(samples);
+        views.map(move |((view, _), samples)| samples.row((subject.name, points), primitive, view))
+    });
+    run.finish(subject, &point_counts, &[], rows);
+    let of_primitive = |(primitive, passes): (&'static str, Vec<PassComplexity>)| {
+        passes.into_iter().map(move |pass| complexity_row(primitive, &pass))
+    };
+    Ok(complexities.into_iter().flat_map(of_primitive).collect())
+}
+
+/// What all primitives are made from.
+fn needs() -> Needs {
+    let all = KINDS.map(|kind| Scene::needs(&style(kind)));
+    Needs {
+        shapes: all.iter().any(|needs| needs.shapes),
+        ellipses: all.iter().any(|needs| needs.ellipses),
+        levels: all.iter().find_map(|needs| needs.levels),
+        ..Needs::default()
+    }
+}
+
+/// What is drawn from one distance.
+fn packets(
+    run: &Run<'_>,
+    subject: &Subject<'_>,
+    frame: &PreparedFrame,
+    style: &Style,
+    distance: f64,
+) -> Vec<ScenePacket> {
+    let origin = subject.sequence.origin();
+    let viewport_px = run.options.viewport_px;
+    let mut scene = Scene::default();
+    cameras(subject, frame, distance, run.options.viewpoints)
+        .iter()
+        .map(|camera| scene.packet(frame, origin, camera, style, viewport_px))
+        .collect()
+}
+
+impl Samples {
+    fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        processor: &mut Runner,
+        packets: &[ScenePacket],
+    ) -> Result<(), BenchError> {
+        let has_adapter = !run.runner.is_processor();
+        for round in 0..run.options.warmup + run.options.repeat {
+            for packet in packets {
+                run.check_cancelled()?;
+                let processor_ms = processor.draw(packet)?.wall_ms;
+                let adapter_ms = if has_adapter {
+                    // What is uploaded is not drawing.
+                    run.runner.upload(packet)?;
+                    Some(run.runner.draw(packet)?.wall_ms)
+                } else {
+                    None
+                };
+                if round >= run.options.warmup {
+                    self.records.push(packet.content.record_count() as f64);
+                    self.processor_ms.push(processor_ms);
+                    self.adapter_ms.extend(adapter_ms);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&self, (sequence, points): (&str, f64), primitive: &str, view: &str) -> Row {
+        let mean_of = |times_ms: &[f64]| (!times_ms.is_empty()).then(|| mean(times_ms));
+        let records: f64 = self.records.iter().sum();
+        let rate = |times_ms: &[f64]| {
+            let sum_ms: f64 = times_ms.iter().sum();
+            (sum_ms > 0.0).then(|| records / sum_ms / 1e3)
+        };
+        Row::of_table(
+            COLUMNS,
+            SPEED,
+            &[
+                ("sequence", Cell::Text(sequence.to_owned())),
+                ("primitive", Cell::Text(primitive.to_owned())),
+                ("view", Cell::Text(view.to_owned())),
+                ("points", Cell::Number(points)),
+                ("records", Cell::Number(mean(&self.records))),
+                ("processor_ms_mean", Cell::maybe(mean_of(&self.processor_ms))),
+                ("processor_mpoints_per_s", Cell::maybe(rate(&self.processor_ms))),
+                ("adapter_ms_mean", Cell::maybe(mean_of(&self.adapter_ms))),
+                ("adapter_mpoints_per_s", Cell::maybe(rate(&self.adapter_ms))),
+                ("samples", Cell::Number(self.records.len() as f64)),
+            ],
+        )
+    }
+}
+
+fn complexity_row(primitive: &str, complexity: &PassComplexity) -> Row {
+    let count = |count: usize| Cell::Number(count as f64);
+    let StageComplexity {
+        operations,
+        buffer_reads,
+        texture_reads,
+    } = complexity.vertex;
+    let fragment = complexity.fragment;
+    let [paper_vertex, paper_fragment] = of_paper(primitive, complexity.pass);
+    Row::of_table(
+        COLUMNS,
+        COMPLEXITY,
+        &[
+            ("primitive", Cell::Text(primitive.to_owned())),
+            ("pass", Cell::Text(complexity.pass.to_owned())),
+            ("vertex_operations", count(operations)),
+            ("vertex_buffer_reads", count(buffer_reads)),
+            ("vertex_texture_reads", count(texture_reads)),
+            ("fragment_operations", count(fragment.operations)),
+            ("fragment_buffer_reads", count(fragment.buffer_reads)),
+            ("fragment_texture_reads", count(fragment.texture_reads)),
+            ("paper_vertex_instructions", Cell::maybe(paper_vertex)),
+            ("paper_fragment_instructions", Cell::maybe(paper_fragment)),
+        ],
+    )
+}
