@@ -7,7 +7,7 @@ mod common;
 use common::{Surfel, camera_at, context, draw, draw_with, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::VoxelRecord;
+use pointreel::cloud::{MeshRecords, TriangleRecord, VertexRecord, VoxelRecord, oct_encode};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::GpuRenderer;
@@ -15,6 +15,7 @@ use pointreel::scene::{
     BackFaces, Camera, Content, LightRig, Lighting, Lights, OnOff, Primitive, Projection, ScenePacket, Splatting,
     Strategy, Style,
 };
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [200, 160];
 
@@ -87,6 +88,49 @@ fn box_of_surfels(style: Style) -> ScenePacket {
         }
     }
     surfels(&cloud, &camera(), style, SIZE)
+}
+
+/// The same of triangles, two for each rectangle.
+fn box_of_triangles(style: Style) -> ScenePacket {
+    let [low, high] = BOX.map(|corner: DVec3| corner.as_vec3());
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let mut rectangles = vec![[Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X]];
+    for axis in 0..3 {
+        let along = |axis: usize| half[axis % 3] * Vec3::AXES[axis % 3];
+        rectangles
+            .extend([-1.0f32, 1.0].map(|side| [middle + side * along(axis), side * along(axis + 1), along(axis + 2)]));
+    }
+    let corners = rectangles
+        .iter()
+        .flat_map(|&[middle, u, v]| [middle - u - v, middle + u - v, middle - u + v, middle + u + v]);
+    let vertices: Vec<VertexRecord> = corners
+        .map(|position| VertexRecord {
+            position: position.to_array(),
+            color: [255; 4],
+            texture_place: [0.0; 2],
+            normal: VertexRecord::NO_NORMAL,
+            texture: VertexRecord::NO_TEXTURE,
+        })
+        .collect();
+    let halves = (0..rectangles.len() as u32)
+        .flat_map(|index| [[0, 1, 2], [2, 1, 3]].map(|half| half.map(|corner| 4 * index + corner)));
+    let triangles = halves.map(|corners| {
+        let [_, u, v] = rectangles[corners[0] as usize / 4];
+        TriangleRecord {
+            corners,
+            normal: oct_encode(u.cross(v).normalize()),
+        }
+    });
+    let mesh = MeshRecords::new(Arc::new(vertices), Arc::new(triangles.collect()));
+    ScenePacket {
+        content: Content::Mesh(Arc::new(mesh)),
+        ..surfels(
+            &rectangle(Vec3::ZERO, [2.0 * Vec3::Z, 2.0 * Vec3::X]),
+            &camera(),
+            style.with(|style| style.primitive = Primitive::Mesh),
+            SIZE,
+        )
+    }
 }
 
 /// The same of cells with an edge of 1/16.
@@ -180,6 +224,7 @@ fn shadows_are_where_rays_to_the_lamp_meet_something() {
         (box_of_surfels(matt(Splatting::TwoPass)), 0.1, "surfels"),
         (box_of_surfels(matt(Splatting::Opaque)), 0.1, "opaque disks"),
         (box_of_cells(matt(Splatting::TwoPass)), 0.15, "cells"),
+        (box_of_triangles(matt(Splatting::TwoPass)), 0.1, "triangles"),
     ];
     for (packet, margin, what) in scenes {
         let lights = Lights::of(&packet).unwrap();

@@ -47,8 +47,10 @@ impl ScenePacket {
 
     /// How what is drawn is lit: points without normals are not.
     pub fn lighting(&self) -> Lighting {
-        let is_lit =
-            self.style.primitive != Primitive::Point || self.style.lights_points() && self.content.shapes().is_some();
+        let is_lit = match &self.content {
+            Content::Points(_) => false,
+            _ => self.style.primitive != Primitive::Point || self.style.lights_points(),
+        };
         if is_lit {
             self.style.light.lighting
         } else {

@@ -33,13 +33,11 @@ pub struct PointSize {
 impl PointSize {
     /// Those of a packet. Where nobody knows the radii of points, they are as far apart as most.
     pub fn of(packet: &ScenePacket) -> Self {
-        let points = &packet.style.points;
+        let points = packet.style.drawn_points();
         let least_px = least_px(points.shape);
-        // Those between triangles have neither masks nor light nor radii.
-        let is_of_mesh = packet.style.primitive == Primitive::Mesh;
-        let is_plain = is_of_mesh || points.shape != PointShape::Gaussian && packet.lighting() == Lighting::Unlit;
-        let sizing = if is_of_mesh { PointSizing::Pixels } else { points.sizing };
-        match sizing {
+        let is_lit = packet.style.primitive == Primitive::Point && packet.lighting() != Lighting::Unlit;
+        let is_plain = points.shape != PointShape::Gaussian && !is_lit;
+        match points.sizing {
             PointSizing::Pixels => Self {
                 least_px: if is_plain {
                     points.size_px.max(1.0)

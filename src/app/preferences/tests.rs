@@ -175,7 +175,10 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
     let usual = Preferences::default();
     let last = Preferences {
         settings: unusual().settings.with(|style| {
-            style.surfels.back_faces = BackFaces::Darker;
+            style.surfels = SurfelStyle {
+                back_faces: BackFaces::Darker,
+                ..of_version_6().settings.surfels
+            };
             style.colors = Coloring {
                 source: ColorSource::Scalar(Some(FieldName::new("intensity"))),
                 map: ColorMap::Turbo,

@@ -73,8 +73,8 @@ fn px_along<S: Simd>(view: &PixelView, centers: Vectors<S>, per_distance: f32x8<
     ]
 }
 
-/// The masks' factors, in the unit of the weight that hides the background: of splats far smaller than a pixel it is the
-/// mean weight of a surface that does, not that between three splats.
+/// The masks' factors, in the unit of the weight that hides the background: of splats far smaller than a pixel it is
+/// the mean weight of a surface that does, not that between three splats.
 #[inline(always)]
 fn weights<S: Simd>(simd: S, heights: f32x8<S>) -> f32x8<S> {
     let opaque = f32x8::splat(simd, OPAQUE_WEIGHT);

@@ -44,7 +44,8 @@ proptest! {
         let frame = mesh(&positions, &faces);
         let shape = if is_round { PointShape::Disk } else { PointShape::Square };
         let camera = camera(distance, azimuth_deg, DVec3::ZERO);
-        let packet = packet_of(&frame, DVec3::ZERO, &camera, &style(PointStyle { size_px, shape, ..PointStyle::default() }));
+        let points = PointStyle { size_px, shape, ..PointStyle::default() };
+        let packet = packet_of(&frame, DVec3::ZERO, &camera, &style(points));
         let place_px = [f64::from(px.0) + 0.3, f64::from(px.1) + 0.9];
         let oracle = Oracle { packet: &packet, px: DVec2::new(f64::from(px.0) + 0.5, f64::from(px.1) + 0.5) };
         let Some(records) = packet.content.mesh() else {

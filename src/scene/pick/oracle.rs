@@ -54,7 +54,7 @@ impl Oracle<'_> {
         let px = DVec2::new(width * (0.5 + 0.5 * ndc.x), height * (0.5 - 0.5 * ndc.y));
         let aside = px - self.px;
         let is_near = |reach_px: f64| aside.abs().max_element() <= reach_px;
-        let covers = match self.packet.style.points.shape {
+        let covers = match self.packet.style.drawn_points().shape {
             PointShape::Square => is_near(half_px),
             PointShape::Disk | PointShape::Gaussian => aside.length_squared() <= half_px * half_px || is_near(0.5),
         };
@@ -63,7 +63,8 @@ impl Oracle<'_> {
 
     pub(super) fn point(&self) -> Option<usize> {
         let style = &self.packet.style;
-        let shape = style.points.shape;
+        let points = style.drawn_points();
+        let shape = points.shape;
         let shapes = self.packet.content.shapes();
         let mut best: Option<(f64, usize)> = None;
         let mut blended = Vec::new();
@@ -81,7 +82,7 @@ impl Oracle<'_> {
                 PointShape::Disk | PointShape::Gaussian => 0.715,
             };
             let in_scene_px = |radius: f64| (scale * radius * px_per_unit).max(least_px);
-            let half_px = match style.points.sizing {
+            let half_px = match points.sizing {
                 PointSizing::Pixels if shape == PointShape::Gaussian || style.lights_points() => {
                     least_px.max(0.5 * f64::from(style.points.size_px))
                 }

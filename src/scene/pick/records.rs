@@ -22,7 +22,7 @@ impl<'a> Sprites<'a> {
             points,
             shapes,
             size: PointSize::of(packet),
-            shape: packet.style.points.shape,
+            shape: packet.style.drawn_points().shape,
         }
     }
 
@@ -258,7 +258,7 @@ impl<'a> Triangles<'a> {
         Self {
             mesh,
             half_px: 0.5 * f64::from(PointSize::of(packet).least_px),
-            shape: packet.style.points.shape,
+            shape: packet.style.drawn_points().shape,
         }
     }
 

@@ -210,6 +210,22 @@ impl Style {
         matches!(self.primitive, Primitive::Point | Primitive::Mesh)
     }
 
+    /// How points are drawn: those between triangles have neither radii nor light nor masks.
+    pub fn drawn_points(&self) -> PointStyle {
+        if self.primitive != Primitive::Mesh {
+            return self.points;
+        }
+        PointStyle {
+            sizing: PointSizing::Pixels,
+            shape: match self.points.shape {
+                PointShape::Square => PointShape::Square,
+                PointShape::Disk | PointShape::Gaussian => PointShape::Disk,
+            },
+            light: PointLight::None,
+            ..self.points
+        }
+    }
+
     /// Whether points are drawn as points, as large as their surfels are.
     pub fn has_adaptive_points(&self) -> bool {
         self.primitive == Primitive::Point && self.points.sizing == PointSizing::Adaptive

@@ -227,7 +227,7 @@ impl SeenMesh<'_> {
         if !(depth > 0.0 && depth <= 1.0) {
             return;
         }
-        let PointStyle { shape, .. } = self.mesh.style.points;
+        let PointStyle { shape, .. } = self.mesh.style.drawn_points();
         let sprite = Sprite {
             place_px: px.map(|place| place as f32),
             half_px: 0.5 * self.point_size_px(),

@@ -124,7 +124,7 @@ impl<'a> Points<'a> {
             records,
             shapes,
             size: PointSize::of(packet),
-            shape: packet.style.points.shape,
+            shape: packet.style.drawn_points().shape,
             lighting: packet.lighting(),
         }
     }

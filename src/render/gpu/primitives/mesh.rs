@@ -26,7 +26,7 @@ pub(super) const TRIANGLE: Amplification = Amplification {
 
 pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawable<'a> {
     // Fragments that may be discarded are tested late, all of them.
-    let has_disks = mesh.has_points() && style.points.shape != PointShape::Square;
+    let has_disks = mesh.has_points() && style.drawn_points().shape == PointShape::Disk;
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match (style.light.lighting.is_deferred(), has_disks)
     {
         (false, false) => (&[&SOLID], None),

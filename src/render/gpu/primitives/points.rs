@@ -59,7 +59,7 @@ pub(super) const SQUARE_WITH_SHAPE: Amplification = Amplification {
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let is_pixel = PointSize::of(packet).is_pixel();
     let lighting = packet.lighting();
-    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match packet.style.points.shape {
+    let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match packet.style.drawn_points().shape {
         PointShape::Gaussian if lighting.is_deferred() => (&[&VISIBILITY, &SURFACE_ATTRIBUTE], Some(&RESOLVE)),
         PointShape::Gaussian => (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE)),
         PointShape::Disk if lighting.is_deferred() => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
