@@ -19,7 +19,9 @@ use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::levels::Lod;
 use crate::render::AnyRenderer;
 use crate::render::gpu::complexity::{PassComplexity, StageComplexity, passes_of};
-use crate::scene::{Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, Splatting, Style};
+use crate::scene::{
+    Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style,
+};
 use crate::sequence::{Needs, PreparedFrame};
 
 /// Names of the tables.
@@ -84,7 +86,7 @@ pub const PRIMITIVES: &Suite = &Suite {
 type Kind = (&'static str, fn(&mut Style));
 
 /// In the order of the paper: what is simple first.
-const KINDS: [Kind; 9] = [
+const KINDS: [Kind; 10] = [
     ("pixel", |style| {
         style.primitive = Primitive::Point;
         style.points.size_px = 1.0;
@@ -98,6 +100,9 @@ const KINDS: [Kind; 9] = [
     }),
     ("disk, opaque", |style| style.surfels.splatting = Splatting::Opaque),
     ("disk, two-pass", |_| {}),
+    ("disk, two-pass, filtered", |style| {
+        style.surfels.filter = SplatFilter::Ewa
+    }),
     ("ellipse, two-pass", |style| style.primitive = Primitive::Ellipse),
     ("voxel", |style| {
         style.primitive = Primitive::Voxel;
