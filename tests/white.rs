@@ -19,7 +19,7 @@ use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, RayTraced, Truth, TruthView};
 use pointreel::scene::{
     Background, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive,
-    RendererChoice, Scene, ScenePacket, Splatting, Strategy, Style,
+    RendererChoice, Scene, ScenePacket, SplatFilter, Splatting, Strategy, Style,
 };
 use pointreel::sequence::{ColorSource, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::sync::Arc;
@@ -178,6 +178,36 @@ fn two_pass_surfels_are_white_but_for_corners_between_disks() {
                 "{count} surfels, {by}: {darker} of {all}"
             );
         });
+    }
+}
+
+/// Pixels that are covered with all that are around them.
+fn inner(is_covered: &[bool]) -> Vec<bool> {
+    let [width, height] = SIZE.map(|edge| edge as usize);
+    let around = |at: usize, edge: usize| at.saturating_sub(1)..(at + 2).min(edge);
+    let is_inner = |x: usize, y: usize| {
+        let mut rows = around(y, height);
+        rows.all(|y| around(x, width).all(|x| is_covered[width * y + x]))
+    };
+    (0..width * height).map(|at| is_inner(at % width, at / width)).collect()
+}
+
+/// The filter reaches less than a pixel beyond outlines, so it takes white from as far inside.
+#[test]
+fn filtered_surfels_in_the_modes_that_close_surfaces_are_white_inside_of_outlines() {
+    for count in [3_000, 30_000, 300_000] {
+        let frame = white_sphere(count, &white());
+        let is_covered = inner(&covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap()));
+        for splatting in [Splatting::Enlarged, Splatting::TwoPassEnlarged] {
+            let style = in_mode(splatting).with(|style| style.surfels.filter = SplatFilter::Ewa);
+            for_each_picture(&frame, &style, |picture, by| {
+                assert_white(
+                    picture,
+                    &is_covered,
+                    &format!("{count} filtered surfels, {splatting}, {by}"),
+                );
+            });
+        }
     }
 }
 

@@ -101,7 +101,7 @@ const KINDS: [Kind; 10] = [
     ("disk, opaque", |style| style.surfels.splatting = Splatting::Opaque),
     ("disk, two-pass", |_| {}),
     ("disk, two-pass, filtered", |style| {
-        style.surfels.filter = SplatFilter::Ewa
+        style.surfels.filter = SplatFilter::Ewa;
     }),
     ("ellipse, two-pass", |style| style.primitive = Primitive::Ellipse),
     ("voxel", |style| {
