@@ -4,7 +4,8 @@
 //! touch them is drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are
 //! tasks that share nothing, so there are no locks and no atomic operations, and pictures do not depend on the number
 //! of threads. Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks
-//! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`).
+//! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`); depths that light
+//! depends on are drawn before (`ambient_occlusion.rs`, `shadow.rs`).
 //!
 //! Modes, lights and background are those of the shaders; `tests/cpu_renderer.rs` holds the two against each other.
 

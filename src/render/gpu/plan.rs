@@ -1,9 +1,10 @@
 //! The order of passes of one picture: the background, those of the primitive (`primitives/mod.rs`), and what is done
 //! over the whole picture at the end.
 //!
-//! Where shading is deferred, light falls on what the primitive left, and leaves sums that are resolved as others are.
-//! Where it is asked for, eye-dome lighting follows what is drawn, of sums before they are resolved; and the grid at
-//! the end. Antialiasing makes the picture that is shown of it.
+//! Before them comes the map of a shadow, where there is one. Where shading is deferred, light falls on what the
+//! primitive left, and leaves sums that are resolved as others are. Where it is asked for, eye-dome lighting follows
+//! what is drawn, of sums before they are resolved; and the grid at the end. Antialiasing makes the picture that is
+//! shown of it.
 
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SUPERSAMPLE};
