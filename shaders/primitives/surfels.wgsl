@@ -17,7 +17,7 @@ struct Splat {
     // Half axes, times the radius of the surfel.
     axes: mat2x3f,
     scale: f32,
-    // Of the longer half axis, where the quadratic mean of both is its radius.
+    // Quadratic mean of the half axes: nothing of the ellipse is farther than √2 times that, be they oblique or not.
     reach: f32,
     // Factor on the mask.
     weight: f32,

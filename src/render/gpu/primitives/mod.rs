@@ -14,7 +14,7 @@
 //! | surfel, other modes | visibility, attribute, resolve |
 //!
 //! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve
-//! follow. Shadow maps are drawn by visibility, those of voxels by depth.
+//! follow. Shadow maps are drawn by visibility, those of voxels and triangles by depth.
 
 mod amplification;
 mod drawable;
