@@ -14,6 +14,10 @@ mod record;
 mod sample;
 #[path = "../../src/cloud/scalar_field.rs"]
 mod scalar_field;
+#[path = "../../src/cloud/textures.rs"]
+mod textures;
+#[path = "../../src/cloud/texturing.rs"]
+mod texturing;
 #[path = "../../src/cloud/unit.rs"]
 mod unit;
 
@@ -23,4 +27,6 @@ pub use image_grid::ImageGrid;
 pub use raw::*;
 pub(crate) use sample::even_places;
 pub use scalar_field::ScalarField;
+pub use textures::Textures;
+pub use texturing::Texturing;
 pub use unit::LengthUnit;

@@ -58,6 +58,7 @@ pub(super) fn sample(cloud: &mut RawCloud, count: NonZeroUsize, options: &ReadOp
         *cloud = places.apply(cloud);
     }
     cloud.faces = Vec::new();
+    cloud.texturing = None;
     Ok(())
 }
 
@@ -128,12 +129,25 @@ impl Places {
             Positions::F64(_) => Positions::F64(self.map(|place| position(place).to_array())),
         };
         let mut cloud = RawCloud::from_positions(positions);
+        // On pictures the colour is that of the place, not between those of the corners: they are finer than meshes.
+        let picture_color = |place: &MeshSample| {
+            let texturing = mesh.texturing.as_ref()?;
+            let corners = corners(place);
+            let texture = texturing.texture_of_vertex[corners[0]]?;
+            let coordinate = |axis: usize| blend(corners.map(|corner| texturing.places[corner][axis]), place.weights);
+            let color = texturing
+                .textures
+                .color(texture as usize, [coordinate(0), coordinate(1)]);
+            let [red, green, blue] = color.map(|channel| (channel * 255.0).round() as u8);
+            Some([red, green, blue, 255])
+        };
         let colors = |colors: &[[u8; 4]]| {
             let channel = |place: &MeshSample, channel: usize| {
                 let values = corners(place).map(|corner| f32::from(colors[corner][channel]));
                 blend(values, place.weights).round() as u8
             };
-            self.map(|place| [0, 1, 2, 3].map(|index| channel(place, index)))
+            let between = |place: &MeshSample| [0, 1, 2, 3].map(|index| channel(place, index));
+            self.map(|place| picture_color(place).unwrap_or_else(|| between(place)))
         };
         let blended =
             |values: &[f32]| self.map(|place| blend(corners(place).map(|corner| values[corner]), place.weights));

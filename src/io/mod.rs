@@ -10,6 +10,7 @@
 mod archive;
 mod arrays;
 mod attributes;
+mod beside;
 mod bin;
 mod codec;
 mod column;
@@ -34,6 +35,7 @@ mod obj;
 mod off;
 mod options;
 mod pcd;
+mod picture;
 mod ply;
 mod ptx;
 mod read;
@@ -100,7 +102,7 @@ const TABLE: &[Codec] = &[
         ..Codec::reading(xyz::FORMAT, |file| xyz::decode(file.bytes, file.progress))
     },
     Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.progress)),
-    Codec::reading(obj::FORMAT, |file| obj::decode(file.bytes, file.progress)),
+    Codec::reading(obj::FORMAT, obj::decode),
     Codec::reading(off::FORMAT, |file| off::decode(file.bytes)),
     Codec::reading(stl::FORMAT, |file| stl::decode(file.bytes)),
     Codec {

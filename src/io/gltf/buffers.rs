@@ -1,8 +1,6 @@
 //! The bytes that a glTF file refers to: within it, in `data:` URIs, or in files beside it.
-//!
-//! A file names other files at will. Only those within its own folder are read: no absolute paths, no `..`, no links
-//! that lead out of it, nothing from a network.
 
+use super::super::beside;
 use super::super::error::{Fault, mebibytes};
 use super::super::options::ReadOptions;
 use super::document::{Buffer, Document, at};
@@ -10,7 +8,7 @@ use base64::Engine as _;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
-use std::path::{Component, Path};
+use std::path::Path;
 
 /// The buffers of a document that were asked for, and how much memory they may take in all.
 pub(super) struct Buffers<'a> {
@@ -125,48 +123,7 @@ pub(super) fn resource(uri: &str, path: &Path, most_bytes: u64, options: &ReadOp
             .map_err(|error| format!("its data: URI is damaged ({error})"));
     }
     let name = percent_decoded(uri).ok_or_else(|| format!("`{}` is no URI of a file", uri.escape_default()))?;
-    let outside = || {
-        format!(
-            "it lies in `{}`: only files in the folder of the glTF file are read",
-            name.escape_default()
-        )
-    };
-    let relative = Path::new(&name);
-    let is_inside = relative
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    // Backslashes and drives are paths on some systems, a colon begins with a scheme such as http.
-    if !is_inside || name.contains(['\\', ':', '\0']) || name.is_empty() {
-        return Err(outside());
-    }
-    let unreadable = |error: std::io::Error| {
-        format!(
-            "`{}` cannot be read ({error}): it must lie beside the glTF file",
-            name.escape_default()
-        )
-    };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let folder = folder.canonicalize().map_err(unreadable)?;
-    let file = folder.join(relative).canonicalize().map_err(unreadable)?;
-    if !file.starts_with(&folder) {
-        return Err(outside());
-    }
-    let about = file.metadata().map_err(unreadable)?;
-    if !about.is_file() {
-        return Err(format!("`{}` is not a regular file", name.escape_default()));
-    }
-    if about.len() > most_bytes {
-        return Err(format!(
-            "`{}` has {}, more than --max-memory allows ({})",
-            name.escape_default(),
-            mebibytes(about.len()),
-            mebibytes(options.max_memory_bytes)
-        ));
-    }
-    std::fs::read(file).map_err(unreadable)
+    beside::read(&name, path, most_bytes, options)
 }
 
 /// Text without `%20` and its like.

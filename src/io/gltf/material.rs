@@ -5,13 +5,13 @@
 //! on without change. A texture that cannot be read leaves the other two: what the shape is does not depend on it.
 
 use super::super::error::Fault;
+use super::super::picture;
 use super::accessor::AccessorSource;
 use super::buffers::resource;
 use super::document::{Material, Pbr, at};
 use super::geometry::Geometry;
 use crate::cloud::{self, Texturing};
-use image::{ImageReader, Limits, RgbaImage};
-use std::io::Cursor;
+use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ impl Textures {
         let mut textures = Vec::with_capacity(materials.len());
         for (material, is_used) in materials.iter().zip(is_used) {
             let texture = match &material.pbr_metallic_roughness.base_color_texture {
-                Some(texture) if is_used => picture(source, texture.index, path)?,
+                Some(texture) if is_used => picture_of(source, texture.index, path)?,
                 _ => None,
             };
             textures.push(texture);
@@ -138,7 +138,7 @@ fn in_picture(pbr: &Pbr, place: [f32; 2]) -> [f32; 2] {
     ]
 }
 
-fn picture(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {
+fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<Option<RgbaImage>, Fault> {
     let texture = at(&source.document.textures, texture, "texture")?;
     // Extensions have pictures in formats that are not read.
     let Some(image) = texture.source else {
@@ -158,20 +158,11 @@ fn picture(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Result<O
         (None, Some(view)) => source.buffers.view(source.document, view)?,
         (None, None) => return Ok(None),
     };
-    let Ok(mut reader) = ImageReader::new(Cursor::new(bytes)).with_guessed_format() else {
+    let Ok(picture) = picture::decode(bytes, most_bytes) else {
         return Ok(None);
     };
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(1 << 15);
-    limits.max_image_height = Some(1 << 15);
-    limits.max_alloc = Some(most_bytes.min(limits.max_alloc.unwrap_or(u64::MAX)));
-    reader.limits(limits);
-    let Ok(picture) = reader.decode() else {
-        return Ok(None);
-    };
-    let picture = picture.into_rgba8();
     source.spend(picture.as_raw().len() as u64)?;
-    Ok(Some(picture).filter(|picture| picture.width() > 0 && picture.height() > 0))
+    Ok(Some(picture))
 }
 
 /// The nearest texel of a picture that repeats in all directions.

@@ -1,14 +1,22 @@
 //! OBJ of Wavefront: a statement a line; vertices, normals, and faces that name them by number.
 //!
 //! Read here rather than by a crate: those at hand drop vertices that no face names, which are all of them where an OBJ
-//! file is a cloud, and keep single precision only. Colours stand behind the coordinates of a vertex. Materials and
-//! textures are left out.
+//! file is a cloud, and keep single precision only. Colours stand behind the coordinates of a vertex, or in the
+//! material of a face (`materials.rs`), which may have a picture (`surface.rs`).
 
+mod materials;
+mod numbering;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use super::codec::Encoded;
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::numbers::{parse_number, quoted};
 use crate::cloud::{Positions, RawCloud};
-use crate::progress::Progress;
+use numbering::resolve;
+use surface::Corners;
 
 /// Wavefront OBJ.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -21,7 +29,8 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 /// Lines between two looks at whether the model is still wanted.
 const LINES_AT_ONCE: usize = 1 << 14;
 
-pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
+    let Encoded { bytes, progress, .. } = *file;
     progress.set(0, bytes.len());
     let mut done = 0;
     let mut model = Model::default();
@@ -48,7 +57,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         }
     }
     progress.set(bytes.len(), bytes.len());
-    model.into_cloud()
+    model.into_cloud(file)
 }
 
 #[derive(Default)]
@@ -63,6 +72,7 @@ struct Model {
     has_normals: bool,
     faces: Vec<[u32; 3]>,
     polygon: Vec<u32>,
+    corners: Corners,
 }
 
 impl Model {
@@ -78,8 +88,24 @@ impl Model {
                 self.normals.push(normal.map(|axis| axis as f32));
                 Ok(())
             }
+            Some(b"vt") => {
+                let (place, count) = numbers::<2>(words, number)?;
+                if count == 0 {
+                    return Err(Fault::new(Place::Line(number), "the texture coordinate has no number"));
+                }
+                self.corners.push_place(place);
+                Ok(())
+            }
             Some(b"f" | b"fo") => self.face(words, number),
-            // Texture coordinates, groups, materials, lines, curves and comments.
+            Some(keyword @ (b"usemtl" | b"mtllib")) => {
+                let name = String::from_utf8_lossy(line[keyword.len()..].trim_ascii());
+                match keyword {
+                    b"usemtl" => self.corners.use_material(&name, self.faces.len()),
+                    _ => self.corners.add_library(&name),
+                }
+                Ok(())
+            }
+            // Groups, lines, curves and comments.
             _ => Ok(()),
         }
     }
@@ -103,6 +129,7 @@ impl Model {
 
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, number: usize) -> Result<(), Fault> {
         self.polygon.clear();
+        self.corners.start_polygon();
         for word in words {
             if word.starts_with(b"#") {
                 break;
@@ -120,7 +147,9 @@ impl Model {
                 )
             })?;
             self.polygon.push(index as u32);
-            let normal = parts.nth(1).filter(|normal| !normal.is_empty());
+            let place = parts.next().unwrap_or_default();
+            self.corners.push_corner(place);
+            let normal = parts.next().filter(|normal| !normal.is_empty());
             if let Some(normal) = normal.and_then(|normal| resolve(normal, self.normals.len())) {
                 self.vertex_normals.resize(self.positions.len(), [0.0; 3]);
                 self.has_normals = true;
@@ -130,10 +159,11 @@ impl Model {
             }
         }
         super::mesh::fan(&self.polygon, &mut self.faces);
+        self.corners.end_polygon();
         Ok(())
     }
 
-    fn into_cloud(mut self) -> Result<RawCloud, Fault> {
+    fn into_cloud(mut self, file: &Encoded<'_>) -> Result<RawCloud, Fault> {
         if self.positions.is_empty() {
             return Err(Fault::new(
                 Place::Line(1),
@@ -153,6 +183,7 @@ impl Model {
             cloud.attributes.normals = Some(self.normals);
         }
         cloud.faces = self.faces;
+        self.corners.put_on(&mut cloud, file)?;
         Ok(cloud)
     }
 }
@@ -189,17 +220,4 @@ fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a [u8]>, line: usiz
 
 fn too_few(what: &str, count: usize, line: usize) -> Fault {
     Fault::new(Place::Line(line), format!("the {what} has {count} numbers, expected 3"))
-}
-
-/// Numbers count from 1, negative ones backwards from the last.
-fn resolve(word: &[u8], count: usize) -> Option<usize> {
-    let number: i64 = std::str::from_utf8(word).ok()?.parse().ok()?;
-    let index = if number < 0 {
-        (count as i64).checked_add(number)?
-    } else {
-        number - 1
-    };
-    usize::try_from(index)
-        .ok()
-        .filter(|&index| index < count && u32::try_from(index).is_ok())
 }
