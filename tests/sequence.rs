@@ -26,6 +26,8 @@ use std::time::{Duration, Instant};
 mod data;
 #[path = "sequence/discovery.rs"]
 mod discovery;
+#[path = "sequence/groups.rs"]
+mod groups;
 #[path = "sequence/loading.rs"]
 mod loading;
 #[path = "sequence/meshes.rs"]

@@ -56,6 +56,8 @@ pub struct Frame {
     has_faces: bool,
     /// Points of the file that this one was not made from, as it is a sample.
     left_out: usize,
+    /// Points of the next finer level, if this is a level of the frame that is not its finest.
+    points_of_finer: Option<usize>,
     warnings: Vec<String>,
     sample: SharedSample,
 }
@@ -89,6 +91,7 @@ impl Frame {
             has_faces: raw.faces_left_out + raw.faces.len() > 0,
             file_index,
             left_out: 0,
+            points_of_finer: None,
             warnings: raw.warnings,
             sample: SharedSample::default(),
         })
@@ -116,12 +119,35 @@ impl Frame {
         let places = even_slots(point_count, raw.positions.len());
         assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
         raw.attributes.scale_splats(radius_factor(point_count, places.len()));
-        let mut frame = Self::from_raw(raw, origin)?;
-        for index in &mut frame.file_index {
+        Self::from_raw(raw, origin).map(|frame| frame.with_places(&places, point_count))
+    }
+
+    /// [`Frame::from_raw`] of a coarse level of a frame of `point_count` points, whose next finer level has
+    /// `points_of_finer`. Each of its points stands for several; the index that it gets is near theirs where the file
+    /// is in Morton order.
+    ///
+    /// # Panics
+    /// Precondition: no more points than in the file.
+    pub fn from_level(
+        raw: RawCloud,
+        origin: DVec3,
+        point_count: usize,
+        points_of_finer: usize,
+    ) -> Result<Self, CloudError> {
+        let places = even_slots(point_count, raw.positions.len());
+        assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
+        let mut frame = Self::from_raw(raw, origin)?.with_places(&places, point_count);
+        frame.points_of_finer = Some(points_of_finer);
+        Ok(frame)
+    }
+
+    /// The same, whose points have `places` in a file of `point_count` points.
+    fn with_places(mut self, places: &[u32], point_count: usize) -> Self {
+        for index in &mut self.file_index {
             *index = places[*index as usize];
         }
-        frame.left_out = point_count - places.len();
-        Ok(frame)
+        self.left_out = point_count - places.len();
+        self
     }
 
     /// At most `most_points` of the points, taken evenly in their order, and where each of them stands here. Radii of
@@ -277,6 +303,11 @@ impl Frame {
     /// Whether points of the file were left out to save time.
     pub fn is_sample(&self) -> bool {
         self.left_out > 0
+    }
+
+    /// Points of the next finer level of the same frame, if this is one that is stored by levels, and not its finest.
+    pub fn points_of_finer(&self) -> Option<usize> {
+        self.points_of_finer
     }
 
     /// What of the file could not be read although its points could: see [`RawCloud::warnings`].

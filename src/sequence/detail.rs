@@ -28,10 +28,11 @@ impl Detail {
     }
 
     /// Whether `frame` has as many points as are wanted. Three quarters of them will do: a frame is not made anew for
-    /// so little.
+    /// so little. A level of detail will do if the next finer one has more.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
         let points = frame.len() + frame.dropped_points();
-        !frame.is_sample() || points >= self.most_points() / 4 * 3
+        let is_finest = |finer: usize| finer > self.most_points();
+        !frame.is_sample() || points >= self.most_points() / 4 * 3 || frame.points_of_finer().is_some_and(is_finest)
     }
 
     /// Whether `frame` has so many more points that it is worth making one of fewer.

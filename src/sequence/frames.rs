@@ -8,20 +8,24 @@ use super::stopwatch::milliseconds_since;
 use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
-use crate::source::{self, DecodeFailure, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source};
+use crate::source::{
+    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source,
+};
 use crate::timeline::{DEFAULT_FPS, Pace};
 use glam::DVec3;
+use std::num::NonZero;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
+use std::thread;
 use std::time::Instant;
 
 /// The frames of a source, their common origin and their pace. Shared between threads behind an [`Arc`]; may grow at
 /// its end.
 pub struct Sequence {
     source: Arc<dyn Source>,
-    /// Decoders that nobody uses now, and the frame that each has decoded last.
+    /// Decoders that nobody uses now, those unused for longest first, and the frame that each has decoded last.
     decoders: Mutex<IdleDecoders>,
     /// The same of those that decode meshes.
     mesh_decoders: Mutex<IdleDecoders>,
@@ -38,7 +42,7 @@ pub(crate) struct LoadedFrame {
     pub(crate) frame: Frame,
     /// Time of the decoder and of the validation.
     pub(crate) decode_ms: f32,
-    /// Time of the decoder alone.
+    /// Time of the decoder alone that all frames take, however many of their points are wanted.
     pub(crate) decoder_ms: f32,
 }
 
@@ -122,6 +126,11 @@ impl Sequence {
         self.source.frames()
     }
 
+    /// The frames that one decoder had best decode in their order: see [`Source::group`].
+    pub(crate) fn group(&self, index: usize) -> Range<usize> {
+        self.source.group(index)
+    }
+
     /// Number of frames, broken ones and those that are gone included.
     pub fn len(&self) -> usize {
         self.frames().end
@@ -183,11 +192,12 @@ impl Sequence {
 
     /// Decodes frame `index` in file coordinates. A panic of the decoder is an error like any other.
     pub fn decode(&self, index: usize) -> Result<RawCloud, FrameError> {
-        self.decode_observed(index, &Progress::default())
+        let decoded = self.decode_observed(index, Detail::Full, &Progress::default());
+        decoded.map(|decoded| decoded.cloud)
     }
 
-    fn decode_observed(&self, index: usize, progress: &Progress) -> Result<RawCloud, FrameError> {
-        self.decode_with(&self.decoders, || self.source.decoder(), index, progress)
+    fn decode_observed(&self, index: usize, detail: Detail, progress: &Progress) -> Result<DecodedFrame, FrameError> {
+        self.decode_with(&self.decoders, || self.source.decoder(), index, detail, progress)
     }
 
     /// Decodes frame `index` by an idle decoder, or one that `decoder` makes.
@@ -196,8 +206,9 @@ impl Sequence {
         idle: &Mutex<IdleDecoders>,
         decoder: impl FnOnce() -> Box<dyn Decoder>,
         index: usize,
+        detail: Detail,
         progress: &Progress,
-    ) -> Result<RawCloud, FrameError> {
+    ) -> Result<DecodedFrame, FrameError> {
         let frames = self.source.frames();
         if index >= frames.end {
             let count = frames.end;
@@ -210,9 +221,9 @@ impl Sequence {
         }
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         progress.set(0, 0);
-        let mut decoder = take_idle(idle, index).unwrap_or_else(decoder);
+        let mut decoder = take_idle(idle, index, &self.source.group(index)).unwrap_or_else(decoder);
         let decoded = catch_panic(index, &path, || {
-            let decoded = decoder.decode(index, &entry, progress);
+            let decoded = decoder.decode(index, &entry, detail.most_points(), progress);
             // One that has panicked is not used again.
             lock(idle).push((index, decoder));
             decoded.map_err(|reason| FrameError::Decode {
@@ -260,20 +271,25 @@ impl Sequence {
     pub(crate) fn load(&self, index: usize, detail: Detail, progress: &Progress) -> Result<LoadedFrame, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let (raw, decoder_ms) = match self.origin.take_kept(index) {
-            Some(kept) => kept?,
-            None => self.decode_timed(index, progress)?,
+        let (decoded, decoder_ms) = match self.origin.take_kept(index) {
+            Some(kept) => kept.map(|(raw, ms)| (raw.into(), ms))?,
+            None => {
+                let start = Instant::now();
+                let decoded = self.decode_observed(index, detail, progress)?;
+                (decoded, milliseconds_since(start))
+            }
         };
         let start = Instant::now();
-        let frame = Frame::from_raw_sample(raw, origin, detail.most_points());
-        let frame = frame.map_err(|reason| self.invalid(index, reason))?;
+        let has_levels = decoded.level.is_some();
+        let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
             frame.share_sample(Arc::clone(sample));
         }
         Ok(LoadedFrame {
             frame,
             decode_ms: decoder_ms + milliseconds_since(start),
-            decoder_ms,
+            // What grows with the points is no cost of its own.
+            decoder_ms: if has_levels { 0.0 } else { decoder_ms },
         })
     }
 
@@ -285,8 +301,9 @@ impl Sequence {
     pub(crate) fn load_mesh(&self, index: usize, progress: &Progress) -> Result<Mesh, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let raw = self.decode_with(&self.mesh_decoders, || self.source.mesh_decoder(), index, progress)?;
-        Mesh::from_raw(raw, origin).map_err(|reason| self.invalid(index, reason))
+        let decoder = || self.source.mesh_decoder();
+        let decoded = self.decode_with(&self.mesh_decoders, decoder, index, Detail::Full, progress)?;
+        Mesh::from_raw(decoded.cloud, origin).map_err(|reason| self.invalid(index, reason))
     }
 
     fn invalid(&self, index: usize, reason: CloudError) -> FrameError {
@@ -333,13 +350,32 @@ impl Sequence {
     }
 }
 
-/// A decoder that nobody uses: that of the frame before, if there is one, as it may know what frame `index` is made
-/// from.
-fn take_idle(idle: &Mutex<IdleDecoders>, index: usize) -> Option<Box<dyn Decoder>> {
+/// The points of `decoded` relative to `origin`, no more than `detail` asks for.
+fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Frame, CloudError> {
+    let DecodedFrame { cloud, level } = decoded;
+    match level {
+        Some(DecodedLevel {
+            points_in_frame,
+            points_of_finer,
+        }) if cloud.positions.len() < points_in_frame => {
+            Frame::from_level(cloud, origin, points_in_frame, points_of_finer)
+        }
+        _ => Frame::from_raw_sample(cloud, origin, detail.most_points()),
+    }
+}
+
+/// A decoder that nobody uses: the one that is nearest before `index` in its group, as it may know what that frame is
+/// made from. One that is on another group is taken only where there are as many as there are processors.
+fn take_idle(idle: &Mutex<IdleDecoders>, index: usize, group: &Range<usize>) -> Option<Box<dyn Decoder>> {
     let mut idle = lock(idle);
-    let of_before = idle.iter().position(|&(last, _)| last + 1 == index);
-    let taken = of_before.map(|place| idle.swap_remove(place)).or(idle.pop());
-    taken.map(|(_, decoder)| decoder)
+    // Frames of files have no groups, but one may begin where the one before ends.
+    let knows = |last: usize| (group.start..=index).contains(&last) || last + 1 == index;
+    let nearest = (0..idle.len()).filter(|&place| knows(idle[place].0));
+    let nearest = nearest.max_by_key(|&place| idle[place].0);
+    let most = thread::available_parallelism().map_or(1, NonZero::get);
+    let oldest = || (idle.len() >= most).then_some(0);
+    let place = nearest.or_else(oldest)?;
+    Some(idle.remove(place).1)
 }
 
 impl OriginFrames for Sequence {
@@ -349,8 +385,8 @@ impl OriginFrames for Sequence {
 
     fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError> {
         let start = Instant::now();
-        let raw = self.decode_observed(index, progress)?;
-        Ok((raw, milliseconds_since(start)))
+        let decoded = self.decode_observed(index, Detail::Full, progress)?;
+        Ok((decoded.cloud, milliseconds_since(start)))
     }
 
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {

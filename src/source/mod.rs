@@ -28,7 +28,7 @@ pub use options::OpenOptions;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
-pub use traits::{DecodeFailure, Decoder, FrameSample, Source};
+pub use traits::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameSample, Source};
 
 use crate::progress::Progress;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 //!
 //! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
 
-use super::{DecodeFailure, Decoder, FrameEntry, SequenceError, Shape, Source};
+use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Shape, Source};
 use crate::cloud::{Positions, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -119,7 +119,13 @@ struct SpinDecoder {
 }
 
 impl Decoder for SpinDecoder {
-    fn decode(&mut self, index: usize, _entry: &FrameEntry, _progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+    fn decode(
+        &mut self,
+        index: usize,
+        _entry: &FrameEntry,
+        _most_points: usize,
+        _progress: &Progress,
+    ) -> Result<DecodedFrame, DecodeFailure> {
         let at_rest =
             Arc::clone(lock(&self.ring.at_rest).get_or_insert_with(|| Arc::new(self.shape.cloud(self.points))));
         let turns = (index % FRAMES_PER_TURN) as f32 / FRAMES_PER_TURN as f32;
@@ -135,7 +141,7 @@ impl Decoder for SpinDecoder {
         for normal in cloud.attributes.normals.iter_mut().flatten() {
             *normal = turned(normal);
         }
-        Ok(cloud)
+        Ok(cloud.into())
     }
 }
 
@@ -146,7 +152,8 @@ mod tests {
     fn decoded(spin: &Spin, index: usize) -> RawCloud {
         let progress = Progress::default();
         let entry = spin.entry(index);
-        spin.decoder().decode(index, &entry, &progress).unwrap()
+        let decoded = spin.decoder().decode(index, &entry, usize::MAX, &progress);
+        decoded.unwrap().cloud
     }
 
     #[test]

@@ -10,7 +10,11 @@
 //! many; once they are all there, later ones are made in full, so that a loop gains detail from turn to turn; and then,
 //! if the sequence is too long for the memory, coarse copies of all its frames, for scrubbing.
 //!
-//! A look costs a small multiple of [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
+//! **Groups.** Frames that are made from one another ([`crate::source::Source::group`]) are made by one worker at a
+//! time, in their order, while others make other groups. Backwards, a group that comes is begun at its first frame, so
+//! that each of its frames is decoded once.
+//!
+//! A look costs a multiple of [`LOOK_AHEAD_FRAMES`] steps, whatever the length of the sequence.
 
 use super::LoaderOptions;
 use super::cache::{ALWAYS_AHEAD_FRAMES, Cache, Focus};
@@ -138,7 +142,7 @@ impl Queue {
         let waiter = self
             .waiters
             .iter()
-            .find(|waiter| waiter.outcome.is_none() && !self.cache.is_in_flight(waiter.index))?;
+            .find(|waiter| waiter.outcome.is_none() && !self.is_group_in_flight(waiter.index))?;
         let (index, needs) = (waiter.index, waiter.needs);
         let bytes = self.cache.bytes_to_add(index, Detail::Full).unwrap_or(0);
         self.must_start(bytes)
@@ -153,31 +157,60 @@ impl Queue {
                 return None;
             }
             let index = self.focus.upcoming(rank)?;
-            let done = self.cache.error(index).is_some()
-                || self.cache.is_in_flight(index)
-                || self.serves(index, needs, detail);
-            if done {
+            if self.is_done(index, needs, detail) {
                 nearer_bytes += self.cache.held_bytes(index);
                 continue;
             }
-            let bytes = self.cache.bytes_to_add(index, detail);
-            let fits = match bytes {
-                _ if rank == 0 => self.must_start(bytes.unwrap_or(0)),
-                Some(bytes) => {
-                    let through_here = nearer_bytes + bytes + self.cache.held_bytes(index);
-                    through_here <= self.cache.budget_bytes()
-                        && (self.has_room(bytes)
-                            || (self.may_evict_for(rank, through_here) && self.make_room(bytes, rank)))
-                }
-                // Without a measure of what a frame takes, one at a time.
-                None => self.cache.in_flight() == 0,
-            };
-            return fits.then(|| Job {
-                next_stage: self.next_stage(index, rank, detail),
-                ..self.start(index, *needs, detail, bytes.unwrap_or(0))
-            });
+            if self.existing(index, detail).is_none() && self.is_group_in_flight(index) {
+                continue;
+            }
+            let first = self.first_of_group(index, rank, needs, detail);
+            if let Some(job) = first.and_then(|first| self.start_if_it_fits(first, needs, detail, nearer_bytes)) {
+                return Some(job);
+            }
+            let next_stage = self.next_stage(index, rank, detail);
+            let job = self.start_if_it_fits(index, needs, detail, nearer_bytes)?;
+            return Some(Job { next_stage, ..job });
         }
         None
+    }
+
+    /// Whether there is nothing to do for frame `index`: somebody is on it, it has failed or is there in `detail`.
+    fn is_done(&self, index: usize, needs: &Needs, detail: Detail) -> bool {
+        self.cache.error(index).is_some() || self.cache.is_in_flight(index) || self.serves(index, needs, detail)
+    }
+
+    /// Whether somebody is on a frame of the group of `index`, whose decoder then knows what the others are made from.
+    fn is_group_in_flight(&self, index: usize) -> bool {
+        let frames = 0..self.cache.frame_count();
+        let mut group = self.sequence.group(index);
+        group.any(|frame| frames.contains(&frame) && self.cache.is_in_flight(frame))
+    }
+
+    /// The first missing frame of the group that frame `index`, which comes at `rank`, is the last of, as frames come
+    /// backwards.
+    fn first_of_group(&self, index: usize, rank: usize, needs: &Needs, detail: Detail) -> Option<usize> {
+        let before = self.focus.upcoming(rank.checked_sub(1)?)?;
+        let mut earlier = self.sequence.group(index).start..index;
+        let is_missing = |&frame: &usize| self.focus.is_coming(frame) && !self.is_done(frame, needs, detail);
+        earlier.find(is_missing).filter(|_| before > index)
+    }
+
+    /// Starts frame `index` if there is memory for it, where the frames that come before it take `nearer_bytes`.
+    fn start_if_it_fits(&mut self, index: usize, needs: &Needs, detail: Detail, nearer_bytes: usize) -> Option<Job> {
+        let rank = self.focus.rank(index);
+        let bytes = self.cache.bytes_to_add(index, detail);
+        let fits = match bytes {
+            _ if rank == 0 => self.must_start(bytes.unwrap_or(0)),
+            Some(bytes) => {
+                let through_here = nearer_bytes + bytes + self.cache.held_bytes(index);
+                through_here <= self.cache.budget_bytes()
+                    && (self.has_room(bytes) || (self.may_evict_for(rank, through_here) && self.make_room(bytes, rank)))
+            }
+            // Without a measure of what a frame takes, one at a time.
+            None => self.cache.in_flight() == 0,
+        };
+        fits.then(|| self.start(index, *needs, detail, bytes.unwrap_or(0)))
     }
 
     /// What of frame `index` is made next if it comes in stages.
@@ -244,7 +277,7 @@ impl Queue {
             let is_there = |frame: Option<&Arc<PreparedFrame>>| frame.is_some_and(|frame| frame.satisfies(needs));
             let done = index < self.focus.travel.first
                 || self.cache.error(index).is_some()
-                || self.cache.is_in_flight(index)
+                || self.is_group_in_flight(index)
                 || is_there(self.cache.full(index))
                 || is_there(self.cache.coarse(index));
             if done {
@@ -289,6 +322,15 @@ impl Queue {
             || through_here <= self.cache.budget_bytes() / 2
     }
 
+    /// What frame `index` can be made of without decoding it.
+    fn existing(&self, index: usize, detail: Detail) -> Option<&Arc<PreparedFrame>> {
+        let (full, coarse) = (self.cache.full(index), self.cache.coarse(index));
+        match detail {
+            Detail::Full => full,
+            Detail::AtMost(_) => coarse.filter(|frame| detail.is_met_by(&frame.frame)).or(full),
+        }
+    }
+
     /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one
     /// in flight, so that the budget is exceeded by one frame at most.
     fn must_start(&mut self, bytes: usize) -> bool {
@@ -298,16 +340,11 @@ impl Queue {
     fn start(&mut self, index: usize, needs: Needs, detail: Detail, bytes: usize) -> Job {
         self.cache.reserve(index, bytes);
         self.changed();
-        let (full, coarse) = (self.cache.full(index), self.cache.coarse(index));
-        let existing = match detail {
-            Detail::Full => full,
-            Detail::AtMost(_) => coarse.filter(|frame| detail.is_met_by(&frame.frame)).or(full),
-        };
         Job {
             index,
             needs,
             detail,
-            existing: existing.cloned(),
+            existing: self.existing(index, detail).cloned(),
             is_for_scrubbing: false,
             next_stage: None,
         }
