@@ -49,6 +49,7 @@ mod messages;
 pub mod playback;
 mod priority;
 pub mod progress;
+pub mod reel;
 pub mod render;
 pub mod scene;
 pub mod sequence;

@@ -47,6 +47,9 @@ pub enum BenchError {
     /// The threads that load frames do not start.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
+    /// A sequence file that cannot be written or read back.
+    #[error(transparent)]
+    Reel(#[from] crate::reel::ReelError),
     /// The thread to build octrees on does not start.
     #[error(transparent)]
     Thread(#[from] rayon::ThreadPoolBuildError),

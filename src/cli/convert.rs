@@ -3,10 +3,12 @@
 use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::progress::Bar;
+use super::reel_arguments::ReelArgs;
 use super::warnings;
-use crate::convert::{Conversion, Edit, Output, Shard, convert};
+use crate::convert::{Conversion, Converted, Edit, Output, Shard, convert, join};
 use crate::io::WriteFormat;
 use crate::progress::Progress;
+use crate::sequence::Sequence;
 use anyhow::bail;
 use clap::Args;
 use glam::DMat4;
@@ -17,7 +19,7 @@ use std::sync::Arc;
 #[derive(Debug, Args)]
 pub(super) struct ConvertArgs {
     /// A folder, a pattern, or files; `demo:` is the built-in sequence; the last one is the OUTPUT: a file for one
-    /// frame, else a folder, which is made
+    /// frame, a sequence file (.reel) for all, else a folder, which is made
     #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
@@ -50,6 +52,13 @@ pub(super) struct ConvertArgs {
     #[arg(long)]
     overwrite: bool,
 
+    /// Join sequence files, those of shards, into the OUTPUT, one behind the other
+    #[arg(long, conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"])]
+    join: bool,
+
+    #[command(flatten)]
+    reel: ReelArgs,
+
     #[command(flatten)]
     read: ReadArgs,
 }
@@ -58,18 +67,16 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let Some((output, inputs)) = arguments.paths.split_last() else {
         bail!("name an input and an output");
     };
+    if arguments.join {
+        let count = join(inputs, output)?;
+        answer(&format!("{count} frames joined into {}", output.display()));
+        return Ok(());
+    }
     let open = arguments.read.open_options();
     let sequence = open_sequence_and_tell(inputs, &open)?;
-    let format_by_name = WriteFormat::of_extension(output);
-    let is_folder = output.is_dir() || format_by_name.is_none();
     let frames = arguments.frames.as_ref().map(FrameRange::bounds);
     let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
-    if !is_folder && frame_count != 1 {
-        bail!(
-            "{} is one file, but {frame_count} frames are to be converted: name a folder, or one frame with --frames",
-            output.display()
-        );
-    }
+    let (output, format) = outputs(arguments, output, &sequence, frame_count)?;
     let conversion = Conversion {
         frames,
         shard: arguments.shard.unwrap_or(Shard::WHOLE),
@@ -79,12 +86,8 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
             sample_count: open.read.sample_count,
             estimates_normals: arguments.estimate_normals,
         },
-        format: arguments.format.or(format_by_name).unwrap_or_default(),
-        output: if is_folder {
-            Output::Folder(output.clone())
-        } else {
-            Output::File(output.clone())
-        },
+        format,
+        output,
         overwrites: arguments.overwrite,
     };
     let bar = Arc::new(Bar::new(frame_count));
@@ -93,17 +96,66 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     // An interrupt ends the process; what is finished stays, and the next run goes on from there.
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
-    let converted = converted?;
+    tell(&converted?, &conversion.output)
+}
+
+/// Where frames go by the name of `output`, and in which format.
+fn outputs(
+    arguments: &ConvertArgs,
+    output: &Path,
+    sequence: &Sequence,
+    frame_count: usize,
+) -> anyhow::Result<(Output, WriteFormat)> {
+    let has_extension = |extension: &str| output.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    let format_by_name = WriteFormat::of_extension(output);
+    let format = arguments.format.or(format_by_name).unwrap_or_default();
+    if has_extension("reel") && !output.is_dir() {
+        if let Some(format) = arguments.format {
+            bail!("{} is a sequence file, which has no format {format}", output.display());
+        }
+        let (options, assumed) = arguments.reel.options(sequence);
+        if let Some(assumed) = assumed {
+            warnings::warn(&assumed);
+        }
+        return Ok((Output::Reel(output.to_owned(), options), format));
+    }
+    if arguments.reel.is_given() {
+        bail!(
+            "{} is no sequence file: name one that ends with .reel, or leave out what only such files have",
+            output.display()
+        );
+    }
+    let is_folder = output.is_dir() || format_by_name.is_none();
+    if !is_folder && frame_count != 1 {
+        bail!(
+            "{} is one file, but {frame_count} frames are to be converted: name a folder, a sequence file (.reel), or \
+             one frame with --frames",
+            output.display()
+        );
+    }
+    let output = if is_folder { Output::Folder(output.to_owned()) } else { Output::File(output.to_owned()) };
+    Ok((output, format))
+}
+
+fn tell(converted: &Converted, output: &Output) -> anyhow::Result<()> {
     for (frame, warning) in &converted.warnings {
         warnings::warn_of_frame(&format!("frame {frame}: {warning}"));
     }
     for (frame, error) in &converted.failed {
         warnings::warn_of_frame(&format!("frame {frame}: {error}"));
     }
+    let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
+    let size = match output {
+        Output::Reel(path, _) => std::fs::metadata(path).map_or_else(
+            |_| String::new(),
+            |file| format!(", {} bytes in all", file.len()),
+        ),
+        Output::File(_) | Output::Folder(_) => String::new(),
+    };
     answer(&format!(
-        "{} frames written to {}, {} were there already, {} failed",
+        "{} frames written to {}, {} were there already, {} failed{size}",
         converted.written,
-        output.display(),
+        path.display(),
         converted.left,
         converted.failed.len()
     ));

@@ -2,6 +2,7 @@
 
 use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::output::answer;
+use super::reel_info::ReelInfo;
 use super::warnings;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
@@ -42,6 +43,9 @@ struct Info {
     /// Of recordings alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     recordings: Vec<RecordingInfo>,
+    /// Of a sequence file alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reel: Option<ReelInfo>,
 }
 
 /// How `view` and `render` show the sequence first, with the reasons.
@@ -157,6 +161,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         origin: origin.to_array(),
         fps: sequence.fps(),
         recordings: sequence.source().recordings().iter().map(recording_info).collect(),
+        reel: sequence.source().reel().map(|file| ReelInfo::of(&file)),
     };
     if arguments.json {
         answer(&serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?);
@@ -250,6 +255,7 @@ fn table(info: &Info) -> String {
     let lines = lines
         .chain(findings.map(|finding| finding.message))
         .chain(info.recordings.iter().map(recording_line))
+        .chain(info.reel.as_ref().map(ReelInfo::line))
         .chain(info.guess.as_ref().map(guess_line));
     for line in lines {
         text.push_str(&line);

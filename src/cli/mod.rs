@@ -14,6 +14,8 @@ mod info;
 mod output;
 mod poses;
 mod progress;
+mod reel_arguments;
+mod reel_info;
 mod render;
 mod render_arguments;
 mod style_arguments;

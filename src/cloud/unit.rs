@@ -35,15 +35,20 @@ impl LengthUnit {
         }
     }
 
+    /// Its length.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Millimetre => 0.001,
+            Self::Foot => 0.3048,
+            Self::SurveyFoot => 1200.0 / 3937.0,
+        }
+    }
+
     /// The unit of so many metres.
     pub fn of_metres(metres: f64) -> Option<Self> {
-        let units = [
-            (1.0, Self::Metre),
-            (0.001, Self::Millimetre),
-            (0.3048, Self::Foot),
-            (1200.0 / 3937.0, Self::SurveyFoot),
-        ];
-        let is = |length: f64| (metres / length - 1.0).abs() < 1e-7;
-        units.into_iter().find(|(length, _)| is(*length)).map(|(_, unit)| unit)
+        let units = [Self::Metre, Self::Millimetre, Self::Foot, Self::SurveyFoot];
+        let is = |unit: &Self| (metres / unit.metres() - 1.0).abs() < 1e-7;
+        units.into_iter().find(is)
     }
 }

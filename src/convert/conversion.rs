@@ -2,6 +2,7 @@
 
 use super::edit::Edit;
 use crate::io::WriteFormat;
+use crate::reel::ReelOptions;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -14,7 +15,7 @@ pub struct Conversion {
     pub shard: Shard,
     /// What becomes of each.
     pub edit: Edit,
-    /// Format of the files.
+    /// Format of the files, unless they are a sequence file.
     pub format: WriteFormat,
     /// Where they go.
     pub output: Output,
@@ -22,7 +23,8 @@ pub struct Conversion {
     pub overwrites: bool,
 }
 
-/// A share of the frames: those whose index leaves `index` when divided by `count`.
+/// A share of the frames: those whose index leaves `index` when divided by `count`; of a sequence file, the `index`-th
+/// of as many runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Which share, from 0.
@@ -37,10 +39,12 @@ impl Shard {
 }
 
 /// Where frames go.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Output {
     /// One frame to this file.
     File(PathBuf),
     /// Frames to files in this folder, named by their number and, if they have one, their time.
     Folder(PathBuf),
+    /// Frames to this sequence file, kept so.
+    Reel(PathBuf, ReelOptions),
 }

@@ -27,6 +27,9 @@ pub enum ConvertError {
         /// The system's reason.
         reason: std::io::Error,
     },
+    /// A sequence file cannot be written or read.
+    #[error(transparent)]
+    Reel(#[from] crate::reel::ReelError),
     /// The folder holds frames that were converted otherwise.
     #[error(
         "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them \

@@ -6,17 +6,22 @@
 //! frames and leaves them, unless their source has changed since, or the options: those are kept beside the frames
 //! ([`Record`]), and a folder that holds a conversion with others is refused. Shards take every n-th frame, whoever
 //! runs them.
+//!
+//! Or all frames go into one sequence file ([`reel`]).
 
 mod conversion;
 mod edit;
 mod error;
 mod record;
+mod reel;
 
 pub use conversion::{Conversion, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
 pub use record::Record;
+pub use reel::join;
 
+use crate::cloud::RawCloud;
 use crate::kept;
 use crate::progress::Progress;
 use crate::sequence::{FrameEntry, Sequence};
@@ -54,7 +59,12 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     let last = sequence.len().saturating_sub(1);
     let range = conversion.frames.clone().unwrap_or(0..=last);
     let Shard { index, count } = conversion.shard;
-    let frames: Vec<usize> = range.filter(|frame| frame % count == index && *frame <= last).collect();
+    let frames: Vec<usize> = range.filter(|frame| *frame <= last).collect();
+    if let Output::Reel(path, options) = &conversion.output {
+        let share = reel::share(&frames, conversion.shard);
+        return reel::convert(sequence, conversion, (path, options), share, progress);
+    }
+    let frames: Vec<usize> = frames.into_iter().filter(|frame| frame % count == index).collect();
     progress.set(0, frames.len());
     let outcomes: Vec<(usize, Option<Result<FrameOutcome, ConvertError>>)> = frames
         .par_iter()
@@ -94,7 +104,7 @@ enum FrameOutcome {
 fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<FrameOutcome, ConvertError> {
     let entry = sequence.entry(index);
     let path = match &conversion.output {
-        Output::File(path) => path.clone(),
+        Output::File(path) | Output::Reel(path, _) => path.clone(),
         Output::Folder(folder) => {
             let stem = match entry.time {
                 // As long as seconds since 1970, so that it is read as a time and not as a number.
@@ -107,11 +117,7 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
     if !conversion.overwrites && is_finished(&path, &entry) {
         return Ok(FrameOutcome::Left);
     }
-    let mut cloud = sequence.decode(index)?;
-    conversion.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
-        path: entry.path.clone(),
-        reason,
-    })?;
+    let cloud = edited(sequence, index, conversion)?;
     kept::write_whole_with(&path, |file| {
         crate::io::write(&mut *file, conversion.format, &cloud)?;
         // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
@@ -121,6 +127,16 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
     Ok(FrameOutcome::Written {
         warnings: cloud.warnings,
     })
+}
+
+/// A frame as it is to be written.
+fn edited(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<RawCloud, ConvertError> {
+    let mut cloud = sequence.decode(index)?;
+    conversion.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
+        path: sequence.entry(index).path.clone(),
+        reason,
+    })?;
+    Ok(cloud)
 }
 
 /// Whether `output` is there and not older than what it was made from.

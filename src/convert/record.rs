@@ -1,6 +1,6 @@
 //! What a folder of converted frames was made with, so that nobody mixes two conversions in it.
 
-use super::{Conversion, ConvertError};
+use super::{Conversion, ConvertError, Output};
 use crate::sequence::Sequence;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -24,7 +24,10 @@ impl Record {
         topics.retain(|topic| topic.is_read);
         Self {
             topics: topics.into_iter().map(|topic| topic.name).collect(),
-            format: conversion.format.to_string(),
+            format: match &conversion.output {
+                Output::Reel(_, options) => format!("{options:?}"),
+                Output::File(_) | Output::Folder(_) => conversion.format.to_string(),
+            },
             edit: conversion.edit.to_string(),
         }
     }

@@ -154,7 +154,8 @@ impl Sequence {
     /// Frames a second at normal speed, for most of the time.
     pub fn fps(&self) -> f64 {
         let stamped = || self.stamped_pace().map(|(_, fps)| fps);
-        self.fps.or_else(stamped).unwrap_or(DEFAULT_FPS)
+        let said = || self.source.fps();
+        self.fps.or_else(stamped).or_else(said).unwrap_or(DEFAULT_FPS)
     }
 
     /// How long each frame lasts: as its time stamps say, unless a frame rate was chosen.
@@ -325,13 +326,17 @@ impl Sequence {
                 reason: reason.into(),
             })
         });
-        let (raw, point_count) = sampled.ok().flatten()?;
+        let (sample, point_count) = sampled.ok().flatten()?;
         let origin = match index {
-            0 => self.origin.decided_by(&raw)?,
+            0 => self.origin.decided_by(&sample.cloud)?,
             _ => self.origin.known()?,
         };
         let decoder_ms = milliseconds_since(start);
-        let frame = Frame::from_sampled(raw, origin, point_count).ok()?;
+        let frame = match sample.level {
+            Some(_) => validated(sample, origin, Detail::Full),
+            None => Frame::from_sampled(sample.cloud, origin, point_count),
+        };
+        let frame = frame.ok()?;
         Some(LoadedFrame {
             frame,
             decode_ms: milliseconds_since(start),

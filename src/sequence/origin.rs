@@ -227,7 +227,7 @@ mod tests {
         let source = FrameList::new(sources.into(), move |_, _| Ok(cloud((0..1000).collect())));
         let sequence =
             Sequence::of(source.with_sample(move |_, most, fewest| {
-                Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)), 1000)))
+                Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)).into(), 1000)))
             }));
         assert!(sequence.load_sample(1, 100, 0).is_none(), "the first one decides");
         assert!(sequence.load_sample(0, 100, 1001).is_none(), "too few");

@@ -60,6 +60,18 @@ pub enum SequenceError {
         /// Most points of a frame.
         most_points: usize,
     },
+    /// A sequence file that cannot be opened.
+    #[error(transparent)]
+    Reel(Box<crate::reel::ReelError>),
+    /// A sequence file among other inputs.
+    #[error(
+        "{} holds a whole sequence: open it alone, or join it with others by pointreel convert --join",
+        path.display()
+    )]
+    NotAlone {
+        /// The sequence file.
+        path: PathBuf,
+    },
     /// A folder or path that the system does not let us look into.
     #[error("{} cannot be listed ({reason}): check its permissions", path.display())]
     Unreadable {

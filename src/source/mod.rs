@@ -1,4 +1,5 @@
-//! Where frames come from: files and recordings, shapes with a formula, the demo, streams that nobody can rewind.
+//! Where frames come from: files and recordings, sequence files, shapes with a formula, the demo, streams that nobody
+//! can rewind.
 //!
 //! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
 //! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and
@@ -14,6 +15,7 @@ mod files;
 mod generated;
 mod list;
 mod options;
+mod reel;
 mod shapes;
 mod spin;
 mod traits;
@@ -25,6 +27,7 @@ pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
 pub use options::OpenOptions;
+pub use reel::Reel;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
@@ -34,13 +37,19 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], else files, folders and patterns. `progress` counts the
-/// files that were looked at, and may be cancelled.
+/// The source that `inputs` name: one that is [`Generated`], a sequence file ([`Reel`]), else files, folders and
+/// patterns. `progress` counts the files that were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
     {
         return Ok(generated.source());
+    }
+    if let Some(reel) = inputs.iter().find(|input| Reel::is_one(input)) {
+        return match inputs {
+            [_] => Ok(Arc::new(Reel::open(reel, options)?)),
+            _ => Err(SequenceError::NotAlone { path: reel.clone() }),
+        };
     }
     Ok(Arc::new(Files::open(inputs, options, progress)?))
 }

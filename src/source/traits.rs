@@ -6,6 +6,7 @@ use super::files::{Recording, topics_of};
 use crate::cloud::RawCloud;
 use crate::io::Topic;
 use crate::progress::Progress;
+use crate::reel::ReelFile;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use std::time::Duration;
 pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Some points of a frame, and how many it has.
-pub type FrameSample = (RawCloud, usize);
+pub type FrameSample = (DecodedFrame, usize);
 
 /// A frame as its decoder gives it. What the cloud has already (order, normals, radii, ellipses) is not worked out
 /// again.
@@ -78,6 +79,11 @@ pub trait Source: Send + Sync {
         Ok(None)
     }
 
+    /// Frames a second, if the source says it and frames have no time stamps.
+    fn fps(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether its frames come while it is open and are gone for good some time later. Who opens it is shown the
     /// newest.
     fn is_live(&self) -> bool {
@@ -104,6 +110,11 @@ pub trait Source: Send + Sync {
     /// What a person opened: nothing for what is no file.
     fn inputs(&self) -> &[PathBuf] {
         &[]
+    }
+
+    /// The sequence file that was opened, as it is now.
+    fn reel(&self) -> Option<Arc<ReelFile>> {
+        None
     }
 
     /// The recordings among what was opened.

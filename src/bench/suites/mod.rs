@@ -10,6 +10,7 @@ mod octree;
 mod paper_style;
 mod play;
 mod primitives;
+mod reel;
 mod render;
 mod traversals;
 mod turning;
@@ -22,6 +23,7 @@ pub use lod::LOD;
 pub use octree::OCTREE;
 pub use play::PLAY;
 pub use primitives::PRIMITIVES;
+pub use reel::REEL;
 pub use render::RENDER;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
@@ -44,6 +46,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (ERROR, error::measure),
     (LOD, lod::measure),
     (PRIMITIVES, primitives::measure),
+    (REEL, reel::measure),
 ];
 
 /// Every suite.
@@ -86,8 +89,8 @@ mod tests {
         let error = named("disks").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod or \
-             primitives"
+            "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
+             primitives or reel"
         );
     }
 

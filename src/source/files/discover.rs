@@ -291,7 +291,7 @@ fn known_patterns() -> String {
 
 /// Gives every entry the number in its name that counts the frames: the last run of digits that every name has and
 /// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
-fn number(entries: &mut [FrameEntry]) {
+pub(in crate::source) fn number(entries: &mut [FrameEntry]) {
     let numbers_of = |entry: &FrameEntry| -> Vec<Option<u64>> {
         Runs(&split_name(Path::new(&entry.name)).0)
             .filter_map(|run| match run {

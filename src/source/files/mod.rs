@@ -5,6 +5,7 @@ mod discover;
 mod recording;
 mod stamps;
 
+pub(super) use discover::number;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
@@ -98,7 +99,8 @@ impl Source for Files {
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
             (FrameBytes::File(Part::Whole), None) => {
-                Ok(io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?)
+                let sample = io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?;
+                Ok(sample.map(|(cloud, points)| (cloud.into(), points)))
             }
             _ => Ok(None),
         }

@@ -1,0 +1,227 @@
+//! All frames of a conversion in one sequence file.
+//!
+//! **How it works.** Frames are read, edited and encoded group by group, as many groups at a time as there are cores,
+//! and written in their order under a hidden name. Beside that file lies what it is made with and how far it has come
+//! ([`Progress of it`](Ledger)), so that an interrupted conversion goes on behind its last whole group. Frames that
+//! cannot be read are left out and said. Shards take runs of groups one after the other, so that their files are joined
+//! by writing one behind the other ([`join`]).
+
+use super::record::Record;
+use super::{Conversion, ConvertError, Converted, Shard, is_finished};
+use crate::cloud::RawCloud;
+use crate::progress::Progress;
+use crate::reel::{EncodedGroup, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
+use crate::sequence::{FrameEntry, Sequence};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The clouds of a group take no more memory than this, unless one alone does.
+const GROUP_BYTES: usize = 256 << 20;
+
+type Writer = ReelWriter<BufWriter<File>>;
+
+/// What is to be known of an unfinished file to go on with it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Ledger {
+    record: Record,
+    /// Frames of a group.
+    group: usize,
+    /// Frames of the sequence that are not in the file, as they cannot be read; known before the group is written
+    /// after them.
+    left_out: Vec<usize>,
+}
+
+/// An unfinished file and its ledger, under hidden names.
+struct Unfinished {
+    file: PathBuf,
+    ledger: PathBuf,
+}
+
+impl Unfinished {
+    fn of(output: &Path) -> Self {
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            file: output.with_file_name(format!(".{name}.unfinished")),
+            ledger: output.with_file_name(format!(".{name}.unfinished.json")),
+        }
+    }
+
+    fn keep(&self, ledger: &Ledger) -> Result<(), ConvertError> {
+        let text = serde_json::to_vec_pretty(ledger).unwrap_or_default();
+        crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
+    }
+
+    /// What is there, if it was made with `record` and none of its `sources` has changed since.
+    fn ledger(&self, record: &Record, sources: &[Arc<FrameEntry>]) -> Option<Ledger> {
+        let ledger: Ledger = serde_json::from_slice(&fs::read(&self.ledger).ok()?).ok()?;
+        let is_current = ledger.record == *record && sources.iter().all(|entry| is_finished(&self.file, entry));
+        is_current.then_some(ledger)
+    }
+}
+
+fn write_error(path: &Path) -> impl Fn(std::io::Error) -> ConvertError + Copy {
+    move |reason| ConvertError::Write {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
+/// Converts `frames` of `sequence` into the sequence file `output`.
+pub(super) fn convert(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    (output, options): (&Path, &ReelOptions),
+    frames: &[usize],
+    progress: &Progress,
+) -> Result<Converted, ConvertError> {
+    let mut converted = Converted::default();
+    let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
+    if !conversion.overwrites && entries.iter().all(|entry| is_finished(output, entry)) {
+        // What has the name is whole.
+        converted.left = open(output)?.frame_count();
+        return Ok(converted);
+    }
+    let unfinished = Unfinished::of(output);
+    let record = Record::of(conversion, sequence);
+    let (mut writer, mut ledger) = match unfinished.ledger(&record, &entries).filter(|_| !conversion.overwrites) {
+        Some(ledger) => (Writer::append_to(&unfinished.file, options.clone())?, ledger),
+        None => {
+            let group = group_length(sequence, frames, options);
+            let left_out = Vec::new();
+            let ledger = Ledger { record, group, left_out };
+            (Writer::create(&unfinished.file, options.clone())?, ledger)
+        }
+    };
+    converted.left = writer.frame_count();
+    let readable = |frame: &usize| !ledger.left_out.contains(frame);
+    let rest: Vec<usize> = frames.iter().copied().filter(readable).skip(converted.left).collect();
+    progress.set(frames.len() - rest.len(), frames.len());
+    let groups: Vec<&[usize]> = rest.chunks(ledger.group).collect();
+    for together in groups.chunks(rayon::current_num_threads()) {
+        let encoded: Vec<Result<Made, ConvertError>> = together
+            .par_iter()
+            .map(|group| encoded(sequence, conversion, options, group, progress))
+            .collect();
+        for made in encoded {
+            let made = made?;
+            if made.is_cancelled {
+                converted.is_cancelled = true;
+                return Ok(converted);
+            }
+            ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
+            converted.failed.extend(made.failed);
+            converted.warnings.extend(made.warnings);
+            unfinished.keep(&ledger)?;
+            if let Some(group) = made.group {
+                converted.written += group.frame_count();
+                writer.write_encoded(&group)?;
+            }
+        }
+    }
+    finish(writer, output, &unfinished)?;
+    Ok(converted)
+}
+
+/// A group as it came out.
+#[derive(Default)]
+struct Made {
+    /// `None` where none of its frames can be read.
+    group: Option<EncodedGroup>,
+    failed: Vec<(usize, ConvertError)>,
+    warnings: Vec<(usize, String)>,
+    is_cancelled: bool,
+}
+
+fn encoded(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    options: &ReelOptions,
+    frames: &[usize],
+    progress: &Progress,
+) -> Result<Made, ConvertError> {
+    let mut made = Made::default();
+    let mut clouds: Vec<(RawCloud, Arc<FrameEntry>)> = Vec::new();
+    for &frame in frames {
+        if progress.is_cancelled() {
+            made.is_cancelled = true;
+            return Ok(made);
+        }
+        match super::edited(sequence, frame, conversion) {
+            Ok(mut cloud) => {
+                let warnings = std::mem::take(&mut cloud.warnings);
+                made.warnings.extend(warnings.into_iter().map(|warning| (frame, warning)));
+                clouds.push((cloud, sequence.entry(frame)));
+            }
+            Err(error) => made.failed.push((frame, error)),
+        }
+        progress.advance(1);
+    }
+    let frames: Vec<NewFrame<'_>> = clouds
+        .iter()
+        .map(|(cloud, entry)| NewFrame {
+            cloud,
+            // Its own name, without that of a file that holds several.
+            name: entry.name.rsplit(": ").next().unwrap_or_default(),
+            time: entry.time,
+        })
+        .collect();
+    if !frames.is_empty() {
+        made.group = Some(encode_group(&frames, options)?);
+    }
+    Ok(made)
+}
+
+/// Frames of a group: as many as asked for, fewer where their clouds are large.
+fn group_length(sequence: &Sequence, frames: &[usize], options: &ReelOptions) -> usize {
+    let first = frames.iter().find_map(|&frame| sequence.decode(frame).ok());
+    let fitting = first.map_or(usize::MAX, |cloud| GROUP_BYTES / cloud.byte_size().max(1));
+    (options.keyframes as usize).min(fitting).max(1)
+}
+
+/// The share of `frames` that a shard takes: a run of them, as their files are joined one behind the other.
+pub(super) fn share(frames: &[usize], shard: Shard) -> &[usize] {
+    let bound = |index: usize| index * frames.len() / shard.count;
+    &frames[bound(shard.index)..bound(shard.index + 1)]
+}
+
+/// Joins sequence files into one, frame behind frame, without encoding anything anew; says how many frames it has.
+pub fn join(parts: &[PathBuf], output: &Path) -> Result<usize, ConvertError> {
+    let unfinished = Unfinished::of(output);
+    let mut writer: Option<Writer> = None;
+    for part in parts {
+        let part = open(part)?;
+        let writer = match &mut writer {
+            Some(writer) => writer,
+            writer => writer.insert(Writer::create_like(&unfinished.file, &part)?),
+        };
+        writer.copy_groups(&part)?;
+    }
+    let Some(writer) = writer else {
+        return Ok(0);
+    };
+    let count = writer.frame_count();
+    finish(writer, output, &unfinished)?;
+    Ok(count)
+}
+
+fn open(path: &Path) -> Result<ReelFile, ConvertError> {
+    let file = File::open(path).map_err(write_error(path))?;
+    Ok(ReelFile::open(Arc::new(file), path)?)
+}
+
+/// Gives a file that is whole its name.
+fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> Result<(), ConvertError> {
+    let failed = write_error(output);
+    let file = writer.finish()?.into_inner().map_err(|error| failed(error.into_error()))?;
+    // On the disk before it has its name.
+    file.sync_data().map_err(failed)?;
+    fs::rename(&unfinished.file, output).map_err(failed)?;
+    match fs::remove_file(&unfinished.ledger) {
+        Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(&unfinished.ledger)(reason)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,210 @@
+//! Sequence files ([`crate::reel`]): all frames in one file, each of them by levels.
+
+use super::files::number;
+use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
+use super::{SequenceError, Source};
+use crate::locks::{lock, read, write};
+use crate::progress::Progress;
+use crate::reel::{MAGIC, ReadAt, ReelDecoder, ReelError, ReelFile};
+use std::fs::File;
+use std::io::Read as _;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, RwLock};
+
+/// Frames of one sequence file, which may still be written.
+#[derive(Debug)]
+pub struct Reel {
+    shared: Arc<Shared>,
+    inputs: [PathBuf; 1],
+    notes: Vec<String>,
+    /// Held by whoever looks whether there is more.
+    looking: Mutex<()>,
+}
+
+/// What decoders share with the source.
+#[derive(Debug)]
+struct Shared {
+    opened: RwLock<Opened>,
+    max_memory_bytes: u64,
+}
+
+/// The file as it was when somebody looked at it last.
+#[derive(Debug)]
+struct Opened {
+    file: Arc<ReelFile>,
+    entries: Vec<Arc<FrameEntry>>,
+}
+
+impl Reel {
+    /// Whether the file at `path` begins as a sequence file does.
+    pub(super) fn is_one(path: &Path) -> bool {
+        let mut begin = [0; MAGIC.len()];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+        read.is_ok() && begin == MAGIC
+    }
+
+    /// The frames of the file at `path`: its index is read, or its groups where it has none.
+    ///
+    /// # Errors
+    /// [`SequenceError::Reel`].
+    pub fn open(path: &Path, options: &OpenOptions) -> Result<Self, SequenceError> {
+        let opened = Opened::at(path).map_err(|reason| SequenceError::Reel(Box::new(reason)))?;
+        Ok(Self {
+            notes: opened.file.damage().to_vec(),
+            inputs: [path.to_owned()],
+            looking: Mutex::default(),
+            shared: Arc::new(Shared {
+                opened: RwLock::new(opened),
+                max_memory_bytes: options.read.max_memory_bytes,
+            }),
+        })
+    }
+
+    fn file(&self) -> Arc<ReelFile> {
+        self.shared.file()
+    }
+}
+
+impl Shared {
+    fn file(&self) -> Arc<ReelFile> {
+        Arc::clone(&read(&self.opened).file)
+    }
+}
+
+impl Opened {
+    fn at(path: &Path) -> Result<Self, ReelError> {
+        let file = File::open(path).map_err(|source| ReelError::Io {
+            path: path.to_owned(),
+            byte: 0,
+            source,
+        })?;
+        let file = ReelFile::open(Arc::new(file), path)?;
+        let of_file = FrameEntry::file(path);
+        let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
+        let mut entries: Vec<FrameEntry> = frames
+            .map(|frame| FrameEntry {
+                name: frame.name.to_owned(),
+                time: frame.time,
+                ..of_file.clone()
+            })
+            .collect();
+        number(&mut entries);
+        for entry in &mut entries {
+            entry.name = format!("{}: {}", of_file.name, entry.name);
+        }
+        Ok(Self {
+            file: Arc::new(file),
+            entries: entries.into_iter().map(Arc::new).collect(),
+        })
+    }
+}
+
+impl Source for Reel {
+    fn frames(&self) -> Range<usize> {
+        0..read(&self.shared.opened).entries.len()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&read(&self.shared.opened).entries[index])
+    }
+
+    fn group(&self, index: usize) -> Range<usize> {
+        self.file().frame(index).map_or(index..index + 1, |frame| frame.group)
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(FileDecoder {
+            decoder: ReelDecoder::new(self.file(), self.shared.max_memory_bytes),
+            shared: Arc::clone(&self.shared),
+        })
+    }
+
+    fn sample(
+        &self,
+        index: usize,
+        most_points: usize,
+        fewest_points: usize,
+    ) -> Result<Option<FrameSample>, DecodeFailure> {
+        let points = self.file().frame(index).map_or(0, |frame| frame.points);
+        if points < fewest_points {
+            return Ok(None);
+        }
+        let sample = self
+            .decoder()
+            .decode(index, &self.entry(index), most_points, &Progress::default())?;
+        Ok(Some((sample, points)))
+    }
+
+    fn fps(&self) -> Option<f64> {
+        self.file().fps()
+    }
+
+    /// A scanner may write while others read.
+    fn may_grow(&self) -> bool {
+        true
+    }
+
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        let _turn = lock(&self.looking);
+        let before = self.file();
+        let [path] = &self.inputs;
+        let has_changed = || Some(std::fs::metadata(path).ok()?.len() != before.byte_size());
+        if !has_changed().unwrap_or(false) {
+            return Ok(0);
+        }
+        // A file that is just being written anew is left for the next time.
+        let Ok(now) = Opened::at(path) else {
+            return Ok(0);
+        };
+        let more = now.entries.len().saturating_sub(before.frame_count());
+        if more > 0 {
+            *write(&self.shared.opened) = now;
+        }
+        Ok(more)
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    fn reel(&self) -> Option<Arc<ReelFile>> {
+        Some(self.file())
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+/// Decodes frames of the file as it is now.
+struct FileDecoder {
+    decoder: ReelDecoder,
+    shared: Arc<Shared>,
+}
+
+impl Decoder for FileDecoder {
+    fn decode(
+        &mut self,
+        index: usize,
+        _entry: &FrameEntry,
+        most_points: usize,
+        progress: &Progress,
+    ) -> Result<DecodedFrame, DecodeFailure> {
+        let file = self.shared.file();
+        if index >= self.decoder.file().frame_count() {
+            self.decoder = ReelDecoder::new(Arc::clone(&file), self.shared.max_memory_bytes);
+        }
+        let decoded = self.decoder.decode(index, most_points, progress)?;
+        let points = decoded.cloud.positions.len();
+        let levels = file.frame(index).map_or(&[][..], |frame| frame.level_points);
+        let finer = levels.iter().copied().find(|&finer| finer > points);
+        Ok(DecodedFrame {
+            level: Some(DecodedLevel {
+                points_in_frame: decoded.points_in_frame,
+                points_of_finer: finer.filter(|_| !decoded.is_whole).unwrap_or(usize::MAX),
+            }),
+            cloud: decoded.cloud,
+        })
+    }
+}
