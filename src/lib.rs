@@ -15,6 +15,7 @@
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
+//! | [`reel`] | sequence files: a 4D scan in a few bits a point, any prefix of a frame a coarser picture |
 //! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
@@ -26,6 +27,7 @@
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`mod@check`] | what may be wrong with a sequence |
 //! | [`mod@convert`] | frames written anew |
+//! | [`serve`] | a sequence file by HTTP |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
@@ -53,5 +55,6 @@ pub mod reel;
 pub mod render;
 pub mod scene;
 pub mod sequence;
+pub mod serve;
 pub mod source;
 pub mod timeline;

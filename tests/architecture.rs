@@ -33,6 +33,7 @@ const ORDER: &[&[&str]] = &[
     &["io", "analysis"],
     &["measure"],
     &["levels"],
+    &["reel"],
     &["source"],
     &["timeline"],
     &["sequence"],
@@ -40,7 +41,7 @@ const ORDER: &[&[&str]] = &[
     &["playback"],
     &["render"],
     &["headless"],
-    &["export", "bench", "check", "convert"],
+    &["export", "bench", "check", "convert", "serve"],
     &["app"],
     &["cli"],
 ];

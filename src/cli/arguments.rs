@@ -60,6 +60,10 @@ pub(super) struct ReadArgs {
     /// Topic of a recording (MCAP, ROS bag) that has the frames; `info` lists them
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
+
+    /// Read a sequence file on the web (http://) with at most so many Mbit a second
+    #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
+    bandwidth: Option<f64>,
 }
 
 /// Points on the surface of a mesh where pictures are made and nobody said how many.
@@ -86,6 +90,7 @@ impl ReadArgs {
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
+            most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
         }
     }
 }

@@ -18,6 +18,7 @@ mod reel_arguments;
 mod reel_info;
 mod render;
 mod render_arguments;
+mod serve;
 mod style_arguments;
 mod video;
 mod video_arguments;
@@ -60,6 +61,8 @@ enum Verb {
     Check(check::CheckArgs),
     /// Writes frames in another format, moved, thinned out, with normals
     Convert(Box<convert::ConvertArgs>),
+    /// Serves a sequence file by HTTP: what it says is an INPUT of all verbs, on this machine or, with --listen, others
+    Serve(serve::ServeArgs),
     /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
     Compare(compare::CompareArgs),
     /// Says how far the points of one frame are from another frame: mean, quantiles, maximum, share above a threshold
@@ -90,6 +93,7 @@ pub fn main() -> ExitCode {
         Some(Verb::Info(info)) => info::run(&info).map(done),
         Some(Verb::Check(check)) => check::run(&check, arguments.verbose),
         Some(Verb::Convert(convert)) => convert::run(&convert).map(done),
+        Some(Verb::Serve(serve)) => serve::run(&serve).map(done),
         Some(Verb::Compare(compare)) => compare::run(&compare).map(done),
         Some(Verb::CompareFrames(compare)) => compare_frames::run(&compare).map(done),
     };

@@ -13,6 +13,7 @@ mod entry;
 mod error;
 mod files;
 mod generated;
+mod http;
 mod list;
 mod options;
 mod reel;
@@ -45,7 +46,7 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
     {
         return Ok(generated.source());
     }
-    if let Some(reel) = inputs.iter().find(|input| Reel::is_one(input)) {
+    if let Some(reel) = inputs.iter().find(|input| Reel::is_url(input) || Reel::is_one(input)) {
         return match inputs {
             [_] => Ok(Arc::new(Reel::open(reel, options)?)),
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),

@@ -14,4 +14,6 @@ pub struct OpenOptions {
     pub merge_scans: bool,
     /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
     pub topic: Option<Arc<str>>,
+    /// Bits a second that are read from the web, at most.
+    pub most_bits_per_s: Option<f64>,
 }

@@ -1,6 +1,7 @@
 //! Sequence files ([`crate::reel`]): all frames in one file, each of them by levels.
 
 use super::files::number;
+use super::http::HttpFile;
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
 use super::{SequenceError, Source};
 use crate::locks::{lock, read, write};
@@ -44,12 +45,23 @@ impl Reel {
         read.is_ok() && begin == MAGIC
     }
 
-    /// The frames of the file at `path`: its index is read, or its groups where it has none.
+    /// Whether `input` is an address on the web.
+    pub(super) fn is_url(input: &Path) -> bool {
+        let has_scheme = |scheme: &str| input.to_str().is_some_and(|input| input.starts_with(scheme));
+        has_scheme("http://") || has_scheme("https://")
+    }
+
+    /// The frames of the file at `path`, or at an `http://` address: its index is read, or its groups where it has
+    /// none.
     ///
     /// # Errors
     /// [`SequenceError::Reel`].
     pub fn open(path: &Path, options: &OpenOptions) -> Result<Self, SequenceError> {
-        let opened = Opened::at(path).map_err(|reason| SequenceError::Reel(Box::new(reason)))?;
+        let opened = match path.to_str().filter(|_| Self::is_url(path)) {
+            Some(url) => Opened::on_web(path, url, options.most_bits_per_s),
+            None => Opened::at(path),
+        };
+        let opened = opened.map_err(|reason| SequenceError::Reel(Box::new(reason)))?;
         Ok(Self {
             notes: opened.file.damage().to_vec(),
             inputs: [path.to_owned()],
@@ -74,12 +86,17 @@ impl Shared {
 
 impl Opened {
     fn at(path: &Path) -> Result<Self, ReelError> {
-        let file = File::open(path).map_err(|source| ReelError::Io {
-            path: path.to_owned(),
-            byte: 0,
-            source,
-        })?;
-        let file = ReelFile::open(Arc::new(file), path)?;
+        let file = File::open(path).map_err(open_error(path))?;
+        Self::of(Arc::new(file), path)
+    }
+
+    fn on_web(path: &Path, url: &str, most_bits_per_s: Option<f64>) -> Result<Self, ReelError> {
+        let file = HttpFile::open(url, most_bits_per_s).map_err(open_error(path))?;
+        Self::of(Arc::new(file), path)
+    }
+
+    fn of(bytes: Arc<dyn ReadAt>, path: &Path) -> Result<Self, ReelError> {
+        let file = ReelFile::open(bytes, path)?;
         let of_file = FrameEntry::file(path);
         let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
         let mut entries: Vec<FrameEntry> = frames
@@ -97,6 +114,14 @@ impl Opened {
             file: Arc::new(file),
             entries: entries.into_iter().map(Arc::new).collect(),
         })
+    }
+}
+
+fn open_error(path: &Path) -> impl Fn(std::io::Error) -> ReelError {
+    move |source| ReelError::Io {
+        path: path.to_owned(),
+        byte: 0,
+        source,
     }
 }
 
@@ -142,13 +167,17 @@ impl Source for Reel {
 
     /// A scanner may write while others read.
     fn may_grow(&self) -> bool {
-        true
+        let [path] = &self.inputs;
+        !Self::is_url(path)
     }
 
     fn look_again(&self) -> Result<usize, SequenceError> {
         let _turn = lock(&self.looking);
         let before = self.file();
         let [path] = &self.inputs;
+        if !self.may_grow() {
+            return Ok(0);
+        }
         let has_changed = || Some(std::fs::metadata(path).ok()?.len() != before.byte_size());
         if !has_changed().unwrap_or(false) {
             return Ok(0);

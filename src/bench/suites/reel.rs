@@ -97,7 +97,9 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         let mut rows = Vec::new();
         for (words, options) in &ways {
             run.begin_step(format!("{}: {words}", subject.name))?;
-            rows.push(one_thread(|| ReelSamples::of(run, &frames, options))??.row(subject.name, words));
+            let (repeats, progress) = (run.options.repeat, run.progress);
+            let samples = one_thread(|| ReelSamples::of(&frames, options, repeats, progress))??;
+            rows.push(samples.row(subject.name, words));
         }
         let points: Vec<f64> = frames.iter().map(|frame| frame.cloud.positions.len() as f64).collect();
         run.finish(&subject, &points, &[], rows);
@@ -142,12 +144,18 @@ struct ReelSamples {
 }
 
 impl ReelSamples {
-    fn of(run: &Run<'_>, frames: &[Decoded], options: &ReelOptions) -> Result<Self, BenchError> {
+    /// Writes `frames` and reads them back `repeats` times.
+    fn of(
+        frames: &[Decoded],
+        options: &ReelOptions,
+        repeats: usize,
+        progress: &Progress,
+    ) -> Result<Self, BenchError> {
         let (mut encode_ms, mut decode_ms) = (Vec::new(), Vec::new());
         let mut bytes = Vec::new();
         let mut first = None;
-        for round in 0..run.options.warmup.min(1) + run.options.repeat {
-            run.check_cancelled()?;
+        for _ in 0..repeats {
+            BenchError::check_cancelled(progress)?;
             let start = Instant::now();
             bytes = written(frames, options)?;
             let per_frame = milliseconds(start) / frames.len() as f64;
@@ -158,10 +166,8 @@ impl ReelSamples {
                 let decoded = decoder.decode(index, usize::MAX, &Progress::default())?;
                 first.get_or_insert(decoded.cloud);
             }
-            if round >= run.options.warmup.min(1) {
-                encode_ms.push(per_frame);
-                decode_ms.push(milliseconds(start) / frames.len() as f64);
-            }
+            encode_ms.push(per_frame);
+            decode_ms.push(milliseconds(start) / frames.len() as f64);
         }
         let file = opened(&bytes)?;
         let infos = || (0..file.frame_count()).filter_map(|index| file.frame(index));
