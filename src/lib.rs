@@ -15,6 +15,7 @@
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
+//! | [`reel`] | sequence files: all frames of a scan in a few bits a point, coarse levels first |
 //! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
@@ -49,6 +50,7 @@ mod messages;
 pub mod playback;
 mod priority;
 pub mod progress;
+pub mod reel;
 pub mod render;
 pub mod scene;
 pub mod sequence;

@@ -33,6 +33,7 @@ const ORDER: &[&[&str]] = &[
     &["io", "analysis"],
     &["measure"],
     &["levels"],
+    &["reel"],
     &["source"],
     &["timeline"],
     &["sequence"],
