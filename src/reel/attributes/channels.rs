@@ -1,0 +1,104 @@
+//! Colours, and everything else that is a few whole numbers a node: a predicting transform, lossless or within a bound.
+//!
+//! How it works: the value of a node is that of its parent, the mean of its children, corrected by the nodes beside it
+//! that are known already. Of the last child hardly anything is left to tell, as the mean and the other children say
+//! what it has to be; so the levels above the last cost little of their own. What is not predicted is divided by the
+//! step and rounded: with a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is
+//! predicted from values as a decoder has them. Later channels of a node (green, red, blue) are predicted with what
+//! the one before it was off by, as colours change in brightness more than in hue.
+//!
+//! What remains is coded by models that are chosen by how well parent and neighbours agree.
+
+use crate::reel::coder::{BitCoder, SignedModel};
+use crate::reel::tree::{Known, NONE};
+
+/// Classes of how well what a value is predicted from agrees.
+const AGREEMENTS: usize = 8;
+
+/// Classes of what the channel before was off by.
+const BEFORE: usize = 4;
+
+/// What is known of what is not predicted.
+#[derive(Debug, Clone)]
+pub(in crate::reel) struct ChannelModels {
+    models: Vec<SignedModel>,
+}
+
+impl ChannelModels {
+    /// For so many channels.
+    pub(in crate::reel) fn new(channels: usize) -> Self {
+        Self {
+            models: vec![SignedModel::default(); channels * 3 * AGREEMENTS * BEFORE],
+        }
+    }
+}
+
+/// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
+/// are decoded. Values are at most `most`; none is wrong by more than half of `step`, which is odd.
+pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
+    coder: &mut C,
+    models: &mut ChannelModels,
+    plan: &[Known],
+    parents: &[[u16; N]],
+    values: &mut [[u16; N]],
+    (step, most): (u16, u16),
+) {
+    let (step, most) = (i32::from(step), i32::from(most));
+    let mut sums = [0i32; N];
+    let mut siblings = 0;
+    let mut last_parent = NONE;
+    for (node, known) in plan.iter().enumerate() {
+        if known.parent != last_parent {
+            last_parent = known.parent;
+            sums = [0; N];
+            siblings = 0;
+        }
+        let parent = parents[known.parent as usize];
+        let left = i32::from(known.left);
+        let mut off = 0;
+        for channel in 0..N {
+            let mean = i32::from(parent[channel]);
+            // What the children left have on average.
+            let expected = ((mean * (siblings + left) - sums[channel]) * 2 + left)
+                .div_euclid(2 * left)
+                .clamp(0, most);
+            let (mut beside, mut count) = (0, 0);
+            for &neighbour in known.beside.iter().take_while(|&&neighbour| neighbour != NONE) {
+                beside += i32::from(values[neighbour as usize][channel]);
+                count += 1;
+            }
+            let (predicted, differing) = match (count, left) {
+                (0, _) => (expected, 0),
+                (_, 1) => (expected, 0),
+                (count, _) => {
+                    // As much weight for the parent as for all beside it.
+                    let doubled = 2 * beside + expected * count;
+                    (
+                        (2 * doubled + 3 * count).div_euclid(6 * count),
+                        (beside - expected * count).abs() / count,
+                    )
+                }
+            };
+            let predicted = (predicted + off).clamp(0, most);
+            let agreement = (32 - (differing as u32 / step as u32).leading_zeros()).min(AGREEMENTS as u32 - 1) as usize;
+            let before = (32 - (off.unsigned_abs() / step as u32).leading_zeros()).min(BEFORE as u32 - 1) as usize;
+            let kind = if left == 1 {
+                0
+            } else if count == 0 {
+                1
+            } else {
+                2
+            };
+            let model = &mut models.models[((channel * 3 + kind) * AGREEMENTS + agreement) * BEFORE + before];
+            let difference = i32::from(values[node][channel]) - predicted;
+            let steps = (difference + if difference < 0 { -(step / 2) } else { step / 2 }) / step;
+            // What damaged bytes say may be any number.
+            let steps = model.code(coder, i64::from(steps)).clamp(-(1 << 17), 1 << 17) as i32;
+            let value = (predicted + steps * step).clamp(0, most);
+            values[node][channel] = value as u16;
+            sums[channel] += value;
+            off += value - predicted;
+        }
+        siblings += 1;
+    }
+}

@@ -1,0 +1,11 @@
+//! Values of nodes, each predicted from its parent and from nodes beside it that are known already.
+
+mod channels;
+mod normal_grid;
+mod normals;
+mod offsets;
+
+pub(super) use channels::{ChannelModels, code_channels};
+pub(super) use normal_grid::{MISSING, NormalGrid};
+pub(super) use normals::{NormalModels, code_normals};
+pub(super) use offsets::{OffsetModels, code_offsets, offset_edges, offset_of};

@@ -1,0 +1,151 @@
+//! The triangles of the refined octahedron as places on a plane, where those that are beside each other are near.
+//!
+//! How it works: the index of a direction ([`quantise_direction`](crate::cloud::quantise_direction)) is a path from
+//! triangle to triangle. Following it with corners in whole numbers ends at a cell (u, v) of the face's grid of 2ˡ
+//! rows, and in its lower or upper half. The eight faces are then unfolded to a square as octahedral maps are: those
+//! above z = 0 in the middle, the others folded outwards over its corners. Middles of triangles are kept in thirds of a
+//! cell, so that all of it stays whole numbers.
+
+use crate::cloud::quantised_normals;
+use std::sync::OnceLock;
+
+/// A node without a normal.
+pub(in crate::reel) const MISSING: [i16; 2] = [i16::MIN; 2];
+
+/// Directions of one precision and their places.
+#[derive(Debug)]
+pub(in crate::reel) struct NormalGrid {
+    /// Cells along half the square.
+    half: i32,
+    /// The place of each index, in thirds of a cell from the middle.
+    places: Vec<[i16; 2]>,
+    /// The index of each place: cells row by row, and their halves.
+    indices: Vec<u32>,
+    /// The direction of each index, in 1024ths.
+    directions: Vec<[i16; 3]>,
+    bits: u32,
+}
+
+impl NormalGrid {
+    /// That of indices of 13, 15 or 17 bits.
+    pub(in crate::reel) fn of(bits: u8) -> &'static Self {
+        static GRIDS: [OnceLock<NormalGrid>; 3] = [const { OnceLock::new() }; 3];
+        let which = usize::from(bits.clamp(13, 17) - 13) / 2;
+        GRIDS[which].get_or_init(|| Self::new(13 + 2 * which as u32))
+    }
+
+    fn new(bits: u32) -> Self {
+        let level = (bits - 3) / 2;
+        let half = 1i32 << level;
+        let mut grid = Self {
+            half,
+            places: Vec::with_capacity(1 << bits),
+            indices: vec![0; 8 * (half * half) as usize],
+            directions: quantised_normals(bits)
+                .iter()
+                .map(|direction| direction.to_array().map(|along| (along * 1024.0).round() as i16))
+                .collect(),
+            bits,
+        };
+        for index in 0..1u32 << bits {
+            let place = place_of(index, level);
+            let cell = grid.cell_of(place);
+            grid.places.push(place);
+            grid.indices[cell] = index;
+        }
+        grid
+    }
+
+    /// Which of [`NormalGrid::indices`] is at a place.
+    fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
+        let [u, v] = [x, y].map(|along| (i32::from(along).div_euclid(3) + self.half) as usize);
+        let is_upper = i32::from(x).rem_euclid(3) == 2;
+        2 * (v * 2 * self.half as usize + u) + usize::from(is_upper)
+    }
+
+    /// The place of an index. Precondition: it has no more bits than the grid.
+    pub(in crate::reel) fn place(&self, index: u32) -> [i16; 2] {
+        self.places[index as usize]
+    }
+
+    /// The index at a place that there is.
+    pub(in crate::reel) fn index(&self, place: [i16; 2]) -> u32 {
+        self.indices[self.cell_of(place)]
+    }
+
+    /// The direction at a place, in 1024ths.
+    pub(in crate::reel) fn direction(&self, place: [i16; 2]) -> [i16; 3] {
+        self.directions[self.index(place) as usize]
+    }
+
+    /// The unit vector at a place.
+    pub(in crate::reel) fn unit(&self, place: [i16; 2]) -> glam::Vec3 {
+        quantised_normals(self.bits)[self.index(place) as usize]
+    }
+
+    /// Cells along half the square.
+    pub(in crate::reel) fn half(&self) -> i32 {
+        self.half
+    }
+}
+
+/// The place of the middle of a triangle.
+fn place_of(index: u32, level: u32) -> [i16; 2] {
+    let half = 1i32 << level;
+    let mut corners = [[half, 0], [0, half], [0, 0]];
+    for depth in (0..level).rev() {
+        let [a, b, c] = corners;
+        let middle = |p: [i32; 2], q: [i32; 2]| [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        corners = match index >> (2 * depth) & 3 {
+            0 => [ab, bc, ca],
+            1 => [a, ab, ca],
+            2 => [ab, b, bc],
+            _ => [ca, bc, c],
+        };
+    }
+    // The sum of three corners is three times their middle.
+    let [x, y] = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<i32>());
+    let octant = index >> (2 * level);
+    let [x, y] = if octant & 4 == 0 {
+        [x, y]
+    } else {
+        [3 * half - y, 3 * half - x]
+    };
+    let signed = |along: i32, bit: u32| if octant >> bit & 1 == 0 { along } else { -along };
+    [signed(x, 0) as i16, signed(y, 1) as i16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_index_has_a_place_of_its_own() {
+        for bits in [13, 15, 17] {
+            let grid = NormalGrid::of(bits);
+            for index in 0..1 << bits {
+                assert_eq!(grid.index(grid.place(index)), index);
+            }
+        }
+    }
+
+    /// Triangles that are near on the square are near on the sphere; the other way round only away from its border.
+    #[test]
+    fn places_beside_each_other_are_directions_beside_each_other() {
+        let grid = NormalGrid::of(13);
+        for index in 0..1 << 13 {
+            let [x, y] = grid.place(index);
+            let unit = grid.unit([x, y]);
+            let half = grid.half() as i16;
+            for [dx, dy] in [[3, 0], [0, 3]] {
+                let beside = [x + dx, y + dy];
+                let is_inside = beside.iter().all(|along| along.div_euclid(3) < half);
+                // Quadrants have other diagonals.
+                if is_inside && (x < 0) == (beside[0] < 0) && (y < 0) == (beside[1] < 0) {
+                    assert!(unit.dot(grid.unit(beside)).acos().to_degrees() < 6.5, "{index}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The probability of a bit, as it was seen so far.
+//!
+//! How it works: a state is the probability that the bit is set, 22 bits, above the number of bits seen, 10 bits. A new
+//! bit moves the probability by 1 part in 1.5 more than were seen, so that the first bits count much and a state
+//! settles to the mean of all; after [`MOST_SEEN`] it forgets the oldest at a fixed rate. The scheme is that of the
+//! state maps of Mahoney's lpaq (2007). Integers only: every machine computes the same.
+
+/// After so many bits a state follows at a fixed rate.
+const MOST_SEEN: u32 = 254;
+
+/// Bits of the number of bits seen.
+const SEEN_BITS: u32 = 10;
+
+/// `RATES[n]` is 2¹⁶ / (n + 1.5).
+static RATES: [u32; MOST_SEEN as usize + 1] = rates();
+
+const fn rates() -> [u32; MOST_SEEN as usize + 1] {
+    let mut rates = [0; MOST_SEEN as usize + 1];
+    let mut seen = 0;
+    while seen < rates.len() {
+        rates[seen] = (1 << 17) / (2 * seen as u32 + 3);
+        seen += 1;
+    }
+    rates
+}
+
+/// Bits of a probability as the coder takes it.
+pub(in crate::reel) const PROBABILITY_BITS: u32 = 16;
+
+/// No bit is taken for more certain than this, in 2⁻¹⁶: a wrong one costs at most 11 bits, and each one costs
+/// something, so that bytes bound the number of bits.
+const LEAST: u32 = 1 << 5;
+
+/// The running probability of one bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::reel) struct BitModel(u32);
+
+impl Default for BitModel {
+    fn default() -> Self {
+        Self(1 << 31)
+    }
+}
+
+impl BitModel {
+    /// One that begins at a probability of `numerator` / 16.
+    pub(in crate::reel) const fn of_sixteenths(numerator: u32) -> Self {
+        Self(numerator << 28)
+    }
+
+    /// The probability of a set bit in 2⁻¹⁶.
+    #[inline(always)]
+    pub(in crate::reel) fn probability(self) -> u32 {
+        (self.0 >> 16).clamp(LEAST, (1 << PROBABILITY_BITS) - LEAST)
+    }
+
+    /// Takes notice of a bit.
+    #[inline(always)]
+    pub(in crate::reel) fn see(&mut self, bit: bool) {
+        let seen = self.0 & ((1 << SEEN_BITS) - 1);
+        let probability = (self.0 >> SEEN_BITS) as i64;
+        let target = if bit { (1 << 22) - 1 } else { 0 };
+        let moved = probability + ((target - probability) * i64::from(RATES[seen as usize]) >> 16);
+        self.0 = (moved as u32) << SEEN_BITS | (seen + 1).min(MOST_SEEN);
+    }
+}

@@ -1,0 +1,14 @@
+//! Adaptive binary range coding: bits of which each has its own running probability.
+//!
+//! Encoder and decoder are two types of one trait, [`BitCoder`], so what is modelled is written once: a function that
+//! codes a level takes the bits that are there and gives back the bits that a decoder will see.
+
+mod bit_model;
+mod mixer;
+mod number;
+mod range;
+
+pub(super) use bit_model::BitModel;
+pub(super) use mixer::Mixer;
+pub(super) use number::{MagnitudeModel, SignedModel};
+pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};

@@ -1,0 +1,181 @@
+//! A binary range coder with a state of 64 bits.
+//!
+//! How it works: the bits so far are an interval of numbers; each bit takes the part of it that its probability says
+//! (Martin 1979). The lower end is kept in 64 bits, of which the upper 32 are written whenever the interval is shorter
+//! than 2³²; a carry is added to the words written. The decoder keeps how far the number read is above the lower end.
+
+use super::bit_model::{BitModel, PROBABILITY_BITS};
+
+/// Codes bits in one direction or the other.
+pub(in crate::reel) trait BitCoder {
+    /// Whether bits are read: what is handed in then says nothing.
+    const DECODES: bool;
+
+    /// Codes a bit of this probability (of a set one, in 2⁻¹⁶, neither 0 nor 1): the one given, or the one read.
+    fn bit_of(&mut self, probability: u32, bit: bool) -> bool;
+
+    /// Codes a bit by its model, which sees it.
+    #[inline(always)]
+    fn bit(&mut self, model: &mut BitModel, bit: bool) -> bool {
+        let bit = self.bit_of(model.probability(), bit);
+        model.see(bit);
+        bit
+    }
+
+    /// Codes the lowest `bits` bits of a number, all equally likely.
+    #[inline]
+    fn even_bits(&mut self, bits: u32, value: u64) -> u64 {
+        let mut coded = 0;
+        for place in (0..bits).rev() {
+            let bit = self.bit_of(1 << (PROBABILITY_BITS - 1), value >> place & 1 != 0);
+            coded |= u64::from(bit) << place;
+        }
+        coded
+    }
+}
+
+/// Writes bits.
+#[derive(Debug)]
+pub(in crate::reel) struct RangeEncoder {
+    words: Vec<u32>,
+    low: u64,
+    range: u64,
+}
+
+impl Default for RangeEncoder {
+    fn default() -> Self {
+        Self {
+            words: Vec::new(),
+            low: 0,
+            range: u64::MAX,
+        }
+    }
+}
+
+impl RangeEncoder {
+    fn carry(&mut self) {
+        for word in self.words.iter_mut().rev() {
+            let (next, overflows) = word.overflowing_add(1);
+            *word = next;
+            if !overflows {
+                break;
+            }
+        }
+    }
+
+    /// All bytes: the shortest that name a number in the interval.
+    pub(in crate::reel) fn finish(mut self) -> Vec<u8> {
+        // The number in the interval with the most zeros at its end.
+        let last = self.low.wrapping_add(self.range - 1);
+        let has_carried = last < self.low;
+        let number = if self.low == 0 {
+            0
+        } else if has_carried {
+            self.carry();
+            0
+        } else {
+            let differing = 63 - (self.low ^ last).leading_zeros().min(63);
+            let rounded = last >> differing << differing;
+            if rounded >= self.low { rounded } else { last }
+        };
+        let mut bytes: Vec<u8> = self.words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        bytes.extend(number.to_be_bytes());
+        while bytes.last() == Some(&0) {
+            bytes.pop();
+        }
+        bytes
+    }
+}
+
+impl BitCoder for RangeEncoder {
+    const DECODES: bool = false;
+
+    #[inline(always)]
+    fn bit_of(&mut self, probability: u32, bit: bool) -> bool {
+        let bound = (self.range >> PROBABILITY_BITS) * u64::from(probability);
+        if bit {
+            self.range = bound;
+        } else {
+            let (low, carries) = self.low.overflowing_add(bound);
+            self.low = low;
+            self.range -= bound;
+            if carries {
+                self.carry();
+            }
+        }
+        if self.range < 1 << 32 {
+            self.words.push((self.low >> 32) as u32);
+            self.low <<= 32;
+            self.range <<= 32;
+        }
+        bit
+    }
+}
+
+/// Reads bits. Behind the last byte are zeros; whoever reads on is told by [`RangeDecoder::has_overrun`].
+#[derive(Debug)]
+pub(in crate::reel) struct RangeDecoder<'a> {
+    bytes: &'a [u8],
+    /// The next word begins here.
+    next: usize,
+    above_low: u64,
+    range: u64,
+}
+
+impl<'a> RangeDecoder<'a> {
+    pub(in crate::reel) fn new(bytes: &'a [u8]) -> Self {
+        let mut decoder = Self {
+            bytes,
+            next: 0,
+            above_low: 0,
+            range: u64::MAX,
+        };
+        decoder.above_low = u64::from(decoder.word()) << 32;
+        decoder.above_low |= u64::from(decoder.word());
+        decoder
+    }
+
+    #[inline]
+    fn word(&mut self) -> u32 {
+        let word = match self.bytes.get(self.next..self.next + 4) {
+            Some(&[a, b, c, d]) => u32::from_be_bytes([a, b, c, d]),
+            _ => self.last_word(),
+        };
+        self.next += 4;
+        word
+    }
+
+    #[cold]
+    fn last_word(&self) -> u32 {
+        let mut word = [0; 4];
+        let rest = self.bytes.get(self.next..).unwrap_or_default();
+        word[..rest.len()].copy_from_slice(rest);
+        u32::from_be_bytes(word)
+    }
+
+    /// Whether more was read than an encoder ever wrote: the bytes are not all there, or not those that were written.
+    pub(in crate::reel) fn has_overrun(&self) -> bool {
+        self.next > self.bytes.len() + 8 + 3
+    }
+}
+
+impl BitCoder for RangeDecoder<'_> {
+    const DECODES: bool = true;
+
+    #[inline(always)]
+    fn bit_of(&mut self, probability: u32, _: bool) -> bool {
+        let bound = (self.range >> PROBABILITY_BITS) * u64::from(probability);
+        let bit = self.above_low < bound;
+        if bit {
+            self.range = bound;
+        } else {
+            self.above_low -= bound;
+            self.range -= bound;
+        }
+        if self.range < 1 << 32 {
+            self.above_low = self.above_low << 32 | u64::from(self.word());
+            self.range <<= 32;
+        }
+        bit
+    }
+}

@@ -1,0 +1,271 @@
+//! Frames of a file, whole or by their coarse levels.
+
+use super::error::{Fault, ReelError};
+use super::file::{Directory, FrameRecord, SectionRecord, checksum};
+use super::frame::{CodedSection, Pose, Wanted, cloud_of, decode_pose};
+use super::reader::ReelFile;
+use crate::cloud::RawCloud;
+use crate::progress::Progress;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A byte of a stream holds at most so many nodes: even a bit that is foreseen costs something.
+const NODES_PER_BYTE: u64 = 1 << 15;
+
+/// A frame that was decoded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecodedFrame {
+    /// Points, colours, normals, radii and scalars as they were written, in Morton order or that of the file. Of coarse
+    /// levels the means of their nodes, with radii that close the surface.
+    pub cloud: RawCloud,
+    /// Points of the frame, were all of it decoded.
+    pub points_in_frame: usize,
+    /// Levels that were decoded.
+    pub levels: u8,
+    /// Whether that is all of it.
+    pub is_whole: bool,
+    /// Edge of the cells that its points stand for, in the unit of the file; where points are kept one by one, of those
+    /// that they are about one in each of.
+    pub cell_edge: f64,
+}
+
+/// Decodes frames, one after the other or in any order.
+#[derive(Debug)]
+pub struct ReelDecoder {
+    file: Arc<ReelFile>,
+    max_memory_bytes: u64,
+    group: Option<OpenGroup>,
+}
+
+/// The group of the last frame.
+#[derive(Debug)]
+struct OpenGroup {
+    index: usize,
+    directory: Directory,
+    frames: Range<usize>,
+    data: u64,
+}
+
+impl ReelDecoder {
+    /// Of a file; a frame may take so many bytes of memory while it is decoded.
+    pub fn new(file: Arc<ReelFile>, max_memory_bytes: u64) -> Self {
+        Self {
+            file,
+            max_memory_bytes,
+            group: None,
+        }
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Arc<ReelFile> {
+        &self.file
+    }
+
+    /// Frame `index`: its finest levels that together have at most `most_points` points to draw (the root's one, if that
+    /// is less; `usize::MAX` for all). What the answer is does not depend on what was decoded before.
+    pub fn decode(&mut self, index: usize, most_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
+        let cancelled = |path: &std::path::Path| ReelError::Cancelled { path: path.to_owned() };
+        let file = Arc::clone(&self.file);
+        let Some(group) = file.group_of(index) else {
+            return Err(ReelError::NoFrame {
+                path: file.path().to_owned(),
+                index,
+                count: file.frame_count(),
+            });
+        };
+        let allowed = self.max_memory_bytes;
+        let group = open_group(&mut self.group, &file, group)?;
+        let frame = &group.directory.frames[index - group.frames.start];
+        let choice = Choice::of(frame, most_points);
+        let schema = &group.directory.schemas[frame.schema];
+        let limits = Limits { frame: index, allowed };
+        limits.check(&file, frame, &choice, schema.bytes_per_point(), group.data)?;
+        if progress.is_cancelled() {
+            return Err(cancelled(file.path()));
+        }
+        let sections = read_sections(&file, &frame.sections[..choice.sections], group.data)?;
+        if progress.is_cancelled() {
+            return Err(cancelled(file.path()));
+        }
+        let grid = &group.directory.grid;
+        let wanted = Wanted {
+            schema,
+            grid,
+            counts: &frame.counts,
+            points: frame.points,
+        };
+        let first_byte = frame.sections.first().map_or(0, |section| section.offset);
+        let mut pose = decode_pose(&wanted, &sections).map_err(|Fault(problem)| {
+            let problem = format!("frame {index} ({}): {problem}", frame.name);
+            Fault(problem).at(file.path(), group.data + first_byte)
+        })?;
+        pose.levels.truncate(choice.levels);
+        let cloud = finished(
+            frame,
+            cloud_of(schema, grid, grid.depth, &pose, &frame.scalar_offsets),
+            choice.is_whole,
+        );
+        Ok(DecodedFrame {
+            cloud,
+            points_in_frame: all_points(frame),
+            levels: choice.levels as u8,
+            is_whole: choice.is_whole,
+            cell_edge: grid.edge((choice.levels.max(1) - 1) as u32),
+        })
+    }
+}
+
+/// The group, opened unless it is the last one that was.
+fn open_group<'a>(last: &'a mut Option<OpenGroup>, file: &ReelFile, index: usize) -> Result<&'a OpenGroup, ReelError> {
+    let open = match last.take() {
+        Some(group) if group.index == index => group,
+        _ => {
+            let (directory, frames, data) = file.directory(index)?;
+            OpenGroup {
+                index,
+                directory,
+                frames,
+                data,
+            }
+        }
+    };
+    Ok(last.insert(open))
+}
+
+/// Whether a frame keeps its points one by one.
+fn has_points(frame: &FrameRecord) -> bool {
+    frame.sections.last().is_some_and(|section| section.levels.is_empty())
+}
+
+fn all_points(frame: &FrameRecord) -> usize {
+    if has_points(frame) {
+        frame.points[0] + frame.points[1]
+    } else {
+        frame.counts.last().copied().unwrap_or(0)
+    }
+}
+
+/// How much of a frame is decoded.
+#[derive(Debug, Clone, Copy)]
+struct Choice {
+    sections: usize,
+    levels: usize,
+    is_whole: bool,
+}
+
+impl Choice {
+    fn of(frame: &FrameRecord, most_points: usize) -> Self {
+        if all_points(frame) <= most_points {
+            return Self {
+                sections: frame.sections.len(),
+                levels: frame.counts.len(),
+                is_whole: true,
+            };
+        }
+        let levels = frame
+            .counts
+            .iter()
+            .rposition(|&count| count <= most_points)
+            .map_or(1, |level| level + 1);
+        let sections = frame.sections.iter().position(|section| section.levels.end >= levels);
+        Self {
+            sections: sections.map_or(frame.sections.len(), |last| last + 1),
+            levels,
+            is_whole: levels == frame.counts.len() && !has_points(frame),
+        }
+    }
+}
+
+/// What may be allocated for a frame.
+struct Limits {
+    frame: usize,
+    allowed: u64,
+}
+
+impl Limits {
+    fn check(
+        &self,
+        file: &ReelFile,
+        frame: &FrameRecord,
+        choice: &Choice,
+        point_bytes: u64,
+        data: u64,
+    ) -> Result<(), ReelError> {
+        let sections = &frame.sections[..choice.sections];
+        let levels = sections.last().map_or(0, |section| section.levels.end);
+        let nodes: u64 = frame.counts[..levels].iter().map(|&count| count as u64).sum();
+        let points = if choice.is_whole && has_points(frame) {
+            all_points(frame) as u64
+        } else {
+            0
+        };
+        let bytes: u64 = sections.iter().map(SectionRecord::bytes).sum();
+        if nodes + points > NODES_PER_BYTE.saturating_mul(bytes + 8) {
+            let problem = format!(
+                "frame {} has {nodes} nodes and {points} points in {bytes} bytes",
+                self.frame
+            );
+            return Err(Fault::new(problem).at(file.path(), data));
+        }
+        let needed = (nodes + points).saturating_mul(point_bytes);
+        if needed > self.allowed {
+            return Err(ReelError::TooLarge {
+                path: file.path().to_owned(),
+                frame: self.frame,
+                needed,
+                allowed: self.allowed,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The streams of sections, those that stand together in one go.
+fn read_sections(file: &ReelFile, records: &[SectionRecord], data: u64) -> Result<Vec<CodedSection>, ReelError> {
+    let mut sections = Vec::new();
+    let mut rest = records;
+    while let Some(first) = rest.first() {
+        let mut end = first.offset.saturating_add(first.bytes());
+        let mut together = 1;
+        while let Some(next) = rest.get(together).filter(|next| next.offset == end) {
+            end = end.saturating_add(next.bytes());
+            together += 1;
+        }
+        let start = data.saturating_add(first.offset);
+        let bytes = file.data(start, end - first.offset)?;
+        let mut left = bytes.as_slice();
+        for record in &rest[..together] {
+            let (own, others) = left.split_at(record.bytes() as usize);
+            left = others;
+            let found = crc32fast::hash(own);
+            if found != record.crc {
+                let byte = data.saturating_add(record.offset);
+                return Err(checksum("a part of a frame", found, record.crc).at(file.path(), byte));
+            }
+            sections.push(section_of(record, own));
+        }
+        rest = &rest[together..];
+    }
+    Ok(sections)
+}
+
+fn section_of(record: &SectionRecord, mut bytes: &[u8]) -> CodedSection {
+    let streams = record.streams.iter().map(|stream| {
+        let (own, rest) = bytes.split_at(stream.bytes);
+        bytes = rest;
+        (stream.kind, own.to_vec())
+    });
+    CodedSection {
+        levels: record.levels.clone(),
+        streams: streams.collect(),
+    }
+}
+
+/// What the frame says beside its points.
+fn finished(frame: &FrameRecord, mut cloud: RawCloud, is_whole: bool) -> RawCloud {
+    cloud.sensor = frame.sensor;
+    cloud.convention = frame.convention;
+    cloud.unit = frame.unit;
+    cloud.grid = frame.image.filter(|_| is_whole);
+    cloud
+}

@@ -1,0 +1,116 @@
+//! Why a sequence file cannot be written or read: which one, where in it, what was found.
+
+use std::path::{Path, PathBuf};
+
+/// Why there is no file, or no frame.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReelError {
+    /// The system could not read or write.
+    #[error("{} cannot be read or written at byte {byte} ({source})", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        byte: u64,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// Another kind of file.
+    #[error("{} is no sequence file: it begins with {found:02x?}", path.display())]
+    Magic {
+        /// The file.
+        path: PathBuf,
+        /// Its first bytes.
+        found: Vec<u8>,
+    },
+    /// A file of a later version.
+    #[error(
+        "{} was written by a later version of pointreel (its format is version {found}, known is {known}): update \
+         pointreel to open it",
+        path.display()
+    )]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u16,
+        /// The latest version that is known.
+        known: u16,
+    },
+    /// Bytes that are not those that were written.
+    #[error("{}, byte {byte}: {problem}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in it the damaged part begins.
+        byte: u64,
+        /// What was found and what was expected.
+        problem: String,
+    },
+    /// More memory than is allowed.
+    #[error(
+        "{}, frame {frame}: it would take {needed} bytes of memory and may take {allowed}: raise --max-memory if the \
+         machine has it",
+        path.display()
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Which frame.
+        frame: usize,
+        /// Bytes that it would take.
+        needed: u64,
+        /// Bytes that it may take.
+        allowed: u64,
+    },
+    /// A frame that there is not.
+    #[error("{} has {count} frames, there is no frame {index}", path.display())]
+    NoFrame {
+        /// The file.
+        path: PathBuf,
+        /// The frame asked for.
+        index: usize,
+        /// Frames that there are.
+        count: usize,
+    },
+    /// Somebody cancelled it.
+    #[error("{}: cancelled", path.display())]
+    Cancelled {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Settings that cannot be meant.
+    #[error("a sequence file cannot have {problem}")]
+    Options {
+        /// What, and what to do.
+        problem: String,
+    },
+    /// A cloud that cannot be kept.
+    #[error("frame {name}: {problem}")]
+    Cloud {
+        /// The frame's name.
+        name: String,
+        /// Why.
+        problem: String,
+    },
+}
+
+/// What is wrong with bytes, before it is known which file they are of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Fault(pub(super) String);
+
+impl Fault {
+    pub(super) fn new(problem: impl Into<String>) -> Self {
+        Self(problem.into())
+    }
+
+    /// The same with file and place.
+    pub(super) fn at(self, path: &Path, byte: u64) -> ReelError {
+        ReelError::Damaged {
+            path: path.to_owned(),
+            byte,
+            problem: self.0,
+        }
+    }
+}

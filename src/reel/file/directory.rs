@@ -1,0 +1,312 @@
+//! The directory of a group: its grid, its schemas, and for each frame where its sections are.
+
+use super::bytes::{ByteReader, ByteWriter};
+use crate::cloud::{AxisConvention, ImageGrid, LengthUnit};
+use crate::reel::error::Fault;
+use crate::reel::frame::{Grid, Schema, StreamKind};
+use glam::DVec3;
+use std::ops::Range;
+use std::time::Duration;
+
+/// A stream of a section: its bytes follow those of the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::reel) struct StreamRecord {
+    pub(in crate::reel) kind: StreamKind,
+    pub(in crate::reel) bytes: usize,
+}
+
+/// A part of a frame that is read as a whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::reel) struct SectionRecord {
+    /// Levels that it adds; none if it adds the points.
+    pub(in crate::reel) levels: Range<usize>,
+    /// Where its bytes are, from the end of the directory on.
+    pub(in crate::reel) offset: u64,
+    pub(in crate::reel) crc: u32,
+    pub(in crate::reel) streams: Vec<StreamRecord>,
+}
+
+impl SectionRecord {
+    /// Bytes of all streams.
+    pub(in crate::reel) fn bytes(&self) -> u64 {
+        self.streams.iter().map(|stream| stream.bytes as u64).sum()
+    }
+}
+
+/// What is known of a frame before it is decoded.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct FrameRecord {
+    pub(in crate::reel) name: String,
+    pub(in crate::reel) time: Option<Duration>,
+    /// Whether it is decoded with the frame before it.
+    pub(in crate::reel) is_dependent: bool,
+    /// Which of the group's schemas.
+    pub(in crate::reel) schema: usize,
+    /// Points of the cloud that was written.
+    pub(in crate::reel) points_written: u64,
+    /// Points that are kept one by one, in cells and outside.
+    pub(in crate::reel) points: [usize; 2],
+    /// Nodes of each level.
+    pub(in crate::reel) counts: Vec<usize>,
+    /// What is to be added to each scalar.
+    pub(in crate::reel) scalar_offsets: Vec<f64>,
+    pub(in crate::reel) sensor: Option<DVec3>,
+    pub(in crate::reel) convention: Option<AxisConvention>,
+    pub(in crate::reel) unit: Option<LengthUnit>,
+    pub(in crate::reel) image: Option<ImageGrid>,
+    pub(in crate::reel) sections: Vec<SectionRecord>,
+}
+
+/// The directory of a group.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct Directory {
+    pub(in crate::reel) grid: Grid,
+    pub(in crate::reel) schemas: Vec<Schema>,
+    pub(in crate::reel) frames: Vec<FrameRecord>,
+}
+
+const CONVENTIONS: [AxisConvention; 4] = [
+    AxisConvention::YUp,
+    AxisConvention::ZUp,
+    AxisConvention::UsuallyZUp,
+    AxisConvention::Camera,
+];
+
+const UNITS: [LengthUnit; 4] = [
+    LengthUnit::Metre,
+    LengthUnit::Millimetre,
+    LengthUnit::Foot,
+    LengthUnit::SurveyFoot,
+];
+
+/// 0 for none, or one more than the place in a list.
+fn code_in<T: PartialEq>(list: &[T], value: Option<&T>) -> u8 {
+    let place = value.and_then(|value| list.iter().position(|other| other == value));
+    place.map_or(0, |place| place as u8 + 1)
+}
+
+impl Directory {
+    pub(in crate::reel) fn to_bytes(&self) -> Vec<u8> {
+        let mut writer = ByteWriter::default();
+        for number in self.grid.min.to_array().into_iter().chain([self.grid.cell]) {
+            writer.f64(number);
+        }
+        writer.byte(self.grid.depth as u8);
+        writer.number(self.schemas.len() as u64);
+        for schema in &self.schemas {
+            schema.write(&mut writer);
+        }
+        writer.number(self.frames.len() as u64);
+        for frame in &self.frames {
+            frame.write(&mut writer);
+        }
+        writer.bytes
+    }
+
+    pub(in crate::reel) fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut reader = ByteReader::new(bytes);
+        let min = DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?);
+        let grid = Grid {
+            min,
+            cell: reader.f64()?,
+            depth: u32::from(reader.byte()?),
+        };
+        if !grid.is_usable() {
+            return Err(Fault::new(format!("a cube that cannot be ({grid:?})")));
+        }
+        let mut schemas = Vec::new();
+        for _ in 0..reader.count("schemas")? {
+            schemas.push(Schema::read(&mut reader)?);
+        }
+        let mut frames = Vec::new();
+        for _ in 0..reader.count("frames")? {
+            frames.push(FrameRecord::read(&mut reader, &grid, &schemas)?);
+        }
+        reader.end()?;
+        Ok(Self { grid, schemas, frames })
+    }
+}
+
+impl FrameRecord {
+    fn write(&self, writer: &mut ByteWriter) {
+        writer.text(&self.name);
+        let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX - 1) + 1;
+        writer.number(self.time.map_or(0, nanos));
+        let flags = [self.is_dependent, self.sensor.is_some(), self.image.is_some()];
+        writer.byte(
+            flags
+                .iter()
+                .enumerate()
+                .map(|(bit, &is_set)| u8::from(is_set) << bit)
+                .sum(),
+        );
+        writer.number(self.schema as u64);
+        writer.number(self.points_written);
+        writer.number(self.points[0] as u64);
+        writer.number(self.points[1] as u64);
+        writer.number(self.counts.len() as u64);
+        for &count in &self.counts {
+            writer.number(count as u64);
+        }
+        for &offset in &self.scalar_offsets {
+            writer.f64(offset);
+        }
+        for number in self.sensor.into_iter().flat_map(|sensor| sensor.to_array()) {
+            writer.f64(number);
+        }
+        writer.byte(code_in(&CONVENTIONS, self.convention.as_ref()));
+        writer.byte(code_in(&UNITS, self.unit.as_ref()));
+        if let Some(image) = self.image {
+            writer.number(u64::from(image.width()));
+            writer.number(u64::from(image.height()));
+        }
+        writer.number(self.sections.len() as u64);
+        for section in &self.sections {
+            writer.number(section.levels.len() as u64);
+            writer.number(section.offset);
+            writer.u32(section.crc);
+            writer.byte(section.streams.len() as u8);
+            for stream in &section.streams {
+                writer.byte(stream.kind as u8);
+                writer.number(stream.bytes as u64);
+            }
+        }
+    }
+
+    fn read(reader: &mut ByteReader<'_>, grid: &Grid, schemas: &[Schema]) -> Result<Self, Fault> {
+        let name = reader.text()?;
+        let time = reader.number()?.checked_sub(1).map(Duration::from_nanos);
+        let flags = reader.byte()?;
+        let schema = reader.number()? as usize;
+        let Some(of_schema) = schemas.get(schema) else {
+            return Err(Fault::new(format!(
+                "frame {name} has schema {schema} of {}",
+                schemas.len()
+            )));
+        };
+        let points_written = reader.number()?;
+        let placed = reader.number()?;
+        let outside = reader.number()?;
+        if placed.saturating_add(outside) > 1 << 31 {
+            return Err(Fault::new(format!(
+                "frame {name} has {placed} and {outside} points: at most 2^31 can be"
+            )));
+        }
+        let counts = read_counts(reader, grid, &name)?;
+        let mut scalar_offsets = Vec::new();
+        for _ in &of_schema.scalars {
+            scalar_offsets.push(reader.f64()?);
+        }
+        let sensor = match flags >> 1 & 1 {
+            0 => None,
+            _ => Some(DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?)),
+        };
+        let convention = usize::from(reader.byte()?)
+            .checked_sub(1)
+            .and_then(|place| CONVENTIONS.get(place).copied());
+        let unit = usize::from(reader.byte()?)
+            .checked_sub(1)
+            .and_then(|place| UNITS.get(place).copied());
+        let image = match flags >> 2 & 1 {
+            0 => None,
+            _ => {
+                let [width, height] =
+                    [reader.number()?, reader.number()?].map(|side| side.min(u64::from(u32::MAX)) as u32);
+                ImageGrid::of(width, height, (placed + outside) as usize)
+            }
+        };
+        let mut sections = Vec::new();
+        let mut level = 0;
+        for _ in 0..reader.count("sections")? {
+            let section = SectionRecord::read(reader, level)?;
+            if section.levels.end > counts.len() {
+                return Err(Fault::new(format!(
+                    "frame {name} has sections of more levels than {}",
+                    counts.len()
+                )));
+            }
+            level = section.levels.end;
+            sections.push(section);
+        }
+        Ok(Self {
+            name,
+            time,
+            is_dependent: flags & 1 != 0,
+            schema,
+            points_written,
+            points: [placed as usize, outside as usize],
+            counts,
+            scalar_offsets,
+            sensor,
+            convention,
+            unit,
+            image,
+            sections,
+        })
+    }
+
+    /// Bytes of each kind of stream.
+    pub(in crate::reel) fn bytes_by_stream(&self) -> [u64; StreamKind::ALL.len()] {
+        let mut bytes = [0; StreamKind::ALL.len()];
+        for stream in self.sections.iter().flat_map(|section| &section.streams) {
+            bytes[stream.kind as usize] += stream.bytes as u64;
+        }
+        bytes
+    }
+}
+
+/// Nodes of each level: a root, and below each node up to eight.
+fn read_counts(reader: &mut ByteReader<'_>, grid: &Grid, name: &str) -> Result<Vec<usize>, Fault> {
+    let levels = reader.count("levels")?;
+    if levels != grid.depth as usize + 1 {
+        return Err(Fault::new(format!(
+            "frame {name} has {levels} levels of {}",
+            grid.depth + 1
+        )));
+    }
+    let mut counts = Vec::new();
+    let mut above = None;
+    for _ in 0..levels {
+        let count = reader.number()?;
+        let most = above.map_or(1, |above: u64| 8 * above);
+        let least = above.unwrap_or(0);
+        if !(least..=most).contains(&count) || count > 1 << 31 {
+            return Err(Fault::new(format!(
+                "frame {name} has {count} nodes below {}",
+                above.unwrap_or(0)
+            )));
+        }
+        above = Some(count);
+        counts.push(count as usize);
+    }
+    Ok(counts)
+}
+
+impl SectionRecord {
+    fn read(reader: &mut ByteReader<'_>, first_level: usize) -> Result<Self, Fault> {
+        let levels = reader.number()?.min(64) as usize;
+        let offset = reader.number()?;
+        let crc = reader.u32()?;
+        let mut streams = Vec::new();
+        for _ in 0..reader.byte()? {
+            let kind = reader.byte()?;
+            let Some(&kind) = StreamKind::ALL.get(usize::from(kind)) else {
+                return Err(Fault::new(format!("a stream of an unknown kind ({kind})")));
+            };
+            let bytes = reader.number()?;
+            if bytes > 1 << 40 {
+                return Err(Fault::new(format!("a stream of {bytes} bytes")));
+            }
+            streams.push(StreamRecord {
+                kind,
+                bytes: bytes as usize,
+            });
+        }
+        Ok(Self {
+            levels: first_level..first_level + levels,
+            offset,
+            crc,
+            streams,
+        })
+    }
+}

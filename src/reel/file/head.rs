@@ -1,0 +1,51 @@
+//! How the file begins: magic, version, and a chunk that says how it was made.
+
+use super::bytes::{ByteReader, ByteWriter};
+use crate::reel::error::Fault;
+
+/// Versions with another first number cannot be read; a higher second one adds what may be passed over.
+pub(in crate::reel) const VERSION: [u16; 2] = [1, 0];
+
+/// Bytes before the first chunk.
+pub(in crate::reel) const MAGIC_AND_VERSION_BYTES: usize = 12;
+
+/// What a file says of itself.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct Head {
+    /// Frames a second, if stamps do not say it.
+    pub(in crate::reel) fps: Option<f64>,
+    /// Frames of a group.
+    pub(in crate::reel) keyframes: u32,
+    /// Names and values, for people.
+    pub(in crate::reel) settings: Vec<(String, String)>,
+}
+
+impl Head {
+    pub(in crate::reel) fn to_bytes(&self) -> Vec<u8> {
+        let mut writer = ByteWriter::default();
+        writer.f64(self.fps.unwrap_or(0.0));
+        writer.number(u64::from(self.keyframes));
+        writer.number(self.settings.len() as u64);
+        for (name, value) in &self.settings {
+            writer.text(name);
+            writer.text(value);
+        }
+        writer.bytes
+    }
+
+    /// What follows the settings is of later versions.
+    pub(in crate::reel) fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut reader = ByteReader::new(bytes);
+        let fps = reader.f64()?;
+        let keyframes = reader.number()?.min(u64::from(u32::MAX)) as u32;
+        let mut settings = Vec::new();
+        for _ in 0..reader.count("settings")? {
+            settings.push((reader.text()?, reader.text()?));
+        }
+        Ok(Self {
+            fps: Some(fps).filter(|fps| *fps > 0.0 && fps.is_finite()),
+            keyframes,
+            settings,
+        })
+    }
+}

@@ -1,0 +1,54 @@
+//! A frame as whole numbers on every level.
+
+/// What is known of the nodes of a level. Arrays of what a frame does not have are empty.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct Level {
+    /// Occupied octants, of all levels but the deepest.
+    pub(in crate::reel) masks: Vec<u8>,
+    /// Morton codes of so many bits as the level has.
+    pub(in crate::reel) cells: Vec<u64>,
+    pub(in crate::reel) values: LevelValues,
+}
+
+/// Attributes of the nodes of a level, or of points.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct LevelValues {
+    /// Green, red, blue.
+    pub(in crate::reel) colors: Vec<[u16; 3]>,
+    /// Places of the normal grid.
+    pub(in crate::reel) normals: Vec<[i16; 2]>,
+    /// Codes of offsets, of the deepest level alone.
+    pub(in crate::reel) offsets: Vec<u8>,
+    /// Alpha, radius, scalars: those that there are.
+    pub(in crate::reel) singles: Vec<Vec<[u16; 1]>>,
+}
+
+/// Points that are kept one by one, in the order of their cells.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct PosePoints {
+    /// Points of each cell, one or more.
+    pub(in crate::reel) counts: Vec<u32>,
+    /// What is below the cell, or the rank among the floats in it.
+    pub(in crate::reel) below: Vec<[u64; 3]>,
+    /// Coordinates, as bits, of points that are in no cell; they follow all others.
+    pub(in crate::reel) outside: Vec<[u64; 3]>,
+    pub(in crate::reel) values: LevelValues,
+    /// Normals, radii, ellipses and scalars as they are: a column each of bits of f32.
+    pub(in crate::reel) columns: Vec<Vec<u32>>,
+    /// The index in the file of each point.
+    pub(in crate::reel) order: Vec<u32>,
+}
+
+impl PosePoints {
+    pub(in crate::reel) fn len(&self) -> usize {
+        self.below.len() + self.outside.len()
+    }
+}
+
+/// A frame as it is coded.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct Pose {
+    /// From the root down.
+    pub(in crate::reel) levels: Vec<Level>,
+    pub(in crate::reel) points: Option<PosePoints>,
+}

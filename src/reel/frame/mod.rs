@@ -1,0 +1,20 @@
+//! One frame: from a cloud to levels of whole numbers, those as streams of bits, and all of it back.
+
+mod code;
+mod columns;
+mod describe;
+mod grid;
+mod levels;
+mod output;
+mod points;
+mod prepare;
+mod schema;
+mod summaries;
+
+pub(super) use code::{CodedSection, Wanted, decode_pose, encode_pose};
+pub(super) use grid::Grid;
+pub(super) use levels::Pose;
+pub(super) use output::cloud_of;
+pub(super) use prepare::{GroupPlan, prepare};
+pub(super) use schema::Schema;
+pub use schema::StreamKind;

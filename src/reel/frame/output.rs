@@ -1,0 +1,199 @@
+//! Levels of whole numbers as a cloud.
+
+use super::grid::Grid;
+use super::levels::{LevelValues, Pose};
+use super::points::{bits_of_rank, ranks};
+use super::schema::{Kept, Schema, StreamKind, Values};
+use super::summaries::radius_edges;
+use crate::cloud::{Ellipse, Positions, RawCloud, ScalarField};
+use crate::math::morton;
+use crate::reel::attributes::{MISSING, NormalGrid, offset_edges};
+use glam::{DVec3, Vec3};
+
+/// A disk of this part of a cell's edge reaches over the cell whatever its normal.
+const CLOSING: f64 = 0.87;
+
+/// The cloud of a pose: of its points if they are there, or else of the nodes of its last level. Scalars have the
+/// offsets given.
+pub(in crate::reel) fn cloud_of(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets: &[f64]) -> RawCloud {
+    match &pose.points {
+        Some(_) => cloud_of_points(schema, grid, pose, offsets),
+        None => cloud_of_nodes(schema, grid, depth, pose, offsets),
+    }
+}
+
+fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets: &[f64]) -> RawCloud {
+    let level = pose.levels.len().saturating_sub(1) as u32;
+    let Some(of_level) = pose.levels.last() else {
+        return RawCloud::from_positions(positions(schema, std::iter::empty()));
+    };
+    let is_coarse = level < depth;
+    let values = &of_level.values;
+    let edge = grid.edge(level);
+    let place = |(node, &cell): (usize, &u64)| {
+        let middle = grid.middle(level, morton::decode(cell));
+        match (values.offsets.get(node), values.normals.get(node)) {
+            (Some(&code), Some(&normal)) if normal != MISSING => {
+                let unit = NormalGrid::of(schema.normal_bits).unit(normal).as_dvec3();
+                middle + unit * (offset_edges(code, schema.offset_bits) * edge)
+            }
+            _ => middle,
+        }
+    };
+    let places = of_level.cells.iter().enumerate().map(place);
+    let mut cloud = RawCloud::from_positions(positions(schema, places));
+    fill(schema, grid, values, &mut cloud, offsets);
+    if is_coarse || schema.kept != Kept::Merged {
+        cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; of_level.cells.len()]);
+    }
+    cloud
+}
+
+fn positions(schema: &Schema, places: impl Iterator<Item = DVec3>) -> Positions {
+    if schema.is_double {
+        Positions::F64(places.map(|place| place.to_array()).collect())
+    } else {
+        // The middle of a cell around the largest number may be beyond it.
+        let narrowed = |place: DVec3| {
+            place
+                .as_vec3()
+                .clamp(Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX))
+                .to_array()
+        };
+        Positions::F32(places.map(narrowed).collect())
+    }
+}
+
+/// Attributes in steps.
+fn fill(schema: &Schema, grid: &Grid, values: &LevelValues, cloud: &mut RawCloud, offsets: &[f64]) {
+    let attributes = &mut cloud.attributes;
+    if schema.color_step > 0 {
+        let alpha = values.singles.first().filter(|_| schema.has_alpha);
+        let color = |(point, &[green, red, blue]): (usize, &[u16; 3])| {
+            let alpha = alpha.map_or(255, |alpha| alpha[point][0]);
+            [red, green, blue, alpha].map(|channel| channel as u8)
+        };
+        attributes.colors = Some(values.colors.iter().enumerate().map(color).collect());
+    }
+    if schema.normal_bits > 0 {
+        let normals = NormalGrid::of(schema.normal_bits);
+        let unit = |&place: &[i16; 2]| {
+            if place == MISSING {
+                [0.0; 3]
+            } else {
+                normals.unit(place).to_array()
+            }
+        };
+        attributes.normals = Some(values.normals.iter().map(unit).collect());
+    }
+    let first_scalar = schema.singles() - schema.scalars.len();
+    for (single, codes) in values.singles.iter().enumerate() {
+        match schema.stream_of_single(single) {
+            StreamKind::Radius => {
+                let radius = |code: &[u16; 1]| (radius_edges(code[0]) * grid.cell) as f32;
+                attributes.radii = Some(codes.iter().map(radius).collect());
+            }
+            StreamKind::Scalar => {
+                let scalar = single - first_scalar;
+                let of_field = &schema.scalars[scalar];
+                attributes.scalars.push(ScalarField {
+                    name: of_field.name.clone(),
+                    values: codes.iter().map(|code| of_field.value(code[0])).collect(),
+                    offset: offsets.get(scalar).copied().unwrap_or(0.0),
+                });
+            }
+            _ => {}
+        }
+    }
+}
+
+fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -> RawCloud {
+    let (Some(points), Some(deepest)) = (&pose.points, pose.levels.last()) else {
+        return RawCloud::from_positions(Positions::F32(Vec::new()));
+    };
+    let cells = deepest.cells.iter().zip(&points.counts);
+    let cell_of_each = cells.flat_map(|(&cell, &count)| std::iter::repeat_n(cell, count as usize));
+    let placed = cell_of_each.zip(&points.below);
+    let bits = placed.map(|(cell, below)| {
+        let cell = morton::decode(cell).map(u64::from);
+        [0, 1, 2].map(|axis| match schema.kept {
+            Kept::Exact => {
+                let (first, _) = ranks(schema.is_double, grid, axis, cell[axis]);
+                bits_of_rank(schema.is_double, first.saturating_add(below[axis]))
+            }
+            Kept::Bits(bits) => {
+                let edge = grid.cell / (1u64 << bits) as f64;
+                let middle = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + 0.5) * edge;
+                if schema.is_double {
+                    middle.to_bits()
+                } else {
+                    u64::from((middle as f32).to_bits())
+                }
+            }
+            Kept::Merged => 0,
+        })
+    });
+    let bits = bits.chain(points.outside.iter().copied());
+    let all = if schema.is_double {
+        Positions::F64(bits.map(|bits| bits.map(f64::from_bits)).collect())
+    } else {
+        Positions::F32(bits.map(|bits| bits.map(|bits| f32::from_bits(bits as u32))).collect())
+    };
+    let mut cloud = RawCloud::from_positions(all);
+    fill(schema, grid, &points.values, &mut cloud, offsets);
+    fill_exactly(schema, &points.columns, &mut cloud);
+    if schema.has_order {
+        in_file_order(&points.order, &mut cloud);
+    }
+    cloud
+}
+
+/// Attributes as they are.
+fn fill_exactly(schema: &Schema, columns: &[Vec<u32>], cloud: &mut RawCloud) {
+    let attributes = &mut cloud.attributes;
+    let mut columns = columns.iter();
+    let floats = |column: &Vec<u32>| column.iter().map(|&bits| f32::from_bits(bits)).collect::<Vec<f32>>();
+    if schema.has_exact_normals
+        && let (Some(x), Some(y), Some(z)) = (columns.next(), columns.next(), columns.next())
+    {
+        let normals = x
+            .iter()
+            .zip(y)
+            .zip(z)
+            .map(|((&x, &y), &z)| [x, y, z].map(f32::from_bits));
+        attributes.normals = Some(normals.collect());
+    }
+    if schema.radii == Values::Exact
+        && let Some(column) = columns.next()
+    {
+        attributes.radii = Some(floats(column));
+    }
+    if schema.has_ellipses {
+        let of_ellipses: Vec<Vec<f32>> = columns.by_ref().take(4).map(floats).collect();
+        if let [x, y, z, ratio] = of_ellipses.as_slice() {
+            let ellipse = |point: usize| Ellipse {
+                axis: Vec3::new(x[point], y[point], z[point]),
+                ratio: ratio[point],
+            };
+            attributes.ellipses = Some((0..ratio.len()).map(ellipse).collect());
+        }
+    }
+    if schema.has_exact_scalars {
+        for (field, column) in attributes.scalars.iter_mut().zip(columns) {
+            field.values = floats(column);
+        }
+    }
+}
+
+/// Puts points where they were in the file. Places that damaged bytes say twice or beyond the end are left alone.
+fn in_file_order(order: &[u32], cloud: &mut RawCloud) {
+    let mut places = vec![u32::MAX; order.len()];
+    for (point, &place) in (0u32..).zip(order) {
+        if let Some(of_place) = places.get_mut(place as usize) {
+            *of_place = point;
+        }
+    }
+    if !places.contains(&u32::MAX) {
+        cloud.keep(&places);
+    }
+}

@@ -1,0 +1,277 @@
+//! Which attributes a frame has and how each is written.
+
+use crate::reel::error::Fault;
+use crate::reel::file::{ByteReader, ByteWriter};
+
+/// What a stream is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum StreamKind {
+    /// Masks of the octree.
+    Geometry,
+    /// Numbers of points in cells, and coordinates below cells.
+    Position,
+    /// Colours, alpha left out.
+    Color,
+    /// Normals.
+    Normal,
+    /// Offsets along normals.
+    Offset,
+    /// Alpha.
+    Alpha,
+    /// Radii.
+    Radius,
+    /// All scalars.
+    Scalar,
+    /// Ellipses.
+    Ellipse,
+    /// The order of the file.
+    Order,
+}
+
+impl StreamKind {
+    /// Every kind, in the order in which streams stand.
+    pub const ALL: [Self; 10] = [
+        Self::Geometry,
+        Self::Position,
+        Self::Color,
+        Self::Normal,
+        Self::Offset,
+        Self::Alpha,
+        Self::Radius,
+        Self::Scalar,
+        Self::Ellipse,
+        Self::Order,
+    ];
+
+    /// A word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Geometry => "geometry",
+            Self::Position => "position",
+            Self::Color => "color",
+            Self::Normal => "normal",
+            Self::Offset => "offset",
+            Self::Alpha => "alpha",
+            Self::Radius => "radius",
+            Self::Scalar => "scalar",
+            Self::Ellipse => "ellipse",
+            Self::Order => "order",
+        }
+    }
+}
+
+/// What is kept of points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::reel) enum Kept {
+    /// One point a cell.
+    Merged,
+    /// Every point, with so many bits below its cell along each axis.
+    Bits(u8),
+    /// Every point with its floats.
+    Exact,
+}
+
+/// How single numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::reel) enum Values {
+    /// There are none.
+    None,
+    /// In steps, on every level.
+    Stepped,
+    /// In steps on the levels, and as they are for the points.
+    Exact,
+}
+
+/// A scalar field.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct ScalarSchema {
+    pub(in crate::reel) name: String,
+    /// Bits of its steps: code 0 is no number, the others go from `least` to `most`.
+    pub(in crate::reel) bits: u8,
+    pub(in crate::reel) least: f32,
+    pub(in crate::reel) most: f32,
+    /// Whether values are labels, of which there is no mean.
+    pub(in crate::reel) is_label: bool,
+}
+
+impl ScalarSchema {
+    fn steps(&self) -> f64 {
+        f64::from((1u32 << self.bits) - 2).max(1.0)
+    }
+
+    /// The largest code.
+    pub(in crate::reel) fn most_code(&self) -> u16 {
+        ((1u32 << self.bits) - 1) as u16
+    }
+
+    /// The code of a value.
+    pub(in crate::reel) fn code(&self, value: f32) -> u16 {
+        if value.is_nan() {
+            return 0;
+        }
+        let range = f64::from(self.most) - f64::from(self.least);
+        let part = if range > 0.0 {
+            (f64::from(value) - f64::from(self.least)) / range
+        } else {
+            0.0
+        };
+        1 + (part * self.steps()).round().clamp(0.0, self.steps()) as u16
+    }
+
+    /// The value of a code.
+    pub(in crate::reel) fn value(&self, code: u16) -> f32 {
+        if code == 0 {
+            return f32::NAN;
+        }
+        let range = f64::from(self.most) - f64::from(self.least);
+        (f64::from(self.least) + range * f64::from(code - 1) / self.steps()) as f32
+    }
+}
+
+/// Which attributes a frame has and how each is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct Schema {
+    /// Whether coordinates are of double precision.
+    pub(in crate::reel) is_double: bool,
+    pub(in crate::reel) kept: Kept,
+    pub(in crate::reel) has_order: bool,
+    /// An odd step of colours, or 0 without any.
+    pub(in crate::reel) color_step: u8,
+    pub(in crate::reel) has_alpha: bool,
+    /// 13, 15 or 17, or 0 without any.
+    pub(in crate::reel) normal_bits: u8,
+    pub(in crate::reel) has_exact_normals: bool,
+    /// Whether some points have no normal.
+    pub(in crate::reel) normals_may_miss: bool,
+    pub(in crate::reel) offset_bits: u8,
+    pub(in crate::reel) radii: Values,
+    pub(in crate::reel) has_ellipses: bool,
+    pub(in crate::reel) scalars: Vec<ScalarSchema>,
+    pub(in crate::reel) has_exact_scalars: bool,
+}
+
+impl Schema {
+    pub(in crate::reel) fn write(&self, writer: &mut ByteWriter) {
+        let flags = [
+            self.is_double,
+            self.has_order,
+            self.has_alpha,
+            self.has_exact_normals,
+            self.normals_may_miss,
+            self.radii != Values::None,
+            self.radii == Values::Exact,
+            self.has_ellipses,
+            self.has_exact_scalars,
+        ];
+        let bits = flags
+            .iter()
+            .enumerate()
+            .map(|(bit, &is_set)| u64::from(is_set) << bit)
+            .sum();
+        writer.number(bits);
+        writer.byte(match self.kept {
+            Kept::Merged => 0,
+            Kept::Exact => 255,
+            Kept::Bits(bits) => 1 + bits,
+        });
+        writer.byte(self.color_step);
+        writer.byte(self.normal_bits);
+        writer.byte(self.offset_bits);
+        writer.number(self.scalars.len() as u64);
+        for scalar in &self.scalars {
+            writer.text(&scalar.name);
+            writer.byte(scalar.bits | u8::from(scalar.is_label) << 7);
+            writer.f32(scalar.least);
+            writer.f32(scalar.most);
+        }
+    }
+
+    pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
+        let bits = reader.number()?;
+        if bits >= 1 << 9 {
+            return Err(Fault::new(format!("attributes of unknown kinds ({bits:#b})")));
+        }
+        let flag = |bit: u32| bits >> bit & 1 != 0;
+        let kept = match reader.byte()? {
+            0 => Kept::Merged,
+            255 => Kept::Exact,
+            bits @ 1..=51 => Kept::Bits(bits - 1),
+            found => return Err(Fault::new(format!("positions of an unknown kind ({found})"))),
+        };
+        let [color_step, normal_bits, offset_bits] = [reader.byte()?, reader.byte()?, reader.byte()?];
+        if color_step > 0 && color_step % 2 == 0 || ![0, 13, 15, 17].contains(&normal_bits) || offset_bits > 4 {
+            return Err(Fault::new(format!(
+                "colours in steps of {color_step}, normals of {normal_bits} bits and offsets of {offset_bits} bits"
+            )));
+        }
+        let mut scalars = Vec::new();
+        for _ in 0..reader.count("scalars")? {
+            let name = reader.text()?;
+            let bits = reader.byte()?;
+            let scalar = ScalarSchema {
+                name,
+                bits: bits & 0x7f,
+                is_label: bits >> 7 != 0,
+                least: reader.f32()?,
+                most: reader.f32()?,
+            };
+            if !(2..=16).contains(&scalar.bits) {
+                return Err(Fault::new(format!("a scalar of {} bits", scalar.bits)));
+            }
+            scalars.push(scalar);
+        }
+        Ok(Self {
+            is_double: flag(0),
+            kept,
+            has_order: flag(1),
+            color_step,
+            has_alpha: flag(2),
+            normal_bits,
+            has_exact_normals: flag(3),
+            normals_may_miss: flag(4),
+            offset_bits: if normal_bits == 0 { 0 } else { offset_bits },
+            radii: match (flag(5), flag(6)) {
+                (false, _) => Values::None,
+                (true, false) => Values::Stepped,
+                (true, true) => Values::Exact,
+            },
+            has_ellipses: flag(7),
+            scalars,
+            has_exact_scalars: flag(8),
+        })
+    }
+
+    /// Whether anything is told of nodes beside where they are.
+    pub(in crate::reel) fn has_values(&self) -> bool {
+        self.color_step > 0 || self.normal_bits > 0 || self.offset_bits > 0 || self.singles() > 0
+    }
+
+    /// Numbers that a node has one each of: alpha, radius, scalars, in this order.
+    pub(in crate::reel) fn singles(&self) -> usize {
+        usize::from(self.has_alpha) + usize::from(self.radii != Values::None) + self.scalars.len()
+    }
+
+    /// The largest code of a single number.
+    pub(in crate::reel) fn most_code(&self, single: usize) -> u16 {
+        let before = self.singles() - self.scalars.len();
+        single
+            .checked_sub(before)
+            .map_or(255, |scalar| self.scalars[scalar].most_code())
+    }
+
+    /// Which stream a single number is in.
+    pub(in crate::reel) fn stream_of_single(&self, single: usize) -> StreamKind {
+        match (single, self.has_alpha, self.radii != Values::None) {
+            (0, true, _) => StreamKind::Alpha,
+            (0, false, true) | (1, true, true) => StreamKind::Radius,
+            _ => StreamKind::Scalar,
+        }
+    }
+
+    /// Bytes that a point takes while it is decoded, rounded up.
+    pub(in crate::reel) fn bytes_per_point(&self) -> u64 {
+        // Neighbours, plan, cells, values, and the cloud itself.
+        250 + 16 * (self.scalars.len() as u64 + 4)
+    }
+}

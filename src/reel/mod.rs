@@ -1,0 +1,45 @@
+//! Sequence files: all frames of a 4D scan in one file, a few bits a point, of which any prefix of a frame is a coarser
+//! picture.
+//!
+//! How it works: the frames of a group are divided by one cube. A frame is the octree of its points down to cells about
+//! as large as points are far apart (paper 001 §2), written breadth-first: occupancy masks level by level, and the
+//! means of attributes for the nodes of every level, each stream for itself. So the first sections of a frame are a
+//! coarser frame. Where it is asked for, coordinates follow below the cells, to any precision or to the last bit.
+//! Everything is coded by an adaptive binary range coder; what a bit is expected to be comes from the nodes around that
+//! are known already.
+//!
+//! ```text
+//! clouds ── frame::prepare ─► levels of whole numbers ── tree, attributes ─► streams ── file ─► chunks
+//!                                                    ◄── the same functions backwards ──
+//! ```
+//!
+//! Encoder and decoder are one set of functions, generic over the direction ([`coder::BitCoder`]); models compute in
+//! integers. So the same clouds make the same bytes on every machine and for any number of threads.
+//!
+//! `docs/reel.md` describes the format for those who want to read it elsewhere.
+
+mod attributes;
+mod coder;
+mod decoder;
+mod encode;
+mod error;
+mod file;
+mod frame;
+mod options;
+mod reader;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod writer;
+
+pub use decoder::{DecodedFrame, ReelDecoder};
+pub use encode::{EncodedGroup, NewFrame, encode_group};
+pub use error::ReelError;
+pub use file::ReadAt;
+pub use frame::StreamKind;
+pub use options::{Precision, ReelOptions};
+pub use reader::{FrameInfo, ReelFile};
+pub use writer::ReelWriter;
+
+/// How every sequence file begins: a byte that is no text, a name, and line ends that transfers as text would change.
+pub const MAGIC: [u8; 8] = *b"\x89reel\r\n\x1a";

@@ -1,0 +1,99 @@
+//! What a sequence file is to keep, and how precisely.
+
+use super::error::ReelError;
+
+/// How precisely positions are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Precision {
+    /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell become one, with
+    /// the means of their attributes, and an offset along the normal where there are normals.
+    SamplingDensity,
+    /// One point in each occupied cell of 2ᵇ along the longest side of the group's box: `Bits(10)` are voxels of 10
+    /// bits. At most 21.
+    Bits(u8),
+    /// Every point, no coordinate off by more than this length, in the unit of the file.
+    Length(f64),
+    /// Every point with the bits that the file has for its coordinates; holes included.
+    Lossless,
+}
+
+/// What of a sequence is kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReelOptions {
+    /// Of positions.
+    pub precision: Precision,
+    /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for the numbers as they are, where
+    /// points are kept one by one.
+    pub normal_bits: u8,
+    /// Most that a channel of a colour may be off by, on every level; 0 is lossless.
+    pub color_error: u8,
+    /// Bits of a scalar, 2 to 16, between its smallest and its largest value in a group; or 0 for the numbers as they
+    /// are, where points are kept one by one (16 elsewhere). Radii are within 2.2 %, or as they are.
+    pub scalar_bits: u8,
+    /// Bits of the offset of a point along its normal at [`Precision::SamplingDensity`], at most 4; 0 for none.
+    pub offset_bits: u8,
+    /// Frames of a group: the first is decoded alone, each other one after the one before it.
+    pub keyframes: u32,
+    /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one:
+    /// [`Precision::Length`] or [`Precision::Lossless`].
+    pub keep_order: bool,
+    /// Frames a second, if frames have no time stamps.
+    pub fps: Option<f64>,
+}
+
+impl Default for ReelOptions {
+    fn default() -> Self {
+        Self {
+            precision: Precision::SamplingDensity,
+            normal_bits: 13,
+            color_error: 2,
+            scalar_bits: 8,
+            offset_bits: 3,
+            keyframes: 30,
+            keep_order: false,
+            fps: None,
+        }
+    }
+}
+
+impl ReelOptions {
+    /// Every bit of every number.
+    pub fn lossless() -> Self {
+        Self {
+            precision: Precision::Lossless,
+            normal_bits: 0,
+            color_error: 0,
+            scalar_bits: 0,
+            ..Self::default()
+        }
+    }
+
+    /// Whether points are kept one by one.
+    pub(super) fn keeps_points(&self) -> bool {
+        matches!(self.precision, Precision::Length(_) | Precision::Lossless)
+    }
+
+    /// Says what cannot be meant.
+    pub fn check(&self) -> Result<(), ReelError> {
+        let problem = match self.precision {
+            Precision::Bits(bits) if !(1..=21).contains(&bits) => Some(format!("{bits} bits: choose 1 to 21")),
+            Precision::Length(length) if !(length > 0.0 && length.is_finite()) => {
+                Some(format!("a precision of {length}: choose a length above zero"))
+            }
+            _ if ![0, 13, 15, 17].contains(&self.normal_bits) => {
+                Some(format!("{} bits of a normal: choose 13, 15, 17 or 0", self.normal_bits))
+            }
+            _ if self.scalar_bits == 1 || self.scalar_bits > 16 => {
+                Some(format!("{} bits of a scalar: choose 2 to 16, or 0", self.scalar_bits))
+            }
+            _ if self.offset_bits > 4 => Some(format!("{} bits of an offset: choose 0 to 4", self.offset_bits)),
+            _ if self.color_error > 100 => Some(format!("a colour error of {}: choose 0 to 100", self.color_error)),
+            _ if self.keyframes == 0 => Some("groups of no frame: choose one or more".to_owned()),
+            _ if self.keep_order && !self.keeps_points() => {
+                Some("the order of points that are merged: choose a precision of a length, or lossless".to_owned())
+            }
+            _ => None,
+        };
+        problem.map_or(Ok(()), |problem| Err(ReelError::Options { problem }))
+    }
+}

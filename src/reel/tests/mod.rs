@@ -1,0 +1,5 @@
+//! Whole files: what is written is read, and what is damaged is said.
+
+mod clouds;
+mod damage;
+mod round_trip;

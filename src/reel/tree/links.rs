@@ -1,0 +1,62 @@
+//! Which nodes of a level are beside each other, found from the level above: no search, no hash.
+
+use super::window::{CUBE_OF_27, DIRECTIONS, MIDDLE, OWNERS, PLACED, shift_of};
+
+/// No node is there.
+pub(in crate::reel) const NONE: u32 = u32::MAX;
+
+/// The nodes around a node by direction, itself in the middle.
+pub(in crate::reel) type Neighbours = [u32; DIRECTIONS];
+
+/// A level of which the nodes below are asked.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::reel) struct Links<'a> {
+    /// For each node.
+    pub(in crate::reel) neighbours: &'a [Neighbours],
+    /// For each node.
+    pub(in crate::reel) masks: &'a [u8],
+    /// For each node, and the end.
+    pub(in crate::reel) first: &'a [u32],
+}
+
+/// The neighbours of the root.
+pub(in crate::reel) const ALONE: Neighbours = {
+    let mut alone = [NONE; DIRECTIONS];
+    alone[MIDDLE] = 0;
+    alone
+};
+
+impl Links<'_> {
+    /// The cells of the level below around those of a node, as a window.
+    #[inline(always)]
+    pub(in crate::reel) fn window(&self, node: usize) -> u64 {
+        let neighbours = &self.neighbours[node];
+        let mut window = 0;
+        for direction in 0..DIRECTIONS {
+            let neighbour = neighbours[direction];
+            if neighbour != NONE {
+                window |= PLACED[direction][self.masks[neighbour as usize] as usize];
+            }
+        }
+        window
+    }
+
+    /// The neighbours of the child of a node in an octant, from the window around that node.
+    #[inline(always)]
+    pub(in crate::reel) fn neighbours_of_child(&self, node: usize, window: u64, octant: usize) -> Neighbours {
+        let of_parent = &self.neighbours[node];
+        let mut neighbours = [NONE; DIRECTIONS];
+        let shift = shift_of(octant);
+        let mut cells = window >> shift & CUBE_OF_27;
+        while cells != 0 {
+            let cell = cells.trailing_zeros();
+            cells &= cells - 1;
+            let (direction, octant) = OWNERS[(cell + shift) as usize];
+            let parent = of_parent[direction as usize] as usize;
+            let before = self.masks[parent] & ((1 << octant) - 1) as u8;
+            let place = (cell & 3) + (cell >> 2 & 3) * 3 + (cell >> 4) * 9;
+            neighbours[place as usize] = self.first[parent] + before.count_ones();
+        }
+        neighbours
+    }
+}

@@ -1,0 +1,12 @@
+//! The octree of a frame as occupancy masks, level by level, and who is beside whom in it.
+
+mod build;
+mod links;
+mod occupancy;
+mod plan;
+mod window;
+
+pub(super) use build::{cells_below, first_children, masks_of_cells};
+pub(super) use links::{ALONE, Links, NONE, Neighbours};
+pub(super) use occupancy::{OccupancyModels, code_masks};
+pub(super) use plan::{Known, plan};

@@ -1,0 +1,165 @@
+//! Writing a file, group after group; readable up to the last whole group at any time.
+
+use super::encode::{EncodedGroup, NewFrame, encode_group};
+use super::error::ReelError;
+use super::file::{ChunkHeader, ChunkKind, Head, Index, Trailer, VERSION};
+use super::options::ReelOptions;
+use super::reader::ReelFile;
+use super::{MAGIC, ReadAt};
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Writes a sequence file.
+#[derive(Debug)]
+pub struct ReelWriter<W: Write> {
+    out: W,
+    /// For messages.
+    path: PathBuf,
+    options: ReelOptions,
+    index: Index,
+    /// Bytes written so far, by whomever.
+    written: u64,
+}
+
+impl ReelWriter<BufWriter<File>> {
+    /// A new file, in place of one of that name.
+    pub fn create(path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
+        let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
+        Self::new(BufWriter::new(file), path, options)
+    }
+
+    /// A new file of groups that are copied from others ([`ReelWriter::copy_groups`]), which says of itself what `like`
+    /// does.
+    pub fn create_like(path: &Path, like: &ReelFile) -> Result<Self, ReelError> {
+        let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
+        Self::with_head(BufWriter::new(file), path, ReelOptions::default(), like.head())
+    }
+
+    /// A file that is there, to which groups are added; what was written after its last whole group is lost. The frame
+    /// rate stays that of the file.
+    pub fn append_to(path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
+        options.check()?;
+        let io_error = |source| io_error(path, 0, source);
+        let file = OpenOptions::new().read(true).write(true).open(path).map_err(io_error)?;
+        let bytes: Arc<dyn ReadAt> = Arc::new(file.try_clone().map_err(io_error)?);
+        let reel = ReelFile::open(bytes, path)?;
+        let (index, end) = reel.into_index();
+        file.set_len(end).map_err(io_error)?;
+        let mut out = BufWriter::new(file);
+        out.seek(SeekFrom::Start(end)).map_err(io_error)?;
+        Ok(Self {
+            out,
+            path: path.to_owned(),
+            options,
+            index,
+            written: end,
+        })
+    }
+}
+
+fn io_error(path: &Path, byte: u64, source: std::io::Error) -> ReelError {
+    ReelError::Io {
+        path: path.to_owned(),
+        byte,
+        source,
+    }
+}
+
+impl<W: Write> ReelWriter<W> {
+    /// Writes to anything; `path` is for messages.
+    pub fn new(out: W, path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
+        options.check()?;
+        let head = Head {
+            fps: options.fps,
+            keyframes: options.keyframes,
+            settings: vec![
+                ("creator".into(), concat!("pointreel ", env!("CARGO_PKG_VERSION")).into()),
+                ("precision".into(), format!("{:?}", options.precision)),
+                ("normal bits".into(), options.normal_bits.to_string()),
+                ("colour error".into(), options.color_error.to_string()),
+                ("scalar bits".into(), options.scalar_bits.to_string()),
+            ],
+        };
+        Self::with_head(out, path, options, &head)
+    }
+
+    fn with_head(out: W, path: &Path, options: ReelOptions, head: &Head) -> Result<Self, ReelError> {
+        let mut writer = Self {
+            out,
+            path: path.to_owned(),
+            options,
+            index: Index::default(),
+            written: 0,
+        };
+        let mut begin = MAGIC.to_vec();
+        begin.extend(VERSION.iter().flat_map(|number| number.to_le_bytes()));
+        writer.put(&begin)?;
+        writer.chunk(ChunkKind::Head, &head.to_bytes(), &[])?;
+        Ok(writer)
+    }
+
+    fn put(&mut self, bytes: &[u8]) -> Result<(), ReelError> {
+        let byte = self.written;
+        self.out
+            .write_all(bytes)
+            .map_err(|source| io_error(&self.path, byte, source))?;
+        self.written += bytes.len() as u64;
+        Ok(())
+    }
+
+    fn chunk(&mut self, kind: ChunkKind, checked: &[u8], rest: &[u8]) -> Result<(), ReelError> {
+        let header = ChunkHeader::new(kind, checked, rest.len() as u64);
+        self.put(&header.to_bytes())?;
+        self.put(checked)?;
+        self.put(rest)
+    }
+
+    /// Encodes frames and writes them as a group: at most [`ReelOptions::keyframes`] of them is meant.
+    pub fn write_group(&mut self, frames: &[NewFrame<'_>]) -> Result<(), ReelError> {
+        let group = encode_group(frames, &self.options)?;
+        self.write_encoded(&group)
+    }
+
+    /// Writes a group that was encoded with the same options. Once this returns, whoever opens the file can read it.
+    pub fn write_encoded(&mut self, group: &EncodedGroup) -> Result<(), ReelError> {
+        let offset = self.written;
+        self.chunk(ChunkKind::Group, &group.directory_bytes, &group.data)?;
+        self.index.push(offset, &group.directory);
+        let byte = self.written;
+        self.out.flush().map_err(|source| io_error(&self.path, byte, source))
+    }
+
+    /// Writes the groups of another file behind those that are there, as they are.
+    pub fn copy_groups(&mut self, from: &ReelFile) -> Result<(), ReelError> {
+        for group in 0..from.groups().count() {
+            let (directory, chunk) = from.group_chunk(group)?;
+            let offset = self.written;
+            self.put(&chunk)?;
+            self.index.push(offset, &directory);
+        }
+        Ok(())
+    }
+
+    /// Number of frames so far, those that were there before counted.
+    pub fn frame_count(&self) -> usize {
+        self.index.frames.len()
+    }
+
+    /// Number of bytes so far.
+    pub fn byte_size(&self) -> u64 {
+        self.written
+    }
+
+    /// Writes the index, and gives back what was written to.
+    pub fn finish(mut self) -> Result<W, ReelError> {
+        let index_offset = self.written;
+        let index = self.index.to_bytes();
+        self.chunk(ChunkKind::Index, &index, &[])?;
+        self.put(&Trailer { index_offset }.to_bytes())?;
+        let byte = self.written;
+        self.out.flush().map_err(|source| io_error(&self.path, byte, source))?;
+        Ok(self.out)
+    }
+}
