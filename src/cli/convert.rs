@@ -106,7 +106,11 @@ fn outputs(
     sequence: &Sequence,
     frame_count: usize,
 ) -> anyhow::Result<(Output, WriteFormat)> {
-    let has_extension = |extension: &str| output.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    let has_extension = |extension: &str| {
+        output
+            .extension()
+            .is_some_and(|found| found.eq_ignore_ascii_case(extension))
+    };
     let format_by_name = WriteFormat::of_extension(output);
     let format = arguments.format.or(format_by_name).unwrap_or_default();
     if has_extension("reel") && !output.is_dir() {
@@ -133,7 +137,11 @@ fn outputs(
             output.display()
         );
     }
-    let output = if is_folder { Output::Folder(output.to_owned()) } else { Output::File(output.to_owned()) };
+    let output = if is_folder {
+        Output::Folder(output.to_owned())
+    } else {
+        Output::File(output.to_owned())
+    };
     Ok((output, format))
 }
 
@@ -146,10 +154,9 @@ fn tell(converted: &Converted, output: &Output) -> anyhow::Result<()> {
     }
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     let size = match output {
-        Output::Reel(path, _) => std::fs::metadata(path).map_or_else(
-            |_| String::new(),
-            |file| format!(", {} bytes in all", file.len()),
-        ),
+        Output::Reel(path, _) => {
+            std::fs::metadata(path).map_or_else(|_| String::new(), |file| format!(", {} bytes in all", file.len()))
+        }
         Output::File(_) | Output::Folder(_) => String::new(),
     };
     answer(&format!(

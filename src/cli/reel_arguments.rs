@@ -87,7 +87,10 @@ fn unit_of(sequence: &Sequence) -> Option<LengthUnit> {
 enum ReelPrecision {
     Lossless,
     /// A length, in units of the file or of so many metres.
-    Length { length: f64, metres: Option<f64> },
+    Length {
+        length: f64,
+        metres: Option<f64>,
+    },
 }
 
 impl std::str::FromStr for ReelPrecision {

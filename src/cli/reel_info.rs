@@ -37,7 +37,10 @@ impl ReelInfo {
 
     /// For people.
     pub(super) fn line(&self) -> String {
-        let streams = self.bits_by_stream.iter().map(|(name, bits)| format!("{name} {bits:.2}"));
+        let streams = self
+            .bits_by_stream
+            .iter()
+            .map(|(name, bits)| format!("{name} {bits:.2}"));
         let settings = self.settings.iter().map(|(name, value)| format!("{name} {value}"));
         format!(
             "{} bytes in {} groups, {:.2} bits a point ({}); {}",

@@ -92,7 +92,11 @@ pub(super) fn convert(
         None => {
             let group = group_length(sequence, frames, options);
             let left_out = Vec::new();
-            let ledger = Ledger { record, group, left_out };
+            let ledger = Ledger {
+                record,
+                group,
+                left_out,
+            };
             (Writer::create(&unfinished.file, options.clone())?, ledger)
         }
     };
@@ -153,7 +157,8 @@ fn encoded(
         match super::edited(sequence, frame, conversion) {
             Ok(mut cloud) => {
                 let warnings = std::mem::take(&mut cloud.warnings);
-                made.warnings.extend(warnings.into_iter().map(|warning| (frame, warning)));
+                made.warnings
+                    .extend(warnings.into_iter().map(|warning| (frame, warning)));
                 clouds.push((cloud, sequence.entry(frame)));
             }
             Err(error) => made.failed.push((frame, error)),
@@ -216,7 +221,10 @@ fn open(path: &Path) -> Result<ReelFile, ConvertError> {
 /// Gives a file that is whole its name.
 fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> Result<(), ConvertError> {
     let failed = write_error(output);
-    let file = writer.finish()?.into_inner().map_err(|error| failed(error.into_error()))?;
+    let file = writer
+        .finish()?
+        .into_inner()
+        .map_err(|error| failed(error.into_error()))?;
     // On the disk before it has its name.
     file.sync_data().map_err(failed)?;
     fs::rename(&unfinished.file, output).map_err(failed)?;

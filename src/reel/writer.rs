@@ -75,7 +75,10 @@ impl<W: Write> ReelWriter<W> {
             fps: options.fps,
             keyframes: options.keyframes,
             settings: vec![
-                ("creator".into(), concat!("pointreel ", env!("CARGO_PKG_VERSION")).into()),
+                (
+                    "creator".into(),
+                    concat!("pointreel ", env!("CARGO_PKG_VERSION")).into(),
+                ),
                 ("precision".into(), format!("{:?}", options.precision)),
                 ("normal bits".into(), options.normal_bits.to_string()),
                 ("colour error".into(), options.color_error.to_string()),

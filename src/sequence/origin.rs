@@ -225,10 +225,9 @@ mod tests {
         };
         let sources = ["a.ply", "b.ply"].map(FrameEntry::file);
         let source = FrameList::new(sources.into(), move |_, _| Ok(cloud((0..1000).collect())));
-        let sequence =
-            Sequence::of(source.with_sample(move |_, most, fewest| {
-                Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)).into(), 1000)))
-            }));
+        let sequence = Sequence::of(source.with_sample(move |_, most, fewest| {
+            Ok((fewest <= 1000).then(|| (cloud(even_places(1000, most)).into(), 1000)))
+        }));
         assert!(sequence.load_sample(1, 100, 0).is_none(), "the first one decides");
         assert!(sequence.load_sample(0, 100, 1001).is_none(), "too few");
         let sample = sequence.load_sample(0, 100, 1000).unwrap().frame;

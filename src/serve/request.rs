@@ -34,10 +34,16 @@ impl Request {
             return Ok(None);
         };
         let header = |name: &str| {
-            let found = parsed.headers.iter().find(|header| header.name.eq_ignore_ascii_case(name));
-            found.and_then(|header| std::str::from_utf8(header.value).ok()).map(str::trim)
+            let found = parsed
+                .headers
+                .iter()
+                .find(|header| header.name.eq_ignore_ascii_case(name));
+            found
+                .and_then(|header| std::str::from_utf8(header.value).ok())
+                .map(str::trim)
         };
-        let has_body = header("content-length").is_some_and(|length| length != "0") || header("transfer-encoding").is_some();
+        let has_body =
+            header("content-length").is_some_and(|length| length != "0") || header("transfer-encoding").is_some();
         let closes = header("connection").is_some_and(|value| value.eq_ignore_ascii_case("close"));
         let request = Self {
             method: match parsed.method {
@@ -99,15 +105,21 @@ impl Request {
         let mut answer = plain(status);
         answer.length = range.end - range.start;
         answer.fields.push(("Accept-Ranges", "bytes".to_owned()));
-        answer.fields.push(("Content-Type", "application/octet-stream".to_owned()));
+        answer
+            .fields
+            .push(("Content-Type", "application/octet-stream".to_owned()));
         // A picture of points in a page of somebody else's may read it.
         answer.fields.push(("Access-Control-Allow-Origin", "*".to_owned()));
         if let Some(age) = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok()) {
-            answer.fields.push(("ETag", format!("\"{len:x}-{:x}\"", age.as_nanos())));
+            answer
+                .fields
+                .push(("ETag", format!("\"{len:x}-{:x}\"", age.as_nanos())));
         }
         if status.starts_with("206") {
             let last = range.end - 1;
-            answer.fields.push(("Content-Range", format!("bytes {}-{last}/{len}", range.start)));
+            answer
+                .fields
+                .push(("Content-Range", format!("bytes {}-{last}/{len}", range.start)));
         }
         answer.body = (self.method == Method::Get).then_some(range);
         answer
@@ -161,7 +173,11 @@ fn parsed_range(text: &str, len: u64) -> ParsedRange {
         (false, Ok(first), Err(_)) if last.trim().is_empty() => first..len,
         _ => return ParsedRange::Other,
     };
-    if range.is_empty() { ParsedRange::Outside } else { ParsedRange::Bytes(range) }
+    if range.is_empty() {
+        ParsedRange::Outside
+    } else {
+        ParsedRange::Bytes(range)
+    }
 }
 
 /// A name as it stands in a URL: all but letters, digits and `-._~` as `%` and two digits (RFC 3986 §2.1).

@@ -91,8 +91,12 @@ impl Opened {
     }
 
     fn on_web(path: &Path, url: &str, most_bits_per_s: Option<f64>) -> Result<Self, ReelError> {
-        let file = HttpFile::open(url, most_bits_per_s).map_err(open_error(path))?;
-        Self::of(Arc::new(file), path)
+        let file = if url.starts_with("https:") {
+            Err(std::io::Error::other("https:// is not read, only http:// is"))
+        } else {
+            HttpFile::open(url, most_bits_per_s)
+        };
+        Self::of(Arc::new(file.map_err(open_error(path))?), path)
     }
 
     fn of(bytes: Arc<dyn ReadAt>, path: &Path) -> Result<Self, ReelError> {

@@ -104,7 +104,10 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
     dialog = dialog.set_title(title);
     match kind {
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
-            .add_filter("Point clouds", &io::supported_extensions().chain(["reel"]).collect::<Vec<_>>())
+            .add_filter(
+                "Point clouds",
+                &io::supported_extensions().chain(["reel"]).collect::<Vec<_>>(),
+            )
             .add_filter("All files", &["*"])
             .pick_files(),
         DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => one(dialog.pick_folder()),

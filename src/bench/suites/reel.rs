@@ -123,7 +123,10 @@ fn consecutive(subject: &Subject<'_>) -> Result<Vec<Decoded>, BenchError> {
     });
     let frames: Vec<Decoded> = decoded.filter(|frame| !frame.cloud.positions.is_empty()).collect();
     if frames.is_empty() {
-        return Err(BenchError::Nothing(format!("{} has no frame with points", subject.name)));
+        return Err(BenchError::Nothing(format!(
+            "{} has no frame with points",
+            subject.name
+        )));
     }
     Ok(frames)
 }
@@ -145,12 +148,7 @@ struct ReelSamples {
 
 impl ReelSamples {
     /// Writes `frames` and reads them back `repeats` times.
-    fn of(
-        frames: &[Decoded],
-        options: &ReelOptions,
-        repeats: usize,
-        progress: &Progress,
-    ) -> Result<Self, BenchError> {
+    fn of(frames: &[Decoded], options: &ReelOptions, repeats: usize, progress: &Progress) -> Result<Self, BenchError> {
         let (mut encode_ms, mut decode_ms) = (Vec::new(), Vec::new());
         let mut bytes = Vec::new();
         let mut first = None;
@@ -241,10 +239,16 @@ fn d1_psnr_db(reference: &RawCloud, test: &RawCloud) -> Option<f64> {
     let (min, _) = bounds?;
     let near = |cloud: &RawCloud| -> Vec<Vec3> {
         let points = (0..cloud.positions.len()).map(|index| cloud.positions.get(index) - min);
-        points.filter(|point| point.is_finite()).map(|point| point.as_vec3()).collect()
+        points
+            .filter(|point| point.is_finite())
+            .map(|point| point.as_vec3())
+            .collect()
     };
     let (reference, test) = (near(reference), near(test));
     let peak = Aabb::from_points(&reference).extent().max_element();
     let error = GeometryError::of(&reference, None, &test).ok()?;
-    error.point_to_point.psnr_db(f64::from(peak)).filter(|psnr| psnr.is_finite())
+    error
+        .point_to_point
+        .psnr_db(f64::from(peak))
+        .filter(|psnr| psnr.is_finite())
 }

@@ -53,7 +53,9 @@ pub(super) struct HttpFile {
 impl std::fmt::Debug for HttpFile {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut text = formatter.debug_struct("HttpFile");
-        text.field("url", &self.url).field("len", &self.len).finish_non_exhaustive()
+        text.field("url", &self.url)
+            .field("len", &self.len)
+            .finish_non_exhaustive()
     }
 }
 
@@ -88,9 +90,8 @@ impl HttpFile {
         };
         let (whole, version) = file.again_and_again(|file| {
             let response = file.ask(0..1)?;
-            let whole = whole_length(response.headers()).ok_or_else(|| {
-                Failure::Refused(io::Error::other("the server does not say how long the file is"))
-            })?;
+            let whole = whole_length(response.headers())
+                .ok_or_else(|| Failure::Refused(io::Error::other("the server does not say how long the file is")))?;
             Ok((whole, version_of(response.headers())))
         })?;
         (file.len, file.version) = (whole, version);
@@ -102,9 +103,10 @@ impl HttpFile {
         let wanted = format!("bytes={}-{}", range.start, range.end - 1);
         let response = self.agent.get(&self.url).header(header::RANGE, &wanted).call();
         let response = response.map_err(|error| match error {
-            ureq::Error::Io(_) | ureq::Error::Timeout(_) | ureq::Error::ConnectionFailed | ureq::Error::HostNotFound => {
-                Failure::Broken(io::Error::other(error))
-            }
+            ureq::Error::Io(_)
+            | ureq::Error::Timeout(_)
+            | ureq::Error::ConnectionFailed
+            | ureq::Error::HostNotFound => Failure::Broken(io::Error::other(error)),
             error => Failure::Refused(io::Error::other(error)),
         })?;
         let refused = |reason: String| Err(Failure::Refused(io::Error::other(reason)));
@@ -122,7 +124,9 @@ impl HttpFile {
             // No byte beyond the end is ever asked for.
             StatusCode::RANGE_NOT_SATISFIABLE => return refused(CHANGED.to_owned()),
             status if status.is_server_error() => {
-                return Err(Failure::Broken(io::Error::other(format!("the server answers {status}"))));
+                return Err(Failure::Broken(io::Error::other(format!(
+                    "the server answers {status}"
+                ))));
             }
             status => return refused(format!("the server answers {status}")),
         }
