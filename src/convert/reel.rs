@@ -2,7 +2,7 @@
 //!
 //! **How it works.** Frames are read, edited and encoded group by group, as many groups at a time as there are cores,
 //! and written in their order under a hidden name. Beside that file lies what it is made with and how far it has come
-//! ([`Progress of it`](Ledger)), so that an interrupted conversion goes on behind its last whole group. Frames that
+//! ([`Ledger`]), so that an interrupted conversion goes on behind its last whole group. Frames that
 //! cannot be read are left out and said. Shards take runs of groups one after the other, so that their files are joined
 //! by writing one behind the other ([`join`]).
 
@@ -87,18 +87,16 @@ pub(super) fn convert(
     }
     let unfinished = Unfinished::of(output);
     let record = Record::of(conversion, sequence);
-    let (mut writer, mut ledger) = match unfinished.ledger(&record, &entries).filter(|_| !conversion.overwrites) {
-        Some(ledger) => (Writer::append_to(&unfinished.file, options.clone())?, ledger),
-        None => {
-            let group = group_length(sequence, frames, options);
-            let left_out = Vec::new();
-            let ledger = Ledger {
-                record,
-                group,
-                left_out,
-            };
-            (Writer::create(&unfinished.file, options.clone())?, ledger)
-        }
+    let known = unfinished.ledger(&record, &entries).filter(|_| !conversion.overwrites);
+    let (mut writer, mut ledger) = if let Some(ledger) = known {
+        (Writer::append_to(&unfinished.file, options.clone())?, ledger)
+    } else {
+        let ledger = Ledger {
+            record,
+            group: group_length(sequence, frames, options),
+            left_out: Vec::new(),
+        };
+        (Writer::create(&unfinished.file, options.clone())?, ledger)
     };
     converted.left = writer.frame_count();
     let readable = |frame: &usize| !ledger.left_out.contains(frame);

@@ -27,7 +27,7 @@ fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
     };
     let frames = FrameList::new(sources.collect(), move |_, _| Ok(cloud((0..points).collect())));
     Arc::new(Sequence::of(frames.with_sample(move |_, most, fewest| {
-        Ok((points >= fewest).then(|| (cloud(even_places(points, most)), points)))
+        Ok((points >= fewest).then(|| (cloud(even_places(points, most)).into(), points)))
     })))
 }
 

@@ -272,13 +272,13 @@ impl Sequence {
     pub(crate) fn load(&self, index: usize, detail: Detail, progress: &Progress) -> Result<LoadedFrame, FrameError> {
         let origin = self.origin.origin(self, progress);
         let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let (decoded, decoder_ms) = match self.origin.take_kept(index) {
-            Some(kept) => kept.map(|(raw, ms)| (raw.into(), ms))?,
-            None => {
-                let start = Instant::now();
-                let decoded = self.decode_observed(index, detail, progress)?;
-                (decoded, milliseconds_since(start))
-            }
+        let (decoded, decoder_ms) = if let Some(kept) = self.origin.take_kept(index) {
+            let (raw, decoder_ms) = kept?;
+            (raw.into(), decoder_ms)
+        } else {
+            let start = Instant::now();
+            let decoded = self.decode_observed(index, detail, progress)?;
+            (decoded, milliseconds_since(start))
         };
         let start = Instant::now();
         let has_levels = decoded.level.is_some();

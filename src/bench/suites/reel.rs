@@ -238,11 +238,9 @@ fn d1_psnr_db(reference: &RawCloud, test: &RawCloud) -> Option<f64> {
     let (_, bounds) = reference.positions.finite_bounds();
     let (min, _) = bounds?;
     let near = |cloud: &RawCloud| -> Vec<Vec3> {
-        let points = (0..cloud.positions.len()).map(|index| cloud.positions.get(index) - min);
-        points
-            .filter(|point| point.is_finite())
-            .map(|point| point.as_vec3())
-            .collect()
+        let all = 0..cloud.positions.len();
+        let points = all.map(|index| (cloud.positions.get(index) - min).as_vec3());
+        points.filter(|point| point.is_finite()).collect()
     };
     let (reference, test) = (near(reference), near(test));
     let peak = Aabb::from_points(&reference).extent().max_element();
