@@ -259,6 +259,32 @@ fn structures_of_levels_of_detail_are_measured_from_three_distances() {
 }
 
 #[test]
+fn sequence_files_are_measured_by_stream() {
+    let report = measure(&small(suites::REEL));
+    assert_files_agree(&report);
+    let bits = numbers(&report, "bits_per_point");
+    let [density, alone, voxels, lossless] = bits[..] else {
+        panic!("a row for each choice of options: {bits:?}");
+    };
+    assert!(voxels < lossless && density < lossless, "{bits:?}");
+    // Frames of a group share a directory, and their coordinates one cube.
+    assert!(density < 1.05 * alone, "{bits:?}");
+    let streams = ["geometry", "position", "color", "normal", "offset", "radius", "scalar", "order"];
+    let sums = streams.map(|stream| numbers(&report, &format!("{stream}_bits")));
+    for (row, bits) in bits.iter().enumerate() {
+        let sum: f64 = sums.iter().map(|stream| stream[row]).sum();
+        assert!(sum > 0.8 * bits && sum < *bits, "{sum} of {bits}");
+    }
+    for key in ["encode_ms", "decode_ms"] {
+        assert!(numbers(&report, key).iter().all(|&ms| ms > 0.0));
+    }
+    // Ten bits keep a tenth of a percent of the longest side; without loss there is no error, and so no ratio to it.
+    let psnr = |row: usize| report.value(&report.rows[row], "d1_psnr").and_then(Cell::number);
+    assert!(psnr(2).unwrap() > 60.0);
+    assert_eq!(psnr(3), None);
+}
+
+#[test]
 fn primitives_are_measured_with_the_work_of_their_shaders() {
     let options = BenchOptions {
         cloud_points: vec![3000],
