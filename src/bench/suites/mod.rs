@@ -8,6 +8,7 @@ mod error;
 mod lod;
 mod octree;
 mod paper_style;
+mod pass_samples;
 mod play;
 mod primitives;
 mod render;

@@ -5,9 +5,10 @@
 //! same pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size
 //! in the scene are about as large as the disks of surfels, so that all but single pixels cover as much.
 //!
-//! The second table counts what the shaders of each pass do, in naga's intermediate representation, beside what the
+//! The second table has the time of each pass on the adapter's clock, the third counts what the shaders of each pass do, in naga's intermediate representation, beside what the
 //! paper counted in its instructions.
 
+use super::pass_samples::PassSamples;
 use super::turning::{VIEWS, cameras};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
@@ -26,9 +27,10 @@ use crate::sequence::{Needs, PreparedFrame};
 
 /// Names of the tables.
 const SPEED: &str = "speed";
+const PASSES: &str = "passes";
 const COMPLEXITY: &str = "complexity";
 
-/// Columns of both tables; the first says which one a row belongs to.
+/// Columns of all tables; the first says which one a row belongs to.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
@@ -42,8 +44,9 @@ const COLUMNS: &[Column] = &[
     Column::number("adapter_ms_mean", "adapter ms", 2),
     Column::number("adapter_mpoints_per_s", "M points/s", 1),
     Column::number("samples", "pictures", 0).hidden(),
-    // Complexity.
+    // Passes and complexity.
     Column::text("pass", "pass"),
+    Column::number("pass_gpu_ms_median", "GPU ms", 3),
     Column::number("vertex_operations", "vertex operations", 0),
     Column::number("vertex_buffer_reads", "buffer reads", 0),
     Column::number("vertex_texture_reads", "texture reads", 0),
@@ -63,7 +66,7 @@ pub const PRIMITIVES: &Suite = &Suite {
            Fig. 5 and Table 1)",
     description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
     measured: "CPU wall time from packet to finished picture, processor and adapter in turn; points a second are all \
-        points over all times; of voxels, leaves; operations and reads of shaders are counted in naga's \
+        points over all times; of voxels, leaves; passes are timed by timestamps of the adapter, median; operations and reads of shaders are counted in naga's \
         intermediate representation, with all branches and the storage strategy",
     not_measured: "decoding, normals, radii, ellipses, octrees, uploads, reading back, showing; the paper's are \
         instructions of the Cg compiler for a GeForce 5900, with lights for each vertex",
@@ -146,6 +149,7 @@ struct Samples {
     records: Vec<f64>,
     processor_ms: Vec<f64>,
     adapter_ms: Vec<f64>,
+    passes: PassSamples,
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -193,6 +197,11 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         views.map(move |((view, _), samples)| samples.row((subject.name, points), primitive, view))
     });
     run.finish(subject, &point_counts, &[], rows);
+    let pass_rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
+        let views = VIEWS.into_iter().zip(samples);
+        views.flat_map(move |((view, _), samples)| samples.pass_rows(subject.name, primitive, view))
+    });
+    run.add_rows(pass_rows);
     let of_primitive = |(primitive, passes): (&'static str, Vec<PassComplexity>)| {
         passes.into_iter().map(move |pass| complexity_row(primitive, &pass))
     };
@@ -239,21 +248,29 @@ impl Samples {
             for packet in packets {
                 run.check_cancelled()?;
                 let processor_ms = processor.draw(packet)?.wall_ms;
-                let adapter_ms = if has_adapter {
+                let of_adapter = if has_adapter {
                     // What is uploaded is not drawing.
                     run.runner.upload(packet)?;
-                    Some(run.runner.draw(packet)?.wall_ms)
+                    Some(run.runner.draw(packet)?)
                 } else {
                     None
                 };
                 if round >= run.options.warmup {
                     self.records.push(packet.content.record_count() as f64);
                     self.processor_ms.push(processor_ms);
-                    self.adapter_ms.extend(adapter_ms);
+                    if let Some(time) = of_adapter {
+                        self.adapter_ms.push(time.wall_ms);
+                        self.passes.add(&time.gpu_passes);
+                    }
                 }
             }
         }
         Ok(())
+    }
+
+    fn pass_rows(&self, sequence: &str, primitive: &str, view: &str) -> impl Iterator<Item = Row> {
+        let medians_ms = self.passes.medians_ms();
+        medians_ms.map(move |pass| pass_row(sequence, primitive, view, pass))
     }
 
     fn row(&self, (sequence, points): (&str, f64), primitive: &str, view: &str) -> Row {
@@ -280,6 +297,20 @@ impl Samples {
             ],
         )
     }
+}
+
+fn pass_row(sequence: &str, primitive: &str, view: &str, (pass, gpu_ms): (&str, f64)) -> Row {
+    Row::of_table(
+        COLUMNS,
+        PASSES,
+        &[
+            ("sequence", Cell::Text(sequence.to_owned())),
+            ("primitive", Cell::Text(primitive.to_owned())),
+            ("view", Cell::Text(view.to_owned())),
+            ("pass", Cell::Text(pass.to_owned())),
+            ("pass_gpu_ms_median", Cell::Number(gpu_ms)),
+        ],
+    )
 }
 
 fn complexity_row(primitive: &str, complexity: &PassComplexity) -> Row {

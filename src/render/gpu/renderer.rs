@@ -9,7 +9,7 @@ use super::plan::{Plan, VIEWS};
 use super::readback::read_color;
 use super::residency::{Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
-use super::timer::Timer;
+use super::timer::{GpuTimes, Timer};
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::{Antialiasing, ScenePacket, Strategy, Style};
 use std::sync::Arc;
@@ -105,9 +105,7 @@ impl GpuRenderer {
     /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
-        let gpu_ms = self.timer.as_mut()?.wait_ms(&context);
-        self.stats.gpu_ms = gpu_ms;
-        gpu_ms
+        self.timer.as_mut()?.wait(&context)?.total_ms
     }
 
     /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
@@ -148,7 +146,7 @@ impl GpuRenderer {
         let label = wgpu::CommandEncoderDescriptor { label: Some("picture") };
         let mut encoder = self.context.device.create_command_encoder(&label);
         if let Some(timer) = &mut self.timer {
-            timer.begin(&self.context, &mut encoder);
+            timer.begin(&self.context);
         }
         let mut recorder = Recorder {
             context: &self.context,
@@ -157,6 +155,7 @@ impl GpuRenderer {
             view_group: &self.view_group,
             view_stride: self.view_stride,
             encoder: &mut encoder,
+            timer: self.timer.as_mut(),
             stats: &mut self.stats,
         };
         let background = packet.style.backdrop.background;
@@ -321,8 +320,10 @@ impl Renderer for GpuRenderer {
     }
 
     fn stats(&self) -> RenderStats {
+        let GpuTimes { total_ms, passes } = self.timer.as_ref().map_or_else(GpuTimes::default, Timer::last);
         RenderStats {
-            gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
+            gpu_ms: total_ms,
+            gpu_passes: passes,
             ..self.stats
         }
     }

@@ -12,6 +12,7 @@ use super::stream::{Chunk, Draw, ViewBinding};
 use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
+use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::wgsl;
 use std::collections::HashMap;
@@ -178,12 +179,12 @@ impl Instancing for Compute {
 
     fn amplify(
         &mut self,
-        context: &Context,
-        encoder: &mut wgpu::CommandEncoder,
+        recording: &mut Recording<'_>,
         view: ViewBinding<'_>,
         draw: &Draw<'_>,
     ) -> u64 {
         let amplification = draw.amplification;
+        let context = recording.context;
         // What an earlier cloud left over must not be drawn.
         self.outputs.truncate(draw.chunk_count());
         if !amplification.compute_amplifies || draw.chunk_count() == 0 {
@@ -210,10 +211,7 @@ impl Instancing for Compute {
             }
         }
         let pipelines = &self.pipelines[amplification.name];
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("amplify"),
-            timestamp_writes: None,
-        });
+        let mut pass = recording.begin_compute("amplify");
         pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
         for (chunk, output) in self.outputs.iter().enumerate() {
             for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {

@@ -2,6 +2,7 @@
 
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
+use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
 use std::{fmt, iter};
 
@@ -59,8 +60,7 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     /// Work before a render pass. Returns the number of compute passes.
     fn amplify(
         &mut self,
-        _context: &Context,
-        _encoder: &mut wgpu::CommandEncoder,
+        _recording: &mut Recording<'_>,
         _view: ViewBinding<'_>,
         _draw: &Draw<'_>,
     ) -> u64 {
