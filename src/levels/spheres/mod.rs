@@ -1,6 +1,6 @@
 //! Trees of spheres: the structures of paper 002 §3.2 and §3.3 beside the octree.
 //!
-//! All are made of one tree (`tree.rs`) and decide by one rule (`rule.rs`), so that they draw the same nodes:
+//! All are made of a tree (`tree.rs`) and decide by one rule (`rule.rs`), so that all draw the same nodes of one:
 //!
 //! - *QSplat* (`qsplat.rs`): six bytes a node, traversed from the root.
 //! - *Sequential point trees* (`sequential.rs`): sorted nodes, of which a prefix is tested one by one; as one sequence,
@@ -33,7 +33,7 @@ use printed::PrintedSequence;
 use qsplat::QSplat;
 use sequential::{HIERARCHY_POINTS, SequentialTree};
 use std::sync::Arc;
-use tree::SphereTree;
+use tree::{Precision, SphereTree};
 
 /// What a tree of spheres is stored as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,12 @@ impl SphereLevels {
     /// # Panics
     /// Preconditions: as many of both, in the Morton order of the cube around the points.
     pub fn build(kind: SphereKind, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
-        let tree = SphereTree::build(&points, &shapes);
+        let precision = if kind == SphereKind::QSplat {
+            Precision::Coded
+        } else {
+            Precision::Exact
+        };
+        let tree = SphereTree::build(&points, &shapes, precision);
         let structure = match kind {
             SphereKind::QSplat => Structure::QSplat(QSplat::of(&tree, &points, &shapes)),
             SphereKind::Sequential => Structure::Sequential(SequentialTree::of(&tree, usize::MAX)),

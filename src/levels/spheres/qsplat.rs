@@ -62,7 +62,7 @@ fn group_starts(tree: &SphereTree) -> Vec<usize> {
 }
 
 impl QSplat {
-    /// The codes of a tree of these points.
+    /// The codes of a coded tree of these points.
     pub(super) fn of(tree: &SphereTree, points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
         let Some(root) = tree.nodes.first() else {
             return Self {
@@ -75,9 +75,7 @@ impl QSplat {
         let inners = &tree.division.inners;
         let code_of = |index: usize| {
             let node = &inners[index];
-            tree.nodes[index]
-                .code
-                .with_children(node.child_count(), !node.inner_children().is_empty())
+            tree.codes[index].with_children(node.child_count(), !node.inner_children().is_empty())
         };
         let write_group = |parent: usize, group: &mut [u16]| {
             let node = &inners[parent];
