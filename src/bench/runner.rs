@@ -4,8 +4,9 @@
 //! back or shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before:
 //! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
+use crate::levels::Selection;
 use crate::render::{AnyRenderer, PassTimes, RenderError, Renderer};
-use crate::scene::{Content, ScenePacket, Surfels, Voxels};
+use crate::scene::{Content, ScenePacket, Selected, Surfels, Voxels};
 use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
@@ -102,6 +103,10 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
         Content::Surfels(surfels) => Content::Surfels(Surfels {
             points: first(&surfels.points),
             shapes: first(&surfels.shapes),
+        }),
+        Content::Selected(selected) => Content::Selected(Selected {
+            selection: Arc::new(Selection::At(vec![0; 1.min(selected.selection.len())])),
+            ..selected.clone()
         }),
         Content::Voxels(voxels) => Content::Voxels(Voxels {
             records: first(&voxels.records),

@@ -3,6 +3,7 @@
 mod any;
 mod constants;
 pub mod cpu;
+mod gathered;
 pub mod gpu;
 mod pass_times;
 pub mod truth;

@@ -12,6 +12,7 @@ mod pass_samples;
 mod play;
 mod primitives;
 mod render;
+mod torus_mesh;
 mod traversals;
 mod turning;
 mod window;

@@ -148,13 +148,26 @@ impl SequentialTree {
         shapes: &[ShapeRecord],
         buffers: RecordBuffers,
     ) -> Records {
-        splat::write(&cut.listed.drawn, buffers, |name| {
-            if let Some(inner) = self.inners.get(name as usize) {
-                return inner.splat.records();
-            }
-            let point = self.leaves[name as usize - self.inners.len()].point as usize;
-            (points[point], shapes[point])
+        splat::write(&cut.listed.drawn, buffers, |name| self.records(name, points, shapes))
+    }
+
+    /// Of all nodes, by their names.
+    pub(super) fn node_records(
+        &self,
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
+    ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+        splat::all(self.inners.len() + self.leaves.len(), |name| {
+            self.records(name, points, shapes)
         })
+    }
+
+    fn records(&self, name: u32, points: &[PointRecord], shapes: &[ShapeRecord]) -> (PointRecord, ShapeRecord) {
+        if let Some(inner) = self.inners.get(name as usize) {
+            return inner.splat.records();
+        }
+        let point = self.leaves[name as usize - self.inners.len()].point as usize;
+        (points[point], shapes[point])
     }
 }
 

@@ -35,7 +35,32 @@ pub(super) struct Recording<'a> {
     timer: Option<&'a mut Timer>,
 }
 
-impl Recording<'_> {
+impl<'a> Recording<'a> {
+    /// Of what comes before the passes of a picture.
+    pub(super) fn new(
+        context: &'a Context,
+        encoder: &'a mut wgpu::CommandEncoder,
+        timer: Option<&'a mut Timer>,
+    ) -> Self {
+        Self {
+            context,
+            encoder,
+            timer,
+        }
+    }
+
+    /// Copies a buffer to all of a texture.
+    pub(super) fn copy_to_texture(
+        &mut self,
+        buffer: &wgpu::Buffer,
+        layout: wgpu::TexelCopyBufferLayout,
+        texture: &wgpu::Texture,
+    ) {
+        let from = wgpu::TexelCopyBufferInfo { buffer, layout };
+        self.encoder
+            .copy_buffer_to_texture(from, texture.as_image_copy(), texture.size());
+    }
+
     /// Begins a compute pass.
     pub(super) fn begin_compute(&mut self, label: &'static str) -> wgpu::ComputePass<'_> {
         let stamps = self.timer.as_deref_mut().and_then(|timer| timer.stamps(label));
@@ -116,11 +141,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn amplify(&mut self, view: ViewBinding<'_>, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
-        let mut recording = Recording {
-            context: self.context,
-            encoder: self.encoder,
-            timer: self.timer.as_deref_mut(),
-        };
+        let mut recording = Recording::new(self.context, self.encoder, self.timer.as_deref_mut());
         self.stats.passes += instancing.amplify(&mut recording, view, draw);
     }
 

@@ -202,10 +202,7 @@ mod tests {
         let times = GpuTimes::of(&["first", "backwards", "last"], &ticks, 1.0);
         assert_eq!(times.total_ms, Some(4.0));
         let passes: Vec<_> = times.passes.iter().map(|time| (time.pass, time.gpu_ms)).collect();
-        assert_eq!(
-            passes,
-            [("first", Some(1.0)), ("backwards", None), ("last", Some(2.0))]
-        );
+        assert_eq!(passes, [("first", Some(1.0)), ("backwards", None), ("last", Some(2.0))]);
         assert_eq!(GpuTimes::of(&[], &ticks, 1.0), GpuTimes::default());
     }
 }

@@ -6,6 +6,7 @@
 //! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
 
 use super::binding::{max_indexed_records, single_binding};
+use super::room::Room;
 use super::storage::{self, Storage};
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, ViewBinding};
@@ -177,12 +178,7 @@ impl Instancing for Compute {
             .min(max_indexed_records(context, amplification))
     }
 
-    fn amplify(
-        &mut self,
-        recording: &mut Recording<'_>,
-        view: ViewBinding<'_>,
-        draw: &Draw<'_>,
-    ) -> u64 {
+    fn amplify(&mut self, recording: &mut Recording<'_>, view: ViewBinding<'_>, draw: &Draw<'_>) -> u64 {
         let amplification = draw.amplification;
         let context = recording.context;
         // What an earlier cloud left over must not be drawn.
@@ -244,5 +240,13 @@ impl Instancing for Compute {
 impl RecordInstancing for Compute {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         self.storage.upload(context, records)
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        self.storage.room(context, capacity)
+    }
+
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+        self.storage.chunk_in(context, room, record_count)
     }
 }
