@@ -10,7 +10,8 @@ mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
-    LampUniform, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
+    Gathering, LampUniform, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord, VertexRecord,
+    ViewUniform,
 };
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
@@ -73,6 +74,7 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
+        Permutation::Gather => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);
@@ -115,6 +117,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         texture
     );
     assert_layout!(TexturePlace, "TexturePlace", first, width, height, unused);
+    assert_layout!(Gathering, "Gathering", first, count, step, radius_factor);
     assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);
     assert_layout!(

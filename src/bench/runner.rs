@@ -4,8 +4,9 @@
 //! back or shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before:
 //! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
 
-use crate::render::{AnyRenderer, RenderError, Renderer};
-use crate::scene::{Content, ScenePacket, Surfels, Voxels};
+use crate::levels::Selection;
+use crate::render::{AnyRenderer, PassTimes, RenderError, Renderer};
+use crate::scene::{Content, ScenePacket, Selected, Surfels, Voxels};
 use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,6 +18,8 @@ pub(super) struct DrawTime {
     pub(super) wall_ms: f64,
     /// Its passes, on the GPU's clock.
     pub(super) gpu_ms: Option<f64>,
+    /// Each of them.
+    pub(super) gpu_passes: PassTimes,
 }
 
 /// What one upload took.
@@ -69,9 +72,11 @@ impl Runner {
         self.renderer.render()?;
         self.renderer.wait()?;
         let wall_ms = milliseconds_since(start);
+        let gpu_ms = self.renderer.wait_gpu_ms();
         Ok(DrawTime {
             wall_ms,
-            gpu_ms: self.renderer.wait_gpu_ms(),
+            gpu_ms,
+            gpu_passes: self.renderer.stats().gpu_passes,
         })
     }
 
@@ -98,6 +103,10 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
         Content::Surfels(surfels) => Content::Surfels(Surfels {
             points: first(&surfels.points),
             shapes: first(&surfels.shapes),
+        }),
+        Content::Selected(selected) => Content::Selected(Selected {
+            selection: Arc::new(Selection::At(vec![0; 1.min(selected.selection.len())])),
+            ..selected.clone()
         }),
         Content::Voxels(voxels) => Content::Voxels(Voxels {
             records: first(&voxels.records),

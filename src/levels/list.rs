@@ -8,6 +8,7 @@
 //! When it wins: where a frame is seen once, from outside, and there is no time to build a tree.
 
 use super::cut::{Cut, CutHints, NodeRange, SelectView};
+use super::selection::{NodeRecords, Selection};
 use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord, radius_factor};
 use std::sync::Arc;
@@ -44,6 +45,22 @@ impl PointList {
         1 << (self.depth() - level.min(self.depth()))
     }
 
+    fn nodes(&self) -> NodeRecords {
+        NodeRecords {
+            points: Arc::clone(&self.points),
+            shapes: Arc::clone(&self.shapes),
+        }
+    }
+
+    fn selection(&self, cut: &Cut) -> Selection {
+        let level = cut.ranges.first().map_or(0, |range| range.level);
+        Selection::Every {
+            step: self.step(level) as u32,
+            count: cut.node_count as u32,
+            radius_factor: radius_factor(self.points.len(), cut.node_count),
+        }
+    }
+
     fn cut_at(&self, level: u32, lod_px: f32) -> Cut {
         let count = self.points.len();
         let mut cut = Cut {
@@ -78,19 +95,15 @@ impl Levels for PointList {
     }
 
     fn write(&self, cut: &Cut, _: usize, buffers: RecordBuffers) -> Records {
-        let (mut points, mut shapes) = (buffers.points, buffers.shapes);
-        points.clear();
-        shapes.clear();
-        for range in &cut.ranges {
-            let step = self.step(range.level);
-            let factor = radius_factor(self.points.len(), cut.node_count);
-            points.extend(self.points.iter().step_by(step));
-            shapes.extend(self.shapes.iter().step_by(step).map(|&shape| ShapeRecord {
-                radius: factor * shape.radius,
-                ..shape
-            }));
-        }
+        let (points, shapes) = self.selection(cut).gathered(&self.nodes(), buffers);
         Records::Surfels { points, shapes }
+    }
+
+    fn select(&self, cut: &Cut, _: &mut RecordBuffers) -> Option<Records> {
+        Some(Records::Selected {
+            nodes: self.nodes(),
+            selection: self.selection(cut),
+        })
     }
 }
 

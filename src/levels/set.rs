@@ -168,11 +168,12 @@ impl LevelsSet {
     pub fn byte_size(&self) -> usize {
         let octree = self.octree().map_or(0, |octree| octree.byte_size());
         let surfels = self.surfels().map_or(0, |surfels| surfels.most_bytes());
-        let spheres = match &self.made {
-            Some(Made::Spheres(spheres)) => spheres.size().bytes,
+        let of_made = match &self.made {
+            Some(Made::Spheres(spheres)) => spheres.most_bytes(),
+            Some(Made::Surfels(surfels)) => surfels.most_selectable_bytes(),
             _ => 0,
         };
-        octree + surfels + spheres + self.codes().map_or(0, |codes| codes.byte_size())
+        octree + surfels + of_made + self.codes().map_or(0, |codes| codes.byte_size())
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a structure of levels of detail is to whoever draws with it.
 
 use super::cut::{Cut, CutHints, SelectView};
+use super::selection::{NodeRecords, Selection};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use std::fmt::Debug;
 
@@ -14,6 +15,12 @@ pub trait Levels: Debug + Send + Sync {
     /// What is drawn of a cut of these levels, in the memory of `buffers`. What only decorates nodes, such as the
     /// cells that close gaps, is left out where there would be more than `most_records`.
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
+
+    /// The same as places among records that stay, for whoever keeps these on a graphics card. `None` where there are no
+    /// such records, or not yet: see [`Levels::write`]. Of `buffers` it takes the memory for places alone.
+    fn select(&self, _cut: &Cut, _buffers: &mut RecordBuffers) -> Option<Records> {
+        None
+    }
 
     /// How large it is.
     fn size(&self) -> LevelsSize;
@@ -82,6 +89,13 @@ pub enum Records {
         /// Normals and radii.
         shapes: Vec<ShapeRecord>,
     },
+    /// Disks among those of all nodes, which are the same from cut to cut.
+    Selected {
+        /// Those of all nodes.
+        nodes: NodeRecords,
+        /// Which are drawn.
+        selection: Selection,
+    },
     /// Cubes.
     Voxels {
         /// Cells and colours.
@@ -102,6 +116,8 @@ pub struct RecordBuffers {
     pub shapes: Vec<ShapeRecord>,
     /// For cells.
     pub voxels: Vec<VoxelRecord>,
+    /// For places of nodes.
+    pub places: Vec<u32>,
 }
 
 /// Thresholds that [`Levels::cut_at_most`] chooses from: up to 16,384 pixels.

@@ -3,10 +3,13 @@
 mod any;
 mod constants;
 pub mod cpu;
+mod gathered;
 pub mod gpu;
+mod pass_times;
 pub mod truth;
 
 pub use any::AnyRenderer;
+pub use pass_times::{PassTime, PassTimes};
 
 use crate::scene::ScenePacket;
 
@@ -48,6 +51,8 @@ pub struct RenderStats {
     pub encode_ms: f64,
     /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,
+    /// What each of its passes took.
+    pub gpu_passes: PassTimes,
     /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the
     /// grid.
     pub screen_ms: f64,

@@ -6,7 +6,7 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::typical_spacing;
 use super::packet::ScenePacket;
-use super::{Camera, Clip, GroundPlane, PointSizing, Primitive, Style, ViewTransform};
+use super::{Camera, Clip, GroundPlane, PointSizing, Primitive, RendererChoice, Style, ViewTransform};
 use crate::cloud::Frame;
 use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
@@ -66,6 +66,8 @@ struct CutInput {
     metric: LodMetric,
     affordable: Affordable,
     clip: Option<Clip>,
+    /// Whether who draws keeps the records of all nodes.
+    may_select: bool,
 }
 
 impl CutInput {
@@ -85,6 +87,7 @@ impl PartialEq for CutInput {
             && self.viewport_px == other.viewport_px
             && self.affordable == other.affordable
             && self.clip == other.clip
+            && self.may_select == other.may_select
     }
 }
 
@@ -178,6 +181,7 @@ impl Scene {
                 metric: style.levels.metric,
                 affordable: self.affordable,
                 clip: style.of_sequence.clip,
+                may_select: style.drawing.renderer == RendererChoice::Gpu && style.of_sequence.clip.is_none(),
             });
         }
         let points = || Arc::clone(&frame.points);
@@ -295,8 +299,10 @@ impl Scene {
             Lod::ThresholdPx(_) | Lod::Level(_) | Lod::FrameTimeMs(_) => usize::MAX,
         };
         // In the memory of the last records, unless a packet still holds them.
-        let buffers = last.map_or_else(RecordBuffers::default, |last| last.content.into_buffers());
-        let content = Content::from(levels.write(&cut, most_records, buffers));
+        let mut buffers = last.map_or_else(RecordBuffers::default, |last| last.content.into_buffers());
+        let selected = from.may_select.then(|| levels.select(&cut, &mut buffers)).flatten();
+        let records = selected.unwrap_or_else(|| levels.write(&cut, most_records, buffers));
+        let content = Content::from(records);
         let content = match &from.clip {
             Some(clip) => content.clipped(clip),
             None => content,

@@ -4,7 +4,7 @@ use super::Clip;
 use super::clip::at;
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
 use crate::levels::octree::CodedCloud;
-use crate::levels::{RecordBuffers, Records};
+use crate::levels::{NodeRecords, RecordBuffers, Records, Selection};
 use std::sync::Arc;
 
 /// The records of a packet. Equal if they are the same allocations: nobody compares or uploads them again.
@@ -17,6 +17,8 @@ pub enum Content {
     Points(Arc<Vec<PointRecord>>),
     /// Points with radii and normals: oriented disks, or points where the primitive is the point.
     Surfels(Surfels),
+    /// The same, some of those of all nodes of levels of detail, for graphics cards, which keep these.
+    Selected(Selected),
     /// Cubes.
     Voxels(Voxels),
     /// Triangles, and points between them.
@@ -32,6 +34,26 @@ pub struct Surfels {
     pub points: Arc<Vec<PointRecord>>,
     /// Normals and radii.
     pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+/// Disks of some nodes.
+#[derive(Debug, Clone)]
+pub struct Selected {
+    /// Those of all nodes.
+    pub nodes: NodeRecords,
+    /// Which are drawn.
+    pub selection: Arc<Selection>,
+}
+
+impl Selected {
+    /// Those that are drawn, side by side.
+    pub fn gathered(&self) -> Surfels {
+        let (points, shapes) = self.selection.gathered(&self.nodes, RecordBuffers::default());
+        Surfels {
+            points: Arc::new(points),
+            shapes: Arc::new(shapes),
+        }
+    }
 }
 
 /// Cells of an octree.
@@ -57,18 +79,20 @@ pub struct CodedCells {
 }
 
 impl Content {
-    /// Positions and colours of points or surfels.
+    /// Positions and colours of points or surfels; where some nodes are drawn, of all.
     pub fn points(&self) -> Option<&Arc<Vec<PointRecord>>> {
         match self {
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => Some(points),
+            Self::Selected(Selected { nodes, .. }) => Some(&nodes.points),
             Self::Nothing | Self::Voxels(_) | Self::Mesh(_) | Self::Coded(_) => None,
         }
     }
 
-    /// Normals and radii of surfels.
+    /// Normals and radii of surfels; where some nodes are drawn, of all.
     pub fn shapes(&self) -> Option<&Arc<Vec<ShapeRecord>>> {
         match self {
             Self::Surfels(surfels) => Some(&surfels.shapes),
+            Self::Selected(Selected { nodes, .. }) => Some(&nodes.shapes),
             _ => None,
         }
     }
@@ -102,6 +126,7 @@ impl Content {
         match self {
             Self::Nothing => 0,
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => points.len(),
+            Self::Selected(selected) => selected.selection.len(),
             Self::Voxels(voxels) => voxels.records.len(),
             Self::Mesh(mesh) => mesh.triangles.len(),
             Self::Coded(coded) => coded.deepest_nodes(),
@@ -131,6 +156,7 @@ impl Content {
                     shapes: Arc::new(at(shapes, &kept)),
                 })
             }
+            Self::Selected(selected) => Self::Surfels(selected.gathered()).clipped(clip),
             Self::Voxels(voxels) => {
                 let kept = clip.kept(&voxels.records);
                 if kept.len() == voxels.records.len() {
@@ -164,6 +190,13 @@ impl Content {
                 shapes: memory(shapes),
                 ..RecordBuffers::default()
             },
+            Self::Selected(selected) => match Arc::try_unwrap(selected.selection) {
+                Ok(Selection::At(places)) => RecordBuffers {
+                    places,
+                    ..RecordBuffers::default()
+                },
+                Ok(Selection::Every { .. }) | Err(_) => RecordBuffers::default(),
+            },
             Self::Voxels(voxels) => RecordBuffers {
                 voxels: memory(voxels.records),
                 shapes: voxels.normals.map(memory).unwrap_or_default(),
@@ -180,6 +213,10 @@ impl From<Records> for Content {
             Records::Surfels { points, shapes } => Self::Surfels(Surfels {
                 points: Arc::new(points),
                 shapes: Arc::new(shapes),
+            }),
+            Records::Selected { nodes, selection } => Self::Selected(Selected {
+                nodes,
+                selection: Arc::new(selection),
             }),
             Records::Voxels {
                 voxels,
@@ -202,6 +239,11 @@ impl PartialEq for Content {
             (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
             (Self::Surfels(a), Self::Surfels(b)) => {
                 Arc::ptr_eq(&a.points, &b.points) && Arc::ptr_eq(&a.shapes, &b.shapes)
+            }
+            (Self::Selected(a), Self::Selected(b)) => {
+                Arc::ptr_eq(&a.nodes.points, &b.nodes.points)
+                    && Arc::ptr_eq(&a.nodes.shapes, &b.nodes.shapes)
+                    && Arc::ptr_eq(&a.selection, &b.selection)
             }
             (Self::Voxels(a), Self::Voxels(b)) => {
                 Arc::ptr_eq(&a.records, &b.records)

@@ -27,7 +27,7 @@ pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};
-pub use content::{CodedCells, Content, Surfels, Voxels};
+pub use content::{CodedCells, Content, Selected, Surfels, Voxels};
 pub use eye_dome::EyeDomeLight;
 pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};

@@ -105,6 +105,10 @@ fn frame_times(ui: &mut Ui, state: &State) {
             gpu,
             "The last measured picture on the GPU, by timestamp queries",
         );
+        for time in graphics.render.gpu_passes.iter() {
+            let gpu = time.gpu_ms.map_or_else(|| "–".to_owned(), milliseconds);
+            row(ui, &format!("  {}", time.pass), gpu, "This pass of it");
+        }
         let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
         row(ui, "Rate held", held, "Frames a second shown in the last second");

@@ -1,26 +1,34 @@
 //! Table 2 of paper 002: structures of levels of detail from three distances.
 //!
-//! **How it works.** Each step turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut
-//! and its records are written (LOD time), these are uploaded, and the picture is drawn. All structures take their turn
-//! at a view before the next step, so that what slows the machine down slows all of them. *none* draws all points as
-//! they are, which are resident.
+//! **How it works.** Clouds of a torus with as many points as are asked for are measured beside the inputs. Each step
+//! turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn of it is
+//! told (LOD time), that is uploaded, and the picture is drawn. All structures take their turn at a view before the next
+//! step, so that what slows the machine down slows all of them. *none* draws all points as they are, which are resident.
+//! Records of all nodes are resident as well, from the time on that a structure has written as many: mostly before the
+//! rounds that are counted.
 //!
 //! The paper drew points on the hardware of 2004; its times are beside ours for their ratios, not for themselves.
 
 use super::paper_style::surfel_style;
+use super::pass_samples::PassSamples;
 use super::turning::{VIEWS, cameras};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
-use crate::bench::suite::{Defaults, Suite};
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::levels::LevelsSize;
 use crate::scene::{Camera, LevelStructure, LevelStyle, Scene, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
-/// Columns, in the order in which [`Measured::row`] fills them.
+/// Names of the tables.
+const STRUCTURE_TABLE: &str = "structures";
+const PASS_TABLE: &str = "passes";
+
+/// Columns of both tables; the first says which one a row belongs to.
 const COLUMNS: &[Column] = &[
+    Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
     Column::text("structure", "structure"),
     Column::text("view", "view"),
@@ -31,7 +39,9 @@ const COLUMNS: &[Column] = &[
     Column::number("build_per_octree", "/ octree", 2),
     Column::number("lod_ms_median", "LOD ms", 3),
     Column::number("upload_ms_median", "upload ms", 3),
+    Column::number("uploaded_bytes_per_node", "bytes a drawn node", 2),
     Column::number("render_ms_median", "render ms", 3),
+    Column::number("gpu_ms_median", "GPU ms", 3),
     Column::number("total_ms_median", "total ms", 3),
     Column::number("total_ms_q1", "25 %", 3).hidden(),
     Column::number("total_ms_q3", "75 %", 3).hidden(),
@@ -46,6 +56,8 @@ const COLUMNS: &[Column] = &[
     Column::number("paper_points", "points", 0),
     Column::number("paper_total_per_none", "/ none", 2),
     Column::number("samples", "pictures", 0).hidden(),
+    Column::text("pass", "pass"),
+    Column::number("pass_gpu_ms_median", "GPU ms", 3),
 ];
 
 /// Structures of levels of detail from three distances.
@@ -56,8 +68,9 @@ pub const LOD: &Suite = &Suite {
     hint: "Cutting and drawing each structure of levels of detail, from three distances (paper 002, Table 2)",
     description: "structures of levels of detail, surfels, from three distances, turning by 2° a picture",
     measured: "choosing nodes and writing their records (LOD ms), uploading these, and CPU wall time from packet to \
-        finished picture (render ms); the total is all three; processed nodes are those that were looked at; LOD \
-        threshold of 1 pixel, of edges for the octree, of areas for the others",
+        finished picture (render ms); the total is all three; GPU ms and the table of passes are timestamps of the \
+        adapter, medians; processed nodes are those that were looked at; LOD \
+        threshold of 1 pixel by edges",
     not_measured: "decoding, normals, reading back, showing; the octree works surfels out while it is cut, the others \
         while they are built; the paper's are points of the David head (2,000,646) on a GeForce 5900",
     covered_by: "surfels",
@@ -66,7 +79,7 @@ pub const LOD: &Suite = &Suite {
         viewpoints: Defaults::PROTOCOL_VIEWPOINTS,
         frames: 1,
     },
-    takes: &[],
+    takes: &[OptionGroup::Clouds],
     is_of_paper: false,
     has_paper_layout: false,
     columns: COLUMNS,
@@ -144,7 +157,10 @@ struct Measured {
 struct Samples {
     lod_ms: Vec<f64>,
     upload_ms: Vec<f64>,
+    uploaded_bytes: Vec<f64>,
     render_ms: Vec<f64>,
+    gpu_ms: Vec<f64>,
+    passes: PassSamples,
     total_ms: Vec<f64>,
     processed: Vec<f64>,
     drawn: Vec<f64>,
@@ -203,6 +219,14 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         }
     }
     run.finish(subject, &point_counts, &[], rows);
+    let pass_rows = STRUCTURES
+        .into_iter()
+        .zip(&measured)
+        .flat_map(|(structure, of_structure)| {
+            let views = VIEWS.into_iter().zip(&of_structure.views);
+            views.flat_map(move |((view, _), samples)| samples.pass_rows(subject.name, structure, view))
+        });
+    run.add_rows(pass_rows);
     Ok(())
 }
 
@@ -246,7 +270,8 @@ impl Measured {
         frame: &PreparedFrame,
         structure: LevelStructure,
     ) -> Result<Subjected, BenchError> {
-        let style = style(structure);
+        // Who draws decides whether records of all nodes stay on the adapter.
+        let style = style(structure).drawn_by(run.runner.is_processor());
         let needs = Scene::needs(&style);
         let build = || complete(frame, &needs, &PrepareCounters::default());
         let mut built = build();
@@ -278,33 +303,71 @@ impl Measured {
         let paper_total = |paper: OfPaper| paper.lod_ms + paper.render_ms;
         let paper_none = of_paper(LevelStructure::None).map(|views| paper_total(views[place]));
         let (view, _) = VIEWS[place];
-        Row::new(vec![
-            Cell::Text(sequence.to_owned()),
-            Cell::Text(structure.to_string()),
-            Cell::Text(view.to_owned()),
-            Cell::Number(points),
-            Cell::maybe(self.size.map(|size| size.nodes as f64)),
-            Cell::maybe(self.size.map(|size| size.bytes as f64 / size.nodes as f64)),
-            Cell::maybe(median(&self.build_ms)),
-            Cell::maybe(ratio(median(&self.build_ms), median(&octree.build_ms))),
-            Cell::maybe(median(&samples.lod_ms)),
-            Cell::maybe(median(&samples.upload_ms)),
-            Cell::maybe(median(&samples.render_ms)),
-            Cell::maybe(total.map(|total| total.median)),
-            Cell::maybe(total.map(|total| total.q1)),
-            Cell::maybe(total.map(|total| total.q3)),
-            Cell::maybe(total_per(none)),
-            Cell::maybe(total_per(octree)),
-            Cell::Number(processed),
-            Cell::Number(processed / of_octree),
-            Cell::Number(mean(&samples.drawn)),
-            Cell::Number(mean(&samples.duplicates)),
-            Cell::maybe(paper.map(|paper| paper.lod_ms)),
-            Cell::maybe(paper.map(|paper| paper.render_ms)),
-            Cell::maybe(paper.map(|paper| paper.points)),
-            Cell::maybe(ratio(paper.map(paper_total), paper_none)),
-            Cell::Number(samples.total_ms.len() as f64),
-        ])
+        let (uploaded, drawn) = (mean(&samples.uploaded_bytes), mean(&samples.drawn));
+        Row::of_table(
+            COLUMNS,
+            STRUCTURE_TABLE,
+            &[
+                ("sequence", Cell::Text(sequence.to_owned())),
+                ("structure", Cell::Text(structure.to_string())),
+                ("view", Cell::Text(view.to_owned())),
+                ("points", Cell::Number(points)),
+                ("nodes", Cell::maybe(self.size.map(|size| size.nodes as f64))),
+                (
+                    "bytes_per_node",
+                    Cell::maybe(self.size.map(|size| size.bytes as f64 / size.nodes as f64)),
+                ),
+                ("build_ms_median", Cell::maybe(median(&self.build_ms))),
+                (
+                    "build_per_octree",
+                    Cell::maybe(ratio(median(&self.build_ms), median(&octree.build_ms))),
+                ),
+                ("lod_ms_median", Cell::maybe(median(&samples.lod_ms))),
+                ("upload_ms_median", Cell::maybe(median(&samples.upload_ms))),
+                (
+                    "uploaded_bytes_per_node",
+                    Cell::maybe(ratio(Some(uploaded), Some(drawn))),
+                ),
+                ("render_ms_median", Cell::maybe(median(&samples.render_ms))),
+                ("gpu_ms_median", Cell::maybe(median(&samples.gpu_ms))),
+                ("total_ms_median", Cell::maybe(total.map(|total| total.median))),
+                ("total_ms_q1", Cell::maybe(total.map(|total| total.q1))),
+                ("total_ms_q3", Cell::maybe(total.map(|total| total.q3))),
+                ("total_per_none", Cell::maybe(total_per(none))),
+                ("total_per_octree", Cell::maybe(total_per(octree))),
+                ("processed_nodes", Cell::Number(processed)),
+                ("processed_per_octree", Cell::Number(processed / of_octree)),
+                ("drawn_nodes", Cell::Number(drawn)),
+                ("duplicates", Cell::Number(mean(&samples.duplicates))),
+                ("paper_lod_ms", Cell::maybe(paper.map(|paper| paper.lod_ms))),
+                ("paper_render_ms", Cell::maybe(paper.map(|paper| paper.render_ms))),
+                ("paper_points", Cell::maybe(paper.map(|paper| paper.points))),
+                (
+                    "paper_total_per_none",
+                    Cell::maybe(ratio(paper.map(paper_total), paper_none)),
+                ),
+                ("samples", Cell::Number(samples.total_ms.len() as f64)),
+            ],
+        )
+    }
+}
+
+impl Samples {
+    fn pass_rows(&self, sequence: &str, structure: LevelStructure, view: &str) -> impl Iterator<Item = Row> {
+        let medians_ms = self.passes.medians_ms();
+        medians_ms.map(move |(pass, gpu_ms)| {
+            Row::of_table(
+                COLUMNS,
+                PASS_TABLE,
+                &[
+                    ("sequence", Cell::Text(sequence.to_owned())),
+                    ("structure", Cell::Text(structure.to_string())),
+                    ("view", Cell::Text(view.to_owned())),
+                    ("pass", Cell::Text(pass.to_owned())),
+                    ("pass_gpu_ms_median", Cell::Number(gpu_ms)),
+                ],
+            )
+        })
     }
 }
 
@@ -320,8 +383,8 @@ impl Subjected {
         let origin = subject.sequence.origin();
         let viewport_px = run.options.viewport_px;
         let packet = self.scene.packet(&self.frame, origin, camera, &self.style, viewport_px);
-        let upload_ms = run.runner.upload(&packet)?.wall_ms;
-        let render_ms = run.runner.draw(&packet)?.wall_ms;
+        let upload = run.runner.upload(&packet)?;
+        let time = run.runner.draw(&packet)?;
         if let Some(samples) = samples {
             let stats = self.scene.stats();
             let lod_ms = stats.traverse_time.as_secs_f64() * 1e3;
@@ -333,9 +396,12 @@ impl Subjected {
                 drawn
             };
             samples.lod_ms.push(lod_ms);
-            samples.upload_ms.push(upload_ms);
-            samples.render_ms.push(render_ms);
-            samples.total_ms.push(lod_ms + upload_ms + render_ms);
+            samples.upload_ms.push(upload.wall_ms);
+            samples.uploaded_bytes.push(upload.bytes as f64);
+            samples.render_ms.push(time.wall_ms);
+            samples.gpu_ms.extend(time.gpu_ms);
+            samples.passes.add(&time.gpu_passes);
+            samples.total_ms.push(lod_ms + upload.wall_ms + time.wall_ms);
             samples.processed.push(processed as f64);
             samples.drawn.push(drawn as f64);
             samples.duplicates.push(stats.duplicates as f64);

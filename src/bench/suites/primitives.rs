@@ -1,13 +1,16 @@
 //! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders are.
 //!
 //! **How it works.** Clouds of a torus with as many points as are asked for are drawn beside the inputs, all of their
-//! points as each primitive, from three distances; each picture turns the object by 2°. Processor and adapter draw the
+//! points as each primitive, from three distances; each picture turns the object by 2°. Beside them are triangles: those
+//! of the file, or of a mesh with as many vertices as the torus has points. Processor and adapter draw the
 //! same pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size
 //! in the scene are about as large as the disks of surfels, so that all but single pixels cover as much.
 //!
-//! The second table counts what the shaders of each pass do, in naga's intermediate representation, beside what the
+//! The second table has the time of each pass on the adapter's clock, the third counts what the shaders of each pass do, in naga's intermediate representation, beside what the
 //! paper counted in its instructions.
 
+use super::pass_samples::PassSamples;
+use super::torus_mesh::torus_mesh;
 use super::turning::{VIEWS, cameras};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
@@ -17,18 +20,21 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::levels::Lod;
+use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::complexity::{PassComplexity, StageComplexity, passes_of};
 use crate::scene::{
     Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style,
 };
-use crate::sequence::{Needs, PreparedFrame};
+use crate::sequence::{Needs, Paint, PreparedFrame, PreparedMesh, Shape};
+use std::sync::Arc;
 
 /// Names of the tables.
 const SPEED: &str = "speed";
+const PASSES: &str = "passes";
 const COMPLEXITY: &str = "complexity";
 
-/// Columns of both tables; the first says which one a row belongs to.
+/// Columns of all tables; the first says which one a row belongs to.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
@@ -42,8 +48,9 @@ const COLUMNS: &[Column] = &[
     Column::number("adapter_ms_mean", "adapter ms", 2),
     Column::number("adapter_mpoints_per_s", "M points/s", 1),
     Column::number("samples", "pictures", 0).hidden(),
-    // Complexity.
+    // Passes and complexity.
     Column::text("pass", "pass"),
+    Column::number("pass_gpu_ms_median", "GPU ms", 3),
     Column::number("vertex_operations", "vertex operations", 0),
     Column::number("vertex_buffer_reads", "buffer reads", 0),
     Column::number("vertex_texture_reads", "texture reads", 0),
@@ -63,7 +70,7 @@ pub const PRIMITIVES: &Suite = &Suite {
            Fig. 5 and Table 1)",
     description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
     measured: "CPU wall time from packet to finished picture, processor and adapter in turn; points a second are all \
-        points over all times; of voxels, leaves; operations and reads of shaders are counted in naga's \
+        points over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the adapter, median; operations and reads of shaders are counted in naga's \
         intermediate representation, with all branches and the storage strategy",
     not_measured: "decoding, normals, radii, ellipses, octrees, uploads, reading back, showing; the paper's are \
         instructions of the Cg compiler for a GeForce 5900, with lights for each vertex",
@@ -86,7 +93,7 @@ pub const PRIMITIVES: &Suite = &Suite {
 type Kind = (&'static str, fn(&mut Style));
 
 /// In the order of the paper: what is simple first.
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 11] = [
     ("pixel", |style| {
         style.primitive = Primitive::Point;
         style.points.size_px = 1.0;
@@ -108,6 +115,8 @@ const KINDS: [Kind; 10] = [
         style.primitive = Primitive::Voxel;
         style.levels.lod = Lod::ThresholdPx(0.0);
     }),
+    // Drawn of triangles, where there are some.
+    ("mesh", |style| style.primitive = Primitive::Mesh),
 ];
 
 fn points_of_scene(style: &mut Style, shape: PointShape) {
@@ -146,6 +155,7 @@ struct Samples {
     records: Vec<f64>,
     processor_ms: Vec<f64>,
     adapter_ms: Vec<f64>,
+    passes: PassSamples,
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -173,10 +183,14 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
             }
         };
         point_counts.push(frame.points.len() as f64);
+        let frame = with_mesh(subject, index, frame);
         complexities.clear();
         for (kind, samples) in KINDS.into_iter().zip(&mut samples) {
             let (primitive, _) = kind;
             run.begin_step(format!("{} frame {index}: {primitive}", subject.name))?;
+            if style(kind).primitive == Primitive::Mesh && frame.triangles().is_none() {
+                continue;
+            }
             for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
                 let packets = packets(run, subject, &frame, &style(kind), distance);
                 samples.measure(run, processor, &packets)?;
@@ -190,13 +204,30 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     let points = mean(&point_counts);
     let rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
         let views = VIEWS.into_iter().zip(samples);
+        let views = views.filter(|(_, samples)| !samples.records.is_empty());
         views.map(move |((view, _), samples)| samples.row((subject.name, points), primitive, view))
     });
     run.finish(subject, &point_counts, &[], rows);
+    let pass_rows = KINDS.into_iter().zip(&samples).flat_map(|((primitive, _), samples)| {
+        let views = VIEWS.into_iter().zip(samples);
+        views.flat_map(move |((view, _), samples)| samples.pass_rows(subject.name, primitive, view))
+    });
+    run.add_rows(pass_rows);
     let of_primitive = |(primitive, passes): (&'static str, Vec<PassComplexity>)| {
         passes.into_iter().map(move |pass| complexity_row(primitive, &pass))
     };
     Ok(complexities.into_iter().flat_map(of_primitive).collect())
+}
+
+/// The frame with the triangles of its file; of a torus with those of a mesh of as many vertices.
+fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
+    let mesh = match subject.shape {
+        Some(Shape::Torus) => torus_mesh(frame.points.len()).ok(),
+        _ => subject.sequence.load_mesh(index, &Progress::default()).ok(),
+    };
+    let mesh = mesh.filter(|mesh| !mesh.triangles().is_empty());
+    frame.mesh = mesh.map(|mesh| PreparedMesh::new(Arc::new(mesh), &Paint::File));
+    frame
 }
 
 /// What all primitives are made from.
@@ -239,21 +270,29 @@ impl Samples {
             for packet in packets {
                 run.check_cancelled()?;
                 let processor_ms = processor.draw(packet)?.wall_ms;
-                let adapter_ms = if has_adapter {
+                let of_adapter = if has_adapter {
                     // What is uploaded is not drawing.
                     run.runner.upload(packet)?;
-                    Some(run.runner.draw(packet)?.wall_ms)
+                    Some(run.runner.draw(packet)?)
                 } else {
                     None
                 };
                 if round >= run.options.warmup {
                     self.records.push(packet.content.record_count() as f64);
                     self.processor_ms.push(processor_ms);
-                    self.adapter_ms.extend(adapter_ms);
+                    if let Some(time) = of_adapter {
+                        self.adapter_ms.push(time.wall_ms);
+                        self.passes.add(&time.gpu_passes);
+                    }
                 }
             }
         }
         Ok(())
+    }
+
+    fn pass_rows(&self, sequence: &str, primitive: &str, view: &str) -> impl Iterator<Item = Row> {
+        let medians_ms = self.passes.medians_ms();
+        medians_ms.map(move |pass| pass_row(sequence, primitive, view, pass))
     }
 
     fn row(&self, (sequence, points): (&str, f64), primitive: &str, view: &str) -> Row {
@@ -280,6 +319,20 @@ impl Samples {
             ],
         )
     }
+}
+
+fn pass_row(sequence: &str, primitive: &str, view: &str, (pass, gpu_ms): (&str, f64)) -> Row {
+    Row::of_table(
+        COLUMNS,
+        PASSES,
+        &[
+            ("sequence", Cell::Text(sequence.to_owned())),
+            ("primitive", Cell::Text(primitive.to_owned())),
+            ("view", Cell::Text(view.to_owned())),
+            ("pass", Cell::Text(pass.to_owned())),
+            ("pass_gpu_ms_median", Cell::Number(gpu_ms)),
+        ],
+    )
 }
 
 fn complexity_row(primitive: &str, complexity: &PassComplexity) -> Row {

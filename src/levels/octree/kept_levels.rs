@@ -10,10 +10,11 @@ use super::sorted_points::SortedPoints;
 use super::write::NodeWriter;
 use crate::levels::cut::NodeRange;
 use crate::math::morton::LEVELS;
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-const LEVEL_COUNT: usize = LEVELS as usize + 1;
+pub(super) const LEVEL_COUNT: usize = LEVELS as usize + 1;
 
 /// Points whose beginnings are counted one by one.
 const RANK_POINTS: usize = 64;
@@ -85,6 +86,11 @@ impl<R> KeptLevels<R> {
         })
     }
 
+    /// A level, if it is kept.
+    pub(super) fn known(&self, level: usize) -> Option<&LevelRecords<R>> {
+        self.levels[level].records.get()
+    }
+
     /// A level, worked out if it is not kept yet.
     pub(super) fn level<W: NodeWriter<Record = R>>(
         &self,
@@ -132,9 +138,12 @@ impl<R> LevelRecords<R> {
 
     /// What stands for consecutive nodes of the level.
     pub(super) fn of_nodes(&self, range: &NodeRange, points: &SortedPoints) -> &[R] {
-        let first = self.rank(range.points.start, points);
-        let end = self.rank(range.points.end, points);
-        &self.records[first..end]
+        &self.records[self.places(range, points)]
+    }
+
+    /// The places of consecutive nodes among those of the level.
+    pub(super) fn places(&self, range: &NodeRange, points: &SortedPoints) -> Range<usize> {
+        self.rank(range.points.start, points)..self.rank(range.points.end, points)
     }
 
     /// Number of nodes that begin before a point.

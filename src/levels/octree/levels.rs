@@ -3,6 +3,7 @@
 use super::{LodSurfels, Octree};
 use crate::cloud::VoxelRecord;
 use crate::levels::cut::{Cut, CutHints, SelectStats, SelectView};
+use crate::levels::selection::Selection;
 use crate::levels::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use std::sync::Arc;
 
@@ -68,6 +69,15 @@ impl Levels for LodSurfels {
         } = buffers;
         self.write_surfels(cut, &mut points, &mut shapes);
         Records::Surfels { points, shapes }
+    }
+
+    fn select(&self, cut: &Cut, buffers: &mut RecordBuffers) -> Option<Records> {
+        let mut places = std::mem::take(&mut buffers.places);
+        let nodes = self.select_surfels(cut, &mut places)?;
+        Some(Records::Selected {
+            nodes,
+            selection: Selection::At(places),
+        })
     }
 
     fn size(&self) -> LevelsSize {

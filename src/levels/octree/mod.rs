@@ -38,6 +38,7 @@ mod node_surfel;
 mod order_tests;
 mod partings;
 mod position_error;
+mod selectable;
 mod small_subtrees;
 mod sorted_points;
 mod spacing;

@@ -14,11 +14,13 @@
 
 use super::kept_levels::{Kept, KeptLevels};
 use super::node_surfel::NodeSurfel;
+use super::selectable::{Parts, Selectable};
 use super::stop::Leaves;
 use super::tree::Octree;
 use super::write::{NodeWriter, Nodes};
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::levels::cut::{Cut, NodeRange};
+use crate::levels::selection::NodeRecords;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -34,6 +36,7 @@ pub struct LodSurfels {
     /// above it would each take a pass over all points, to spare some visits.
     cone_level: Option<u32>,
     levels: KeptLevels<NodeSurfel>,
+    selectable: Selectable,
     /// Of voxels.
     pub(super) normals: KeptLevels<ShapeRecord>,
 }
@@ -64,6 +67,7 @@ impl LodSurfels {
             are_ellipses: shapes.par_iter().any(|shape| shape.ellipse != 0),
             shapes,
             levels: KeptLevels::default(),
+            selectable: Selectable::default(),
             normals: KeptLevels::default(),
         }
     }
@@ -106,6 +110,13 @@ impl LodSurfels {
         KeptLevels::<NodeSurfel>::most_bytes(surfels, count) + KeptLevels::<ShapeRecord>::most_bytes(normals, count)
     }
 
+    /// Most bytes of the levels side by side, with the points, for whoever selects among them.
+    pub fn most_selectable_bytes(&self) -> usize {
+        let above_leaves = &self.octree.points.occupied[..self.octree.depth() as usize];
+        let nodes = self.points.len() + above_leaves.iter().sum::<usize>();
+        nodes * (size_of::<PointRecord>() + size_of::<ShapeRecord>())
+    }
+
     /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the
     /// points themselves.
     pub fn write_surfels(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
@@ -134,6 +145,30 @@ impl LodSurfels {
             points.extend(surfels.iter().map(|surfel| surfel.point));
             shapes.extend(surfels.iter().map(|surfel| surfel.shape));
         }
+    }
+
+    /// The same as places among records that stay; `None` where a level of the cut is not kept.
+    pub(super) fn select_surfels(&self, cut: &Cut, places: &mut Vec<u32>) -> Option<NodeRecords> {
+        let mut parts = Parts::default();
+        for range in &cut.ranges {
+            if self.octree.is_leaf_range(range) {
+                parts.has_leaves = true;
+            } else {
+                parts.levels |= 1 << range.level;
+            }
+        }
+        let all = self
+            .selectable
+            .with_parts(parts, &self.levels, (&self.points, &self.shapes))?;
+        places.clear();
+        for range in &cut.ranges {
+            if self.octree.is_leaf_range(range) {
+                places.extend(range.points.start as u32..range.points.end as u32);
+            } else {
+                all.extend_places(range, &self.levels, &self.octree.points, places);
+            }
+        }
+        Some(all.nodes)
     }
 
     /// Whether the points of a node all face away from `eye`. They are in a sphere; `false` where that is not known.

@@ -1,6 +1,6 @@
 //! Trees of spheres: the structures of paper 002 §3.2 and §3.3 beside the octree.
 //!
-//! All are made of one tree (`tree.rs`) and decide by one rule (`rule.rs`), so that they draw the same nodes:
+//! All are made of a tree (`tree.rs`) and decide by one rule (`rule.rs`), so that all draw the same nodes of one:
 //!
 //! - *QSplat* (`qsplat.rs`): six bytes a node, traversed from the root.
 //! - *Sequential point trees* (`sequential.rs`): sorted nodes, of which a prefix is tested one by one; as one sequence,
@@ -27,13 +27,14 @@ mod tests;
 mod tree;
 
 use super::cut::{Cut, CutHints, SelectView};
+use super::selection::{KeptNodes, NodeRecords, Selection};
 use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord};
 use printed::PrintedSequence;
 use qsplat::QSplat;
 use sequential::{HIERARCHY_POINTS, SequentialTree};
 use std::sync::Arc;
-use tree::SphereTree;
+use tree::{Precision, SphereTree};
 
 /// What a tree of spheres is stored as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +56,7 @@ pub struct SphereLevels {
     points: Arc<Vec<PointRecord>>,
     shapes: Arc<Vec<ShapeRecord>>,
     structure: Structure,
+    kept: KeptNodes,
 }
 
 #[derive(Debug)]
@@ -70,7 +72,12 @@ impl SphereLevels {
     /// # Panics
     /// Preconditions: as many of both, in the Morton order of the cube around the points.
     pub fn build(kind: SphereKind, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
-        let tree = SphereTree::build(&points, &shapes);
+        let precision = if kind == SphereKind::QSplat {
+            Precision::Coded
+        } else {
+            Precision::Exact
+        };
+        let tree = SphereTree::build(&points, &shapes, precision);
         let structure = match kind {
             SphereKind::QSplat => Structure::QSplat(QSplat::of(&tree, &points, &shapes)),
             SphereKind::Sequential => Structure::Sequential(SequentialTree::of(&tree, usize::MAX)),
@@ -82,6 +89,27 @@ impl SphereLevels {
             points,
             shapes,
             structure,
+            kept: KeptNodes::default(),
+        }
+    }
+
+    /// Most bytes that it can come to, with the records of all nodes for whoever selects among them.
+    pub fn most_bytes(&self) -> usize {
+        let size = self.size();
+        size.bytes + size.nodes * (size_of::<PointRecord>() + size_of::<ShapeRecord>())
+    }
+
+    /// The records of all nodes, by their names.
+    fn node_records(&self) -> NodeRecords {
+        let (points, shapes) = (&self.points, &self.shapes);
+        let (points, shapes) = match &self.structure {
+            Structure::QSplat(qsplat) => qsplat.node_records(),
+            Structure::Sequential(sequences) => sequences.node_records(points, shapes),
+            Structure::Printed(sequence) => sequence.node_records(points, shapes),
+        };
+        NodeRecords {
+            points: Arc::new(points),
+            shapes: Arc::new(shapes),
         }
     }
 
@@ -112,6 +140,22 @@ impl Levels for SphereLevels {
             Structure::Sequential(sequences) => sequences.write(cut, points, shapes, buffers),
             Structure::Printed(sequence) => sequence.write(cut, points, shapes, buffers),
         }
+    }
+
+    fn select(&self, cut: &Cut, buffers: &mut RecordBuffers) -> Option<Records> {
+        let work_out = || self.node_records();
+        let nodes = self.kept.records(cut.node_count, self.size().nodes, work_out)?;
+        let mut places = std::mem::take(&mut buffers.places);
+        places.clear();
+        let names = cut.listed.drawn.iter();
+        match &self.structure {
+            Structure::QSplat(_) => places.extend(names.map(|&name| QSplat::place_of(name))),
+            Structure::Sequential(_) | Structure::Printed(_) => places.extend(names),
+        }
+        Some(Records::Selected {
+            nodes: nodes.clone(),
+            selection: Selection::At(places),
+        })
     }
 
     fn size(&self) -> LevelsSize {

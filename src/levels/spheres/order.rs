@@ -14,11 +14,21 @@ pub(super) struct Order {
     place_of: Vec<u32>,
 }
 
+/// A number that is the smaller the larger a radius is, and of equal ones the smaller the place is, which are its lower
+/// 32 bits. Precondition: a radius is not negative, so that its bits are in its order.
+pub(super) fn descending_key(radius: f32, place: u32) -> u64 {
+    u64::from(!radius.to_bits()) << 32 | u64::from(place)
+}
+
 impl Order {
     /// So many nodes, the largest first; of equals the first one is first.
     pub(super) fn of(count: usize, r_max: impl Fn(u32) -> f32 + Sync) -> Self {
-        let mut sorted: Vec<u32> = (0..count as u32).collect();
-        sorted.par_sort_by(|&a, &b| r_max(b).total_cmp(&r_max(a)));
+        let mut keys: Vec<u64> = (0..count as u32)
+            .into_par_iter()
+            .map(|place| descending_key(r_max(place), place))
+            .collect();
+        keys.par_sort_unstable();
+        let sorted: Vec<u32> = keys.into_iter().map(|key| key as u32).collect();
         let mut place_of = vec![0; count];
         for (&before, place) in sorted.iter().zip(0..) {
             place_of[before as usize] = place;

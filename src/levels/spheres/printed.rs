@@ -131,12 +131,23 @@ impl PrintedSequence {
         shapes: &[ShapeRecord],
         buffers: RecordBuffers,
     ) -> Records {
-        splat::write(&cut.listed.drawn, buffers, |place| {
-            match self.entries[place as usize].node {
-                Child::Leaf(point) => (points[point as usize], shapes[point as usize]),
-                Child::Inner(node) => self.inners[node as usize].0.records(),
-            }
-        })
+        splat::write(&cut.listed.drawn, buffers, |place| self.records(place, points, shapes))
+    }
+
+    /// Of all nodes, by their places.
+    pub(super) fn node_records(
+        &self,
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
+    ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+        splat::all(self.entries.len(), |place| self.records(place, points, shapes))
+    }
+
+    fn records(&self, place: u32, points: &[PointRecord], shapes: &[ShapeRecord]) -> (PointRecord, ShapeRecord) {
+        match self.entries[place as usize].node {
+            Child::Leaf(point) => (points[point as usize], shapes[point as usize]),
+            Child::Inner(node) => self.inners[node as usize].0.records(),
+        }
     }
 
     fn ancestors(&self, place: u32) -> impl Iterator<Item = u32> {

@@ -20,6 +20,7 @@ use crate::cloud::{PointRecord, ShapeRecord};
 use crate::levels::cut::{Cut, CutHints, ListedNodes, SelectView};
 use crate::levels::structure::{LevelsSize, RecordBuffers, Records};
 use crate::math::Sphere;
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 /// Numbers of 16 bits that a pointer takes.
@@ -62,7 +63,7 @@ fn group_starts(tree: &SphereTree) -> Vec<usize> {
 }
 
 impl QSplat {
-    /// The codes of a tree of these points.
+    /// The codes of a coded tree of these points.
     pub(super) fn of(tree: &SphereTree, points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
         let Some(root) = tree.nodes.first() else {
             return Self {
@@ -75,9 +76,7 @@ impl QSplat {
         let inners = &tree.division.inners;
         let code_of = |index: usize| {
             let node = &inners[index];
-            tree.nodes[index]
-                .code
-                .with_children(node.child_count(), !node.inner_children().is_empty())
+            tree.codes[index].with_children(node.child_count(), !node.inner_children().is_empty())
         };
         let write_group = |parent: usize, group: &mut [u16]| {
             let node = &inners[parent];
@@ -161,6 +160,60 @@ impl QSplat {
         Records::Surfels { points, shapes }
     }
 
+    /// The place of a node among [`QSplat::node_records`]. Nodes are as many words apart at least.
+    pub(super) fn place_of(name: u32) -> u32 {
+        name / NODE_WORDS as u32
+    }
+
+    /// The records of all nodes; at places that no node has, of none.
+    pub(super) fn node_records(&self) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+        let places = self.words.len().div_ceil(NODE_WORDS);
+        let mut points = vec![PointRecord::zeroed(); places];
+        let mut shapes = vec![ShapeRecord::zeroed(); places];
+        let mut keep = |name: usize, code: NodeCode, sphere: Sphere| {
+            let place = Self::place_of(name as u32) as usize;
+            (points[place], shapes[place]) = Splat::new(&sphere, code.normal(), code.color()).records();
+        };
+        let mut parents = Vec::new();
+        if self.node_count > 0 {
+            let code = self.code(ROOT_GROUP + POINTER_WORDS);
+            keep(ROOT_GROUP + POINTER_WORDS, code, self.root);
+            parents.push((code, self.root, self.pointer(ROOT_GROUP)));
+        }
+        while let Some((code, sphere, children)) = parents.pop() {
+            for child in self.children(code, sphere, children) {
+                keep(child.name, child.code, child.sphere);
+                parents.extend(child.children.map(|children| (child.code, child.sphere, children)));
+            }
+        }
+        (points, shapes)
+    }
+
+    /// The children of a node, which begin at a place.
+    #[inline(always)]
+    fn children(&self, parent: NodeCode, around: Sphere, group: usize) -> impl Iterator<Item = Decoded> {
+        let (count, have_children) = parent.children();
+        let (mut first, mut below) = (group, 0);
+        if have_children {
+            below = self.pointer(group);
+            first += POINTER_WORDS;
+        }
+        (first..).step_by(NODE_WORDS).take(count).map(move |name| {
+            let code = self.code(name);
+            let (grandchildren, have_children) = code.children();
+            let children = (grandchildren > 0).then_some(below);
+            if grandchildren > 0 {
+                below += grandchildren * NODE_WORDS + if have_children { POINTER_WORDS } else { 0 };
+            }
+            Decoded {
+                name,
+                code,
+                sphere: sphere_code::decoded(&around, code.sphere()),
+                children,
+            }
+        })
+    }
+
     #[inline(always)]
     fn code(&self, name: usize) -> NodeCode {
         NodeCode::from_words([self.words[name], self.words[name + 1], self.words[name + 2]])
@@ -191,6 +244,15 @@ struct Found {
     listed: ListedNodes,
     /// Nodes that were decoded.
     decoded: usize,
+}
+
+/// A node whose code was read.
+struct Decoded {
+    name: usize,
+    code: NodeCode,
+    sphere: Sphere,
+    /// Where its children begin, unless it is a leaf.
+    children: Option<usize>,
 }
 
 struct Descent<'a> {
@@ -243,22 +305,13 @@ impl Descent<'_> {
     /// Draws the leaves among the children of a node and hands on the others.
     #[inline(always)]
     fn each_child(&self, parent: &Visit, found: &mut Found, mut hand_on: impl FnMut(Visit, &mut Found)) {
-        let (count, have_children) = parent.code.children();
-        let mut first = parent.children;
-        let mut children = 0;
-        if have_children {
-            children = self.qsplat.pointer(first);
-            first += POINTER_WORDS;
-        }
-        for name in (first..).step_by(NODE_WORDS).take(count) {
-            let code = self.qsplat.code(name);
-            let sphere = sphere_code::decoded(&parent.sphere, code.sphere());
-            let (grandchildren, have_children) = code.children();
-            if grandchildren == 0 {
+        for child in self.qsplat.children(parent.code, parent.sphere, parent.children) {
+            let Decoded { name, code, sphere, .. } = child;
+            let Some(children) = child.children else {
                 found.decoded += 1;
                 found.draw(name, sphere);
                 continue;
-            }
+            };
             let child = Visit {
                 name,
                 code,
@@ -267,7 +320,6 @@ impl Descent<'_> {
                 level: parent.level + 1,
                 children,
             };
-            children += grandchildren * NODE_WORDS + if have_children { POINTER_WORDS } else { 0 };
             hand_on(child, found);
         }
     }

@@ -16,7 +16,7 @@
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
-use super::order::{NO_PARENT, Order};
+use super::order::{NO_PARENT, Order, descending_key};
 use super::rule::{Rule, Verdict};
 use super::splat::{self, Splat};
 use super::split::{Child, Division};
@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Most points of a sequence in a hierarchy of them.
-pub(super) const HIERARCHY_POINTS: usize = 1 << 10;
+pub(super) const HIERARCHY_POINTS: usize = 1 << 8;
 
 /// Nodes of a prefix that are worth handing to another thread.
 const NODES_PER_TASK: usize = 1 << 12;
@@ -148,13 +148,26 @@ impl SequentialTree {
         shapes: &[ShapeRecord],
         buffers: RecordBuffers,
     ) -> Records {
-        splat::write(&cut.listed.drawn, buffers, |name| {
-            if let Some(inner) = self.inners.get(name as usize) {
-                return inner.splat.records();
-            }
-            let point = self.leaves[name as usize - self.inners.len()].point as usize;
-            (points[point], shapes[point])
+        splat::write(&cut.listed.drawn, buffers, |name| self.records(name, points, shapes))
+    }
+
+    /// Of all nodes, by their names.
+    pub(super) fn node_records(
+        &self,
+        points: &[PointRecord],
+        shapes: &[ShapeRecord],
+    ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+        splat::all(self.inners.len() + self.leaves.len(), |name| {
+            self.records(name, points, shapes)
         })
+    }
+
+    fn records(&self, name: u32, points: &[PointRecord], shapes: &[ShapeRecord]) -> (PointRecord, ShapeRecord) {
+        if let Some(inner) = self.inners.get(name as usize) {
+            return inner.splat.records();
+        }
+        let point = self.leaves[name as usize - self.inners.len()].point as usize;
+        (points[point], shapes[point])
     }
 }
 
@@ -228,19 +241,21 @@ impl UpperNode {
             .iter()
             .zip(0..)
             .map(|(&place, parent)| (below[place as usize].node, parent));
-        let mut leaves: Vec<(f32, Leaf)> = Vec::new();
+        let mut unsorted: Vec<Leaf> = Vec::with_capacity(tree.division.inners[self.node as usize].point_count());
+        let mut keys: Vec<u64> = Vec::with_capacity(unsorted.capacity());
         for (node, parent) in std::iter::once((self.node, NO_PARENT)).chain(of_order) {
             let radius = tree.nodes[node as usize].bounds.radius;
-            let children = tree.division.inners[node as usize].children();
-            leaves.extend(children.filter_map(|child| match child {
-                Child::Leaf(point) => Some((radius, Leaf { point, parent })),
-                Child::Inner(_) => None,
-            }));
+            for child in tree.division.inners[node as usize].children() {
+                if let Child::Leaf(point) = child {
+                    keys.push(descending_key(radius, unsorted.len() as u32));
+                    unsorted.push(Leaf { point, parent });
+                }
+            }
         }
-        leaves.par_sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        keys.par_sort_unstable();
         Sequence {
             inners: inners.collect(),
-            leaves: leaves.into_iter().map(|(_, leaf)| leaf).collect(),
+            leaves: keys.into_iter().map(|key| unsorted[key as u32 as usize]).collect(),
         }
     }
 

@@ -46,6 +46,18 @@ impl Splat {
     }
 }
 
+/// The records of all of so many nodes.
+pub(super) fn all(
+    node_count: usize,
+    records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Sync,
+) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+    let nodes = (0..node_count as u32).into_par_iter();
+    nodes
+        .with_min_len(super::split::NODES_PER_TASK)
+        .map(|node| records(node))
+        .unzip()
+}
+
 /// The records of nodes, in their order.
 pub(super) fn write(
     drawn: &[u32],

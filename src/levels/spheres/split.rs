@@ -69,9 +69,14 @@ impl Inner {
         self.first_child..self.first_child + count as u32
     }
 
+    /// The points below, in Morton order.
+    pub(super) fn points(&self) -> Range<usize> {
+        self.starts[0] as usize..self.starts[usize::from(self.child_count)] as usize
+    }
+
     /// Number of points below.
     pub(super) fn point_count(&self) -> usize {
-        (self.starts[usize::from(self.child_count)] - self.starts[0]) as usize
+        self.points().len()
     }
 
     pub(super) fn child_count(&self) -> usize {

@@ -1,4 +1,7 @@
 //! What stands for the points below each node, and where they are: from the leaves up.
+//!
+//! A sphere around spheres is wider than one around what they hold, by a tenth where nodes have few points. So nodes of
+//! few points have spheres around the disks of these.
 
 use super::cone::cosine_of_sum;
 use super::split::{Child, Division, Inner, NODES_PER_TASK};
@@ -6,6 +9,9 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
 use crate::math::Sphere;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+
+/// Nodes of more points have spheres around those of their children.
+const FEW_POINTS: usize = 64;
 
 /// The points below a node in a few numbers.
 #[derive(Debug, Clone, Copy)]
@@ -36,10 +42,7 @@ impl Summary {
     /// Of one point.
     pub(super) fn of_point(point: &PointRecord, shape: &ShapeRecord) -> Self {
         Self {
-            sphere: Sphere {
-                center: Vec3::from_array(point.position),
-                radius: shape.radius,
-            },
+            sphere: disk(point, shape),
             normal: oct_decode(shape.normal),
             cone_cosine: 1.0,
             color: Vec4::from_array(point.color.map(f32::from)),
@@ -47,8 +50,13 @@ impl Summary {
         }
     }
 
-    /// Of a node with these children. Precondition: there is one.
-    fn of(children: &[Self]) -> Self {
+    /// 8-bit red, green, blue and alpha.
+    pub(super) fn color(&self) -> [u8; 4] {
+        self.color.round().to_array().map(|channel| channel as u8)
+    }
+
+    /// Of a node with these children, around the disks of its points where these are few. Precondition: there is one.
+    fn of(children: &[Self], points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
         let point_count = children.iter().map(|child| child.point_count).sum();
         let (mut normal, mut color) = (Vec3::ZERO, Vec4::ZERO);
         for child in children {
@@ -61,12 +69,25 @@ impl Summary {
             .iter()
             .map(|child| cosine_of_sum(normal.dot(child.normal), child.cone_cosine));
         Self {
-            sphere: Sphere::around(children.iter().map(|child| child.sphere)),
+            sphere: if points.len() > FEW_POINTS {
+                Sphere::around(children.iter().map(|child| child.sphere))
+            } else {
+                Sphere::around(points.iter().zip(shapes).map(|(point, shape)| disk(point, shape)))
+            },
             normal,
             cone_cosine: cosines.fold(1.0, f32::min),
             color,
             point_count,
         }
+    }
+}
+
+/// What a point is drawn as is in this sphere.
+#[inline(always)]
+fn disk(point: &PointRecord, shape: &ShapeRecord) -> Sphere {
+    Sphere {
+        center: Vec3::from_array(point.position),
+        radius: shape.radius,
     }
 }
 
@@ -84,7 +105,8 @@ pub(super) fn summaries(division: &Division, points: &[PointRecord], shapes: &[S
             for (summary, child) in children.iter_mut().zip(node.children()) {
                 *summary = of_child(child);
             }
-            Summary::of(&children[..node.child_count()])
+            let below = node.points();
+            Summary::of(&children[..node.child_count()], &points[below.clone()], &shapes[below])
         };
         done[level.clone()]
             .par_iter_mut()

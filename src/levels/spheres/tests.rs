@@ -53,8 +53,13 @@ fn odd_cloud() -> Records {
     records(&positions, |index| normals[index], 0.0)
 }
 
-fn tree_of((points, shapes): &Records) -> SphereTree {
-    SphereTree::build(points, shapes)
+fn tree_of((points, shapes): &Records, precision: Precision) -> SphereTree {
+    SphereTree::build(points, shapes, precision)
+}
+
+/// A coded tree, and one that is not.
+fn trees_of(of: &Records) -> [SphereTree; 2] {
+    [Precision::Coded, Precision::Exact].map(|precision| tree_of(of, precision))
 }
 
 /// A 60° view of 500×500 pixels towards a place.
@@ -104,7 +109,7 @@ fn hints(culls_back_faces: bool) -> CutHints<'static> {
     }
 }
 
-/// The nodes that each structure draws, by its name.
+/// The nodes that each structure of a tree draws, by its name.
 fn drawn_by_all(
     tree: &SphereTree,
     of: &Records,
@@ -112,9 +117,12 @@ fn drawn_by_all(
     hints: CutHints<'_>,
 ) -> Vec<(&'static str, Vec<Child>)> {
     let (points, shapes) = of;
-    let qsplat = QSplat::of(tree, points, shapes);
     let named = |cut: &Cut, nodes: HashMap<u32, Child>| cut.listed.drawn.iter().map(|name| nodes[name]).collect();
-    let mut drawn = vec![("qsplat", named(&qsplat.cut(view, hints), QSplat::nodes(tree)))];
+    let mut drawn: Vec<(&'static str, Vec<Child>)> = Vec::new();
+    if tree.codes.len() == tree.nodes.len() {
+        let qsplat = QSplat::of(tree, points, shapes);
+        drawn.push(("qsplat", named(&qsplat.cut(view, hints), QSplat::nodes(tree))));
+    }
     for (name, most_points) in [("spt", usize::MAX), ("hspt", HIERARCHY_POINTS), ("hspt of few", 8)] {
         let sequences = SequentialTree::of(tree, most_points);
         drawn.push((name, named(&sequences.cut(view, hints), sequences.nodes(tree))));
@@ -195,9 +203,11 @@ fn drawn_by_definition(tree: &SphereTree, view: &SelectView, culls: bool) -> Has
 
 #[test]
 fn spheres_and_cones_are_nested_and_hold_all_below() {
-    for of in [torus(3000), odd_cloud()] {
-        let tree = tree_of(&of);
-        let (points, shapes) = &of;
+    for (of, tree) in [torus(3000), odd_cloud()]
+        .iter()
+        .flat_map(|of| trees_of(of).map(|tree| (of, tree)))
+    {
+        let (points, shapes) = of;
         for (node, index) in tree.nodes.iter().zip(0_u32..) {
             let above = &tree.nodes[tree.division.inners[index as usize].parent as usize].bounds;
             assert!(node.bounds.radius <= above.radius && node.sphere.radius == node.bounds.radius);
@@ -223,37 +233,44 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
 #[test]
 fn cones_of_a_smooth_surface_are_known_and_spheres_are_tight() {
     let of = torus(20_000);
-    let tree = tree_of(&of);
-    let known = tree
-        .nodes
-        .iter()
-        .filter(|node| !node.bounds.cone.is_everything())
-        .count();
-    assert!(known * 10 > tree.nodes.len() * 9, "{known} of {}", tree.nodes.len());
-    let (mut rounded, mut exact) = (0.0, 0.0);
-    for (node, index) in tree.nodes.iter().zip(0_u32..) {
-        let disks = points_below(&tree, Child::Inner(index))
-            .into_iter()
-            .map(|point| Sphere {
-                center: Vec3::from_array(of.0[point as usize].position),
-                radius: 0.01,
-            });
-        exact += f64::from(Sphere::around(disks).radius);
-        rounded += f64::from(node.sphere.radius);
+    for (tree, most_wider) in trees_of(&of).into_iter().zip([1.5, 1.05]) {
+        let known = tree
+            .nodes
+            .iter()
+            .filter(|node| !node.bounds.cone.is_everything())
+            .count();
+        assert!(known * 10 > tree.nodes.len() * 9, "{known} of {}", tree.nodes.len());
+        let (mut of_tree, mut around_disks) = (0.0, 0.0);
+        for (node, index) in tree.nodes.iter().zip(0_u32..) {
+            let disks = points_below(&tree, Child::Inner(index))
+                .into_iter()
+                .map(|point| Sphere {
+                    center: Vec3::from_array(of.0[point as usize].position),
+                    radius: 0.01,
+                });
+            let around = Sphere::around(disks);
+            around_disks += f64::from(around.radius);
+            of_tree += f64::from(node.sphere.radius);
+            // Those of more points are around the spheres of their children.
+            let is_around_disks = tree.codes.is_empty() && tree.division.inners[index as usize].point_count() <= 64;
+            assert!(!is_around_disks || node.sphere.radius <= around.radius, "{node:?}");
+        }
+        assert!(of_tree < most_wider * around_disks, "{}", of_tree / around_disks);
     }
-    assert!(rounded < 1.5 * exact, "{}", rounded / exact);
 }
 
 #[test]
 fn the_nodes_that_are_drawn_are_those_of_the_definition() {
-    for of in [torus(3000), odd_cloud()] {
-        let tree = tree_of(&of);
+    for (of, tree) in [torus(3000), odd_cloud()]
+        .iter()
+        .flat_map(|of| trees_of(of).map(|tree| (of, tree)))
+    {
         for metric in [LodMetric::Edge, LodMetric::Area] {
             for culls in [false, true] {
                 for lod_px in [0.0, 1.0, 4.0, 30.0, 1000.0] {
                     for view in views(lod_px, metric) {
                         let expected = drawn_by_definition(&tree, &view, culls);
-                        for (name, drawn) in drawn_by_all(&tree, &of, &view, hints(culls)) {
+                        for (name, drawn) in drawn_by_all(&tree, of, &view, hints(culls)) {
                             let found: HashSet<Child> = drawn.iter().copied().collect();
                             assert_eq!(found.len(), drawn.len(), "{name}: none twice");
                             assert!(found == expected, "{name}: {metric:?}, {lod_px} px, from {}", view.eye);
@@ -284,7 +301,7 @@ fn every_point_is_covered_once_where_all_can_be_seen() {
         records(&[], |_| Vec3::Z, 1.0),
         records(&[Vec3::ONE], |_| Vec3::Z, 1.0),
     ] {
-        let tree = tree_of(&of);
+        let tree = tree_of(&of, Precision::Coded);
         for metric in [LodMetric::Edge, LodMetric::Area] {
             for lod_px in [0.0, 2.0, 500.0] {
                 let mut view = views(lod_px, metric)[0];
@@ -309,11 +326,12 @@ proptest! {
         lod_px in 0.1f32..200.0,
         is_by_area: bool,
         culls: bool,
+        is_coded: bool,
     ) {
         let positions: Vec<Vec3> = positions.into_iter().map(|[x, y, z]| Vec3::new(x, y, z * flatness)).collect();
         let normal = |index: usize| (Vec3::Z + flatness * positions[index]).normalize();
         let of = records(&positions, normal, 0.05);
-        let tree = tree_of(&of);
+        let tree = tree_of(&of, if is_coded { Precision::Coded } else { Precision::Exact });
         let metric = if is_by_area { LodMetric::Area } else { LodMetric::Edge };
         let view = view_to(Vec3::from_array(eye), Vec3::new(0.1, 0.2, 0.3), lod_px, metric);
         let rule = Rule::new(&view, &hints(culls));
@@ -400,7 +418,7 @@ fn a_budget_is_kept_and_mostly_used() {
 fn written(levels: &SphereLevels, cut: &Cut) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
     match levels.write(cut, usize::MAX, RecordBuffers::default()) {
         super::Records::Surfels { points, shapes } => (points, shapes),
-        super::Records::Voxels { .. } => panic!("nodes are drawn as surfels"),
+        other => panic!("nodes are drawn as surfels: {other:?}"),
     }
 }
 
@@ -452,7 +470,7 @@ fn leaves_of_sequences_are_the_points_and_those_of_qsplat_are_near_them() {
 #[test]
 fn a_node_of_qsplat_takes_six_bytes_and_a_group_a_pointer() {
     let of = torus(10_000);
-    let tree = tree_of(&of);
+    let tree = tree_of(&of, Precision::Exact);
     let groups = tree
         .division
         .inners
@@ -470,7 +488,7 @@ fn a_node_of_qsplat_takes_six_bytes_and_a_group_a_pointer() {
 fn the_printed_rule_draws_nodes_and_their_parents_and_counts_them() {
     // A sphere of radius 1 around two points: r_min is √π, and r_max of the points is √π + 1.
     let of = records(&[Vec3::NEG_X, Vec3::X], |_| Vec3::Y, 0.0);
-    let tree = tree_of(&of);
+    let tree = tree_of(&of, Precision::Exact);
     let sequence = PrintedSequence::of(&tree, &of.0);
     let nodes = sequence.nodes();
     let root_tau = 0.01;
@@ -492,7 +510,7 @@ fn the_printed_rule_draws_nodes_and_their_parents_and_counts_them() {
 #[test]
 fn the_printed_rule_covers_every_point_and_more_often_the_smaller_the_threshold() {
     let of = torus(3000);
-    let tree = tree_of(&of);
+    let tree = tree_of(&of, Precision::Exact);
     let sequence = PrintedSequence::of(&tree, &of.0);
     let nodes = sequence.nodes();
     for lod_px in [2.0, 8.0, 40.0] {

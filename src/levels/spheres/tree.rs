@@ -1,12 +1,15 @@
 //! A tree of spheres around the points of a cloud, of which each of the structures here is made.
 //!
 //! How it works: the points are divided (`split.rs`), their summaries are made from the leaves up (`summary.rs`), and
-//! spheres and cones are rounded from the root down: a sphere to a code against the *rounded* sphere of its parent, so
-//! that errors do not add up (Rusinkiewicz and Levoy 2000, §3.1). Rounded spheres and cones are what all structures
-//! decide by, so that all draw the same nodes.
+//! spheres and cones are nested from the root down.
+//!
+//! A *coded* tree is rounded on that way: a sphere to a code against the *rounded* sphere of its parent, so that errors
+//! do not add up (Rusinkiewicz and Levoy 2000, §3.1). All structures draw the same nodes of it, as rounded spheres and
+//! cones are what they decide by. Spheres of 13 bits are a quarter wider, though, so half as many nodes again are drawn
+//! at a threshold. So only QSplat, which has no room for more, is made of a coded tree.
 
 use super::bounds::Bounds;
-use super::cone::cosine_of_sum;
+use super::cone::{Cone, cosine_of_sum};
 use super::node_code::{NodeCode, cone_code};
 use super::sphere_code;
 use super::split::{Division, NODES_PER_TASK};
@@ -19,15 +22,22 @@ use rayon::prelude::*;
 /// Rounding of normals to octahedral coordinates and of cosines, as a cosine.
 const CONE_SLACK: f32 = 1e-5;
 
-/// A node that is no leaf, as rounded.
+/// What spheres and cones are rounded to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Precision {
+    /// Single floats.
+    Exact,
+    /// The codes of QSplat.
+    Coded,
+}
+
+/// A node that is no leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     /// What is drawn for it: holds the disks of all points below.
     pub(super) sphere: Sphere,
     pub(super) bounds: Bounds,
-    /// All but the number of children.
-    pub(super) code: NodeCode,
-    /// Mean normal and colour, not rounded.
+    /// Mean normal and colour, not coded.
     pub(super) normal: [i16; 2],
     pub(super) color: [u8; 4],
 }
@@ -38,6 +48,8 @@ pub(super) struct SphereTree {
     pub(super) division: Division,
     /// As the nodes of the division.
     pub(super) nodes: Vec<Node>,
+    /// Their codes without the number of children, of a coded tree.
+    pub(super) codes: Vec<NodeCode>,
 }
 
 impl SphereTree {
@@ -45,27 +57,35 @@ impl SphereTree {
     ///
     /// # Panics
     /// Preconditions: points in Morton order of the cube around them, as many of both.
-    pub(super) fn build(points: &[PointRecord], shapes: &[ShapeRecord]) -> Self {
+    pub(super) fn build(points: &[PointRecord], shapes: &[ShapeRecord], precision: Precision) -> Self {
         assert_eq!(points.len(), shapes.len(), "one shape a point");
         let positions: Vec<Vec3> = points.iter().map(|point| Vec3::from_array(point.position)).collect();
         let codes = Cube::around(&positions).map_or_else(Vec::new, |cube| cube.codes(&positions));
         let division = Division::of(&codes);
         let summaries = summaries(&division, points, shapes);
-        let nodes = rounded(&division, &summaries);
-        Self { division, nodes }
+        let (nodes, codes) = match precision {
+            Precision::Exact => (nested(&division, &summaries, Node::nested), Vec::new()),
+            Precision::Coded => nested(&division, &summaries, Node::coded).into_iter().unzip(),
+        };
+        Self { division, nodes, codes }
     }
 }
 
-/// All nodes, each rounded against its parent.
-fn rounded(division: &Division, summaries: &[Summary]) -> Vec<Node> {
-    let mut nodes: Vec<Node> = Vec::with_capacity(summaries.len());
+/// All nodes, each made of its parent, if it has one, and its summary.
+fn nested<T: Send + Sync>(
+    division: &Division,
+    summaries: &[Summary],
+    make: impl Fn(Option<&T>, &Summary) -> T + Sync,
+) -> Vec<T> {
+    let mut nodes: Vec<T> = Vec::with_capacity(summaries.len());
     for level in division.levels() {
-        let of_level: Vec<Node> = level
+        let of_level: Vec<T> = level
             .into_par_iter()
             .with_min_len(NODES_PER_TASK)
             .map(|index| {
+                // The root is its own parent, and not there yet.
                 let parent = division.inners[index].parent as usize;
-                Node::rounded(nodes.get(parent), &summaries[index])
+                make(nodes.get(parent), &summaries[index])
             })
             .collect();
         nodes.extend(of_level);
@@ -74,27 +94,39 @@ fn rounded(division: &Division, summaries: &[Summary]) -> Vec<Node> {
 }
 
 impl Node {
-    /// The root has no parent.
-    fn rounded(parent: Option<&Self>, summary: &Summary) -> Self {
+    fn nested(parent: Option<&Self>, summary: &Summary) -> Self {
+        // That of a part of some points may be wider by a hair, as neither is the smallest that there is.
+        let around = parent.map(|parent| parent.sphere);
+        let sphere = around.filter(|around| around.radius < summary.sphere.radius);
+        let cosine = summary.cone_cosine - CONE_SLACK;
+        let cone = Cone {
+            axis: summary.normal,
+            cosine: if cosine > 0.0 { cosine } else { -1.0 },
+        };
+        Self::with_bounds(parent, sphere.unwrap_or(summary.sphere), cone, summary)
+    }
+
+    fn coded(parent: Option<&(Self, NodeCode)>, summary: &Summary) -> (Self, NodeCode) {
+        let parent = parent.map(|(parent, _)| parent);
         let around = parent.map_or(&summary.sphere, |parent| &parent.sphere);
         let sphere_code = sphere_code::encoded(around, &summary.sphere);
         let sphere = sphere_code::decoded(around, sphere_code);
-        let normal = oct_encode(summary.normal);
-        let color = summary.color.round().to_array().map(|channel| channel as u8);
-        let code = NodeCode::new(sphere_code, normal, color);
+        let code = NodeCode::new(sphere_code, oct_encode(summary.normal), summary.color());
         let off_axis = code.cone().axis.dot(summary.normal);
         let cone = cone_code(cosine_of_sum(off_axis, summary.cone_cosine) - CONE_SLACK);
         let code = code.with_cone(cone);
-        let bounds = match parent {
-            Some(parent) => parent.bounds.nested(sphere, code.cone()),
-            None => Bounds::of_root(sphere, code.cone()),
-        };
+        (Self::with_bounds(parent, sphere, code.cone(), summary), code)
+    }
+
+    fn with_bounds(parent: Option<&Self>, sphere: Sphere, cone: Cone, summary: &Summary) -> Self {
         Self {
             sphere,
-            bounds,
-            code,
-            normal,
-            color,
+            bounds: match parent {
+                Some(parent) => parent.bounds.nested(sphere, cone),
+                None => Bounds::of_root(sphere, cone),
+            },
+            normal: oct_encode(summary.normal),
+            color: summary.color(),
         }
     }
 }

@@ -40,6 +40,7 @@ mod tile;
 mod triangle;
 mod view;
 
+use super::gathered::Gathered;
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
 use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket, Shadow};
@@ -58,6 +59,7 @@ use std::time::Instant;
 pub struct CpuRenderer {
     prepared: Option<ScenePacket>,
     drawn: Option<ScenePacket>,
+    gathered: Gathered,
     /// Boxes around what the prepared packet draws, made for the records of this one.
     blocks: Option<(Content, Blocks)>,
     image: RgbaImage,
@@ -182,6 +184,7 @@ impl Renderer for CpuRenderer {
             let max = Self::MAX_EDGE_PX;
             return Err(RenderError::TooLarge { width, height, max });
         }
+        let packet = &self.gathered.packet(packet);
         let is_kept = self.blocks.as_ref().is_some_and(|(of, _)| *of == packet.content);
         if !is_kept {
             let blocks = Drawable::of(packet).blocks();

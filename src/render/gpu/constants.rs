@@ -25,6 +25,9 @@ pub(super) const SHAPE_GROUP: u32 = STREAM_GROUP + 1;
 /// What the compute stage writes.
 pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 
+/// Of the pass that gathers records: all that it reads and writes.
+pub(super) const GATHER_GROUP: u32 = 0;
+
 /// Records that the strategy `compute` hands to a workgroup.
 pub(super) const GROUP_RECORDS: u32 = 256;
 
@@ -95,6 +98,7 @@ pub(super) fn shared() -> String {
         FXAA_MOST_BLENDED,
         FXAA_RED,
         FXAA_SEARCH_STEPS,
+        GATHER_GROUP,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
         HEAD_LIGHT_SHININESS,

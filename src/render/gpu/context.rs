@@ -71,7 +71,7 @@ impl Context {
         options: &ContextOptions,
     ) -> Result<Arc<Self>, RenderError> {
         let info = adapter.get_info();
-        let timestamps = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let timestamps = wgpu::Features::TIMESTAMP_QUERY;
         let single_floats = wgpu::Features::FLOAT32_BLENDABLE;
         let features = adapter.features() & (timestamps | single_floats);
         let has_timestamps = features.contains(timestamps);

@@ -2,6 +2,7 @@
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 
+use crate::levels::Selection;
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PointSize, ScenePacket, Shadow,
@@ -9,6 +10,7 @@ use crate::scene::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::ops::Range;
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
 pub(super) const LIGHTING_PER_SURFEL: u32 = 1;
@@ -25,6 +27,35 @@ const BACK_FACES_DRAWN: u32 = 0;
 pub(super) const KERNEL_HAT: u32 = 1;
 pub(super) const KERNEL_BOX: u32 = 2;
 const KERNEL_GAUSSIAN: u32 = 0;
+
+/// Twin of `Gathering` in `passes/gather.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct Gathering {
+    pub first: u32,
+    pub count: u32,
+    pub step: u32,
+    pub radius_factor: f32,
+}
+
+impl Gathering {
+    /// Of these records of a selection, with their radii or without.
+    pub fn of(selection: &Selection, records: Range<u32>, has_radii: bool) -> Self {
+        let (step, factor) = match *selection {
+            Selection::At(_) => (0, 1.0),
+            Selection::Every {
+                step, radius_factor, ..
+            } => (step, radius_factor),
+        };
+        Self {
+            first: records.start,
+            count: records.len() as u32,
+            step,
+            radius_factor: if has_radii { factor } else { 1.0 },
+        }
+    }
+}
 
 /// Twin of `View` in `common/view.wgsl`.
 #[repr(C)]

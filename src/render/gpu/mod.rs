@@ -7,6 +7,7 @@
 pub mod complexity;
 mod constants;
 mod context;
+mod gather;
 pub mod gpu_data;
 mod instancing;
 mod passes;

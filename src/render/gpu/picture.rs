@@ -6,6 +6,7 @@ use super::instancing::{Draw, Instancing, ViewBinding};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::{LAMP_VIEW, Plan};
 use super::targets::{Target, Targets};
+use super::timer::{Stamps, Timer};
 use crate::render::RenderStats;
 use crate::scene::Background;
 
@@ -21,7 +22,53 @@ pub(super) struct Recorder<'a> {
     pub(super) view_group: &'a wgpu::BindGroup,
     pub(super) view_stride: u32,
     pub(super) encoder: &'a mut wgpu::CommandEncoder,
+    /// Where the adapter has timestamps.
+    pub(super) timer: Option<&'a mut Timer>,
     pub(super) stats: &'a mut RenderStats,
+}
+
+/// What compute passes are recorded with.
+#[derive(Debug)]
+pub(super) struct Recording<'a> {
+    pub(super) context: &'a Context,
+    encoder: &'a mut wgpu::CommandEncoder,
+    timer: Option<&'a mut Timer>,
+}
+
+impl<'a> Recording<'a> {
+    /// Of what comes before the passes of a picture.
+    pub(super) fn new(
+        context: &'a Context,
+        encoder: &'a mut wgpu::CommandEncoder,
+        timer: Option<&'a mut Timer>,
+    ) -> Self {
+        Self {
+            context,
+            encoder,
+            timer,
+        }
+    }
+
+    /// Copies a buffer to all of a texture.
+    pub(super) fn copy_to_texture(
+        &mut self,
+        buffer: &wgpu::Buffer,
+        layout: wgpu::TexelCopyBufferLayout,
+        texture: &wgpu::Texture,
+    ) {
+        let from = wgpu::TexelCopyBufferInfo { buffer, layout };
+        self.encoder
+            .copy_buffer_to_texture(from, texture.as_image_copy(), texture.size());
+    }
+
+    /// Begins a compute pass.
+    pub(super) fn begin_compute(&mut self, label: &'static str) -> wgpu::ComputePass<'_> {
+        let stamps = self.timer.as_deref_mut().and_then(|timer| timer.stamps(label));
+        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(label),
+            timestamp_writes: stamps.map(Stamps::of_compute),
+        })
+    }
 }
 
 /// All textures are loaded or cleared in the same way.
@@ -61,7 +108,7 @@ impl<'a> Recorder<'a> {
             a: 1.0,
         });
         let onto = (self.targets.views(Target::Picture), clear);
-        let mut pass = begin(self.encoder, "background", onto, None);
+        let mut pass = begin(self.encoder, self.timer.as_deref_mut(), "background", onto, None);
         self.stats.passes += 1;
         if let Some(pipeline) = plan
             .background
@@ -80,11 +127,22 @@ impl<'a> Recorder<'a> {
             && let Some(map) = self.targets.outdated_shadow_map(&shadow.lamp_packet).cloned()
         {
             let view = self.view(LAMP_VIEW);
-            self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
+            self.amplify(view, instancing, draw);
             let depth = Some((&map, Some(wgpu::LoadOp::Clear(FAR))));
-            let pass = begin(self.encoder, "shadow map", (Vec::new(), wgpu::LoadOp::Load), depth);
+            let pass = begin(
+                self.encoder,
+                self.timer.as_deref_mut(),
+                "shadow map",
+                (Vec::new(), wgpu::LoadOp::Load),
+                depth,
+            );
             draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
         }
+    }
+
+    fn amplify(&mut self, view: ViewBinding<'_>, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
+        let mut recording = Recording::new(self.context, self.encoder, self.timer.as_deref_mut());
+        self.stats.passes += instancing.amplify(&mut recording, view, draw);
     }
 
     /// The uniforms of this index.
@@ -98,7 +156,7 @@ impl<'a> Recorder<'a> {
     /// The pass of this index over all records.
     fn geometry(&mut self, index: u32, key: GeometryKey, instancing: &mut dyn Instancing, draw: &Draw<'_>) {
         let view = self.view(index);
-        self.stats.passes += instancing.amplify(self.context, self.encoder, view, draw);
+        self.amplify(view, instancing, draw);
         let targets = &*self.targets;
         let load = |target| match target {
             Target::Picture | Target::Shown => wgpu::LoadOp::Load,
@@ -113,7 +171,7 @@ impl<'a> Recorder<'a> {
             DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
             DepthUse::TestOnly => (&targets.depth_view, None),
         });
-        let pass = begin(self.encoder, key.pass.name, color, depth);
+        let pass = begin(self.encoder, self.timer.as_deref_mut(), key.pass.name, color, depth);
         draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
     }
 
@@ -131,7 +189,7 @@ impl<'a> Recorder<'a> {
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
         let color = (targets.views(screen.color.target), wgpu::LoadOp::Load);
-        let mut pass = begin(self.encoder, screen.name, color, depth);
+        let mut pass = begin(self.encoder, self.timer.as_deref_mut(), screen.name, color, depth);
         self.stats.passes += 1;
         pass.set_pipeline(pipeline);
         pass.set_bind_group(VIEW_GROUP, self.view_group, &[0]);
@@ -181,7 +239,8 @@ fn source_group(context: &Context, layout: &wgpu::BindGroupLayout, sources: &[&w
 /// Begins a render pass.
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
-    label: &str,
+    timer: Option<&mut Timer>,
+    label: &'static str,
     (views, load): ColorTargets<'_>,
     depth: DepthTarget<'_>,
 ) -> wgpu::RenderPass<'e> {
@@ -197,6 +256,7 @@ fn begin<'e>(
         })
     };
     let attachments: Vec<_> = views.into_iter().map(attachment).collect();
+    let stamps = timer.and_then(|timer| timer.stamps(label));
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &attachments,
@@ -208,7 +268,7 @@ fn begin<'e>(
             }),
             stencil_ops: None,
         }),
-        timestamp_writes: None,
+        timestamp_writes: stamps.map(Stamps::of_render),
         occlusion_query_set: None,
         multiview_mask: None,
     })

@@ -1,15 +1,18 @@
 //! [`GpuRenderer`]: keeps what pictures share, and makes the next one from a packet.
 
 use super::context::Context;
+use super::gather::{Gatherer, Selected};
 use super::gpu_data::ViewUniform;
 use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing, Stream};
 use super::passes::Pipelines;
-use super::picture::Recorder;
+use super::picture::{Recorder, Recording};
 use super::plan::{Plan, VIEWS};
+use super::primitives;
 use super::readback::read_color;
-use super::residency::{Residency, StreamContents};
+use super::residency::{RecordSource, Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
-use super::timer::Timer;
+use super::timer::{GpuTimes, Timer};
+use crate::render::gathered::Gathered;
 use crate::render::{RenderError, RenderStats, Renderer};
 use crate::scene::{Antialiasing, ScenePacket, Strategy, Style};
 use std::sync::Arc;
@@ -27,6 +30,8 @@ pub struct GpuRenderer {
     instancing: Box<dyn RecordInstancing>,
     indexed: Indexed,
     residency: Residency,
+    gatherer: Gatherer,
+    gathered: Gathered,
     targets: Option<Targets>,
     quad_indices: wgpu::Buffer,
     view_group: wgpu::BindGroup,
@@ -35,9 +40,16 @@ pub struct GpuRenderer {
     stats: RenderStats,
     view_buffer: wgpu::Buffer,
     quad_capacity: u32,
-    prepared: Option<ScenePacket>,
+    prepared: Option<Prepared>,
     drawn: Option<ScenePacket>,
     color_generation: u64,
+}
+
+/// A packet, and what is drawn of it.
+#[derive(Debug, Clone)]
+struct Prepared {
+    packet: ScenePacket,
+    drawn: ScenePacket,
 }
 
 impl GpuRenderer {
@@ -71,6 +83,8 @@ impl GpuRenderer {
             instancing: (instancing::row(strategy).open)(&context, &pipelines.view_layout),
             indexed: Indexed::new(&context),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
+            gatherer: Gatherer::new(&context),
+            gathered: Gathered::default(),
             targets: None,
             quad_indices: quad_index_buffer(&context, 1),
             quad_capacity: 1,
@@ -105,9 +119,7 @@ impl GpuRenderer {
     /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
-        let gpu_ms = self.timer.as_mut()?.wait_ms(&context);
-        self.stats.gpu_ms = gpu_ms;
-        gpu_ms
+        self.timer.as_mut()?.wait(&context)?.total_ms
     }
 
     /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
@@ -120,12 +132,12 @@ impl GpuRenderer {
     /// already. They are to be submitted before another packet is prepared, which overwrites what they read.
     pub fn encode(&mut self) -> Result<Option<wgpu::CommandBuffer>, RenderError> {
         self.context.check_alive()?;
-        let packet = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
+        let Prepared { packet, drawn } = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
         if self.drawn.as_ref() == Some(&packet) {
             return Ok(None);
         }
         let start = Instant::now();
-        let commands = self.encode_picture(&packet.as_drawn())?;
+        let commands = self.encode_picture(&drawn)?;
         self.stats.frames += 1;
         self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.drawn = Some(packet);
@@ -137,19 +149,36 @@ impl GpuRenderer {
         self.drawn = None;
     }
 
+    /// What is drawn of a packet. Nodes of which not all can be resident are gathered here.
+    fn as_drawn(&mut self, packet: &ScenePacket) -> ScenePacket {
+        let drawn = packet.as_drawn();
+        let streams = primitives::drawable(&drawn).streams;
+        let mut sizes = streams.iter().map(RecordSource::record_bytes);
+        let are_bindable = sizes.clone().all(|bytes| Gatherer::can_hold(&self.context, bytes));
+        if are_bindable && sizes.by_ref().sum::<usize>() as u64 <= self.residency.budget_bytes() {
+            return drawn;
+        }
+        drop(streams);
+        self.gathered.packet(&drawn)
+    }
+
     fn encode_picture(&mut self, packet: &ScenePacket) -> Result<wgpu::CommandBuffer, RenderError> {
         let plan = Plan::new(packet, self.context.blends_single_floats);
-        let streams = streams_of(&plan, &self.residency);
+        let label = wgpu::CommandEncoderDescriptor { label: Some("picture") };
+        let mut encoder = self.context.device.create_command_encoder(&label);
+        if let Some(timer) = &mut self.timer {
+            timer.begin(&self.context);
+        }
+        if plan.drawable.selection.is_some() {
+            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
+            self.stats.passes += self.gatherer.record(&mut recording, &self.residency);
+        }
+        let streams = streams_of(&plan, &self.residency, &self.gatherer);
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
             quad_indices: &self.quad_indices,
         };
-        let label = wgpu::CommandEncoderDescriptor { label: Some("picture") };
-        let mut encoder = self.context.device.create_command_encoder(&label);
-        if let Some(timer) = &mut self.timer {
-            timer.begin(&self.context, &mut encoder);
-        }
         let mut recorder = Recorder {
             context: &self.context,
             pipelines: &self.pipelines,
@@ -157,6 +186,7 @@ impl GpuRenderer {
             view_group: &self.view_group,
             view_stride: self.view_stride,
             encoder: &mut encoder,
+            timer: self.timer.as_mut(),
             stats: &mut self.stats,
         };
         let background = packet.style.backdrop.background;
@@ -211,11 +241,13 @@ impl GpuRenderer {
         if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
             log::warn!("the GPU is out of memory: frames that were kept there make room");
             self.residency.clear();
+            self.gatherer.clear();
             result = self.upload_streams(plan);
         }
         if result.is_err() {
             // What was made of the streams cannot be drawn.
             self.residency.clear();
+            self.gatherer.clear();
         }
         self.residency.trim(&plan.stream_keys());
         self.stats.resident_bytes = self.residency.resident_bytes();
@@ -228,6 +260,7 @@ impl GpuRenderer {
             instancing,
             indexed,
             residency,
+            gatherer,
             stats,
             ..
         } = self;
@@ -238,8 +271,19 @@ impl GpuRenderer {
                     StreamContents::Records(bytes) => {
                         instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
                     }
+                    StreamContents::Nodes(bytes) => Gatherer::upload_nodes(context, bytes),
                     StreamContents::Mesh(mesh) => indexed.upload(context, chunked_for, mesh),
                 });
+                stats.uploads += u64::from(uploaded_bytes > 0);
+                stats.uploaded_bytes += uploaded_bytes;
+            }
+            if let Some(selection) = plan.drawable.selection {
+                let selected = Selected {
+                    selection,
+                    nodes: &plan.stream_keys(),
+                    chunked_for,
+                };
+                let uploaded_bytes = gatherer.ensure(context, instancing.as_ref(), selected);
                 stats.uploads += u64::from(uploaded_bytes > 0);
                 stats.uploaded_bytes += uploaded_bytes;
             }
@@ -249,7 +293,7 @@ impl GpuRenderer {
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency)
+        let quads = streams_of(plan, &self.residency, &self.gatherer)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -268,12 +312,16 @@ impl GpuRenderer {
 impl Renderer for GpuRenderer {
     fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
         self.context.check_alive()?;
-        if self.prepared.as_ref() == Some(packet) {
+        if self
+            .prepared
+            .as_ref()
+            .is_some_and(|prepared| prepared.packet == *packet)
+        {
             return Ok(());
         }
         let start = Instant::now();
         self.prepared = None;
-        let drawn = packet.as_drawn();
+        let drawn = self.as_drawn(packet);
         let plan = Plan::new(&drawn, self.context.blends_single_floats);
         let is_smoothed = packet.style.drawing.antialiasing != Antialiasing::None;
         let sizes_px = (drawn.viewport_px, is_smoothed.then_some(packet.viewport_px));
@@ -281,6 +329,7 @@ impl Renderer for GpuRenderer {
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
             self.residency.clear();
+            self.gatherer.clear();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
@@ -300,7 +349,10 @@ impl Renderer for GpuRenderer {
                 .queue
                 .write_buffer(&self.view_buffer, offset, bytemuck::bytes_of(&view));
         }
-        self.prepared = Some(packet.clone());
+        self.prepared = Some(Prepared {
+            packet: packet.clone(),
+            drawn,
+        });
         self.stats.prepare_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
@@ -321,8 +373,10 @@ impl Renderer for GpuRenderer {
     }
 
     fn stats(&self) -> RenderStats {
+        let GpuTimes { total_ms, passes } = self.timer.as_ref().map_or_else(GpuTimes::default, Timer::last);
         RenderStats {
-            gpu_ms: self.timer.as_ref().and_then(Timer::last_ms).or(self.stats.gpu_ms),
+            gpu_ms: total_ms,
+            gpu_passes: passes,
             ..self.stats
         }
     }
@@ -342,7 +396,10 @@ fn instancing_of<'a>(
 }
 
 /// What a plan draws, as far as it is resident.
-fn streams_of<'a>(plan: &Plan<'_>, residency: &'a Residency) -> Vec<&'a Stream> {
+fn streams_of<'a>(plan: &Plan<'_>, residency: &'a Residency, gatherer: &'a Gatherer) -> Vec<&'a Stream> {
+    if plan.drawable.selection.is_some() {
+        return gatherer.streams();
+    }
     let keys = plan.stream_keys();
     keys.into_iter().filter_map(|key| residency.get(key)).collect()
 }

@@ -15,7 +15,7 @@ use std::sync::{Arc, Weak};
 /// A least-recently-drawn cache of streams.
 #[derive(Debug)]
 pub(super) struct Residency {
-    streams: HashMap<usize, Resident>,
+    streams: HashMap<StreamKey, Resident>,
     budget_bytes: u64,
     resident_bytes: u64,
     clock: u64,
@@ -29,12 +29,27 @@ struct Resident {
 }
 
 /// Names a resident stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct StreamKey(usize);
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct StreamKey {
+    address: usize,
+    use_of: StreamUse,
+}
+
+/// What records are resident for: it says how they are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum StreamUse {
+    /// They are drawn.
+    Drawn,
+    /// Some of them are gathered.
+    Gathered,
+}
 
 impl StreamKey {
     fn of<T>(records: &Arc<T>) -> Self {
-        Self(Arc::as_ptr(records) as usize)
+        Self {
+            address: Arc::as_ptr(records) as usize,
+            use_of: StreamUse::Drawn,
+        }
     }
 }
 
@@ -51,6 +66,8 @@ pub(super) struct RecordSource<'a> {
 pub(super) enum StreamContents<'a> {
     /// Records of 16 bytes.
     Records(&'a [u8]),
+    /// The same of all nodes of a structure.
+    Nodes(&'a [u8]),
     /// Triangles and their vertices.
     Mesh(&'a MeshRecords),
 }
@@ -58,6 +75,29 @@ pub(super) enum StreamContents<'a> {
 impl<'a> RecordSource<'a> {
     pub(super) fn of<T: NoUninit + Send + Sync>(records: &'a Arc<Vec<T>>) -> Self {
         Self::owned_by(records, StreamContents::Records(bytemuck::cast_slice(records)))
+    }
+
+    /// The same records, some of which are gathered.
+    pub(super) fn to_gather_from(self) -> Self {
+        Self {
+            key: StreamKey {
+                use_of: StreamUse::Gathered,
+                ..self.key
+            },
+            contents: match self.contents {
+                StreamContents::Records(bytes) => StreamContents::Nodes(bytes),
+                contents => contents,
+            },
+            owner: self.owner,
+        }
+    }
+
+    /// How many bytes of records; of meshes, none are told.
+    pub(super) fn record_bytes(&self) -> usize {
+        match self.contents {
+            StreamContents::Records(bytes) | StreamContents::Nodes(bytes) => bytes.len(),
+            StreamContents::Mesh(_) => 0,
+        }
     }
 
     pub(super) fn of_mesh(mesh: &'a Arc<MeshRecords>) -> Self {
@@ -101,7 +141,7 @@ impl Residency {
         upload: impl FnOnce(StreamContents<'_>) -> Stream,
     ) -> u64 {
         self.clock += 1;
-        let key = records.key.0;
+        let key = records.key;
         if let Some(resident) = self.streams.get_mut(&key) {
             // The weak reference keeps the address from being used again, so it is the same cloud.
             resident.last_drawn = self.clock;
@@ -123,12 +163,12 @@ impl Residency {
 
     /// The stream, if it is resident.
     pub(super) fn get(&self, key: StreamKey) -> Option<&Stream> {
-        self.streams.get(&key.0).map(|resident| &resident.stream)
+        self.streams.get(&key).map(|resident| &resident.stream)
     }
 
     /// Drops what is gone, then what was not drawn for longest, but never `keep`.
     pub(super) fn trim(&mut self, keep: &[StreamKey]) {
-        let is_kept = |key: &usize| keep.contains(&StreamKey(*key));
+        let is_kept = |key: &StreamKey| keep.contains(key);
         self.streams
             .retain(|key, resident| is_kept(key) || resident.owner.strong_count() > 0);
         self.resident_bytes = self.streams.values().map(|resident| resident.stream.byte_size).sum();
@@ -150,6 +190,10 @@ impl Residency {
     pub(super) fn clear(&mut self) {
         self.streams.clear();
         self.resident_bytes = 0;
+    }
+
+    pub(super) fn budget_bytes(&self) -> u64 {
+        self.budget_bytes
     }
 
     pub(super) fn resident_bytes(&self) -> u64 {

@@ -5,7 +5,7 @@
 pub use super::passes::{GeometryPass, SCREEN_PASSES, ScreenPass};
 pub use super::primitives::{AMPLIFICATIONS, Amplification};
 
-use super::{instancing, wgsl};
+use super::{gather, instancing, wgsl};
 use crate::scene::Strategy;
 
 /// One shader module.
@@ -15,6 +15,8 @@ pub enum Permutation {
     Geometry(Strategy, &'static Amplification, &'static GeometryPass),
     /// The compute stage of [`Strategy::Compute`].
     Amplify(&'static Amplification),
+    /// The pass that gathers the records of selected nodes.
+    Gather,
     /// A pass over the screen.
     Screen(&'static ScreenPass),
 }
@@ -23,6 +25,7 @@ impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
+        all.push(Self::Gather);
         for amplification in AMPLIFICATIONS {
             if amplification.compute_amplifies {
                 all.push(Self::Amplify(amplification));
@@ -45,6 +48,7 @@ impl Permutation {
                 format!("{strategy}/{}/{}", amplification.name, pass.name)
             }
             Self::Amplify(amplification) => format!("amplify/{}", amplification.name),
+            Self::Gather => "gather".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
         }
     }
@@ -61,6 +65,7 @@ impl Permutation {
                 wgsl::of_records(amplification, &files)
             }
             Self::Amplify(amplification) => instancing::compute_source(amplification),
+            Self::Gather => gather::source(),
             Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
         }
     }

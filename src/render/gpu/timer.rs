@@ -1,13 +1,15 @@
-//! GPU time of a picture, by two timestamps around its passes.
+//! GPU time of a picture, by two timestamps for each of its passes: when it begins and when it ends.
 //!
 //! Timestamps can be missing, zero or run backwards; then there is no time rather than a wrong one. The window never
 //! waits for them: a measurement that is still under way when the next picture starts is left alone.
 
 use super::context::Context;
+use crate::render::{PassTime, PassTimes};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-const QUERY_BYTES: u64 = 2 * wgpu::QUERY_SIZE as u64;
+const QUERY_COUNT: u32 = 2 * PassTimes::MOST as u32;
+const QUERY_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
 const IDLE: u8 = 0;
 const IN_FLIGHT: u8 = 1;
@@ -20,7 +22,24 @@ pub(super) struct Timer {
     readable: wgpu::Buffer,
     state: Arc<AtomicU8>,
     recorded: bool,
-    last_ms: Option<f64>,
+    /// The passes of the picture that is timed.
+    passes: Vec<&'static str>,
+    last: GpuTimes,
+}
+
+/// What was measured of a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct GpuTimes {
+    /// From the beginning of the first pass to the end of the last.
+    pub(super) total_ms: Option<f64>,
+    pub(super) passes: PassTimes,
+}
+
+/// Where a pass leaves its timestamps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stamps<'a> {
+    queries: &'a wgpu::QuerySet,
+    begin: u32,
 }
 
 impl Timer {
@@ -32,7 +51,7 @@ impl Timer {
         let buffer = |usage| {
             context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("timestamps"),
-                size: QUERY_BYTES,
+                size: QUERY_BYTES * u64::from(QUERY_COUNT),
                 usage,
                 mapped_at_creation: false,
             })
@@ -41,32 +60,48 @@ impl Timer {
             queries: context.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: wgpu::QueryType::Timestamp,
-                count: 2,
+                count: QUERY_COUNT,
             }),
             resolved: buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
             readable: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
             state: Arc::new(AtomicU8::new(IDLE)),
             recorded: false,
-            last_ms: None,
+            passes: Vec::new(),
+            last: GpuTimes::default(),
         })
     }
 
-    pub(super) fn begin(&mut self, context: &Context, encoder: &mut wgpu::CommandEncoder) {
+    /// A picture begins.
+    pub(super) fn begin(&mut self, context: &Context) {
         self.collect(context);
         self.recorded = self.state.load(Ordering::Acquire) == IDLE;
         if self.recorded {
-            encoder.write_timestamp(&self.queries, 0);
+            self.passes.clear();
         }
+    }
+
+    /// Where the next pass leaves its timestamps, if it is timed.
+    pub(super) fn stamps(&mut self, pass: &'static str) -> Option<Stamps<'_>> {
+        if !self.recorded || self.passes.len() == PassTimes::MOST {
+            return None;
+        }
+        let begin = 2 * self.passes.len() as u32;
+        self.passes.push(pass);
+        Some(Stamps {
+            queries: &self.queries,
+            begin,
+        })
     }
 
     /// Asks for the result as well, which comes some time after the commands were submitted.
     pub(super) fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        if !std::mem::take(&mut self.recorded) {
+        let count = 2 * self.passes.len() as u32;
+        if !std::mem::take(&mut self.recorded) || count == 0 {
             return;
         }
-        encoder.write_timestamp(&self.queries, 1);
-        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, QUERY_BYTES);
+        let bytes = QUERY_BYTES * u64::from(count);
+        encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, bytes);
         self.state.store(IN_FLIGHT, Ordering::Release);
         let state = Arc::clone(&self.state);
         encoder.map_buffer_on_submit(&self.readable, wgpu::MapMode::Read, .., move |result| {
@@ -81,43 +116,93 @@ impl Timer {
         if self.state.load(Ordering::Acquire) == MAPPED {
             let ticks = self.readable.slice(..).get_mapped_range();
             let period_ns = context.queue.get_timestamp_period();
-            self.last_ms = ticks
-                .ok()
-                .and_then(|ticks| elapsed_ms(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks), period_ns));
+            let of_ticks = |ticks: &[u64]| GpuTimes::of(&self.passes, ticks, period_ns);
+            self.last = ticks.map_or_else(
+                |_| GpuTimes::default(),
+                |ticks| of_ticks(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks)),
+            );
             self.readable.unmap();
             self.state.store(IDLE, Ordering::Release);
         }
     }
 
-    /// The last time that arrived, without waiting.
-    pub(super) fn last_ms(&self) -> Option<f64> {
-        self.last_ms
+    /// The last times that arrived, without waiting.
+    pub(super) fn last(&self) -> GpuTimes {
+        self.last
     }
 
-    /// Waits for the time of the last picture.
-    pub(super) fn wait_ms(&mut self, context: &Context) -> Option<f64> {
+    /// Waits for the times of the last picture.
+    pub(super) fn wait(&mut self, context: &Context) -> Option<GpuTimes> {
         context.wait().ok()?;
         self.collect(context);
-        self.last_ms
+        Some(self.last)
     }
 }
 
-fn elapsed_ms(ticks: &[u64], period_ns: f32) -> Option<f64> {
-    let [begin, end] = ticks else { return None };
-    let elapsed = end.checked_sub(*begin).filter(|&elapsed| elapsed > 0 && *begin > 0)?;
+impl<'a> Stamps<'a> {
+    pub(super) fn of_render(self) -> wgpu::RenderPassTimestampWrites<'a> {
+        wgpu::RenderPassTimestampWrites {
+            query_set: self.queries,
+            beginning_of_pass_write_index: Some(self.begin),
+            end_of_pass_write_index: Some(self.begin + 1),
+        }
+    }
+
+    pub(super) fn of_compute(self) -> wgpu::ComputePassTimestampWrites<'a> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: self.queries,
+            beginning_of_pass_write_index: Some(self.begin),
+            end_of_pass_write_index: Some(self.begin + 1),
+        }
+    }
+}
+
+impl GpuTimes {
+    /// Of passes with a pair of ticks each.
+    fn of(passes: &[&'static str], ticks: &[u64], period_ns: f32) -> Self {
+        let pairs = ticks.as_chunks().0;
+        let passes = passes.iter().zip(pairs);
+        let last = passes.len().checked_sub(1).map(|last| pairs[last][1]);
+        Self {
+            total_ms: ticks
+                .first()
+                .zip(last)
+                .and_then(|(&begin, end)| elapsed_ms([begin, end], period_ns)),
+            passes: passes
+                .map(|(&pass, &ticks)| PassTime {
+                    pass,
+                    gpu_ms: elapsed_ms(ticks, period_ns),
+                })
+                .collect(),
+        }
+    }
+}
+
+fn elapsed_ms([begin, end]: [u64; 2], period_ns: f32) -> Option<f64> {
+    let elapsed = end.checked_sub(begin).filter(|&elapsed| elapsed > 0 && begin > 0)?;
     Some(elapsed as f64 * f64::from(period_ns) * 1e-6)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::elapsed_ms;
+    use super::*;
 
     #[test]
     fn only_timestamps_that_make_sense_give_a_time() {
-        assert_eq!(elapsed_ms(&[1_000, 3_001_000], 1.0), Some(3.0));
-        assert_eq!(elapsed_ms(&[1_000, 2_000], 1000.0), Some(1.0));
-        assert_eq!(elapsed_ms(&[0, 0], 1.0), None, "never written");
-        assert_eq!(elapsed_ms(&[0, 7], 1.0), None, "half written");
-        assert_eq!(elapsed_ms(&[9, 7], 1.0), None, "backwards");
+        assert_eq!(elapsed_ms([1_000, 3_001_000], 1.0), Some(3.0));
+        assert_eq!(elapsed_ms([1_000, 2_000], 1000.0), Some(1.0));
+        assert_eq!(elapsed_ms([0, 0], 1.0), None, "never written");
+        assert_eq!(elapsed_ms([0, 7], 1.0), None, "half written");
+        assert_eq!(elapsed_ms([9, 7], 1.0), None, "backwards");
+    }
+
+    #[test]
+    fn each_pass_has_its_pair_and_the_whole_lasts_from_the_first_to_the_last() {
+        let ticks = [1_000_000, 2_000_000, 2_500_000, 2_400_000, 3_000_000, 5_000_000, 0, 0];
+        let times = GpuTimes::of(&["first", "backwards", "last"], &ticks, 1.0);
+        assert_eq!(times.total_ms, Some(4.0));
+        let passes: Vec<_> = times.passes.iter().map(|time| (time.pass, time.gpu_ms)).collect();
+        assert_eq!(passes, [("first", Some(1.0)), ("backwards", None), ("last", Some(2.0))]);
+        assert_eq!(GpuTimes::of(&[], &ticks, 1.0), GpuTimes::default());
     }
 }

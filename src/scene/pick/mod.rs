@@ -119,6 +119,14 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             let chosen = ray.choose(&sprites, radius_px)?;
             slot_of(packet, frame, points, chosen.record)
         }
+        Content::Selected(selected) => {
+            let content = Content::Surfels(selected.gathered());
+            let packet = ScenePacket {
+                content,
+                ..packet.clone()
+            };
+            pick(&packet, frame, place_px, radius_px)
+        }
         Content::Surfels(surfels) => {
             let chosen = if packet.style.primitive == Primitive::Point {
                 let sprites = Sprites::new(packet, &surfels.points, Some(&surfels.shapes));

@@ -15,6 +15,21 @@ pub(super) fn buffer_with(
     context.filled_buffer("records", usage, records, records.len().next_multiple_of(alignment))
 }
 
+/// Room for so many records, which a compute pass writes, padded as those of [`buffer_with`].
+pub(super) fn buffer_for(
+    context: &Context,
+    usage: wgpu::BufferUsages,
+    capacity: usize,
+    alignment: usize,
+) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("gathered records"),
+        size: (capacity * RECORD_BYTES).next_multiple_of(alignment) as u64,
+        usage: usage | wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    })
+}
+
 /// A layout with one binding for the vertex stage (and the compute stage, which amplifies).
 pub(super) fn single_binding_layout(context: &Context, label: &str, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
     context

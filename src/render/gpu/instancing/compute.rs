@@ -6,12 +6,14 @@
 //! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
 
 use super::binding::{max_indexed_records, single_binding};
+use super::room::Room;
 use super::storage::{self, Storage};
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, ViewBinding};
 use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
+use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
 use crate::render::gpu::wgsl;
 use std::collections::HashMap;
@@ -176,14 +178,9 @@ impl Instancing for Compute {
             .min(max_indexed_records(context, amplification))
     }
 
-    fn amplify(
-        &mut self,
-        context: &Context,
-        encoder: &mut wgpu::CommandEncoder,
-        view: ViewBinding<'_>,
-        draw: &Draw<'_>,
-    ) -> u64 {
+    fn amplify(&mut self, recording: &mut Recording<'_>, view: ViewBinding<'_>, draw: &Draw<'_>) -> u64 {
         let amplification = draw.amplification;
+        let context = recording.context;
         // What an earlier cloud left over must not be drawn.
         self.outputs.truncate(draw.chunk_count());
         if !amplification.compute_amplifies || draw.chunk_count() == 0 {
@@ -210,10 +207,7 @@ impl Instancing for Compute {
             }
         }
         let pipelines = &self.pipelines[amplification.name];
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("amplify"),
-            timestamp_writes: None,
-        });
+        let mut pass = recording.begin_compute("amplify");
         pass.set_bind_group(VIEW_GROUP, view.bind_group, &[view.offset]);
         for (chunk, output) in self.outputs.iter().enumerate() {
             for (group, stream) in (STREAM_GROUP..).zip(draw.streams) {
@@ -246,5 +240,13 @@ impl Instancing for Compute {
 impl RecordInstancing for Compute {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         self.storage.upload(context, records)
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        self.storage.room(context, capacity)
+    }
+
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+        self.storage.chunk_in(context, room, record_count)
     }
 }

@@ -10,6 +10,7 @@
 mod binding;
 mod compute;
 mod indexed;
+mod room;
 mod storage;
 mod strategy;
 mod stream;
@@ -19,8 +20,9 @@ mod vertex;
 
 pub(super) use compute::compute_source;
 pub(super) use indexed::Indexed;
+pub(super) use room::Room;
 pub(super) use strategy::{Instancing, RecordInstancing, StrategyRow, upload};
-pub(super) use stream::{Draw, Stream, ViewBinding};
+pub(super) use stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 
 use super::primitives::Amplification;
 use crate::scene::Strategy;

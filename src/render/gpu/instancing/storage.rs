@@ -4,7 +4,8 @@
 //! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
-use super::binding::{buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};
+use super::binding::{buffer_for, buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};
+use super::room::Room;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -35,6 +36,26 @@ impl Storage {
     }
 }
 
+impl Storage {
+    fn chunk(&self, context: &Context, buffer: &wgpu::Buffer, record_count: usize) -> Chunk {
+        // There may be room for more: compute passes see how many records are bound.
+        let records = wgpu::BufferBinding {
+            buffer,
+            offset: 0,
+            size: wgpu::BufferSize::new((record_count * RECORD_BYTES) as u64),
+        };
+        Chunk {
+            record_count: record_count as u32,
+            bind_group: Some(single_binding(
+                context,
+                &self.layout,
+                wgpu::BindingResource::Buffer(records),
+            )),
+            buffer: None,
+        }
+    }
+}
+
 impl Instancing for Storage {
     fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout> {
         Some(&self.layout)
@@ -52,10 +73,18 @@ impl Instancing for Storage {
 impl RecordInstancing for Storage {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let buffer = buffer_with(context, wgpu::BufferUsages::STORAGE, records, RECORD_BYTES);
-        Chunk {
-            record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(context, &self.layout, buffer.as_entire_binding())),
-            buffer: None,
+        self.chunk(context, &buffer, records.len() / RECORD_BYTES)
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        Room {
+            capacity,
+            buffer: buffer_for(context, wgpu::BufferUsages::STORAGE, capacity, RECORD_BYTES),
+            texture: None,
         }
+    }
+
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+        self.chunk(context, &room.buffer, record_count as usize)
     }
 }

@@ -1,7 +1,9 @@
 //! What every strategy is, and can do.
 
+use super::room::Room;
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
+use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
 use std::{fmt, iter};
 
@@ -57,13 +59,7 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     }
 
     /// Work before a render pass. Returns the number of compute passes.
-    fn amplify(
-        &mut self,
-        _context: &Context,
-        _encoder: &mut wgpu::CommandEncoder,
-        _view: ViewBinding<'_>,
-        _draw: &Draw<'_>,
-    ) -> u64 {
+    fn amplify(&mut self, _recording: &mut Recording<'_>, _view: ViewBinding<'_>, _draw: &Draw<'_>) -> u64 {
         0
     }
 
@@ -81,6 +77,19 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
 pub(in crate::render::gpu) trait RecordInstancing: Instancing {
     /// One copy: `records` become a chunk.
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk;
+
+    /// Room for a chunk of so many records.
+    fn room(&self, context: &Context, capacity: usize) -> Room;
+
+    /// The chunk of as many records in a room. Precondition: there is room for them.
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk;
+
+    /// The most records of a chunk that the strategy and the adapter can hold, at least one.
+    fn most_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
+        self.max_chunk_records(context, amplification)
+            .min(context.max_chunk_records.unwrap_or(usize::MAX))
+            .max(1)
+    }
 }
 
 /// Cuts `records` into chunks that the strategy and the adapter can hold, and uploads each.
@@ -90,10 +99,7 @@ pub(in crate::render::gpu) fn upload(
     amplification: &'static Amplification,
     records: &[u8],
 ) -> Stream {
-    let max_records = instancing
-        .max_chunk_records(context, amplification)
-        .min(context.max_chunk_records.unwrap_or(usize::MAX))
-        .max(1);
+    let max_records = instancing.most_records(context, amplification);
     Stream {
         chunks: records
             .chunks(max_records * RECORD_BYTES)

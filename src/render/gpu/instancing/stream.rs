@@ -14,7 +14,7 @@ pub(in crate::render::gpu) struct Stream {
 }
 
 /// As many records as one binding can hold.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::render::gpu) struct Chunk {
     pub(in crate::render::gpu) record_count: u32,
     /// For strategies that bind.
@@ -23,8 +23,25 @@ pub(in crate::render::gpu) struct Chunk {
     pub(super) buffer: Option<wgpu::Buffer>,
 }
 
-/// What is to be drawn.
-#[derive(Debug, Clone, Copy)]
+impl Chunk {
+    /// Records that are gathered from, not drawn.
+    pub(in crate::render::gpu) fn to_gather_from(record_count: u32, buffer: wgpu::Buffer) -> Self {
+        Self {
+            record_count,
+            bind_group: None,
+            buffer: Some(buffer),
+        }
+    }
+}
+
+impl Stream {
+    /// The records that are gathered from.
+    pub(in crate::render::gpu) fn to_gather_from(&self) -> Option<&wgpu::Buffer> {
+        self.chunks.first()?.buffer.as_ref()
+    }
+}
+
+/// What is to be drawn.(Debug, Clone, Copy)]
 pub(in crate::render::gpu) struct Draw<'a> {
     /// Points or voxels, and shapes where the amplification needs them. All have the same chunks.
     pub(in crate::render::gpu) streams: &'a [&'a Stream],

@@ -3,7 +3,8 @@
 //! Texel fetches go through the texture cache, which hardware without storage buffers in the vertex stage (WebGL 2,
 //! older phones) has too. The price is a copy into the texture's own memory layout.
 
-use super::binding::{max_indexed_records, single_binding, single_binding_layout};
+use super::binding::{buffer_for, max_indexed_records, single_binding, single_binding_layout};
+use super::room::Room;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, RECORD_BYTES};
 use crate::render::gpu::context::Context;
@@ -50,21 +51,7 @@ impl Instancing for Texture {
 impl RecordInstancing for Texture {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         let row_bytes = ROW_RECORDS * RECORD_BYTES;
-        let size = wgpu::Extent3d {
-            width: ROW_RECORDS as u32,
-            height: records.len().div_ceil(row_bytes) as u32,
-            depth_or_array_layers: 1,
-        };
-        let texture = context.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("records"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba32Uint,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+        let texture = texture_for(context, records.len() / RECORD_BYTES);
         // Whole rows with one copy, then what is left of the last row.
         let whole_rows = (records.len() / row_bytes) as u32;
         let (whole, rest) = records.split_at(whole_rows as usize * row_bytes);
@@ -99,15 +86,51 @@ impl RecordInstancing for Texture {
                 );
             }
         }
+        self.chunk(context, &texture, records.len() / RECORD_BYTES)
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        let usage = wgpu::BufferUsages::COPY_SRC;
+        Room {
+            capacity,
+            buffer: buffer_for(context, usage, capacity, ROW_RECORDS * RECORD_BYTES),
+            texture: Some(texture_for(context, capacity)),
+        }
+    }
+
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+        let empty = || texture_for(context, 1);
+        let texture = room.texture.clone().unwrap_or_else(empty);
+        self.chunk(context, &texture, record_count as usize)
+    }
+}
+
+impl Texture {
+    fn chunk(&self, context: &Context, texture: &wgpu::Texture, record_count: usize) -> Chunk {
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let resource = wgpu::BindingResource::TextureView(&view);
         Chunk {
-            record_count: (records.len() / RECORD_BYTES) as u32,
-            bind_group: Some(single_binding(
-                context,
-                &self.layout,
-                wgpu::BindingResource::TextureView(&view),
-            )),
+            record_count: record_count as u32,
+            bind_group: Some(single_binding(context, &self.layout, resource)),
             buffer: None,
         }
     }
+}
+
+/// Whole rows for so many records.
+fn texture_for(context: &Context, record_count: usize) -> wgpu::Texture {
+    context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("records"),
+        size: wgpu::Extent3d {
+            width: ROW_RECORDS as u32,
+            height: record_count.div_ceil(ROW_RECORDS) as u32,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Uint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
 }

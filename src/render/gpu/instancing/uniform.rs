@@ -4,7 +4,8 @@
 //! one upload. The paper found it the fastest of the instancing pipeline on the hardware of its day, where uniform
 //! memory had a cache of its own.
 
-use super::binding::{buffer_with, single_binding, single_binding_layout};
+use super::binding::{buffer_for, buffer_with, single_binding, single_binding_layout};
+use super::room::Room;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::BATCH_RECORDS;
@@ -72,13 +73,31 @@ impl RecordInstancing for Uniform {
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk {
         // The last batch is bound whole, so the buffer must reach to its end.
         let buffer = buffer_with(context, wgpu::BufferUsages::UNIFORM, records, BATCH_BYTES);
+        self.chunk(context, &buffer, records.len() / RECORD_BYTES)
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        Room {
+            capacity,
+            buffer: buffer_for(context, wgpu::BufferUsages::UNIFORM, capacity, BATCH_BYTES),
+            texture: None,
+        }
+    }
+
+    fn chunk_in(&self, context: &Context, room: &Room, record_count: u32) -> Chunk {
+        self.chunk(context, &room.buffer, record_count as usize)
+    }
+}
+
+impl Uniform {
+    fn chunk(&self, context: &Context, buffer: &wgpu::Buffer, record_count: usize) -> Chunk {
         let batch = wgpu::BufferBinding {
-            buffer: &buffer,
+            buffer,
             offset: 0,
             size: wgpu::BufferSize::new(BATCH_BYTES as u64),
         };
         Chunk {
-            record_count: (records.len() / RECORD_BYTES) as u32,
+            record_count: record_count as u32,
             bind_group: Some(single_binding(
                 context,
                 &self.layout,

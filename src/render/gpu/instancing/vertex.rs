@@ -3,7 +3,8 @@
 //! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel)
 //! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
-use super::binding::{buffer_with, records_of};
+use super::binding::{buffer_for, buffer_with, records_of};
+use super::room::Room;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
 use crate::render::gpu::constants::INDICES_PER_QUAD;
@@ -81,6 +82,22 @@ impl RecordInstancing for Vertex {
             record_count: (records.len() / RECORD_BYTES) as u32,
             bind_group: None,
             buffer: Some(buffer_with(context, wgpu::BufferUsages::VERTEX, records, RECORD_BYTES)),
+        }
+    }
+
+    fn room(&self, context: &Context, capacity: usize) -> Room {
+        Room {
+            capacity,
+            buffer: buffer_for(context, wgpu::BufferUsages::VERTEX, capacity, RECORD_BYTES),
+            texture: None,
+        }
+    }
+
+    fn chunk_in(&self, _context: &Context, room: &Room, record_count: u32) -> Chunk {
+        Chunk {
+            record_count,
+            bind_group: None,
+            buffer: Some(room.buffer.clone()),
         }
     }
 }

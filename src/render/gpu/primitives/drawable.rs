@@ -1,9 +1,11 @@
 //! What a picture is drawn from.
 
 use super::amplification::Amplification;
+use crate::levels::Selection;
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::targets::Target;
+use std::sync::Arc;
 
 /// Passes over records, in the order in which they are drawn.
 pub(super) type Passes = &'static [&'static GeometryPass];
@@ -14,6 +16,8 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) amplification: &'static Amplification,
     /// In the order of their bind groups; none where the frame lacks what the primitive needs.
     pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
+    /// Where streams are those of all nodes of a structure, which of them are drawn.
+    pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
     /// The amplification that says how long the chunks of these streams may be.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
@@ -24,7 +28,16 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
 }
 
-impl Drawable<'_> {
+impl<'a> Drawable<'a> {
+    /// The same of some nodes, with the records of all as its streams.
+    pub(super) fn selecting(self, selection: &'a Arc<Selection>) -> Self {
+        Self {
+            streams: self.streams.into_iter().map(RecordSource::to_gather_from).collect(),
+            selection: Some(selection),
+            ..self
+        }
+    }
+
     /// Whether one of its passes draws into this.
     pub(in crate::render::gpu) fn draws_into(&self, target: Target) -> bool {
         let mut targets = self.passes.iter().filter_map(|pass| pass.color);

@@ -46,9 +46,18 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     match &packet.content {
         // Of the first two only the background is drawn: byte codes are for the processor alone.
         Content::Nothing | Content::Coded(_) | Content::Points(_) => points::drawable(packet),
-        Content::Surfels(_) if style.primitive == Primitive::Point => points::drawable(packet),
-        Content::Surfels(surfels) => surfels::drawable(surfels, style),
+        Content::Selected(selected) => of_surfels(packet).selecting(&selected.selection),
+        Content::Surfels(_) => of_surfels(packet),
         Content::Voxels(voxels) => voxels::drawable(voxels, style),
         Content::Mesh(mesh) => mesh::drawable(mesh, style),
+    }
+}
+
+/// Points with radii and normals.
+fn of_surfels(packet: &ScenePacket) -> Drawable<'_> {
+    if packet.style.primitive == Primitive::Point {
+        points::drawable(packet)
+    } else {
+        surfels::drawable(packet)
     }
 }

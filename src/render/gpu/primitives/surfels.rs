@@ -9,7 +9,7 @@ use crate::render::gpu::passes::geometry::{
 };
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{Primitive, Splatting, Style, Surfels};
+use crate::scene::{Primitive, ScenePacket, Splatting};
 
 /// One quad on the surface, with a disk.
 pub(super) const DISK: Amplification = Amplification {
@@ -47,7 +47,9 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     ..DISK
 };
 
-pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> {
+/// Precondition: `packet` draws surfels.
+pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
+    let style = &packet.style;
     let is_deferred = style.light.lighting.is_deferred();
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match style.surfels.splatting {
         Splatting::Regular if is_deferred => (&[&SURFACE_REGULAR], Some(&RESOLVE)),
@@ -64,13 +66,16 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
             (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
         }
     };
+    let points = packet.content.points().map(RecordSource::of);
+    let shapes = packet.content.shapes().map(RecordSource::of);
     Drawable {
         amplification: if style.primitive == Primitive::Ellipse {
             &ELLIPSE
         } else {
             &DISK
         },
-        streams: vec![RecordSource::of(&surfels.points), RecordSource::of(&surfels.shapes)],
+        streams: points.into_iter().chain(shapes).collect(),
+        selection: None,
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,

@@ -50,6 +50,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
             .into_iter()
             .flatten()
             .collect(),
+        selection: None,
         chunked_for: amplification,
         // The faces of a cube that do not face the eye are never right to draw.
         cull_back_faces: true,

@@ -1,0 +1,112 @@
+//! The surfels of kept levels side by side, for whoever keeps them on a graphics card.
+//!
+//! How it works: once all levels of a cut are kept (`kept_levels.rs`), their surfels and, where leaves are drawn, the
+//! points are one array, and a node is a place in it. A level that is kept later makes a new array with it, so what is
+//! uploaded for all levels is at most as many arrays as there are levels that were drawn.
+//!
+//! When it wins: where a camera moves about a frame.
+
+use super::kept_levels::{KeptLevels, LEVEL_COUNT};
+use super::node_surfel::NodeSurfel;
+use super::sorted_points::SortedPoints;
+use crate::cloud::{PointRecord, ShapeRecord};
+use crate::levels::cut::NodeRange;
+use crate::levels::selection::NodeRecords;
+use crate::locks::lock;
+use std::sync::{Arc, Mutex};
+
+/// What is drawn of a cut: whole levels, and the points themselves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Parts {
+    /// A bit for each level.
+    pub(super) levels: u32,
+    pub(super) has_leaves: bool,
+}
+
+impl Parts {
+    fn hold(self, other: Self) -> bool {
+        self.levels & other.levels == other.levels && (self.has_leaves || !other.has_leaves)
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            levels: self.levels | other.levels,
+            has_leaves: self.has_leaves || other.has_leaves,
+        }
+    }
+
+    fn has_level(self, level: usize) -> bool {
+        self.levels >> level & 1 == 1
+    }
+}
+
+/// The array of all parts that were asked for.
+#[derive(Debug, Default)]
+pub(super) struct Selectable(Mutex<Option<SideBySide>>);
+
+/// Surfels of several levels, and where those of each begin. Leaves are the first.
+#[derive(Debug, Clone)]
+pub(super) struct SideBySide {
+    parts: Parts,
+    level_starts: [u32; LEVEL_COUNT],
+    pub(super) nodes: NodeRecords,
+}
+
+impl Selectable {
+    /// An array with these parts at least; `None` where a level of them is not kept.
+    pub(super) fn with_parts(
+        &self,
+        parts: Parts,
+        kept: &KeptLevels<NodeSurfel>,
+        leaves: (&[PointRecord], &[ShapeRecord]),
+    ) -> Option<SideBySide> {
+        let mut known = lock(&self.0);
+        if let Some(known) = known.as_ref().filter(|known| known.parts.hold(parts)) {
+            return Some(known.clone());
+        }
+        let parts = known.as_ref().map_or(parts, |known| known.parts.with(parts));
+        let made = SideBySide::of(parts, kept, leaves)?;
+        *known = Some(made.clone());
+        Some(made)
+    }
+}
+
+impl SideBySide {
+    fn of(parts: Parts, kept: &KeptLevels<NodeSurfel>, leaves: (&[PointRecord], &[ShapeRecord])) -> Option<Self> {
+        let (mut points, mut shapes) = (Vec::new(), Vec::new());
+        if parts.has_leaves {
+            points.extend_from_slice(leaves.0);
+            shapes.extend_from_slice(leaves.1);
+        }
+        let mut level_starts = [0; LEVEL_COUNT];
+        for level in (0..LEVEL_COUNT).filter(|&level| parts.has_level(level)) {
+            let surfels = &kept.known(level)?.records;
+            level_starts[level] = u32::try_from(points.len()).ok()?;
+            points.extend(surfels.iter().map(|surfel| surfel.point));
+            shapes.extend(surfels.iter().map(|surfel| surfel.shape));
+        }
+        Some(Self {
+            parts,
+            level_starts,
+            nodes: NodeRecords {
+                points: Arc::new(points),
+                shapes: Arc::new(shapes),
+            },
+        })
+    }
+
+    /// Adds the places of consecutive nodes of a level. Precondition: it is among the parts.
+    pub(super) fn extend_places(
+        &self,
+        range: &NodeRange,
+        kept: &KeptLevels<NodeSurfel>,
+        sorted: &SortedPoints,
+        places: &mut Vec<u32>,
+    ) {
+        if let Some(level) = kept.known(range.level as usize) {
+            let start = self.level_starts[range.level as usize];
+            let nodes = level.places(range, sorted);
+            places.extend(nodes.map(|node| start + node as u32));
+        }
+    }
+}

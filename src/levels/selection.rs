@@ -1,0 +1,170 @@
+//! Nodes that are told by their places among the records of all nodes, for whoever keeps these.
+//!
+//! How it works: where nodes have records that are the same from cut to cut, a graphics card keeps the records, and a
+//! cut is four bytes a node, or nothing but a step for the plain list. Elsewhere, and where they do not fit, what is
+//! drawn of a cut is *gathered*.
+//!
+//! When it wins: where a view moves about a frame. Of a frame that is seen once, all records are more than those of a
+//! cut. So structures tell places once they have written as many records as they have nodes ([`KeptNodes`]).
+
+use super::structure::RecordBuffers;
+use crate::cloud::{PointRecord, ShapeRecord};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+
+/// Nodes that are worth handing to another thread.
+const NODES_PER_TASK: usize = 1 << 12;
+
+/// Records of all nodes of a structure: as many of both.
+#[derive(Debug, Clone)]
+pub struct NodeRecords {
+    /// Positions and colours.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+/// Which of them are drawn, in this order.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Selection {
+    /// Those at these places.
+    At(Vec<u32>),
+    /// Every one whose place is a multiple of a step, with wider disks.
+    Every {
+        /// From one to the next; at least 1.
+        step: u32,
+        /// How many.
+        count: u32,
+        /// On the radii.
+        radius_factor: f32,
+    },
+}
+
+impl Selection {
+    /// How many records are drawn.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::At(places) => places.len(),
+            Self::Every { count, .. } => *count as usize,
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The records that are drawn, in the memory of `buffers`.
+    ///
+    /// # Panics
+    /// Precondition: places are those of `nodes`.
+    pub fn gathered(&self, nodes: &NodeRecords, buffers: RecordBuffers) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
+        let (mut points, mut shapes) = (buffers.points, buffers.shapes);
+        match *self {
+            Self::At(ref places) => {
+                let places = places.par_iter().with_min_len(NODES_PER_TASK);
+                places
+                    .map(|&place| (nodes.points[place as usize], nodes.shapes[place as usize]))
+                    .unzip_into_vecs(&mut points, &mut shapes);
+            }
+            Self::Every {
+                step,
+                count,
+                radius_factor,
+            } => {
+                points.clear();
+                shapes.clear();
+                let (step, count) = (step as usize, count as usize);
+                points.extend(nodes.points.iter().step_by(step).take(count));
+                shapes.extend(nodes.shapes.iter().step_by(step).take(count).map(|&shape| ShapeRecord {
+                    radius: radius_factor * shape.radius,
+                    ..shape
+                }));
+            }
+        }
+        (points, shapes)
+    }
+}
+
+/// The records of all nodes of a structure, once they are worth it.
+#[derive(Debug, Default)]
+pub(super) struct KeptNodes {
+    written: AtomicUsize,
+    records: OnceLock<NodeRecords>,
+}
+
+impl KeptNodes {
+    /// The records of all of `node_count` nodes, where as many were written before: a view that moves has then paid at
+    /// most twice, and a frame that is seen once pays for what it draws.
+    pub(super) fn records(
+        &self,
+        about_to_be_written: usize,
+        node_count: usize,
+        work_out: impl FnOnce() -> NodeRecords,
+    ) -> Option<&NodeRecords> {
+        if let Some(records) = self.records.get() {
+            return Some(records);
+        }
+        if self.written.fetch_add(about_to_be_written, Ordering::Relaxed) < node_count {
+            return None;
+        }
+        // Not inside of `get_or_init`: a thread that waits for its share may take up other work, and come by here again.
+        let worked_out = work_out();
+        Some(self.records.get_or_init(|| worked_out))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nodes(count: usize) -> NodeRecords {
+        let point = |i: usize| PointRecord {
+            position: [i as f32, 0.0, 0.0],
+            color: [i as u8; 4],
+        };
+        let shape = |i: usize| ShapeRecord {
+            normal: [0, 0],
+            radius: 1.0 + i as f32,
+            ellipse: 0,
+            scalar: i as f32,
+        };
+        NodeRecords {
+            points: Arc::new((0..count).map(point).collect()),
+            shapes: Arc::new((0..count).map(shape).collect()),
+        }
+    }
+
+    #[test]
+    fn records_are_gathered_in_the_order_of_their_places() {
+        let nodes = nodes(10);
+        let scalars = |selection: &Selection| -> Vec<(f32, f32, f32)> {
+            let (points, shapes) = selection.gathered(&nodes, RecordBuffers::default());
+            assert_eq!((points.len(), shapes.len()), (selection.len(), selection.len()));
+            let both = points.iter().zip(&shapes);
+            both.map(|(point, shape)| (point.position[0], shape.scalar, shape.radius))
+                .collect()
+        };
+        assert_eq!(
+            scalars(&Selection::At(vec![7, 0, 7])),
+            [(7.0, 7.0, 8.0), (0.0, 0.0, 1.0), (7.0, 7.0, 8.0)]
+        );
+        let every = Selection::Every {
+            step: 4,
+            count: 3,
+            radius_factor: 2.0,
+        };
+        assert_eq!(scalars(&every), [(0.0, 0.0, 2.0), (4.0, 4.0, 10.0), (8.0, 8.0, 18.0)]);
+        assert!(Selection::At(Vec::new()).is_empty());
+    }
+
+    #[test]
+    fn records_are_kept_once_as_many_were_written() {
+        let kept = KeptNodes::default();
+        assert!(kept.records(6, 10, || panic!("not yet")).is_none());
+        assert!(kept.records(6, 10, || panic!("not yet")).is_none());
+        assert!(kept.records(1, 10, || nodes(10)).is_some());
+        assert!(kept.records(1, 10, || panic!("they are known")).is_some());
+    }
+}

@@ -1,0 +1,72 @@
+//! What each pass of a picture took on the clock of the GPU.
+
+use serde::{Serialize, Serializer};
+use std::ops::Deref;
+
+/// The time of one pass.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct PassTime {
+    /// Its name; `compute` amplifies once for every pass over records.
+    pub pass: &'static str,
+    /// `None` where its timestamps make no sense.
+    pub gpu_ms: Option<f64>,
+}
+
+/// The passes of one picture, in their order: those that were timed, which are all on adapters with timestamps.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PassTimes {
+    passes: [PassTime; Self::MOST],
+    count: usize,
+}
+
+impl PassTimes {
+    /// Most passes of a picture.
+    pub const MOST: usize = 16;
+}
+
+impl Deref for PassTimes {
+    type Target = [PassTime];
+
+    fn deref(&self) -> &[PassTime] {
+        &self.passes[..self.count]
+    }
+}
+
+impl FromIterator<PassTime> for PassTimes {
+    /// The first [`PassTimes::MOST`] of them.
+    fn from_iter<I: IntoIterator<Item = PassTime>>(times: I) -> Self {
+        let mut all = Self::default();
+        for (place, time) in all.passes.iter_mut().zip(times) {
+            *place = time;
+            all.count += 1;
+        }
+        all
+    }
+}
+
+impl Serialize for PassTimes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_are_kept_as_there_is_room_for() {
+        let time = |gpu_ms: f64| PassTime {
+            pass: "x",
+            gpu_ms: Some(gpu_ms),
+        };
+        let few: PassTimes = [1.0, 2.0].map(time).into_iter().collect();
+        assert_eq!(&*few, [time(1.0), time(2.0)]);
+        let many: PassTimes = (0..100).map(|i| time(f64::from(i))).collect();
+        assert_eq!(many.len(), PassTimes::MOST);
+        assert_eq!(
+            serde_json::to_string(&few).unwrap(),
+            r#"[{"pass":"x","gpu_ms":1.0},{"pass":"x","gpu_ms":2.0}]"#
+        );
+    }
+}
