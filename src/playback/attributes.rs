@@ -13,8 +13,12 @@ pub(super) struct FirstAttributes {
 }
 
 impl FirstAttributes {
-    /// Looks at frame `index`, which is shown; what to tell of it, if it is the first one that has something else.
+    /// Looks at frame `index`, which is shown; what to tell of it, if it is the first one that has something else. A
+    /// coarse level has radii that close its surface, whatever the frame has.
     pub(super) fn note(&mut self, index: usize, frame: &Frame) -> Option<String> {
+        if frame.points_of_finer().is_some() {
+            return None;
+        }
         let has = [
             frame.colors().is_some(),
             frame.normals().is_some(),
@@ -42,5 +46,30 @@ impl FirstAttributes {
             index + 1,
             named(has)
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Positions, RawCloud};
+    use glam::DVec3;
+
+    fn points(count: usize, radii: bool) -> RawCloud {
+        let mut cloud = RawCloud::from_positions(Positions::F32(vec![[1.0; 3]; count]));
+        cloud.attributes.radii = radii.then(|| vec![0.5; count]);
+        cloud
+    }
+
+    #[test]
+    fn radii_of_coarse_levels_are_none_of_the_frame() {
+        let mut first = FirstAttributes::default();
+        let whole = Frame::from_raw(points(8, false), DVec3::ZERO).unwrap();
+        let level = Frame::from_level(points(4, true), DVec3::ZERO, 8, 8).unwrap();
+        let other = Frame::from_raw(points(8, true), DVec3::ZERO).unwrap();
+        assert_eq!(first.note(0, &level), None);
+        assert_eq!(first.note(0, &whole), None);
+        assert_eq!(first.note(1, &level), None);
+        assert!(first.note(2, &other).is_some());
     }
 }
