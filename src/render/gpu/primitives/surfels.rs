@@ -64,17 +64,18 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
             (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
         }
     };
+    let amplification = if style.primitive == Primitive::Ellipse {
+        &ELLIPSE
+    } else {
+        &DISK
+    };
     Drawable {
-        amplification: if style.primitive == Primitive::Ellipse {
-            &ELLIPSE
-        } else {
-            &DISK
-        },
+        amplification,
         streams: vec![RecordSource::of(&surfels.points), RecordSource::of(&surfels.shapes)],
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,
-        depth_pass: Some(&VISIBILITY),
+        depth_pass: Some((amplification, &VISIBILITY)),
         resolve,
     }
 }
