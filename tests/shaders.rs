@@ -170,6 +170,15 @@ fn rust_and_wgsl_agree_on_every_layout() {
         lamp_from_view_z,
         shadow_focal,
         shadow_near,
-        padding
+        metallic,
+        alpha,
+        mean_loss,
+        mean_let_in,
+        environment_light,
+        padding,
+        environment_from_view_x,
+        environment_from_view_y,
+        environment_from_view_z,
+        harmonics
     );
 }

@@ -12,8 +12,8 @@ use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, Content, LightRig, Lighting, Lights, OnOff, Primitive, Projection, ScenePacket, Splatting,
-    Strategy, Style,
+    BackFaces, Camera, Content, LightRig, Lighting, Lights, OnOff, PointLight, PointShape, PointSizing, Primitive,
+    Projection, ScenePacket, Splatting, Strategy, Style,
 };
 use std::sync::Arc;
 
@@ -29,6 +29,16 @@ fn lit(lighting: Lighting, splatting: Splatting) -> Style {
         style.light.shadows = OnOff::On;
         style.surfels.splatting = splatting;
         style.surfels.back_faces = BackFaces::Drawn;
+    })
+}
+
+/// Points on whose normals light falls, as large as their surfels.
+fn lit_points(shape: PointShape) -> Style {
+    lit(Lighting::Lambert, Splatting::TwoPass).with(|style| {
+        style.primitive = Primitive::Point;
+        style.points.light = PointLight::Normals;
+        style.points.sizing = PointSizing::Adaptive;
+        style.points.shape = shape;
     })
 }
 
@@ -225,6 +235,13 @@ fn shadows_are_where_rays_to_the_lamp_meet_something() {
         (box_of_surfels(matt(Splatting::Opaque)), 0.1, "opaque disks"),
         (box_of_cells(matt(Splatting::TwoPass)), 0.15, "cells"),
         (box_of_triangles(matt(Splatting::TwoPass)), 0.1, "triangles"),
+        (box_of_surfels(lit_points(PointShape::Square)), 0.15, "square points"),
+        (box_of_surfels(lit_points(PointShape::Disk)), 0.15, "round points"),
+        (
+            box_of_surfels(lit_points(PointShape::Gaussian)),
+            0.15,
+            "Gaussian points",
+        ),
     ];
     for (packet, margin, what) in scenes {
         let lights = Lights::of(&packet).unwrap();
@@ -259,11 +276,16 @@ fn shadows_are_where_rays_to_the_lamp_meet_something() {
 /// Its silhouette is the border of its shadow: there disks are before one another.
 #[test]
 fn a_sphere_does_not_shadow_its_lit_side() {
-    for (count, splatting, projection) in [
-        (1000, Splatting::TwoPass, Projection::Perspective),
-        (1000, Splatting::TwoPassEnlarged, Projection::Perspective),
-        (10_000, Splatting::Enlarged, Projection::Orthographic),
-        (10_000, Splatting::Opaque, Projection::Orthographic),
+    let of_surfels = |splatting| (lit(Lighting::Lambert, splatting), format!("{splatting}"));
+    let of_points = |shape| (lit_points(shape), format!("{shape} points"));
+    for (count, (style, what), projection) in [
+        (1000, of_surfels(Splatting::TwoPass), Projection::Perspective),
+        (1000, of_surfels(Splatting::TwoPassEnlarged), Projection::Perspective),
+        (10_000, of_surfels(Splatting::Enlarged), Projection::Orthographic),
+        (10_000, of_surfels(Splatting::Opaque), Projection::Orthographic),
+        (10_000, of_points(PointShape::Square), Projection::Perspective),
+        (10_000, of_points(PointShape::Disk), Projection::Orthographic),
+        (10_000, of_points(PointShape::Gaussian), Projection::Perspective),
     ] {
         let mut cloud = sphere(count, 1.0);
         for surfel in &mut cloud {
@@ -273,7 +295,7 @@ fn a_sphere_does_not_shadow_its_lit_side() {
             projection,
             ..camera_at(2.0)
         };
-        let packet = surfels(&cloud, &camera, lit(Lighting::Lambert, splatting), SIZE);
+        let packet = surfels(&cloud, &camera, style, SIZE);
         let key = Lights::of(&packet).unwrap().key().unwrap().place.truncate();
         let middle = SIZE.map(|edge| 0.5 * edge as f32);
         for ([without, with], by) in without_and_with(&packet) {
@@ -294,7 +316,7 @@ fn a_sphere_does_not_shadow_its_lit_side() {
                     .max();
                 assert!(
                     most <= Some(1),
-                    "{count}, {splatting}, {projection:?}, {by}, {x} {y}: {most:?}"
+                    "{count}, {what}, {projection:?}, {by}, {x} {y}: {most:?}"
                 );
                 checked += 1;
             }
@@ -316,6 +338,47 @@ fn a_plane_at_any_slope_does_not_shadow_itself() {
             }
         }
     }
+}
+
+/// As points face the screen, they are before and behind the plane that they are of.
+#[test]
+fn points_on_a_plane_do_not_shadow_each_other() {
+    for degrees in [-60.0, -30.0, 0.0, 30.0, 60.0f32] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let cloud = rectangle(Vec3::ZERO, [1.2 * Vec3::X, 1.2 * Vec3::new(0.0, cos, sin)]);
+        for &shape in PointShape::ALL {
+            let packet = surfels(&cloud, &camera_at(2.0), lit_points(shape), SIZE);
+            for ([without, with], by) in without_and_with(&packet) {
+                let (_, most) = common::difference(&without, &with);
+                assert!(most <= 1, "{degrees} degrees, {shape}, {by}: {most}");
+            }
+        }
+    }
+}
+
+/// Points that no light falls on are in no shadow; those of any size cast the shadows of their surfels.
+#[test]
+fn the_size_of_points_in_pixels_is_none_of_their_shadows() {
+    let of_size = |size_px| {
+        let style = lit_points(PointShape::Square).with(|style| {
+            style.points.sizing = PointSizing::Pixels;
+            style.points.size_px = size_px;
+        });
+        draw_on_cpu(&box_of_surfels(style))
+    };
+    let without_shadow = draw_on_cpu(&{
+        let mut packet = box_of_surfels(lit_points(PointShape::Square));
+        packet.style.light.shadows = OnOff::Off;
+        packet
+    });
+    let dark = |picture: &RgbaImage| {
+        let pairs = picture.pixels().zip(without_shadow.pixels());
+        pairs
+            .filter(|(a, b)| b.0[2] > 0 && a.0[2] > 0 && a.0[2].saturating_add(40) < b.0[2])
+            .count()
+    };
+    let [small, large] = [5.0, 9.0].map(|size_px| dark(&of_size(size_px)));
+    assert!(small > 300 && small.abs_diff(large) < small / 4, "{small} {large}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! A closed white surface without light is white: whatever draws it, and however it is blended, no pixel that the truth
 //! covers with all its samples is darker than white.
 //!
-//! Held: every primitive, every mode of splatting, both renderers and every strategy. Modes of one pass are not white
+//! Held: every primitive, every mode of splatting, both renderers and every strategy; and every primitive in white
+//! light from all sides, in each deferred lighting, and with antialiasing. Modes of one pass are not white
 //! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its
 //! disks, and so where three of them only just meet: held to be few pixels.
 
@@ -12,16 +13,21 @@ mod common;
 use common::{camera_at, draw, plain};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::{Attributes, Frame, PointRecord, Positions, RawCloud, ShapeRecord, decode_ellipse};
+use pointreel::cloud::{
+    Attributes, Frame, MeshRecords, PointRecord, Positions, RawCloud, ShapeRecord, TriangleRecord, VertexRecord,
+    decode_ellipse, oct_encode,
+};
 use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, RayTraced, Truth, TruthView};
 use pointreel::scene::{
-    Background, Camera, CodeStyle, DrawingStyle, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive,
-    RendererChoice, Scene, ScenePacket, SplatFilter, Splatting, Strategy, Style,
+    Antialiasing, Background, Camera, CodeStyle, Content, DrawingStyle, Environment, Footprint, Kernel, LevelStyle,
+    LightRig, Lighting, PointLight, PointShape, PointStyle, Primitive, RendererChoice, Scene, ScenePacket, SplatFilter,
+    Splatting, Strategy, Style, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [240, 200];
@@ -294,6 +300,159 @@ fn voxels_are_white() {
     for_each_picture(&frame, &style, |picture, by| {
         assert_white(picture, &is_covered, &format!("voxels, {by}"));
     });
+}
+
+/// White triangles on the sphere, from pole to pole.
+fn white_mesh(style: &Style) -> ScenePacket {
+    const COLUMNS: u32 = 240;
+    const ROWS: u32 = 120;
+    let place = |row: u32, column: u32| {
+        let (latitude, longitude) = (f64::from(row) / f64::from(ROWS), f64::from(column) / f64::from(COLUMNS));
+        let (height, ring) = ((PI * latitude).cos(), (PI * latitude).sin());
+        DVec3::new(ring * (TAU * longitude).sin(), height, ring * (TAU * longitude).cos()).as_vec3()
+    };
+    let vertices = (0..=ROWS).flat_map(|row| (0..COLUMNS).map(move |column| [row, column]));
+    let vertices = vertices.map(|[row, column]| VertexRecord {
+        position: place(row, column).to_array(),
+        color: [255; 4],
+        texture_place: [0.0; 2],
+        normal: oct_encode(place(row, column).normalize()),
+        texture: VertexRecord::NO_TEXTURE,
+    });
+    let vertices: Vec<VertexRecord> = vertices.collect();
+    let quads = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| [row, column]));
+    let triangles = quads.flat_map(|[row, column]| {
+        let at = |row: u32, column: u32| COLUMNS * row + column % COLUMNS;
+        let [a, b] = [at(row, column), at(row, column + 1)];
+        let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+        [[a, c, b], [b, c, d]]
+    });
+    let normal_of = |corners: [u32; 3]| {
+        let places = corners.map(|corner| Vec3::from_array(vertices[corner as usize].position));
+        places.iter().sum::<Vec3>().normalize()
+    };
+    let triangles: Vec<TriangleRecord> = triangles
+        .map(|corners| TriangleRecord {
+            corners,
+            normal: oct_encode(normal_of(corners)),
+        })
+        .collect();
+    let mesh = MeshRecords::new(Arc::new(vertices), Arc::new(triangles));
+    let frame = white_sphere(100, style);
+    ScenePacket {
+        content: Content::Mesh(Arc::new(mesh)),
+        ..packet_of(&frame, style)
+    }
+}
+
+/// All that closes a surface, by its name; each with the points that it needs.
+fn closing_styles() -> Vec<(String, Style, usize)> {
+    let of_points = |shape| {
+        white().with(|style| {
+            style.primitive = Primitive::Point;
+            style.points.size_px = 14.0;
+            style.points.shape = shape;
+            style.points.light = PointLight::Normals;
+        })
+    };
+    let of_voxels = |light| {
+        white().with(|style| {
+            style.primitive = Primitive::Voxel;
+            style.voxels.light = light;
+        })
+    };
+    let surfels = CLOSING
+        .iter()
+        .map(|&mode| (format!("surfels, {mode}"), in_mode(mode), 3_000));
+    let ellipses = CLOSING.iter().map(|&mode| {
+        let style = in_mode(mode).with(|style| style.primitive = Primitive::Ellipse);
+        (format!("ellipses, {mode}"), style, 3_000)
+    });
+    let points = PointShape::ALL
+        .iter()
+        .map(|&shape| (format!("{shape} points"), of_points(shape), 10_000));
+    let voxels = VoxelLight::ALL
+        .iter()
+        .map(|&light| (format!("voxels lit by {light}"), of_voxels(light), 30_000));
+    let mesh = white().with(|style| style.primitive = Primitive::Mesh);
+    let filtered = in_mode(Splatting::Enlarged).with(|style| style.surfels.filter = SplatFilter::Ewa);
+    surfels
+        .chain(ellipses)
+        .chain(points)
+        .chain(voxels)
+        .chain([
+            ("mesh".to_owned(), mesh, 0),
+            ("filtered surfels".to_owned(), filtered, 30_000),
+        ])
+        .collect()
+}
+
+/// Draws each of them as a style makes it, and checks the pixels inside of the outline of the sphere.
+fn for_each_closing_style(change: impl Fn(&mut Style), strategies: &[Strategy]) {
+    let is_covered = inner(&inner(&inner(&covered_by_sphere())));
+    for (what, style, count) in closing_styles() {
+        let style = style.with(&change);
+        let packet = |style: &Style| match style.primitive {
+            Primitive::Mesh => white_mesh(style),
+            _ => packet_of(&white_sphere(count, style), style),
+        };
+        assert_white(
+            &draw_on_cpu(&packet(&style)),
+            &is_covered,
+            &format!("{what}, processor"),
+        );
+        for &strategy in strategies {
+            let picture = draw(&packet(&with_strategy(&style, strategy)));
+            assert_white(&picture, &is_covered, &format!("{what}, {strategy}"));
+        }
+    }
+}
+
+#[test]
+fn all_that_closes_a_surface_is_white_without_light() {
+    for_each_closing_style(|_| {}, Strategy::ALL);
+}
+
+/// Under white light from all sides a white surface is white, in every lighting that light from all sides is of.
+#[test]
+fn all_that_closes_a_surface_is_white_in_white_light_from_all_sides() {
+    for lighting in [Lighting::Lambert, Lighting::BlinnPhong] {
+        let light = |style: &mut Style| {
+            style.light.lighting = lighting;
+            style.light.rig = LightRig::None;
+        };
+        for_each_closing_style(light, &[Strategy::Vertex]);
+    }
+    for (metallic, roughness) in [(0.0, 0.5), (1.0, 0.2), (1.0, 1.0), (0.5, 0.7)] {
+        let light = |style: &mut Style| {
+            style.light.lighting = Lighting::Physical;
+            style.light.environment = Environment::Uniform;
+            (style.light.metallic, style.light.roughness) = (metallic, roughness);
+        };
+        for_each_closing_style(light, &[Strategy::Vertex]);
+    }
+}
+
+#[test]
+fn all_that_closes_a_surface_is_white_with_antialiasing() {
+    for antialiasing in [Antialiasing::Fxaa, Antialiasing::Supersample] {
+        for_each_closing_style(|style| style.drawing.antialiasing = antialiasing, &[Strategy::Vertex]);
+    }
+}
+
+/// Of each kernel, in the modes that close surfaces.
+#[test]
+fn kernels_are_white() {
+    let frame = white_sphere(3_000, &white());
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+    for &kernel in Kernel::ALL {
+        for splatting in CLOSING {
+            let style = in_mode(splatting).with(|style| style.surfels.kernel = kernel);
+            for_each_picture(&frame, &style, |picture, by| {
+                assert_white(picture, &is_covered, &format!("{kernel}, {splatting}, {by}"));
+            });
+        }
+    }
 }
 
 /// As exact disks and as masks: pixels of single cells are no surface.

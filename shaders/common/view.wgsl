@@ -89,8 +89,22 @@ struct View {
     // Cotangent of half the field of view of that lamp, and its distance to the near plane.
     shadow_focal: f32,
     shadow_near: f32,
-    // Fills the last row.
-    padding: vec2u,
+    // Of physical shading: how much of a metal surfaces are, the square of their roughness, and means of the curve of
+    // what is lost and let in.
+    metallic: f32,
+    alpha: f32,
+    mean_loss: f32,
+    mean_let_in: f32,
+    // Factor on the texels of the environment.
+    environment_light: f32,
+    // Fills the row.
+    padding: u32,
+    // Columns of the rotation from view space into the axes of the environment.
+    environment_from_view_x: vec4f,
+    environment_from_view_y: vec4f,
+    environment_from_view_z: vec4f,
+    // What matt surfaces send back of it, as a polynomial of their normal.
+    harmonics: array<vec4f, 9>,
 }
 
 @group(VIEW_GROUP) @binding(0) var<uniform> view: View;

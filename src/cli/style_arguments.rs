@@ -40,7 +40,7 @@ fn with_options(command: Command, described: &'static Described) -> Command {
         // Colours belong together, and a background can be transparent: they are options of their own.
         Values::Colors | Values::Background => command,
         Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
-        Values::Words(_) | Values::Number(_) => command.arg(
+        Values::Words(_) | Values::Number(_) | Values::Environment => command.arg(
             option(described.flag)
                 .aliases(Some(described.former_flag).filter(|flag| !flag.is_empty()))
                 .help(described.help_line())
@@ -75,7 +75,7 @@ fn given(matches: &ArgMatches, described: &Described) -> Option<Value> {
     match &described.values {
         Values::Colors | Values::Background => None,
         Values::Switch(_) => matches.get_flag(described.flag).then_some(Value::Switch(true)),
-        Values::Words(_) | Values::Number(_) => value(described.flag),
+        Values::Words(_) | Values::Number(_) | Values::Environment => value(described.flag),
         Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
             let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
             match kind.number {

@@ -68,6 +68,11 @@ impl UpAxis {
         (seen.x.atan2(seen.z).to_degrees(), elevation.to_degrees())
     }
 
+    /// Into axes whose second is up, and whose third points to whoever looks from the front.
+    pub(super) fn environment_from_frame(self) -> Mat3 {
+        self.basis().transpose().as_mat3()
+    }
+
     /// Columns right, up, back of the view with azimuth and elevation 0, in world space.
     fn basis(self) -> DMat3 {
         let (right, up) = match self {
@@ -323,6 +328,7 @@ impl Camera {
             center_ndc: [0.0; 2],
             rows_of_whole: [0.0, 1.0],
             telephoto: (lens.distance / self.distance) as f32,
+            up: self.up,
         }
     }
 }
@@ -366,6 +372,8 @@ pub struct ViewTransform {
     pub rows_of_whole: [f32; 2],
     /// How many times farther away the eye is than the camera's distance: 1 in perspective.
     pub telephoto: f32,
+    /// The axis of the frame that points up.
+    pub up: UpAxis,
 }
 
 impl ViewTransform {

@@ -13,7 +13,7 @@ use super::style::{LightRig, Lighting};
 use glam::{Vec3, Vec4};
 
 /// Light from all sides.
-const AMBIENT: f32 = 0.08;
+pub(super) const AMBIENT: f32 = 0.08;
 
 /// The lights of a packet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,13 +76,16 @@ impl Lights {
         let light = &packet.style.light;
         let specular = match packet.lighting() {
             Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => return None,
-            Lighting::Lambert => 0.0,
+            // Ambient light and highlights are those of [`PhysicalLight`](super::PhysicalLight) there.
+            Lighting::Lambert | Lighting::Physical => 0.0,
             Lighting::BlinnPhong => 0.25,
         };
         let center = packet.view.to_view(packet.bounds.center());
         let radius = packet.bounds.radius();
-        let (head, lamps) = match light.rig {
-            LightRig::Head => (1.0 - AMBIENT, Vec::new()),
+        let rig = light.drawn_rig();
+        let (head, lamps) = match rig {
+            LightRig::None => (0.0, Vec::new()),
+            LightRig::Head | LightRig::Auto => (1.0 - AMBIENT, Vec::new()),
             LightRig::ThreePoint => (0.1, three_point()),
             LightRig::Paper => (0.0, of_paper(center, radius)),
             LightRig::Colored => (0.15, colored()),
@@ -90,7 +93,7 @@ impl Lights {
         let mut all = [Lamp::NONE; Self::MOST_LAMPS];
         all[..lamps.len()].copy_from_slice(&lamps);
         Some(Self {
-            ambient: AMBIENT,
+            ambient: if rig == LightRig::None { 1.0 } else { AMBIENT },
             head,
             specular,
             lamps: all,

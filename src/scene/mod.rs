@@ -1,11 +1,13 @@
 //! Plain data between the sequence and a renderer: where the camera is, how the picture is asked for, and the
 //! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
 
+mod albedo_curve;
 mod ambient_occlusion;
 mod camera;
 mod clip;
 mod compose;
 mod content;
+mod environment;
 mod eye_dome;
 mod first_look;
 mod ground;
@@ -16,6 +18,7 @@ mod lights;
 mod on_screen;
 mod packet;
 mod path;
+mod physical_light;
 mod pick;
 mod point_size;
 mod scale_bar;
@@ -23,11 +26,14 @@ mod shadow;
 mod style;
 mod view_text;
 
+pub use albedo_curve::AlbedoCurve;
+pub(crate) use albedo_curve::DIELECTRIC;
 pub use ambient_occlusion::AmbientOcclusion;
 pub use camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use clip::{Clip, ClipShape};
 pub use compose::{Scene, SceneStats};
 pub use content::{CodedCells, Content, Selected, Surfels, Voxels};
+pub use environment::{Environment, EnvironmentError, EnvironmentFile, EnvironmentMap, EnvironmentWord, Harmonics};
 pub use eye_dome::EyeDomeLight;
 pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub use ground::{GroundPlane, SeenGround};
@@ -37,6 +43,7 @@ pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
+pub use physical_light::{PhysicalLight, PhysicalTables};
 pub use pick::{Pick, PickedNormal, pick};
 pub use point_size::PointSize;
 pub use scale_bar::ScaleBar;

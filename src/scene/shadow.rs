@@ -19,7 +19,7 @@
 
 use super::camera::TELEPHOTO_FOCAL;
 use super::style::describe::When;
-use super::style::{Antialiasing, BackFaces, Lighting, Splatting};
+use super::style::{Antialiasing, BackFaces, Lighting, Primitive, Splatting};
 use super::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
@@ -35,6 +35,8 @@ pub struct Shadow {
     pub lamp_from_view: [Vec4; 3],
     /// Edge of a texel in the middle of the cloud, scene units.
     pub texel: f32,
+    /// How far what casts it is pushed away from the lamp, in radii of splats.
+    pub slack_radii: f32,
 }
 
 impl Shadow {
@@ -44,6 +46,13 @@ impl Shadow {
     /// How far places are moved along their normal, in texels: always, and for a lamp that is seen edge-on as much
     /// again as a square of 3×3 texels between texels reaches, √2 · 2.
     pub const OFFSET_TEXELS: [f32; 2] = [1.0, 2.83];
+
+    /// How far splats are pushed away from the lamp, in their radii; as the visibility pass pushes them from the eye.
+    const SLACK_RADII: f32 = 1.0;
+
+    /// The same where points are drawn. They face the screen: on a slope they are before and behind the surface that
+    /// casts their shadows, at 60 degrees by nearly two radii.
+    const SLACK_OF_POINTS_RADII: f32 = 3.0;
 
     /// That of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` where there is none, or no key light that is
     /// far away.
@@ -72,11 +81,16 @@ impl Shadow {
             center_ndc: [0.0; 2],
             rows_of_whole: [0.0, 1.0],
             telephoto: 1.0,
+            up: view.up,
         };
         Some(Self {
             lamp_from_view: lamp_from_view(view, &lamp_view),
             lamp_packet: seen_from_lamp(packet, lamp_view),
             texel: 2.0 * radius / Self::EDGE_PX as f32,
+            slack_radii: match packet.style.primitive {
+                Primitive::Point => Self::SLACK_OF_POINTS_RADII,
+                _ => Self::SLACK_RADII,
+            },
         })
     }
 }
@@ -90,7 +104,8 @@ fn lamp_from_view(view: &ViewTransform, lamp_view: &ViewTransform) -> [Vec4; 3] 
     [0, 1, 2].map(|axis| rotation.row(axis).extend(offset[axis]).as_vec4())
 }
 
-/// A packet for the depths of the same records. Surfaces cast shadows to both sides.
+/// A packet for the depths of the same records. Surfaces cast shadows to both sides. What points cast is that of their
+/// surfels: the size of a point in a picture is none in the scene.
 fn seen_from_lamp(packet: &ScenePacket, view: ViewTransform) -> ScenePacket {
     let mut seen = packet.clone();
     seen.viewport_px = [Shadow::EDGE_PX; 2];
@@ -100,6 +115,10 @@ fn seen_from_lamp(packet: &ScenePacket, view: ViewTransform) -> ScenePacket {
     seen.style.drawing.antialiasing = Antialiasing::None;
     let surfels = &mut seen.style.surfels;
     surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
+    if seen.style.primitive == Primitive::Point {
+        seen.style.primitive = Primitive::Surfel;
+        surfels.splat_scale = 1.0;
+    }
     surfels.splatting = Splatting::Visibility;
     surfels.back_faces = BackFaces::Drawn;
     seen

@@ -2,7 +2,7 @@
 
 use crate::app::widgets::rows::{choice, heading, row, rows};
 use crate::scene::describe::{Described, Kind, Numbers, Section, Unit, Value, Values, Words};
-use crate::scene::{Background, Style};
+use crate::scene::{Background, Environment, Style};
 use egui::{Checkbox, Slider, Ui};
 
 /// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
@@ -65,6 +65,10 @@ fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
             background_rows(ui, described, &mut background);
             Value::Background(background)
         }
+        (Values::Environment, Value::Environment(mut environment)) => {
+            environment_row(ui, described, &mut environment);
+            Value::Environment(environment)
+        }
         // Colours have a section of their own.
         _ => value,
     }
@@ -119,6 +123,21 @@ fn kind_rows(ui: &mut Ui, described: &Described, kinds: &[Kind], (before, number
     let number = if place == before { number } else { told.usual };
     let number = number_row(ui, (told.title, told.hint), &told.numbers, number);
     Value::Kind(place, number)
+}
+
+/// The list of environments, with the file that is chosen, if one is.
+fn environment_row(ui: &mut Ui, described: &Described, environment: &mut Environment) {
+    let name = match environment {
+        Environment::File(file) => file.path().file_name().map(|name| name.to_string_lossy().into_owned()),
+        _ => None,
+    };
+    let built_in = Environment::BUILT_IN.iter();
+    let mut choices: Vec<_> = built_in.map(|word| (word.title, word.environment, word.hint)).collect();
+    choices.extend(
+        name.as_deref()
+            .map(|name| (name, *environment, "A picture of your own")),
+    );
+    choice(ui, described.title, described.hint, environment, &choices);
 }
 
 fn background_rows(ui: &mut Ui, described: &Described, background: &mut Background) {

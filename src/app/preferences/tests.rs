@@ -5,10 +5,10 @@ use crate::analysis::ColorMap;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointLight, PointShape,
-    PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle, VoxelLight,
-    VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointLight,
+    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle,
+    VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -53,6 +53,9 @@ fn unusual() -> Preferences {
             light: LightStyle {
                 lighting: Lighting::PerVertex,
                 rig: LightRig::ThreePoint,
+                metallic: 1.0,
+                roughness: 0.25,
+                environment: Environment::Sky,
                 shadows: OnOff::On,
                 ao: OnOff::On,
                 ao_strength: 0.5,
@@ -107,7 +110,10 @@ fn of_version_6() -> Preferences {
             style.surfels.filter = SplatFilter::Off;
             style.surfels.kernel = Kernel::Gaussian;
             style.voxels.light = VoxelLight::Normals;
-            style.light.rig = LightRig::Head;
+            style.light.rig = LightRig::Auto;
+            style.light.metallic = 0.0;
+            style.light.roughness = 0.5;
+            style.light.environment = Environment::Studio;
             style.drawing.antialiasing = Antialiasing::None;
             style.light.shadows = OnOff::Off;
             style.light.ao = OnOff::Off;

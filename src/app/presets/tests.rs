@@ -3,9 +3,9 @@
 use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
-    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle, RendererChoice,
-    Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle,
+    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -79,7 +79,10 @@ fn of_version_1() -> Style {
         },
         light: LightStyle {
             lighting: Lighting::PerVertex,
-            rig: LightRig::Head,
+            rig: LightRig::Auto,
+            metallic: 0.0,
+            roughness: 0.5,
+            environment: Environment::Studio,
             shadows: OnOff::Off,
             ao: OnOff::Off,
             ao_strength: 1.0,

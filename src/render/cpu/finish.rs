@@ -1,8 +1,10 @@
 //! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
 
-use super::deferred::{Illumination, Surface, shade};
+use super::deferred::{Surface, shade};
 use super::eight::Vectors;
+use super::illumination::Illumination;
 use super::pixels::{OPAQUE_ALPHA, opaque};
+use super::raster::load;
 use super::rows::TileRow;
 use super::tile::{HEIGHT, LANES, NOWHERE, PIXELS, Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -197,17 +199,11 @@ impl Tile {
         background: [f32; 3],
         pixels: &mut [[u8; 4]],
     ) {
-        // Nothing here may go through `map` or `from_fn`: see `raster.rs`.
+        // Nothing here may go through `map` or `from_fn`, and closures are to be inlined: see `raster.rs`.
         let splat = |value: f32| f32x8::splat(simd, value);
         let [red, green, blue] = background;
         let background = [splat(red), splat(green), splat(blue)];
         let first = WIDTH * row;
-        let values =
-            |values: &[f32], place: usize| f32x8::from_slice(simd, &values[first + place..first + place + LANES]);
-        let colors = |place: usize| {
-            let [red, green, blue] = &self.colors;
-            [values(red, place), values(green, place), values(blue, place)]
-        };
         match finish.held {
             Held::Keys => {
                 let empty = opaque(simd, background)[0];
@@ -217,44 +213,64 @@ impl Tile {
                     *pixel = if key == 0 { empty } else { color }.to_le_bytes();
                 }
             }
-            Held::SolidColors => write(simd, pixels, |place| {
-                let are_drawn = values(&self.depth, place).simd_gt(splat(0.0));
-                select(simd, are_drawn, colors(place), background)
-            }),
-            Held::BlendedColors => write(simd, pixels, colors),
-            Held::Sums { opaque_weight } => write(simd, pixels, |place| {
-                let weight = values(&self.weight, place);
-                let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
-                // Nothing, where there is no weight: sums are 0 then.
-                let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
-                let shows_through = 1.0 - opacity;
-                let sums = colors(place);
-                [
-                    sums[0].mul_add(share, background[0] * shows_through),
-                    sums[1].mul_add(share, background[1] * shows_through),
-                    sums[2].mul_add(share, background[2] * shows_through),
-                ]
-            }),
+            Held::SolidColors => write(
+                simd,
+                pixels,
+                #[inline(always)]
+                |place| {
+                    let are_drawn = load(simd, &self.depth, first + place).simd_gt(splat(0.0));
+                    select(
+                        simd,
+                        are_drawn,
+                        load_colors(simd, &self.colors, first + place),
+                        background,
+                    )
+                },
+            ),
+            Held::BlendedColors => write(
+                simd,
+                pixels,
+                #[inline(always)]
+                |place| load_colors(simd, &self.colors, first + place),
+            ),
+            Held::Sums { opaque_weight } => write(
+                simd,
+                pixels,
+                #[inline(always)]
+                |place| {
+                    let weight = load(simd, &self.weight, first + place);
+                    let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
+                    // Nothing, where there is no weight: sums are 0 then.
+                    let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
+                    let shows_through = 1.0 - opacity;
+                    let sums = load_colors(simd, &self.colors, first + place);
+                    [
+                        sums[0].mul_add(share, background[0] * shows_through),
+                        sums[1].mul_add(share, background[1] * shows_through),
+                        sums[2].mul_add(share, background[2] * shows_through),
+                    ]
+                },
+            ),
             Held::Surfaces { opaque_weight } => write(
                 simd,
                 pixels,
                 #[inline(always)]
                 |place| {
-                    let weight = values(&self.weight, place);
+                    let weight = load(simd, &self.weight, first + place);
                     if !simd.any_true_mask32x8(weight.simd_gt(splat(0.0))) {
                         return background;
                     }
                     let per_weight = 1.0 / weight.max(splat(f32::MIN_POSITIVE));
-                    let [red, green, blue] = colors(place);
+                    let [red, green, blue] = load_colors(simd, &self.colors, first + place);
                     let [x, y, z, depth] = &self.surfaces;
                     let surface = Surface {
                         albedo: [red * per_weight, green * per_weight, blue * per_weight],
                         normal: Vectors {
-                            x: values(x, place),
-                            y: values(y, place),
-                            z: values(z, place),
+                            x: load(simd, x, first + place),
+                            y: load(simd, y, first + place),
+                            z: load(simd, z, first + place),
                         },
-                        depth: values(depth, place) * per_weight,
+                        depth: load(simd, depth, first + place) * per_weight,
                     };
                     let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
                     let lit = match &finish.illumination {
@@ -265,15 +281,25 @@ impl Tile {
                     over(simd, lit, opacity, background)
                 },
             ),
-            Held::Depths { near, white, black } => write(simd, pixels, |place| {
-                let depth = values(&self.depth, place);
-                let share = (near / depth - white) * (1.0 / (black - white));
-                let share = share.max(splat(0.0)).min(splat(1.0));
-                let grey = share.mul_add(splat(FARTHEST_GREY - NEAREST_GREY), splat(NEAREST_GREY));
-                select(simd, depth.simd_gt(splat(0.0)), [grey; 3], background)
-            }),
+            Held::Depths { near, white, black } => write(
+                simd,
+                pixels,
+                #[inline(always)]
+                |place| {
+                    let depth = load(simd, &self.depth, first + place);
+                    let share = (near / depth - white) * (1.0 / (black - white));
+                    let share = share.max(splat(0.0)).min(splat(1.0));
+                    let grey = share.mul_add(splat(FARTHEST_GREY - NEAREST_GREY), splat(NEAREST_GREY));
+                    select(simd, depth.simd_gt(splat(0.0)), [grey; 3], background)
+                },
+            ),
         }
     }
+}
+
+#[inline(always)]
+fn load_colors<S: Simd>(simd: S, [red, green, blue]: &[Vec<f32>; 3], at: usize) -> [f32x8<S>; 3] {
+    [load(simd, red, at), load(simd, green, at), load(simd, blue, at)]
 }
 
 /// Writes eight colours after the other to pixels; `colors` makes them for those from a place on.

@@ -20,10 +20,12 @@ mod facet;
 mod finish;
 mod fxaa;
 mod grid;
+mod illumination;
 mod linear;
 mod packed_ellipses;
 mod packed_normals;
 mod painter;
+mod physical;
 mod pixels;
 mod primitives;
 mod raster;
@@ -43,10 +45,10 @@ mod view;
 use super::gathered::Gathered;
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, ScenePacket, Shadow};
+use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, PhysicalLight, ScenePacket, Shadow};
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
-use deferred::Illumination;
+use illumination::Illumination;
 use image::RgbaImage;
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
@@ -143,12 +145,14 @@ impl CpuRenderer {
         let shadow = Shadow::of(packet);
         let shadow = shadow.as_ref().map(|shadow| ShadowMap {
             shadow,
-            depths: depths_from_lamp(&mut self.shadow_map, &shadow.lamp_packet, blocks),
+            depths: depths_from_lamp(&mut self.shadow_map, shadow, blocks),
         });
+        let physical = PhysicalLight::of(packet);
         let illumination = Lights::of(packet).map(|lights| Illumination {
             lights,
             occlusion,
             shadow,
+            physical: physical.as_ref(),
         });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
@@ -230,16 +234,13 @@ fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &
 }
 
 /// The reversed depths that a lamp sees: those that are known, or drawn now.
-fn depths_from_lamp<'a>(
-    known: &'a mut Option<(ScenePacket, Vec<f32>)>,
-    packet: &ScenePacket,
-    blocks: &Blocks,
-) -> &'a [f32] {
+fn depths_from_lamp<'a>(known: &'a mut Option<(ScenePacket, Vec<f32>)>, shadow: &Shadow, blocks: &Blocks) -> &'a [f32] {
+    let packet = &shadow.lamp_packet;
     let (of, mut depths) = known.take().unwrap_or_else(|| (packet.clone(), Vec::new()));
     if depths.is_empty() || of != *packet {
         let [width, height] = packet.viewport_px.map(|edge| edge as usize);
         depths.resize(width * height, 0.0);
-        draw_reversed_depths(&Drawable::of_shadow(packet), packet, blocks, &mut depths);
+        draw_reversed_depths(&Drawable::of_shadow(shadow), packet, blocks, &mut depths);
     }
     &known.insert((packet.clone(), depths)).1
 }

@@ -1,7 +1,7 @@
 //! The loop over the tiles of a picture, the same for whatever is drawn into them.
 
-use super::deferred::Illumination;
 use super::finish::{Finish, Gradient, Held};
+use super::illumination::Illumination;
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -71,6 +71,15 @@ impl<'a> Painter<'a> {
         let picture = PixelRect::of_picture(self.finish.view.size_px);
         let clip = tile.rect().intersection(picture);
         content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
-        tile.write(simd, &self.finish, rows);
+        finish_tile(simd, tile, &self.finish, rows);
     }
+}
+
+/// Writes the pixels of a tile to the picture. All light falls here: compiled once, and not for each primitive.
+#[inline(never)]
+fn finish_tile<S: Simd>(simd: S, tile: &Tile, finish: &Finish<'_>, rows: &mut TileRow<'_>) {
+    simd.vectorize(
+        #[inline(always)]
+        || tile.write(simd, finish, rows),
+    );
 }

@@ -9,14 +9,16 @@ pub(super) const OPAQUE_ALPHA: u32 = 0xff00_0000;
 /// Bytes of eight colours, which are 0 to 1: red the lowest.
 #[inline(always)]
 pub(super) fn opaque<S: Simd>(simd: S, colors: [f32x8<S>; 3]) -> u32x8<S> {
-    let byte = |channel: f32x8<S>| {
-        let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
-        let within = scaled.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 255.0));
-        simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
-    };
     let [red, green, blue] = colors;
-    let (red, green, blue) = (byte(red), byte(green), byte(blue));
+    let (red, green, blue) = (byte(simd, red), byte(simd, green), byte(simd, blue));
     red | (green << 8) | (blue << 16) | u32x8::splat(simd, OPAQUE_ALPHA)
+}
+
+#[inline(always)]
+fn byte<S: Simd>(simd: S, channel: f32x8<S>) -> u32x8<S> {
+    let scaled = channel.mul_add(f32x8::splat(simd, 255.0), f32x8::splat(simd, 0.5));
+    let within = scaled.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 255.0));
+    simd.reinterpret_u32_i32x8(simd.cvt_i32_f32x8(within))
 }
 
 /// Of a picture whose rows are finished.

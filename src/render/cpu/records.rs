@@ -1,8 +1,8 @@
 //! Primitives with a record for everything that is drawn: blocks of records are handed to the tiles that they touch.
 
 use super::blocks::{Blocks, Extent, Placed, TileLists};
-use super::deferred::Illumination;
 use super::finish::Held;
+use super::illumination::Illumination;
 use super::painter::{InTiles, Painter};
 use super::raster;
 use super::rows::TileRow;

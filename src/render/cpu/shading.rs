@@ -47,7 +47,7 @@ impl Light {
     #[inline(always)]
     pub(super) fn new(lighting: Lighting, normal: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Self {
         match lighting {
-            Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => Self::Same([1.0, 0.0]),
+            Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => Self::Same([1.0, 0.0]),
             Lighting::PerSurfel => Self::Same(head_light(normal, center)),
             Lighting::PerVertex => {
                 let corners = [-u - v, u - v, v - u, u + v];

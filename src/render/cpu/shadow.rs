@@ -29,6 +29,7 @@ impl ShadowMap<'_> {
             lamp_packet,
             lamp_from_view: [x, y, z],
             texel,
+            ..
         } = self.shadow;
         let [always, sloping] = Shadow::OFFSET_TEXELS.map(|texels| texels * texel);
         let slope = (1.0 - facing * facing).max(splat(0.0)).sqrt();

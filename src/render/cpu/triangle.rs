@@ -107,7 +107,9 @@ impl TriangleLight {
     #[inline(always)]
     pub(super) fn new(lighting: Lighting, corners: [Vec3; 3], normals: [Vec3; 3], face: Vec3) -> Self {
         match lighting {
-            Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => Self::OfCorners([[1.0, 0.0]; 3]),
+            Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => {
+                Self::OfCorners([[1.0, 0.0]; 3])
+            }
             Lighting::PerSurfel => {
                 let [a, b, c] = corners;
                 Self::OfCorners([head_light(face, a + b + c); 3])

@@ -11,7 +11,9 @@ use crate::render::constants::{
     FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR, MASK_FALLOFF, NARROWEST_CELL_PX,
     NEAREST_GREY, OPAQUE_WEIGHT, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
-use crate::scene::{AmbientOcclusion, Antialiasing, EyeDomeLight, Lights, Shadow, SplatFilter};
+use crate::scene::{
+    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, Shadow, SplatFilter,
+};
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -56,6 +58,10 @@ const SHADOW_SLOPE_TEXELS: f32 = Shadow::OFFSET_TEXELS[1];
 /// Lamps beside the head light.
 const MOST_LAMPS: u32 = Lights::MOST_LAMPS as u32;
 
+/// Of the texture of an environment.
+const ENVIRONMENT_EDGE: u32 = EnvironmentMap::EDGE as u32;
+const ALBEDO_ENTRIES: u32 = AlbedoCurve::COUNT as u32;
+
 /// The power of highlights.
 const SHININESS: u32 = Lights::SHININESS;
 
@@ -78,13 +84,16 @@ pub(super) fn shared() -> String {
         };
     }
     declared![
+        ALBEDO_ENTRIES,
         BACK_FACES_CULLED,
         BACK_FACES_DARKER,
         BACK_SIDE,
         BATCH_RECORDS,
         COARSE_LINES,
         CUBE_REACH_HALF_EDGES,
+        DIELECTRIC,
         ELLIPSE_STEPS,
+        ENVIRONMENT_EDGE,
         EWA_LEAST_DETERMINANT,
         EWA_MEAN_WEIGHT,
         FARTHEST_GREY,

@@ -5,8 +5,8 @@ pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, V
 use crate::levels::Selection;
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
-    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PointSize, ScenePacket, Shadow,
-    SplatFilter, Style,
+    AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
+    Shadow, SplatFilter, Style,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -109,8 +109,17 @@ pub struct ViewUniform {
     pub lamp_from_view_z: [f32; 4],
     pub shadow_focal: f32,
     pub shadow_near: f32,
-    /// Fills the last row.
-    pub padding: [u32; 2],
+    pub metallic: f32,
+    pub alpha: f32,
+    pub mean_loss: f32,
+    pub mean_let_in: f32,
+    pub environment_light: f32,
+    /// Fills the row.
+    pub padding: u32,
+    pub environment_from_view_x: [f32; 4],
+    pub environment_from_view_y: [f32; 4],
+    pub environment_from_view_z: [f32; 4],
+    pub harmonics: [[f32; 4]; 9],
 }
 
 /// Twin of `Lamp` in `common/view.wgsl`.
@@ -180,7 +189,7 @@ impl ViewUniform {
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
             depth_slack: if has_slack { DEPTH_SLACK_RADII } else { 0.0 },
             lighting: match packet.lighting() {
-                Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong => LIGHTING_UNLIT,
+                Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
                 Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
@@ -249,10 +258,29 @@ impl ViewUniform {
         }
     }
 
+    /// The same with a material and an environment.
+    #[must_use]
+    pub fn with_physical(self, physical: &PhysicalLight) -> Self {
+        let curve = &physical.tables.curve;
+        let column = |axis: Vec3| axis.extend(0.0).to_array();
+        Self {
+            metallic: physical.metallic,
+            alpha: physical.alpha,
+            mean_loss: curve.mean_loss,
+            mean_let_in: curve.mean_let_in,
+            environment_light: physical.environment_light,
+            environment_from_view_x: column(physical.environment_from_view.x_axis),
+            environment_from_view_y: column(physical.environment_from_view.y_axis),
+            environment_from_view_z: column(physical.environment_from_view.z_axis),
+            harmonics: physical.harmonics.0.map(column),
+            ..self
+        }
+    }
+
     /// The uniforms of the pass that draws the map of a shadow.
     pub fn of_lamp(shadow: &Shadow) -> Self {
         Self {
-            depth_slack: DEPTH_SLACK_RADII,
+            depth_slack: shadow.slack_radii,
             ..Self::new(&shadow.lamp_packet, 1.0)
         }
     }

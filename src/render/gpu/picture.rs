@@ -127,6 +127,10 @@ impl<'a> Recorder<'a> {
             && let Some(map) = self.targets.outdated_shadow_map(&shadow.lamp_packet).cloned()
         {
             let view = self.view(LAMP_VIEW);
+            let draw = &Draw {
+                amplification: key.amplification,
+                ..*draw
+            };
             self.amplify(view, instancing, draw);
             let depth = Some((&map, Some(wgpu::LoadOp::Clear(FAR))));
             let pass = begin(

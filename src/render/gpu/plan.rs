@@ -7,12 +7,12 @@
 //! shown of it.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SUPERSAMPLE};
+use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SHADE_PHYSICAL, SUPERSAMPLE};
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
 use super::targets::{Precision, Target};
-use crate::scene::{Antialiasing, EyeDomeLight, ScenePacket, Shadow, Strategy};
+use crate::scene::{Antialiasing, EyeDomeLight, PhysicalLight, ScenePacket, Shadow, Strategy};
 
 /// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub(super) struct Plan<'a> {
     pub(super) finish: Vec<&'static ScreenPass>,
     /// Of the key light, if it has one.
     pub(super) shadow: Option<Shadow>,
+    /// Of surfaces with a material.
+    pub(super) physical: Option<PhysicalLight>,
     strategy: Strategy,
     /// What sums are to be held in.
     pub(super) precision: Precision,
@@ -39,7 +41,9 @@ impl<'a> Plan<'a> {
     /// `blends_single_floats`: see [`Context`](super::context::Context).
     pub(super) fn new(packet: &'a ScenePacket, blends_single_floats: bool) -> Self {
         let drawable = primitives::drawable(packet);
-        let shade = drawable.draws_into(Target::Surfaces).then_some(&SHADE);
+        let physical = PhysicalLight::of(packet);
+        let shade = if physical.is_some() { &SHADE_PHYSICAL } else { &SHADE };
+        let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
         let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
         let resolve = drawable.resolve;
@@ -60,6 +64,7 @@ impl<'a> Plan<'a> {
             background: (background.top != background.bottom).then_some(&BACKGROUND),
             finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
             shadow: Shadow::of(packet),
+            physical,
             strategy: packet.style.drawing.strategy,
             precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single
@@ -76,6 +81,10 @@ impl<'a> Plan<'a> {
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         let first = ViewUniform::new(packet, visibility);
         let second = ViewUniform::new(packet, attribute).of_attributes();
+        let first = match &self.physical {
+            Some(physical) => first.with_physical(physical),
+            None => first,
+        };
         match &self.shadow {
             Some(shadow) => vec![first.with_shadow(shadow), second, ViewUniform::of_lamp(shadow)],
             None => vec![first, second],
@@ -101,11 +110,10 @@ impl<'a> Plan<'a> {
 
     /// The pass over records that draws the shadow map.
     pub(super) fn shadow_key(&self) -> Option<GeometryKey> {
-        let drawable = &self.drawable;
-        let pass = drawable.depth_pass.filter(|_| self.shadow.is_some())?;
+        let (amplification, pass) = self.drawable.depth_pass.filter(|_| self.shadow.is_some())?;
         Some(GeometryKey {
-            strategy: drawable.amplification.strategy(self.strategy),
-            amplification: drawable.amplification,
+            strategy: amplification.strategy(self.strategy),
+            amplification,
             pass,
             // Cells have faces towards the lamp alone; surfels cast shadows to both sides.
             cull_back_faces: false,

@@ -227,6 +227,9 @@ impl GpuRenderer {
                     if plan.shadow.is_some() {
                         targets.ensure_shadow_map(&self.context);
                     }
+                    if let Some(physical) = &plan.physical {
+                        targets.ensure_environment(&self.context, &physical.tables);
+                    }
                 })
             }
             _ => Ok(()),

@@ -1,13 +1,17 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
-use crate::scene::{ScenePacket, Shadow};
+use crate::scene::{PhysicalTables, ScenePacket, Shadow};
+use std::sync::Arc;
 
 /// Display-referred 8-bit colour.
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Reverse-Z: floats are densest near 0, where the far half of the scene is.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Light is not display-referred, and brighter than white.
+const ENVIRONMENT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// What sums of weighted colours, normals and reversed distances are held in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -37,7 +41,7 @@ pub(super) enum Source {
     Picture,
     Sums,
     Depths,
-    /// Sums of colours, of normals and of nearnesses; depths; and the shadow map.
+    /// Sums of colours, of normals and of nearnesses; depths; the shadow map; and the environment.
     Surfaces,
 }
 
@@ -77,6 +81,9 @@ pub(super) struct Targets {
     /// The depths that the key light sees, and what they were drawn from; a texel that is never read until then.
     shadow_map: wgpu::TextureView,
     shadow_of: Option<ScenePacket>,
+    /// The environment that physical shading reads, and what it was made of; a texel until then.
+    environment: wgpu::TextureView,
+    environment_of: Option<Arc<PhysicalTables>>,
 }
 
 impl Targets {
@@ -105,7 +112,45 @@ impl Targets {
             surfaces: None,
             shadow_map: view(&self::texture(context, [1; 2], "no shadow map", DEPTH_FORMAT, none)),
             shadow_of: None,
+            environment: view(&self::texture(
+                context,
+                [1; 2],
+                "no environment",
+                ENVIRONMENT_FORMAT,
+                none,
+            )),
+            environment_of: None,
         }
+    }
+
+    /// Makes the texture of an environment unless it is there.
+    pub(super) fn ensure_environment(&mut self, context: &Context, tables: &Arc<PhysicalTables>) {
+        if self
+            .environment_of
+            .as_ref()
+            .is_some_and(|known| Arc::ptr_eq(known, tables))
+        {
+            return;
+        }
+        let size_px = [PhysicalTables::WIDTH, PhysicalTables::HEIGHT].map(|edge| edge as u32);
+        let texture = texture(
+            context,
+            size_px,
+            "environment",
+            ENVIRONMENT_FORMAT,
+            wgpu::TextureUsages::COPY_DST,
+        );
+        let rows = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(size_px[0] * size_of::<[f32; 4]>() as u32),
+            rows_per_image: None,
+        };
+        let texels = bytemuck::cast_slice(&tables.texels);
+        context
+            .queue
+            .write_texture(texture.as_image_copy(), texels, rows, texture.size());
+        self.environment = view(&texture);
+        self.environment_of = Some(Arc::clone(tables));
     }
 
     /// The shadow map of what a lamp sees; `None` if that is what it has already.
@@ -168,8 +213,8 @@ impl Targets {
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => {
-                let depths = [&self.depth_view, &self.shadow_map];
-                self.surfaces.iter().flatten().chain(depths).collect()
+                let others = [&self.depth_view, &self.shadow_map, &self.environment];
+                self.surfaces.iter().flatten().chain(others).collect()
             }
         }
     }

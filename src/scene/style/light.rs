@@ -2,6 +2,7 @@
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, When, group};
+use crate::scene::environment::Environment;
 
 choices! {
     /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface
@@ -13,24 +14,28 @@ choices! {
         PerFragment = "fragment", "Per fragment", "At each pixel";
         Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights";
         BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights";
+        /// Metallic–roughness, with an environment; see [`PhysicalLight`](crate::scene::PhysicalLight).
+        Physical = "physical", "Physical", "At each pixel of the blended surface: metal or not, smooth or rough";
     }
 }
 
 impl Lighting {
     /// Whether light falls on the blended surface, not on splats.
     pub fn is_deferred(self) -> bool {
-        matches!(self, Self::Lambert | Self::BlinnPhong)
+        matches!(self, Self::Lambert | Self::BlinnPhong | Self::Physical)
     }
 }
 
 choices! {
     /// Which lights there are where shading is deferred; see [`Lights`](crate::scene::Lights).
     LightRig, "rig of lights" {
+        Auto = "auto", "Automatic", "The head light, or the environment alone where there is one";
         Head = "head", "Head light", "One from the eye";
         ThreePoint = "three-point", "Three-point", "A warm key light, a cool one that fills, and one from behind";
         /// Paper 002 §5.
         Paper = "paper", "Two lamps", "Two lamps near the cloud, left and right above it";
         Colored = "colored", "Four colours", "Red, green, blue and yellow from four sides";
+        None = "none", "None", "No lamp: the environment alone, or white from all sides";
     }
 }
 
@@ -75,16 +80,58 @@ group! {
             values: Values::Words(Lighting::WORDS),
         }
         /// Which lights there are where shading is deferred.
-        rig: LightRig = LightRig::Head, "lights" RIG {
+        rig: LightRig = LightRig::Auto, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
-            help: "Lights of lambert and blinn-phong",
+            help: "Lights of lambert, blinn-phong and physical",
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
             when: When::Deferred,
             label: Label::Unusual(Place::What, "{} lights"),
             values: Values::Words(LightRig::WORDS),
+        }
+        /// How much of a metal a surface is.
+        metallic: f32 = 0.0, "metallic" METALLIC {
+            flag: "metallic",
+            value_name: "SHARE",
+            help: "How much of a metal surfaces are in physical light, 0 to 1 (usually 0)",
+            title: "Metallic",
+            hint: "How much of a metal surfaces are: metals mirror in their colour, others scatter it",
+            section: Section::Shading,
+            when: When::Physical,
+            label: Label::If(When::Physical, Place::What, "metallic {}"),
+            values: Values::Number(Numbers {
+                typed: Typed::Kept("a number from 0 to 1"),
+                ..Numbers::USUAL
+            }),
+        }
+        /// How rough a surface is; the roughness of microfacets is its square.
+        roughness: f32 = 0.5, "roughness" ROUGHNESS {
+            flag: "roughness",
+            value_name: "SHARE",
+            help: "How rough surfaces are in physical light, 0 to 1 (usually 0.5)",
+            title: "Roughness",
+            hint: "How rough surfaces are: what they mirror is sharp at 0 and blurred at 1",
+            section: Section::Shading,
+            when: When::Physical,
+            label: Label::If(When::Physical, Place::What, "roughness {}"),
+            values: Values::Number(Numbers {
+                typed: Typed::Kept("a number from 0 to 1"),
+                ..Numbers::USUAL
+            }),
+        }
+        /// What is around the scene.
+        environment: Environment = Environment::Studio, "environment" ENVIRONMENT {
+            flag: "environment",
+            value_name: "ENVIRONMENT",
+            help: "What lights physical surfaces from all sides",
+            title: "Environment",
+            hint: "What is around the scene, and lights it from all sides; it turns with the scene",
+            section: Section::Shading,
+            when: When::Physical,
+            label: Label::If(When::Physical, Place::What, "in {}"),
+            values: Values::Environment,
         }
         /// Whether the first lamp casts shadows.
         shadows: OnOff = OnOff::Off, "shadows" SHADOWS {
@@ -171,6 +218,18 @@ group! {
                 unit: Unit::Is(" ×"),
                 ..Numbers::USUAL
             }),
+        }
+    }
+}
+
+impl LightStyle {
+    /// The rig, with what is usual in place of [`LightRig::Auto`].
+    pub fn drawn_rig(&self) -> LightRig {
+        let has_environment = self.lighting == Lighting::Physical && self.environment != Environment::None;
+        match self.rig {
+            LightRig::Auto if has_environment => LightRig::None,
+            LightRig::Auto => LightRig::Head,
+            chosen => chosen,
         }
     }
 }

@@ -156,9 +156,10 @@ impl Style {
             When::Cells => self.draws_cells() || self.draws_codes(),
             When::Lit => self.primitive != Primitive::Point || self.points.light == PointLight::Normals,
             When::Deferred => self.is(When::Lit) && self.light.lighting.is_deferred(),
+            When::Physical => self.is(When::Lit) && self.light.lighting == Lighting::Physical,
             When::Depths => self.leaves_depths(),
             When::EyeDome => self.leaves_depths() && self.light.eye_dome == EyeDome::On,
-            When::KeyLight => self.is(When::Shaded) && self.light.rig.has_far_key(),
+            When::KeyLight => self.is_shaded_with_distances() && self.light.rig.has_far_key(),
             When::Shadows => self.is(When::KeyLight) && self.light.shadows == OnOff::On,
             When::Shaded => self.is_shaded_with_depths(),
             When::Occluded => self.is_shaded_with_depths() && self.light.ao == OnOff::On,
@@ -271,10 +272,15 @@ impl Style {
         !self.draws_surfels() || self.surfels.splatting != Splatting::NoDepth
     }
 
-    /// Whether light falls on the blended surface, and there are depths that say where it is.
-    pub fn is_shaded_with_depths(&self) -> bool {
+    /// Whether light falls on the blended surface, which is somewhere.
+    pub fn is_shaded_with_distances(&self) -> bool {
         let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
-        self.is(When::Deferred) && self.primitive != Primitive::Point && self.leaves_depths() && !shows_depths
+        self.is(When::Deferred) && self.leaves_depths() && !shows_depths
+    }
+
+    /// The same, and there are depths that say how its surroundings are: points are steps of the surface.
+    pub fn is_shaded_with_depths(&self) -> bool {
+        self.is_shaded_with_distances() && self.primitive != Primitive::Point
     }
 
     /// Whether what is drawn are cells of an octree.

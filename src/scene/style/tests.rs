@@ -5,6 +5,7 @@ use super::*;
 use crate::analysis::ColorMap;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
+use crate::scene::environment::Environment;
 use crate::sequence::ColorSource;
 use std::collections::BTreeSet;
 
@@ -70,7 +71,8 @@ fn every_setting_is_described_once() {
             }
             (Values::Number(_), Value::Number(_))
             | (Values::Switch(_), Value::Switch(_))
-            | (Values::Colors, Value::Colors(_)) => {}
+            | (Values::Colors, Value::Colors(_))
+            | (Values::Environment, Value::Environment(_)) => {}
             // Its option takes what no style has.
             (Values::Background, Value::Background(_)) => continue,
             (values, value) => panic!("{key}: {values:?} has no {value:?}"),
@@ -90,6 +92,7 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
             Value::Kind(..) => Value::Kind(1, 3.0),
             Value::Background(_) => Value::Background(Background::solid([1, 2, 3])),
             Value::Colors(_) => Value::Colors(Coloring::of(ColorSource::Normal)),
+            Value::Environment(_) => Value::Environment(Environment::Sky),
         };
         let mut edited = style;
         edited.edit(&mut |described, value| {

@@ -149,6 +149,7 @@ fn told(described: &Described, value: Value, pattern: &str) -> Option<String> {
             let kind = kind.label.replace("{}", &number.unwrap_or_default());
             pattern.replace("{}", &kind)
         }
+        (Values::Environment, Value::Environment(environment)) => pattern.replace("{}", &environment.to_string()),
         _ => return None,
     })
 }

@@ -7,11 +7,11 @@ mod surfels;
 mod voxels;
 
 use super::blocks::Blocks;
-use super::deferred::Illumination;
+use super::illumination::Illumination;
 use super::records;
 use super::rows::TileRow;
 use crate::render::constants::DEPTH_SLACK_RADII;
-use crate::scene::{Content, Lighting, Primitive, ScenePacket, Splatting};
+use crate::scene::{Content, Lighting, Primitive, ScenePacket, Shadow, Splatting};
 use coded::Coded;
 use mesh::Mesh;
 use points::Points;
@@ -35,8 +35,8 @@ impl<'a> Drawable<'a> {
     }
 
     /// What leaves depths in a shadow map.
-    pub(super) fn of_shadow(packet: &'a ScenePacket) -> Self {
-        Self::with_slack(packet, [DEPTH_SLACK_RADII; 2])
+    pub(super) fn of_shadow(shadow: &'a Shadow) -> Self {
+        Self::with_slack(&shadow.lamp_packet, [shadow.slack_radii; 2])
     }
 
     /// What lies on the surface that [`of_surfaces`] shows.

@@ -88,7 +88,11 @@ impl Pipelines {
             ),
             color_source_layout: layout("color source", of_fragments, &[color]),
             depth_source_layout: layout("depth source", of_fragments, &[depth]),
-            surface_source_layout: layout("surface source", of_fragments, &[color, color, color, depth, depth]),
+            surface_source_layout: layout(
+                "surface source",
+                of_fragments,
+                &[color, color, color, depth, depth, color],
+            ),
         }
     }
 

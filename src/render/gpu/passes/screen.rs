@@ -4,9 +4,10 @@ use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 9] = [
+pub const SCREEN_PASSES: [&ScreenPass; 10] = [
     &BACKGROUND,
     &SHADE,
+    &SHADE_PHYSICAL,
     &RESOLVE,
     &DEPTH_VIEW,
     &EYE_DOME,
@@ -36,6 +37,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/linear.wgsl"),
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
         include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Surfaces),
@@ -44,6 +46,19 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
         blend: None,
     },
     depth: None,
+};
+
+/// The same on surfaces with a material, in an environment.
+pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
+    name: "shade physically",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/physical.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    ..SHADE
 };
 
 /// Normalises what the attribute pass summed up, and lays it over the background.

@@ -22,8 +22,8 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
     pub(in crate::render::gpu) passes: Passes,
-    /// What draws it into a shadow map; none of what no light falls on.
-    pub(in crate::render::gpu) depth_pass: Option<&'static GeometryPass>,
+    /// What draws the same streams into a shadow map; none of what no light falls on.
+    pub(in crate::render::gpu) depth_pass: Option<(&'static Amplification, &'static GeometryPass)>,
     /// What lays their result over the background, where they do not draw into the picture.
     pub(in crate::render::gpu) resolve: Option<&'static ScreenPass>,
 }

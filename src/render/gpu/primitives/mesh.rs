@@ -42,7 +42,7 @@ pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawabl
         // Files turn their faces as they like.
         cull_back_faces: false,
         passes,
-        depth_pass: Some(&DEPTH),
+        depth_pass: Some((&TRIANGLE, &DEPTH)),
         resolve,
     }
 }

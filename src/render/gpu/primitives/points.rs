@@ -71,11 +71,14 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
+    let has_shapes = shapes.is_some();
     Drawable {
-        amplification: match shapes {
-            Some(_) => &SQUARE_WITH_SHAPE,
-            None if is_pixel => &PIXEL,
-            None => &SQUARE,
+        amplification: if has_shapes {
+            &SQUARE_WITH_SHAPE
+        } else if is_pixel {
+            &PIXEL
+        } else {
+            &SQUARE
         },
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
@@ -84,7 +87,8 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         chunked_for: &surfels::DISK,
         cull_back_faces: packet.style.culls_back_faces(),
         passes,
-        depth_pass: None,
+        // Their surfels cast shadows.
+        depth_pass: has_shapes.then_some((&surfels::DISK, &VISIBILITY)),
         resolve,
     }
 }

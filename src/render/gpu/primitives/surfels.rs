@@ -68,18 +68,19 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
+    let amplification = if style.primitive == Primitive::Ellipse {
+        &ELLIPSE
+    } else {
+        &DISK
+    };
     Drawable {
-        amplification: if style.primitive == Primitive::Ellipse {
-            &ELLIPSE
-        } else {
-            &DISK
-        },
+        amplification,
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,
-        depth_pass: Some(&VISIBILITY),
+        depth_pass: Some((amplification, &VISIBILITY)),
         resolve,
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
         // The faces of a cube that do not face the eye are never right to draw.
         cull_back_faces: true,
         passes,
-        depth_pass: Some(&DEPTH),
+        depth_pass: Some((amplification, &DEPTH)),
         resolve,
     }
 }

@@ -1,6 +1,7 @@
 //! One setting in words.
 
 use super::values::{Value, Values};
+use crate::scene::environment::Environment;
 
 /// One setting in words.
 #[derive(Debug)]
@@ -50,14 +51,12 @@ impl Described {
 
     /// The line of its option in a list of options.
     pub fn help_line(&self) -> String {
-        let Values::Words(words) = self.values else {
-            return self.help.to_owned();
+        let words = match self.values {
+            Values::Words(words) => words.list.iter().map(|word| word.word).collect(),
+            Values::Environment => environment_words(),
+            _ => return self.help.to_owned(),
         };
-        let words: Vec<&str> = words.list.iter().map(|word| word.word).collect();
-        let list = match words.as_slice() {
-            [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
-            words => words.concat(),
-        };
+        let list = list_of(&words);
         if self.help.is_empty() {
             list
         } else {
@@ -73,6 +72,10 @@ impl Described {
                 place.map(Value::Word)
             }
             Values::Number(numbers) => numbers.parse(text).map(Value::Number),
+            Values::Environment => match text.parse::<Environment>() {
+                Ok(environment) => Ok(Value::Environment(environment)),
+                Err(error) => Err(format!("{error}, nor one of {}", list_of(&environment_words()))),
+            },
             _ => Err("expected no text".to_owned()),
         }
     }
@@ -90,6 +93,20 @@ impl Described {
             _ => value,
         }
     }
+}
+
+/// Words in a sentence.
+fn list_of(words: &[&str]) -> String {
+    match words {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        words => words.concat(),
+    }
+}
+
+/// What the option of an environment takes.
+fn environment_words() -> Vec<&'static str> {
+    let built_in = Environment::BUILT_IN.iter().map(|word| word.word);
+    built_in.chain(["the path of an equirectangular picture"]).collect()
 }
 
 /// A part of the panel.
@@ -152,6 +169,8 @@ pub enum When {
     Lit,
     /// Light falls on the blended surface.
     Deferred,
+    /// It falls on a material, and from an environment.
+    Physical,
     /// What is drawn leaves depths.
     Depths,
     /// Depths shade what is drawn.

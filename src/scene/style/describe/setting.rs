@@ -2,6 +2,7 @@
 
 use super::described::Described;
 use super::values::Value;
+use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
 
@@ -59,6 +60,19 @@ impl Setting for Background {
     fn from_value(value: Value) -> Option<Self> {
         match value {
             Value::Background(background) => Some(background),
+            _ => None,
+        }
+    }
+}
+
+impl Setting for Environment {
+    fn value(&self) -> Value {
+        Value::Environment(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Environment(environment) => Some(environment),
             _ => None,
         }
     }

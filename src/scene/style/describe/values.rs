@@ -2,6 +2,7 @@
 
 use super::numbers::Numbers;
 use crate::scene::ParseChoiceError;
+use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
 
@@ -20,6 +21,8 @@ pub enum Value {
     Background(Background),
     /// Where colours come from.
     Colors(Coloring),
+    /// What is around the scene.
+    Environment(Environment),
 }
 
 /// Which values a setting has.
@@ -37,6 +40,8 @@ pub enum Values {
     Background,
     /// A [`Coloring`].
     Colors,
+    /// An [`Environment`].
+    Environment,
 }
 
 /// Values that are words.

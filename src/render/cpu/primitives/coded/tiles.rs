@@ -217,7 +217,9 @@ impl CodedTiles<'_> {
         let light = match self.lighting {
             Lighting::Unlit | Lighting::PerSurfel => Light::Same(node.normal.light),
             // Where shading is deferred, no codes are drawn.
-            Lighting::PerVertex | Lighting::Lambert | Lighting::BlinnPhong => Light::Same(self.light_at(node)),
+            Lighting::PerVertex | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => {
+                Light::Same(self.light_at(node))
+            }
             Lighting::PerFragment => Light::OfPixels,
         };
         let facet = |scale: f32| {

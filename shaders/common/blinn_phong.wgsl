@@ -1,0 +1,44 @@
+// Light after Lambert, with the highlights of Blinn 1977. The lights: scene/lights.rs.
+
+// Linear light: what colours are multiplied with, and what is added.
+struct Light {
+    diffuse: vec3f,
+    specular: vec3f,
+}
+
+// The highlight of Blinn 1977 for the cosine between normal and half vector.
+fn highlight(cosine: f32) -> f32 {
+    return pow(cosine, f32(SHININESS));
+}
+
+// All lights together on a place in view space; directions have unit length.
+fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f) -> Light {
+    let facing = dot(normal, to_eye);
+    // The half vector of the head light is the way to the eye.
+    let head = view.head_light * view.specular * highlight(facing);
+    var light = Light(vec3f(view.ambient + view.head_light * facing), vec3f(head));
+    for (var index = 0u; index < MOST_LAMPS; index++) {
+        let lamp = view.lamps[index];
+        let way = lamp.place.xyz - lamp.place.w * position;
+        // A surface at the place of a lamp gets no light of it.
+        let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
+        let lamp_facing = max(dot(normal, to_lamp), 0.0);
+        var color = lamp.color.rgb;
+        if (index == 0u) {
+            color *= light_of_key(shadow_map, position, normal, lamp_facing);
+        }
+        light.diffuse += color * lamp_facing;
+        if (lamp_facing > 0.0) {
+            let along = max(dot(normal, normalize(to_lamp + to_eye)), 0.0);
+            light.specular += color * view.specular * highlight(along);
+        }
+    }
+    return light;
+}
+
+// Linear light that comes from a place of view space with a linear colour; the share `open` of the light from around
+// reaches it.
+fn lit(albedo: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
+    let light = light_on(position, normal, to_eye);
+    return albedo * light.diffuse * open + light.specular;
+}

@@ -1,0 +1,145 @@
+// Metallic–roughness shading with an environment. The formulas: scene/physical_light.rs.
+
+// The environment as the roughness mirrors it, and the curve of what is mirrored and lost in one more row.
+@group(SOURCE_GROUP) @binding(5) var environment: texture_2d<f32>;
+
+// Linear light, by what the surface makes of it.
+struct Light {
+    // What is mirrored for each unit of the reflectance at right angles, and beside that.
+    mirrored: vec3f,
+    grazing: vec3f,
+    // What goes to further bounces, and what is let in.
+    lost: vec3f,
+    let_in: vec3f,
+}
+
+// A lamp as a place sees it: the way to it, its cosine with the normal, its light there.
+struct Toward {
+    to_lamp: vec3f,
+    facing: f32,
+    color: vec3f,
+}
+
+// The entry of the curve between two that are stored: what is mirrored for each unit of reflectance, and beside that;
+// what is lost; what is let in.
+fn entry_at(cosine: f32) -> vec4f {
+    let place = min(cosine, 1.0) * f32(ALBEDO_ENTRIES - 1u);
+    let first = min(u32(place), ALBEDO_ENTRIES - 2u);
+    let row = ENVIRONMENT_EDGE + 2u;
+    let before = textureLoad(environment, vec2u(first, row), 0);
+    let after = textureLoad(environment, vec2u(first + 1u, row), 0);
+    return mix(before, after, place - f32(first));
+}
+
+fn in_environment(direction: vec3f) -> vec3f {
+    return view.environment_from_view_x.xyz * direction.x
+        + view.environment_from_view_y.xyz * direction.y
+        + view.environment_from_view_z.xyz * direction.z;
+}
+
+// What a matt white surface with this normal sends back of the environment.
+fn harmonics_at(n: vec3f) -> vec3f {
+    let c = view.harmonics;
+    let light = c[0] + c[1] * n.y + c[2] * n.z + c[3] * n.x + c[4] * (n.x * n.y) + c[5] * (n.y * n.z)
+        + c[6] * (3.0 * n.z * n.z - 1.0) + c[7] * (n.x * n.z) + c[8] * (n.x * n.x - n.y * n.y);
+    return max(light.rgb, vec3f(0.0));
+}
+
+// What is mirrored from a direction: between the middles of four texels of the unfolded octahedron.
+fn environment_at(direction: vec3f) -> vec3f {
+    let on_octahedron = direction / max(dot(abs(direction), vec3f(1.0)), 1e-37);
+    let above = on_octahedron.xz;
+    let below = (1.0 - abs(above.yx)) * select(vec2f(-1.0), vec2f(1.0), above >= vec2f(0.0));
+    let square = select(above, below, on_octahedron.y < 0.0);
+    // With the border of a texel, less half of one.
+    let place = (square * 0.5 + 0.5) * f32(ENVIRONMENT_EDGE) + 0.5;
+    let first = floor(place);
+    let beyond = place - first;
+    let corner = vec2u(first);
+    let upper = mix(
+        textureLoad(environment, corner, 0),
+        textureLoad(environment, corner + vec2u(1u, 0u), 0),
+        beyond.x,
+    );
+    let lower = mix(
+        textureLoad(environment, corner + vec2u(0u, 1u), 0),
+        textureLoad(environment, corner + vec2u(1u, 1u), 0),
+        beyond.x,
+    );
+    return view.environment_light * mix(upper, lower, beyond.y).rgb;
+}
+
+fn smith(first: f32, second: f32, alpha2: f32) -> f32 {
+    return first * sqrt(second * second * (1.0 - alpha2) + alpha2);
+}
+
+// What a lamp adds; `facing` is the cosine between normal and eye.
+fn of_lamp(toward: Toward, normal: vec3f, to_eye: vec3f, facing: f32, open: f32) -> Light {
+    let alpha2 = view.alpha * view.alpha;
+    let half = normalize(toward.to_lamp + to_eye);
+    // 1 - cos², from the way between two directions: cosines near 1 have too few digits.
+    let between = half - normal;
+    let short = 0.5 * dot(between, between);
+    let sine2 = short * (2.0 - short);
+    let spread = (1.0 - sine2) * alpha2 + sine2;
+    let visibility = 0.5 / max(smith(facing, toward.facing, alpha2) + smith(toward.facing, facing, alpha2), 1e-37);
+    let light = toward.color * toward.facing;
+    let highlight = light * (visibility * alpha2 / (spread * spread));
+    let grazing = 1.0 - clamp(dot(half, to_eye), 0.0, 1.0);
+    let squared = grazing * grazing;
+    let fresnel = squared * squared * grazing;
+    let entry = entry_at(toward.facing);
+    let soft = light * open;
+    return Light(highlight * (1.0 - fresnel), highlight * fresnel, soft * entry.z, soft * entry.w);
+}
+
+fn sum(a: Light, b: Light) -> Light {
+    return Light(a.mirrored + b.mirrored, a.grazing + b.grazing, a.lost + b.lost, a.let_in + b.let_in);
+}
+
+// All light on a place in view space; `of_eye` is the entry of the curve for the cosine `facing`.
+fn light_on(position: vec3f, normal: vec3f, to_eye: vec3f, facing: f32, of_eye: vec4f, open: f32) -> Light {
+    let mirrored = open * environment_at(in_environment(2.0 * facing * normal - to_eye));
+    let matt = open * harmonics_at(in_environment(normal));
+    var light = Light(mirrored * of_eye.x, mirrored * of_eye.y, matt * view.mean_loss, matt * view.mean_let_in);
+    if (view.head_light > 0.0) {
+        let head = Toward(to_eye, facing, vec3f(view.head_light));
+        light = sum(light, of_lamp(head, normal, to_eye, facing, open));
+    }
+    for (var index = 0u; index < MOST_LAMPS; index++) {
+        let lamp = view.lamps[index];
+        if (all(lamp.color.rgb == vec3f(0.0))) {
+            continue;
+        }
+        let way = lamp.place.xyz - lamp.place.w * position;
+        // A surface at the place of a lamp gets no light of it.
+        let to_lamp = way * inverseSqrt(max(dot(way, way), 1e-37));
+        let lamp_facing = max(dot(normal, to_lamp), 0.0);
+        var color = lamp.color.rgb;
+        if (index == 0u) {
+            color *= light_of_key(shadow_map, position, normal, lamp_facing);
+        }
+        light = sum(light, of_lamp(Toward(to_lamp, lamp_facing, color), normal, to_eye, facing, open));
+    }
+    return light;
+}
+
+// The share of the light of further bounces that a surface keeps of its own colour.
+fn of_more_bounces(reflectance: vec3f) -> vec3f {
+    // The mean of Schlick's formula by the cosine.
+    let mean = reflectance * (20.0 / 21.0) + 1.0 / 21.0;
+    return mean * mean * (1.0 - view.mean_loss) / (1.0 - mean * view.mean_loss);
+}
+
+// Linear light that comes from a place of view space with a linear colour; the share `open` of the light from around
+// reaches it.
+fn lit(albedo: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, open: f32) -> vec3f {
+    let facing = max(dot(normal, to_eye), 0.0);
+    let of_eye = entry_at(facing);
+    let light = light_on(position, normal, to_eye, facing, of_eye, open);
+    let reflectance = mix(vec3f(DIELECTRIC), albedo, view.metallic);
+    let again = mix(of_more_bounces(vec3f(DIELECTRIC)), of_more_bounces(albedo), view.metallic);
+    let lost = light.lost * (of_eye.z / max(view.mean_loss, 1e-6));
+    let let_in = light.let_in * (of_eye.w / view.mean_let_in);
+    return reflectance * light.mirrored + light.grazing + again * lost + (1.0 - view.metallic) * albedo * let_in;
+}

@@ -1,0 +1,61 @@
+//! What light falls on, and from where, eight pixels at a time: shared by the ways to shade a surface.
+
+use super::ambient_occlusion::Occlusion;
+use super::eight::Vectors;
+use super::shadow::ShadowMap;
+use crate::scene::{Lamp, Lights, PhysicalLight};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
+
+/// What falls on surfaces, and what keeps it away.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Illumination<'a> {
+    pub(super) lights: Lights,
+    pub(super) occlusion: Option<Occlusion<'a>>,
+    pub(super) shadow: Option<ShadowMap<'a>>,
+    /// Where surfaces have a material, and there is an environment.
+    pub(super) physical: Option<&'a PhysicalLight>,
+}
+
+impl Illumination<'_> {
+    /// The lamps that shine, with the shadow of the first one, which is the key light.
+    #[inline(always)]
+    pub(super) fn lamps(&self) -> impl Iterator<Item = (&Lamp, Option<&ShadowMap<'_>>)> {
+        let mut shadow = self.shadow.as_ref();
+        let lamps = self.lights.lamps.iter();
+        lamps
+            .map(move |lamp| (lamp, shadow.take()))
+            .filter(|(lamp, _)| lamp.is_on())
+    }
+}
+
+/// Eight pixels with what their light depends on, in view space; directions have unit length.
+pub(super) struct Lit<S: Simd> {
+    /// Towards the eye.
+    pub(super) normal: Vectors<S>,
+    pub(super) to_eye: Vectors<S>,
+    pub(super) position: Vectors<S>,
+}
+
+/// The way to a lamp.
+pub(super) struct Toward<S: Simd> {
+    pub(super) to_lamp: Vectors<S>,
+    /// Its cosine with the normal; 0 from behind.
+    pub(super) facing: f32x8<S>,
+    /// The share of the light of the lamp that gets there.
+    pub(super) share: f32x8<S>,
+}
+
+impl<S: Simd> Lit<S> {
+    #[inline(always)]
+    pub(super) fn toward(&self, simd: S, (lamp, shadow): (&Lamp, Option<&ShadowMap<'_>>)) -> Toward<S> {
+        let place = Vectors::splat(simd, lamp.place.truncate());
+        let way = place.minus(self.position.times(f32x8::splat(simd, lamp.place.w)));
+        let to_lamp = way.times(1.0 / way.dot(way).max(f32::MIN_POSITIVE).sqrt());
+        let facing = self.normal.dot(to_lamp).max(f32x8::splat(simd, 0.0));
+        let share = match shadow {
+            Some(shadow) => shadow.light_of_key(simd, self.position, self.normal, facing),
+            None => f32x8::splat(simd, 1.0),
+        };
+        Toward { to_lamp, facing, share }
+    }
+}
