@@ -7,6 +7,7 @@
 
 use super::bounds::Bounds;
 use super::cone::cosine_of_sum;
+use super::ellipses::ellipses_of;
 use super::node_code::{NodeCode, cone_code};
 use super::sphere_code;
 use super::split::{Division, NODES_PER_TASK};
@@ -30,6 +31,8 @@ pub(super) struct Node {
     /// Mean normal and colour, not rounded.
     pub(super) normal: [i16; 2],
     pub(super) color: [u8; 4],
+    /// Packed, of its plane; 0 where points are disks.
+    pub(super) ellipse: u32,
 }
 
 /// A tree of spheres; of no points, without nodes.
@@ -51,7 +54,12 @@ impl SphereTree {
         let codes = Cube::around(&positions).map_or_else(Vec::new, |cube| cube.codes(&positions));
         let division = Division::of(&codes);
         let summaries = summaries(&division, points, shapes);
-        let nodes = rounded(&division, &summaries);
+        let mut nodes = rounded(&division, &summaries);
+        if let Some(ellipses) = ellipses_of(&division, (points, shapes), |index| nodes[index].normal) {
+            for (node, ellipse) in nodes.iter_mut().zip(ellipses) {
+                node.ellipse = ellipse;
+            }
+        }
         Self { division, nodes }
     }
 }
@@ -95,6 +103,7 @@ impl Node {
             code,
             normal,
             color,
+            ellipse: 0,
         }
     }
 }
