@@ -89,8 +89,10 @@ struct View {
     // Cotangent of half the field of view of that lamp, and its distance to the near plane.
     shadow_focal: f32,
     shadow_near: f32,
+    // Radius of the least splat that sprites are, in pixels; 0 where there is none.
+    clamp_radius_px: f32,
     // Fills the last row.
-    padding: vec2u,
+    padding: u32,
 }
 
 @group(VIEW_GROUP) @binding(0) var<uniform> view: View;

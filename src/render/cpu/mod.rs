@@ -32,6 +32,7 @@ mod rows;
 mod screen;
 mod shading;
 mod shadow;
+mod small_splats;
 mod spans;
 mod sprites;
 #[cfg(test)]

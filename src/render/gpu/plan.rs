@@ -75,7 +75,7 @@ impl<'a> Plan<'a> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         let first = ViewUniform::new(packet, visibility);
-        let second = ViewUniform::new(packet, attribute).of_attributes();
+        let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
         match &self.shadow {
             Some(shadow) => vec![first.with_shadow(shadow), second, ViewUniform::of_lamp(shadow)],
             None => vec![first, second],
