@@ -216,6 +216,7 @@ fn pictures_are_nearer_to_the_truth() {
         let disks = Disks {
             points: &content.points,
             shapes: &content.shapes,
+            are_ellipses: false,
             cull_back_faces: true,
         };
         let background = style.backdrop.background;

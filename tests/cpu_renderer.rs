@@ -105,16 +105,20 @@ fn surfels_in_every_mode_and_light_from_far_and_near() {
 }
 
 #[test]
-fn ellipses_in_every_mode_and_light() {
-    for &splatting in Splatting::ALL {
-        for &lighting in Lighting::ALL {
-            let style = Style::default().with(|style| {
-                style.primitive = Primitive::Ellipse;
-                style.surfels.splatting = splatting;
-                style.light.lighting = lighting;
-            });
-            let (least_psnr_db, most_differing) = agreement(splatting);
-            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+fn ellipses_and_sprites_in_every_mode_and_light() {
+    for primitive in [Primitive::Ellipse, Primitive::Sprite] {
+        for &splatting in Splatting::ALL {
+            for &lighting in Lighting::ALL {
+                let style = Style::default().with(|style| {
+                    style.primitive = primitive;
+                    style.surfels.splatting = splatting;
+                    style.light.lighting = lighting;
+                });
+                let (least_psnr_db, most_differing) = agreement(splatting);
+                for distance in [1.9, 0.4] {
+                    assert_same_picture(&surfel_scene(style, distance), least_psnr_db, most_differing);
+                }
+            }
         }
     }
 }
@@ -141,13 +145,16 @@ fn splats_of_every_kernel() {
 
 #[test]
 fn filtered_splats_from_far_and_near() {
-    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+    for primitive in [Primitive::Surfel, Primitive::Ellipse, Primitive::Sprite] {
         for splatting in [Splatting::TwoPass, Splatting::Enlarged, Splatting::TwoPassEnlarged] {
-            for distance in [0.4, 1.9, 10.0, 60.0] {
+            for (distance, filter) in [0.4, 1.9, 10.0, 60.0]
+                .into_iter()
+                .flat_map(|distance| [SplatFilter::Ewa, SplatFilter::Clamp].map(|filter| (distance, filter)))
+            {
                 let style = Style::default().with(|style| {
                     style.primitive = primitive;
                     style.surfels.splatting = splatting;
-                    style.surfels.filter = SplatFilter::Ewa;
+                    style.surfels.filter = filter;
                 });
                 assert_same_picture(&surfel_scene(style, distance), 55.0, 1e-5);
             }
@@ -488,6 +495,7 @@ fn depths_and_colors_are_those_of_the_reference_in_double_precision() {
     let disks = Disks {
         points: &frame.points,
         shapes: frame.shapes.as_ref().unwrap(),
+        are_ellipses: false,
         cull_back_faces: true,
     };
     let view = TruthView::new(

@@ -10,7 +10,7 @@ use image::{Rgba, RgbaImage};
 use pointreel::measure::flip;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
-use pointreel::scene::{BackFaces, Camera, ScenePacket, SplatFilter, Splatting, Style};
+use pointreel::scene::{BackFaces, Camera, Primitive, ScenePacket, SplatFilter, Splatting, Style};
 
 const EDGE_PX: u32 = 48;
 
@@ -129,6 +129,23 @@ fn far_checkers_are_nearer_to_their_mean_than_disks_and_than_clamped_splats_are(
                 ewa <= 0.5 * disks && ewa < clamped.max(0.005),
                 "{points_per_px}, {square}: {ewa} for {disks} and {clamped}"
             );
+        }
+    }
+}
+
+/// The filter that is the control for EWA, as both renderers draw it.
+#[test]
+fn clamped_splats_are_as_others_have_them() {
+    for (points_per_px, square) in [(1.0, 5), (4.0, 7), (8.0, 11)] {
+        let cloud = checkers(points_per_px, square);
+        let expected = clamped(&cloud, points_per_px);
+        for primitive in [Primitive::Surfel, Primitive::Sprite] {
+            let style = style(SplatFilter::Clamp).with(|style| style.primitive = primitive);
+            let packet = surfels(&cloud, &camera(points_per_px), style, [EDGE_PX; 2]);
+            for (image, by) in [(draw_on_cpu(&packet), "CPU"), (draw(&packet), "GPU")] {
+                let error = flip(&expected, &image).unwrap().mean();
+                assert!(error < 0.004, "{points_per_px}, {square}, {primitive}, {by}: {error}");
+            }
         }
     }
 }

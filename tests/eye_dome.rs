@@ -57,7 +57,7 @@ fn assert_same_picture(packet: &ScenePacket, name: &str) {
     let share = differing as f64 / f64::from(gpu.width() * gpu.height());
     let (least, most) = match packet.style.primitive {
         Primitive::Point | Primitive::Mesh | Primitive::Voxel => (LEAST_PSNR_OF_EDGES_DB, MOST_DIFFERING_OF_EDGES),
-        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => (LEAST_PSNR_DB, MOST_DIFFERING),
+        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => (LEAST_PSNR_DB, MOST_DIFFERING),
     };
     assert!(
         psnr >= least && share <= most,

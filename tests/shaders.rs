@@ -18,10 +18,20 @@ use std::collections::BTreeSet;
 use std::mem::offset_of;
 
 fn parse(permutation: Permutation) -> Result<(naga::Module, ModuleInfo), String> {
-    let source = permutation.source();
+    parse_with(permutation, false)
+}
+
+/// For adapters that leave out fragments before they are drawn, or not.
+fn parse_with(permutation: Permutation, tests_depths_early: bool) -> Result<(naga::Module, ModuleInfo), String> {
+    let source = permutation.source(tests_depths_early);
+    let capabilities = if tests_depths_early {
+        Capabilities::EARLY_DEPTH_TEST
+    } else {
+        Capabilities::empty()
+    };
     let module = naga::front::wgsl::parse_str(&source)
         .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    let info = Validator::new(ValidationFlags::all(), capabilities)
         .validate(&module)
         .map_err(|error| format!("{}: {}", permutation.label(), error.emit_to_string(&source)))?;
     Ok((module, info))
@@ -45,7 +55,7 @@ fn files_of_shaders_have_no_constants_of_their_own() {
     let permutations = Permutation::all().into_iter();
     let found: BTreeSet<String> = permutations
         .flat_map(|permutation| {
-            let source = permutation.source();
+            let source = permutation.source(false);
             let (_, files) = source.split_once("\n//").unwrap();
             let lines = files.lines().filter(|line| line.starts_with("const "));
             lines.map(str::to_owned).collect::<Vec<_>>()
@@ -57,7 +67,7 @@ fn files_of_shaders_have_no_constants_of_their_own() {
 #[test]
 fn files_of_shaders_call_bind_groups_by_the_names_that_rust_gives_them() {
     let groups = Permutation::all().into_iter().flat_map(|permutation| {
-        let source = permutation.source();
+        let source = permutation.source(false);
         let groups = source.split("@group(").skip(1);
         groups
             .map(|group| group.split(')').next().unwrap().to_owned())
@@ -175,7 +185,7 @@ fn rust_and_wgsl_agree_on_every_layout() {
         mean_loss,
         mean_let_in,
         environment_light,
-        padding,
+        clamp_radius_px,
         environment_from_view_x,
         environment_from_view_y,
         environment_from_view_z,

@@ -71,7 +71,7 @@ fn close_camera() -> Camera {
 fn surfels_in_all_modes_and_lights() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
+    for primitive in [Primitive::Surfel, Primitive::Ellipse, Primitive::Sprite] {
         for &splatting in Splatting::ALL {
             for &lighting in Lighting::ALL {
                 let style = plain().with(|style| {
@@ -115,17 +115,23 @@ fn surfels_of_every_kernel() {
 fn filtered_surfels_far_and_near() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();
     let cloud = sphere(1500, 1.0);
-    for primitive in [Primitive::Surfel, Primitive::Ellipse] {
-        for lighting in [Lighting::Unlit, Lighting::PerVertex, Lighting::BlinnPhong] {
+    for primitive in [Primitive::Surfel, Primitive::Ellipse, Primitive::Sprite] {
+        for (lighting, filter) in [Lighting::Unlit, Lighting::PerVertex, Lighting::BlinnPhong]
+            .into_iter()
+            .flat_map(|lighting| [SplatFilter::Ewa, SplatFilter::Clamp].map(|filter| (lighting, filter)))
+        {
             let style = plain().with(|style| {
                 style.primitive = primitive;
                 style.surfels.splatting = Splatting::TwoPass;
-                style.surfels.filter = SplatFilter::Ewa;
+                style.surfels.filter = filter;
                 style.light.lighting = lighting;
             });
             for camera in [close_camera(), camera_at(20.0)] {
                 let packet = surfels(&cloud, &camera, style, [120, 90]);
-                let what = format!("{primitive} filtered, light {lighting}, from {}", camera.distance);
+                let what = format!(
+                    "{primitive} filtered by {filter}, light {lighting}, from {}",
+                    camera.distance
+                );
                 assert_agreement(&mut renderer, &packet, &what);
             }
         }
@@ -149,7 +155,12 @@ fn a_real_frame_in_every_mode_and_primitive() {
         let style = Style::default().with(|style| style.surfels.splatting = splatting);
         agree(style, &format!("demo, {splatting}"));
     }
-    for primitive in [Primitive::Ellipse, Primitive::Voxel, Primitive::Point] {
+    for primitive in [
+        Primitive::Ellipse,
+        Primitive::Sprite,
+        Primitive::Voxel,
+        Primitive::Point,
+    ] {
         let style = Style {
             primitive,
             ..Style::default()

@@ -94,6 +94,7 @@ fn covered_by_disks(points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<bool>
     let disks = Disks {
         points,
         shapes,
+        are_ellipses: false,
         cull_back_faces: true,
     };
     covered_by(|view| Truth::of_disks(&disks, view))
@@ -165,6 +166,20 @@ fn surfels_in_the_modes_that_close_surfaces_are_white() {
         for splatting in CLOSING {
             for_each_picture(&frame, &in_mode(splatting), |picture, by| {
                 assert_white(picture, &is_covered, &format!("{count} surfels, {splatting}, {by}"));
+            });
+        }
+    }
+}
+
+#[test]
+fn sprites_in_the_modes_that_close_surfaces_are_white() {
+    for count in [300, 3_000] {
+        let frame = white_sphere(count, &white());
+        let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+        for splatting in CLOSING {
+            let style = in_mode(splatting).with(|style| style.primitive = Primitive::Sprite);
+            for_each_picture(&frame, &style, |picture, by| {
+                assert_white(picture, &is_covered, &format!("{count} sprites, {splatting}, {by}"));
             });
         }
     }

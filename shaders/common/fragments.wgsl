@@ -1,8 +1,13 @@
 // What fragments leave, whatever they are of.
 
+fn is_beside_splat(in: Varyings) -> bool {
+    let place = place_on_splat(in);
+    return dot(place, place) > 1.0;
+}
+
 // How much of a splat there is: usually by the circular Gaussian mask of paper 000 §V; 0 outside the disk.
-fn mask_weight(quad: vec2f) -> f32 {
-    let radius2 = dot(quad, quad);
+fn mask_weight(place: vec2f) -> f32 {
+    let radius2 = dot(place, place);
     if (radius2 > 1.0) {
         return 0.0;
     }
@@ -26,7 +31,7 @@ struct Surface {
 
 fn surface(in: Varyings, normal: vec3f, weight: f32) -> Surface {
     // Half floats end at 65504.
-    let nearness = min(in.position.z * view.usual_distance / view.near - 1.0, 6e4);
+    let nearness = min(depth_of(in) * view.usual_distance / view.near - 1.0, 6e4);
     return Surface(
         vec4f(albedo(in), 1.0) * weight,
         vec4f(normal, 1.0) * weight,

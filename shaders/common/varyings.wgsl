@@ -19,6 +19,21 @@ fn varyings(instance: Instance) -> Varyings {
     return Varyings(vertex.clip, quad, unpack2x16unorm(vertex.light), vertex.color, normal, vertex.weight);
 }
 
+// Where a fragment is on its splat: half axes are 1 long.
+fn place_on_splat(in: Varyings) -> vec2f {
+    return in.quad;
+}
+
+// All of a quad is on its surface, corners too.
+fn is_beside_surface(in: Varyings) -> bool {
+    return false;
+}
+
+// Reversed.
+fn depth_of(in: Varyings) -> f32 {
+    return in.position.z;
+}
+
 fn albedo(in: Varyings) -> vec3f {
     return unpack4x8unorm(in.color).rgb;
 }

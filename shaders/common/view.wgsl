@@ -97,8 +97,8 @@ struct View {
     mean_let_in: f32,
     // Factor on the texels of the environment.
     environment_light: f32,
-    // Fills the row.
-    padding: u32,
+    // Radius of the least splat that sprites are, in pixels; 0 where there is none.
+    clamp_radius_px: f32,
     // Columns of the rotation from view space into the axes of the environment.
     environment_from_view_x: vec4f,
     environment_from_view_y: vec4f,

@@ -1,13 +1,7 @@
 // Hard disks, not blended.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> @location(0) vec4f {
-    if (dot(in.quad, in.quad) > 1.0) {
+fn left(in: Varyings) -> vec4f {
+    if (is_beside_splat(in)) {
         discard;
     }
     return vec4f(shaded(in), 1.0);

@@ -1,12 +1,6 @@
 // Opaque geometry among which points are round.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> @location(0) vec4f {
+fn left(in: Varyings) -> vec4f {
     if (is_beside_disk(in.quad)) {
         discard;
     }

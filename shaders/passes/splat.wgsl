@@ -1,12 +1,9 @@
-// One-pass splatting, Fig. 3 (a) and (b): the mask is the opacity. The quad's corners are not discarded, so with depth
-// writing on they hide what is behind them: the square artefacts that the paper shows.
+// One-pass splatting, Fig. 3 (a) and (b): the mask is the opacity. Corners of quads on surfaces are not discarded, so
+// with depth writing on they hide what is behind them: the square artefacts that the paper shows.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> @location(0) vec4f {
-    return vec4f(shaded(in), mask_weight(in.quad));
+fn left(in: Varyings) -> vec4f {
+    if (is_beside_surface(in)) {
+        discard;
+    }
+    return vec4f(shaded(in), mask_weight(place_on_splat(in)));
 }

@@ -1,13 +1,7 @@
 // Hard disks for deferred shading.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> Surface {
-    if (dot(in.quad, in.quad) > 1.0) {
+fn left(in: Varyings) -> Surface {
+    if (is_beside_splat(in)) {
         discard;
     }
     return surface(in, in.normal, 1.0);

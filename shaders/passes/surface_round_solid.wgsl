@@ -1,12 +1,6 @@
 // Opaque geometry among which points are round, for deferred shading.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> Surface {
+fn left(in: Varyings) -> Surface {
     if (is_beside_disk(in.quad)) {
         discard;
     }

@@ -1,14 +1,11 @@
 // Splats for deferred shading: what they leave at the surface is summed up, or blended, by the masks. As in
 // `splat.wgsl`, corners are not discarded.
 
-@vertex
-fn vertex(instance: Instance) -> Varyings {
-    return varyings(instance);
-}
-
-@fragment
-fn fragment(in: Varyings) -> Surface {
+fn left(in: Varyings) -> Surface {
+    if (is_beside_surface(in)) {
+        discard;
+    }
     // Surfaces have two sides: normals that are summed up must not cancel each other.
     let towards_eye = select(1.0, -1.0, dot(in.normal, ray_through(in.position.xy)) > 0.0);
-    return surface(in, in.normal * towards_eye, mask_weight(in.quad) * in.weight);
+    return surface(in, in.normal * towards_eye, mask_weight(place_on_splat(in)) * in.weight);
 }

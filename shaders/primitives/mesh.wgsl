@@ -72,6 +72,16 @@ fn texture_color(picture: TexturePlace, place: vec2f) -> vec3f {
     return mix(upper, lower, y.z);
 }
 
+// Nothing of a mesh is a splat.
+fn place_on_splat(in: Varyings) -> vec2f {
+    return in.quad;
+}
+
+// Reversed.
+fn depth_of(in: Varyings) -> f32 {
+    return in.position.z;
+}
+
 fn albedo(in: Varyings) -> vec3f {
     if (in.texture == NO_TEXTURE) {
         return in.color;

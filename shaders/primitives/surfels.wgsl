@@ -12,26 +12,6 @@ fn may_be_seen(instance: Instance) -> bool {
     return surfel_may_face_eye(point, shape, reach) && sphere_may_be_seen(point.position, reach);
 }
 
-// What a surfel is on its plane.
-struct Splat {
-    // Half axes, times the radius of the surfel.
-    axes: mat2x3f,
-    scale: f32,
-    // Quadratic mean of the half axes: nothing of the ellipse is farther than √2 times that, be they oblique or not.
-    reach: f32,
-    // Factor on the mask.
-    weight: f32,
-}
-
-fn splat_of(n: vec3f, shape: ShapeRecord, center: vec3f) -> Splat {
-    let radius = shape.radius * view.splat_scale;
-    let splat = Splat(half_axes(n, shape.ellipse), radius, radius, 1.0);
-    if (view.filter_radius_px > 0.0) {
-        return filtered(splat, center);
-    }
-    return splat;
-}
-
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
     let n = oct_decode(shape.normal);
     let q = quad_corner(corner);
@@ -39,21 +19,10 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
     let splat = splat_of(n, shape, center);
     let offset = center + (splat.axes[0] * q.x + splat.axes[1] * q.y) * splat.scale;
     var clip = project(rotate_to_view(offset));
-    // ε-z: the depth alone moves away along the ray, the footprint stays (one factor a surfel keeps it a plane).
-    let length_of_px = -rotate_to_view(center).z / view.px_per_slope.x;
-    let slack = view.depth_slack * splat.scale + view.depth_slack_px * length_of_px;
-    clip.z /= 1.0 + slack / max(length(center), view.near);
+    clip.z /= slack_of(splat, center);
     let color = side_color(point.color, dot(n, center));
     let light = light_at_vertex(n, center, offset);
     return SplatVertex(clip, color, shape.normal, pack2x16unorm(light), splat.weight);
-}
-
-// The colour of the side of a surfel that is seen: of the back where the normal points away.
-fn side_color(color: u32, away: f32) -> u32 {
-    if (view.back_faces == BACK_FACES_DARKER && away > 0.0) {
-        return pack4x8unorm(unpack4x8unorm(color) * vec4f(vec3f(BACK_SIDE), 1.0));
-    }
-    return color;
 }
 
 // True unless the whole surfel faces away. Errs towards true: the rasteriser has the last word, and where a surfel of a

@@ -1,27 +1,28 @@
 //! Options for the settings of a picture, made of their descriptions.
 
 use crate::scene::Style;
-use crate::scene::describe::{Described, Setting, Value, Values};
+use crate::scene::describe::{Described, Given, Setting, Value, Values};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, Error, FromArgMatches};
 
 /// The settings that are given, by their names in files.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StyleArgs {
-    given: Vec<(&'static str, Value)>,
+    /// Later ones go before: what is given itself is behind what a word is short for.
+    given: Given,
 }
 
 impl StyleArgs {
     /// The setting of this name, if it is given.
     pub(super) fn given<T: Setting>(&self, key: &str) -> Option<T> {
-        let (_, value) = self.given.iter().find(|(given, _)| *given == key)?;
+        let (_, value) = self.given.iter().rfind(|(given, _)| *given == key)?;
         T::from_value(*value)
     }
 
     /// `default`, but for what is given.
     pub(super) fn over(&self, mut default: Style) -> Style {
         default.edit(&mut |described, value| {
-            let given = self.given.iter().find(|(key, _)| *key == described.key);
+            let given = self.given.iter().rfind(|(key, _)| *key == described.key);
             given.map_or(value, |(_, given)| *given)
         });
         default
@@ -43,6 +44,7 @@ fn with_options(command: Command, described: &'static Described) -> Command {
         Values::Words(_) | Values::Number(_) | Values::Environment => command.arg(
             option(described.flag)
                 .aliases(Some(described.former_flag).filter(|flag| !flag.is_empty()))
+                .visible_aliases(Some(described.other_flag).filter(|flag| !flag.is_empty()))
                 .help(described.help_line())
                 .value_name(described.value_name)
                 .value_parser(parser(described)),
@@ -69,13 +71,21 @@ fn parser(described: &'static Described) -> ValueParser {
     ValueParser::new(move |text: &str| described.parse(text))
 }
 
-/// What is given of a setting.
-fn given(matches: &ArgMatches, described: &Described) -> Option<Value> {
+/// What is given of a setting, and of others for which a word of it is short.
+fn given(matches: &ArgMatches, described: &Described) -> Given {
+    if let Values::Words(_) | Values::Number(_) | Values::Environment = described.values {
+        return matches.get_one::<Given>(described.flag).cloned().unwrap_or_default();
+    }
+    let given = given_value(matches, described);
+    given.map(|value| (described.key, value)).into_iter().collect()
+}
+
+/// Of a setting that has options of another kind than one with a word or a number.
+fn given_value(matches: &ArgMatches, described: &Described) -> Option<Value> {
     let value = |flag| matches.get_one::<Value>(flag).copied();
     match &described.values {
-        Values::Colors | Values::Background => None,
+        Values::Colors | Values::Background | Values::Words(_) | Values::Number(_) | Values::Environment => None,
         Values::Switch(_) => matches.get_flag(described.flag).then_some(Value::Switch(true)),
-        Values::Words(_) | Values::Number(_) | Values::Environment => value(described.flag),
         Values::Kinds(kinds) => kinds.iter().enumerate().find_map(|(place, kind)| {
             let is_chosen = |flag| matches.get_flag(flag).then_some(Value::Kind(place, 0.0));
             match kind.number {
@@ -100,9 +110,7 @@ impl Args for StyleArgs {
 impl FromArgMatches for StyleArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let settings = all().into_iter();
-        let given = settings
-            .filter_map(|(described, _)| Some((described.key, given(matches, described)?)))
-            .collect();
+        let given = settings.flat_map(|(described, _)| given(matches, described)).collect();
         Ok(Self { given })
     }
 
@@ -115,15 +123,44 @@ impl FromArgMatches for StyleArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::LevelStructure;
+    use crate::scene::{EyeDome, LevelStructure, Lighting, Primitive, SplatFilter};
+
+    fn style_of(arguments: &[&str]) -> Style {
+        let command = StyleArgs::augment_args(Command::new("pointreel"));
+        let matches = command
+            .try_get_matches_from([&["pointreel"], arguments].concat())
+            .unwrap();
+        StyleArgs::from_arg_matches(&matches).unwrap().over(Style::default())
+    }
 
     #[test]
-    fn an_option_is_understood_by_its_former_name() {
+    fn an_option_is_understood_by_its_former_name_and_by_what_others_call_it() {
         for flag in ["--lod-structure", "--levels"] {
-            let command = StyleArgs::augment_args(Command::new("pointreel"));
-            let matches = command.try_get_matches_from(["pointreel", flag, "hspt"]).unwrap();
-            let style = StyleArgs::from_arg_matches(&matches).unwrap().over(Style::default());
-            assert_eq!(style.levels.structure, LevelStructure::Hierarchical);
+            assert_eq!(style_of(&[flag, "hspt"]).levels.structure, LevelStructure::Hierarchical);
         }
+        for flag in ["--lighting", "--shading"] {
+            assert_eq!(style_of(&[flag, "lambert"]).light.lighting, Lighting::Lambert);
+        }
+        for flag in ["--eye-dome", "--edl"] {
+            assert_eq!(style_of(&[flag, "on"]).light.eye_dome, EyeDome::On);
+        }
+    }
+
+    #[test]
+    fn a_word_that_is_short_for_several_settings_gives_way_to_what_is_given_of_them() {
+        let of = |style: Style| (style.primitive, style.surfels.filter);
+        let short = ["--primitive", "ewa"];
+        assert_eq!(of(style_of(&short)), (Primitive::Surfel, SplatFilter::Ewa));
+        for arguments in [
+            ["--primitive", "ewa", "--splat-filter", "none"],
+            ["--splat-filter", "none", "--primitive", "ewa"],
+        ] {
+            assert_eq!(of(style_of(&arguments)), (Primitive::Surfel, SplatFilter::Off));
+        }
+        let wrong = StyleArgs::augment_args(Command::new("pointreel"));
+        let error = wrong
+            .try_get_matches_from(["pointreel", "--primitive", "cone"])
+            .unwrap_err();
+        assert!(error.to_string().contains("voxel, point, ewa"), "{error}");
     }
 }

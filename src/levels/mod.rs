@@ -6,6 +6,7 @@
 mod cut;
 mod key;
 mod list;
+mod moments;
 pub mod octree;
 mod policy;
 mod selection;

@@ -429,7 +429,7 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
 /// True if `frame` has what `primitive` is made from.
 pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
     match primitive {
-        Primitive::Auto | Primitive::Surfel => frame.shapes.is_some(),
+        Primitive::Auto | Primitive::Surfel | Primitive::Sprite => frame.shapes.is_some(),
         Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
         Primitive::Voxel => frame.levels.octree().is_some(),
         Primitive::Mesh => frame.mesh.is_some() || !frame.frame.has_faces(),

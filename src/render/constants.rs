@@ -28,8 +28,11 @@ pub(super) fn opaque_weight(style: &Style) -> f32 {
     }
 }
 
-/// How far filtered splats reach beyond others: their squares, and the rounding of what is far away.
+/// How far filtered splats reach beyond others: the squares of [`SplatFilter::Ewa`], and the rounding of what is far
+/// away.
 pub(super) const EWA_REACH_PX: f32 = 1.1 * SQUARE_REACH_RADII * SplatFilter::RADIUS_PX + 1.0;
+
+const _: () = assert!(EWA_REACH_PX > SplatFilter::CLAMP_RADIUS_PX);
 
 /// Summed weight from which a surface of splats hides the background that are much smaller than a pixel: its mean where
 /// their disks cover a square lattice with least overlap.
@@ -51,6 +54,14 @@ pub(super) const BACK_SIDE: f32 = 0.8;
 /// Normals with more of the y axis are taken for parallel to it: another axis gives the directions of a surfel's
 /// square.
 pub(super) const UPRIGHT_NORMAL_Y: f32 = 0.99;
+
+/// How far the square of a sprite reaches beyond its disk, for rasterisers that round corners; and how much nearer it
+/// is, for rounding.
+pub(super) const SPRITE_MARGIN_PX: f32 = 0.1;
+pub(super) const SPRITE_NEARER: f32 = 1.000_001;
+
+/// Volumes that patches span with the eye, in cubes of their distances, are not taken for less: they are seen edge on.
+pub(super) const FACET_LEAST_SIZE: f32 = 1e-30;
 
 /// How far the corners of a surfel's square are from its middle, in radii: √2, rounded up.
 pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;

@@ -197,7 +197,9 @@ impl Scene {
                 surfels().unwrap_or_else(|| Content::Points(points()))
             }
             Primitive::Point => Content::Points(points()),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => surfels().unwrap_or_default(),
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => {
+                surfels().unwrap_or_default()
+            }
             Primitive::Mesh => match frame.triangles() {
                 Some(triangles) => Content::Mesh(Arc::clone(triangles)),
                 None => Content::Points(points()),

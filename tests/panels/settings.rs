@@ -10,7 +10,7 @@ use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
 use pointreel::scene::{
     BackFaces, Background, EyeDome, Footprint, Lighting, NormalBits, OffsetBits, PointShape, PointSizing, Primitive,
-    RendererChoice, Splatting, Strategy, Style, UpAxis, VoxelLight,
+    RendererChoice, SplatFilter, Splatting, Strategy, Style, UpAxis, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
@@ -170,6 +170,18 @@ fn every_setting_can_be_changed_and_reset() {
     assert!(harness.state().style.lights_points());
     tap(&mut harness, "Surfels");
     assert_eq!(harness.state().style.primitive, Primitive::Surfel);
+    // A word for surfels with a filter: nothing else is chosen, and nothing of it stays.
+    for (word, primitive, filter) in [
+        ("EWA", Primitive::Surfel, SplatFilter::Ewa),
+        ("Surfels", Primitive::Surfel, SplatFilter::Off),
+        ("EWA", Primitive::Surfel, SplatFilter::Ewa),
+        ("Ellipses", Primitive::Ellipse, SplatFilter::Ewa),
+        ("Surfels", Primitive::Surfel, SplatFilter::Off),
+    ] {
+        tap(&mut harness, word);
+        let style = harness.state().style;
+        assert_eq!((style.primitive, style.surfels.filter), (primitive, filter), "{word}");
+    }
 
     tap(&mut harness, "Reset to defaults");
     assert_eq!(harness.state().style, Style::default());

@@ -6,7 +6,7 @@
 //! is not tried: they are not here. What one of them is known to refuse has a test of its own.
 
 use super::languages::{write_hlsl, write_msl, write_spirv};
-use super::parse;
+use super::{parse, parse_with};
 use naga::back::PipelineConstants;
 use naga::back::hlsl::{FragmentEntryPoint, ShaderModel};
 use naga::back::pipeline_constants::process_overrides;
@@ -63,6 +63,39 @@ fn every_back_end_writes_every_entry_point() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Of the languages of adapters, SPIR-V alone has the conservative test of depths.
+#[test]
+fn what_writes_depths_says_that_it_is_not_nearer_than_its_quad() {
+    let permutations = Permutation::all().into_iter();
+    let writing = permutations.filter(|permutation| {
+        matches!(permutation, Permutation::Geometry(_, amplification, pass)
+            if amplification.writes_depths && pass.has_depths())
+    });
+    let mut written = 0;
+    for permutation in writing {
+        let (module, info) = parse_with(permutation, true).unwrap();
+        let fragment = module
+            .entry_points
+            .iter()
+            .find(|entry| entry.name == "fragment")
+            .unwrap();
+        let conservative = naga::ConservativeDepth::LessEqual;
+        let expected = Some(naga::EarlyDepthTest::Allow { conservative });
+        assert_eq!(fragment.early_depth_test, expected, "{}", permutation.label());
+        write_alone(&module, &info, (fragment.stage, &fragment.name), |entry| {
+            write_spirv(entry, (1, 0))
+        })
+        .unwrap();
+        written += 1;
+    }
+    assert!(written >= 30, "{written} permutations");
+    let without = Permutation::all().into_iter().filter(|permutation| {
+        let (module, _) = parse_with(*permutation, true).unwrap();
+        module.entry_points.iter().all(|entry| entry.early_depth_test.is_none())
+    });
+    assert_eq!(without.count() + written, Permutation::all().len());
 }
 
 fn write_alone(

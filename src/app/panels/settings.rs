@@ -10,7 +10,7 @@ use crate::app::features::trails::panel::field_ui;
 pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
 use crate::app::{MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
-use crate::scene::describe::Section;
+use crate::scene::describe::{Section, Word};
 use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
 use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
@@ -102,7 +102,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
 fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     heading(ui, "Picture");
     let SettingsContext { style, drawn, .. } = context;
-    primitive(ui, &mut style.primitive, context.primitive, context.lacks);
+    primitive(ui, style, context.primitive, context.lacks);
     rows(ui, "picture", |ui| {
         section_rows(ui, style, drawn, Section::Picture);
     });
@@ -122,8 +122,11 @@ fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
     }
 }
 
-/// The list of primitives. One that the open files have not cannot be chosen, and tells why.
-fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &str)>, lacks: &[(Primitive, String)]) {
+/// The list of primitives, and of words for some of them with other settings. One that the open files have not cannot
+/// be chosen, and tells why.
+fn primitive(ui: &mut Ui, style: &mut Style, guessed: Option<(Primitive, &str)>, lacks: &[(Primitive, String)]) {
+    let button = |is_chosen, word: &Word| Button::selectable(is_chosen, word.title).min_size(egui::vec2(62.0, 26.0));
+    let short = Style::PRIMITIVE.shorthands.iter().find(|short| style.has_all_of(short));
     let lack_of = |primitive| {
         lacks
             .iter()
@@ -132,18 +135,29 @@ fn primitive(ui: &mut Ui, chosen: &mut Primitive, guessed: Option<(Primitive, &s
     };
     ui.horizontal_wrapped(|ui| {
         for (&primitive, word) in Primitive::ALL.iter().zip(Primitive::WORDS.list) {
-            let button = Button::selectable(*chosen == primitive, word.title).min_size(egui::vec2(62.0, 26.0));
+            let button = button(short.is_none() && style.primitive == primitive, word);
             let lack = lack_of(primitive);
             let added = ui.add_enabled(lack.is_none(), button).on_hover_text(word.hint);
             if added.on_disabled_hover_text(lack.map_or("", String::as_str)).clicked() {
-                *chosen = primitive;
+                style.primitive = primitive;
+                // What was clicked is what is chosen, not what with other settings has another word.
+                Style::PRIMITIVE
+                    .shorthands
+                    .iter()
+                    .for_each(|short| style.take_back(short));
+            }
+        }
+        for shorthand in Style::PRIMITIVE.shorthands {
+            let button = button(style.has_all_of(shorthand), &shorthand.word);
+            if ui.add(button).on_hover_text(shorthand.word.hint).clicked() {
+                style.take(shorthand);
             }
         }
     });
-    if let Some(lack) = lack_of(*chosen) {
+    if let Some(lack) = lack_of(style.primitive) {
         ui.label(RichText::new(lack).weak());
     }
-    if let (Primitive::Auto, Some((primitive, why))) = (*chosen, guessed) {
+    if let (Primitive::Auto, Some((primitive, why))) = (style.primitive, guessed) {
         let text = format!("Drawn as {primitive}s: {why}");
         ui.label(RichText::new(text).weak());
     }

@@ -203,7 +203,9 @@ impl State {
             Primitive::Mesh => &PointStyle::SIZE_PX,
             Primitive::Point if self.style.points.sizing == PointSizing::Pixels => &PointStyle::SIZE_PX,
             Primitive::Point => &PointStyle::SCALE,
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Voxel => &SurfelStyle::SPLAT_SCALE,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Voxel => {
+                &SurfelStyle::SPLAT_SCALE
+            }
         };
         self.style.edit(&mut |described, value| match value {
             Value::Number(size) if described.key == scaled.key => {

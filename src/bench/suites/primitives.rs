@@ -93,7 +93,7 @@ pub const PRIMITIVES: &Suite = &Suite {
 type Kind = (&'static str, fn(&mut Style));
 
 /// In the order of the paper: what is simple first.
-const KINDS: [Kind; 11] = [
+const KINDS: [Kind; 14] = [
     ("pixel", |style| {
         style.primitive = Primitive::Point;
         style.points.size_px = 1.0;
@@ -110,6 +110,14 @@ const KINDS: [Kind; 11] = [
     ("disk, two-pass, filtered", |style| {
         style.surfels.filter = SplatFilter::Ewa;
     }),
+    ("disk, two-pass, clamped", |style| {
+        style.surfels.filter = SplatFilter::Clamp;
+    }),
+    ("sprite, opaque", |style| {
+        style.primitive = Primitive::Sprite;
+        style.surfels.splatting = Splatting::Opaque;
+    }),
+    ("sprite, two-pass", |style| style.primitive = Primitive::Sprite),
     ("ellipse, two-pass", |style| style.primitive = Primitive::Ellipse),
     ("voxel", |style| {
         style.primitive = Primitive::Voxel;
@@ -139,9 +147,12 @@ fn of_paper(primitive: &str, pass: &str) -> [Option<f64>; 2] {
     match (primitive, pass) {
         ("square point", "point") => [Some(14.0), None],
         ("square point, lit", "solid") => [Some(55.0), None],
-        ("disk, two-pass", "visibility") => [Some(20.0), Some(21.0)],
-        ("disk, two-pass", "attribute") => [Some(60.0), Some(24.0)],
-        ("disk, two-pass", "resolve") => [None, Some(6.0)],
+        ("sprite, two-pass", "visibility") => [Some(20.0), Some(21.0)],
+        ("sprite, two-pass", "attribute") => [Some(60.0), Some(24.0)],
+        ("sprite, two-pass" | "ellipse, two-pass", "resolve") => [None, Some(6.0)],
+        // Its triangles with an ellipse in them.
+        ("ellipse, two-pass", "visibility") => [Some(13.0), None],
+        ("ellipse, two-pass", "attribute") => [Some(51.0), None],
         _ => [None; 2],
     }
 }

@@ -3,7 +3,8 @@
 //! Where points are ellipses, so is the node: its axes are those of the points' second moments in its plane, in which
 //! each ellipse counts as evenly filled.
 
-use crate::cloud::{Ellipse, PointRecord, ShapeRecord, decode_ellipse, encode_ellipse, oct_decode, oct_encode};
+use crate::cloud::{PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::levels::moments::{OF_HALF_AXIS, PlaneMoments, half_axes};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
@@ -106,43 +107,20 @@ impl NodeSurfel {
 
 /// The packed ellipse of the second moments of ellipses around `center`, in the plane across `normal`.
 fn merged_ellipse(points: &[PointRecord], shapes: &[ShapeRecord], center: Vec3, normal: Vec3) -> u32 {
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    // Moments of x², xy and y², in f64 as other sums over points.
-    let mut moments = DVec3::ZERO;
-    let mut add = |along: Vec3, weight: f64| {
-        let [x, y] = [tangent, bitangent].map(|axis| f64::from(axis.dot(along)));
-        moments += weight * DVec3::new(x * x, x * y, y * y);
-    };
+    let mut moments = PlaneMoments::across(normal);
     for (point, shape) in points.iter().zip(shapes) {
-        add(Vec3::from_array(point.position) - center, 1.0);
-        let normal = oct_decode(shape.normal);
-        let ellipse = decode_ellipse(shape.normal, shape.ellipse);
-        let axes = if ellipse == Ellipse::CIRCLE {
-            <[Vec3; 2]>::from(normal.any_orthonormal_pair()).map(|axis| axis * shape.radius)
-        } else {
-            let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(shape.radius);
-            [ellipse.axis * longer, normal.cross(ellipse.axis) * shorter]
-        };
-        // The second moment of an evenly filled ellipse along a half axis is a quarter of its square.
-        for axis in axes {
-            add(axis, 0.25);
+        moments.add(Vec3::from_array(point.position) - center, 1.0);
+        for axis in half_axes(shape) {
+            moments.add(axis, OF_HALF_AXIS);
         }
     }
-    let [xx, xy, yy] = moments.to_array();
-    let (mean, half_difference) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let spread = half_difference.hypot(xy);
-    if spread == 0.0 {
-        return 0;
-    }
-    let ratio = ((mean - spread).max(0.0) / (mean + spread)).sqrt() as f32;
-    let angle = 0.5 * xy.atan2(half_difference);
-    let axis = tangent * angle.cos() as f32 + bitangent * angle.sin() as f32;
-    encode_ellipse(oct_encode(normal), Ellipse { axis, ratio })
+    moments.packed_ellipse()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::{Ellipse, decode_ellipse, encode_ellipse};
 
     /// Two ellipses on the x axis with half axes of these lengths, this far from the middle.
     fn merged(apart: f32, along: f32, across: f32) -> [f32; 2] {

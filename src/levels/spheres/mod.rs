@@ -7,11 +7,15 @@
 //!   or as a hierarchy of them.
 //! - *Sequential point trees as printed* (`printed.rs`): by another rule, which draws more.
 //!
-//! A leaf is a point. What is drawn of a node is the disk of its sphere.
+//! A leaf is a point. What is drawn of a node is the disk of its sphere, or where points are ellipses one as large as
+//! that (`ellipses.rs`). Nodes of QSplat have no room for it.
 
 mod before;
 mod bounds;
 mod cone;
+#[cfg(test)]
+mod ellipse_tests;
+mod ellipses;
 mod node_code;
 mod order;
 mod printed;

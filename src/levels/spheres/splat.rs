@@ -1,4 +1,4 @@
-//! What is drawn for nodes of sequences: the points themselves, or the disk of a node's sphere.
+//! What is drawn for nodes of sequences: the points themselves, or the disk or ellipse of a node's sphere.
 
 use super::tree::Node;
 use crate::cloud::{PointRecord, ShapeRecord};
@@ -6,13 +6,14 @@ use crate::levels::structure::{RecordBuffers, Records};
 use crate::math::Sphere;
 use rayon::prelude::*;
 
-/// The disk of a node that is no leaf.
+/// The disk or ellipse of a node that is no leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Splat {
     center: [f32; 3],
     radius: f32,
     normal: [i16; 2],
     color: [u8; 4],
+    ellipse: u32,
 }
 
 impl Splat {
@@ -23,12 +24,16 @@ impl Splat {
             radius: sphere.radius,
             normal,
             color,
+            ellipse: 0,
         }
     }
 
     /// With what is not rounded of the normal and the colour.
     pub(super) fn of(node: &Node) -> Self {
-        Self::new(&node.sphere, node.normal, node.color)
+        Self {
+            ellipse: node.ellipse,
+            ..Self::new(&node.sphere, node.normal, node.color)
+        }
     }
 
     pub(super) fn records(&self) -> (PointRecord, ShapeRecord) {
@@ -39,7 +44,7 @@ impl Splat {
         let shape = ShapeRecord {
             normal: self.normal,
             radius: self.radius,
-            ellipse: 0,
+            ellipse: self.ellipse,
             scalar: 0.0,
         };
         (point, shape)

@@ -12,7 +12,7 @@ use glam::{DVec3, Mat4, Vec3, Vec4};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
 
-type Records = (Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>);
+pub(super) type Records = (Arc<Vec<PointRecord>>, Arc<Vec<ShapeRecord>>);
 
 /// Points in Morton order with these normals and radii.
 fn records(positions: &[Vec3], normal: impl Fn(usize) -> Vec3, radius: f32) -> Records {
@@ -35,7 +35,7 @@ fn records(positions: &[Vec3], normal: impl Fn(usize) -> Vec3, radius: f32) -> R
     )
 }
 
-fn torus(count: usize) -> Records {
+pub(super) fn torus(count: usize) -> Records {
     let torus = test_shapes::torus(count, 0.4, &mut Random(5));
     records(&torus.positions, |index| torus.normals[index], 0.01)
 }
@@ -53,7 +53,7 @@ fn odd_cloud() -> Records {
     records(&positions, |index| normals[index], 0.0)
 }
 
-fn tree_of((points, shapes): &Records, precision: Precision) -> SphereTree {
+pub(super) fn tree_of((points, shapes): &Records, precision: Precision) -> SphereTree {
     SphereTree::build(points, shapes, precision)
 }
 
@@ -63,7 +63,7 @@ fn trees_of(of: &Records) -> [SphereTree; 2] {
 }
 
 /// A 60° view of 500×500 pixels towards a place.
-fn view_to(eye: Vec3, target: Vec3, lod_px: f32, metric: LodMetric) -> SelectView {
+pub(super) fn view_to(eye: Vec3, target: Vec3, lod_px: f32, metric: LodMetric) -> SelectView {
     let forward = (target - eye).normalize();
     let right = forward.any_orthonormal_vector();
     let up = right.cross(forward);
@@ -131,7 +131,7 @@ fn drawn_by_all(
 }
 
 /// Each node's points, by brute force.
-fn points_below(tree: &SphereTree, node: Child) -> Vec<u32> {
+pub(super) fn points_below(tree: &SphereTree, node: Child) -> Vec<u32> {
     match node {
         Child::Leaf(point) => vec![point],
         Child::Inner(index) => {

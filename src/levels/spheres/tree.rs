@@ -10,6 +10,7 @@
 
 use super::bounds::Bounds;
 use super::cone::{Cone, cosine_of_sum};
+use super::ellipses::ellipses_of;
 use super::node_code::{NodeCode, cone_code};
 use super::sphere_code;
 use super::split::{Division, NODES_PER_TASK};
@@ -40,6 +41,8 @@ pub(super) struct Node {
     /// Mean normal and colour, not coded.
     pub(super) normal: [i16; 2],
     pub(super) color: [u8; 4],
+    /// Packed, of its plane; 0 where points are disks.
+    pub(super) ellipse: u32,
 }
 
 /// A tree of spheres; of no points, without nodes.
@@ -63,10 +66,15 @@ impl SphereTree {
         let codes = Cube::around(&positions).map_or_else(Vec::new, |cube| cube.codes(&positions));
         let division = Division::of(&codes);
         let summaries = summaries(&division, points, shapes);
-        let (nodes, codes) = match precision {
+        let (mut nodes, codes) = match precision {
             Precision::Exact => (nested(&division, &summaries, Node::nested), Vec::new()),
             Precision::Coded => nested(&division, &summaries, Node::coded).into_iter().unzip(),
         };
+        if let Some(ellipses) = ellipses_of(&division, (points, shapes), |index| nodes[index].normal) {
+            for (node, ellipse) in nodes.iter_mut().zip(ellipses) {
+                node.ellipse = ellipse;
+            }
+        }
         Self { division, nodes, codes }
     }
 }
@@ -127,6 +135,7 @@ impl Node {
             },
             normal: oct_encode(summary.normal),
             color: summary.color(),
+            ellipse: 0,
         }
     }
 }

@@ -26,19 +26,68 @@ pub(super) struct Splats<S: Simd> {
     pub(super) weights: f32x8<S>,
 }
 
-impl<S: Simd> Splats<S> {
-    /// What they become where these are their middles.
+/// What the filter is made of: splats as they are seen, as if they were short.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OnScreen<S: Simd> {
+    /// J: pixels to the right and down along both half edges.
+    u: [f32x8<S>; 2],
+    v: [f32x8<S>; 2],
+    /// `JᵀJ`, and at least that of splats which are seen almost edge-on.
+    uu: f32x8<S>,
+    uv: f32x8<S>,
+    vv: f32x8<S>,
+    /// r² over the determinant of that.
+    filter: f32x8<S>,
+    /// s.
+    root: f32x8<S>,
+    weights: f32x8<S>,
+}
+
+impl<S: Simd> OnScreen<S> {
+    /// `K = J·A·Jᵀ`: squares and product of how far filtered splats reach to the right and down, in pixels.
     #[inline(always)]
-    pub(super) fn filtered(self, simd: S, view: &PixelView, centers: Vectors<S>) -> Self {
-        let Self { u, v, .. } = self;
+    pub(super) fn covariance(&self) -> [f32x8<S>; 3] {
+        let Self { u, v, .. } = *self;
+        // J·A, of which A is symmetric.
+        let (a, b, c) = self.variance();
+        let of_u = [u[0].mul_add(a, v[0] * b), u[1].mul_add(a, v[1] * b)];
+        let of_v = [u[0].mul_add(b, v[0] * c), u[1].mul_add(b, v[1] * c)];
+        [
+            of_u[0].mul_add(u[0], of_v[0] * v[0]),
+            of_u[0].mul_add(u[1], of_v[0] * v[1]),
+            of_u[1].mul_add(u[1], of_v[1] * v[1]),
+        ]
+    }
+
+    /// Factors on the masks.
+    #[inline(always)]
+    pub(super) fn weights(&self) -> f32x8<S> {
+        self.weights
+    }
+
+    /// A.
+    #[inline(always)]
+    fn variance(&self) -> (f32x8<S>, f32x8<S>, f32x8<S>) {
+        (
+            self.vv * self.filter + 1.0,
+            -(self.uv * self.filter),
+            self.uu * self.filter + 1.0,
+        )
+    }
+}
+
+impl<S: Simd> Splats<S> {
+    /// As they are seen where these are their middles.
+    #[inline(always)]
+    pub(super) fn on_screen(&self, simd: S, view: &PixelView, centers: Vectors<S>) -> OnScreen<S> {
+        let Self { u, v, .. } = *self;
         let splat = |value: f32| f32x8::splat(simd, value);
         let per_distance = 1.0 / (-centers.z).max(splat(view.near));
         let ([u_right, u_down], [v_right, v_down]) = (
             px_along(view, centers, per_distance, u),
             px_along(view, centers, per_distance, v),
         );
-        // JᵀJ, and at least that of splats which are seen almost edge-on: on those, pixels reach too far into the
-        // picture.
+        // On splats that are seen almost edge-on, pixels reach too far into the picture.
         let px_per_length = per_distance * (SplatFilter::LEAST_COSINE * view.px_per_slope[0]);
         let least = px_per_length * px_per_length;
         let uu = u_right.mul_add(u_right, u_down.mul_add(u_down, least * u.dot(u)));
@@ -46,19 +95,31 @@ impl<S: Simd> Splats<S> {
         let uv = u_right.mul_add(v_right, u_down * v_down);
         let determinant = uu.mul_add(vv, -(uv * uv)).max(splat(EWA_LEAST_DETERMINANT));
         let filter = RADIUS2_PX / determinant;
-        // A, and the root of its determinant.
-        let (a, b, c) = (
-            vv.mul_add(filter, splat(1.0)),
-            -(uv * filter),
-            uu.mul_add(filter, splat(1.0)),
-        );
         let root = (uu + vv + RADIUS2_PX).mul_add(filter, splat(1.0)).sqrt();
+        OnScreen {
+            u: [u_right, u_down],
+            v: [v_right, v_down],
+            uu,
+            uv,
+            vv,
+            filter,
+            root,
+            weights: weights(simd, 1.0 / root),
+        }
+    }
+
+    /// What they become.
+    #[inline(always)]
+    pub(super) fn filtered(self, on_screen: &OnScreen<S>) -> Self {
+        let Self { u, v, .. } = self;
+        let root = on_screen.root;
+        let (a, b, c) = on_screen.variance();
         let per_trace = 1.0 / (a + c + root * 2.0).sqrt();
         let (a, b, c) = ((a + root) * per_trace, b * per_trace, (c + root) * per_trace);
         Self {
             u: u.times(a).plus(v.times(b)),
             v: u.times(b).plus(v.times(c)),
-            weights: weights(simd, 1.0 / root),
+            weights: on_screen.weights,
         }
     }
 }

@@ -49,6 +49,8 @@ pub(super) struct Canvas<'a> {
     pub(super) clip: PixelRect,
     pub(super) outline: Outline,
     pub(super) cull_back_faces: bool,
+    /// Bounds reach at least so many pixels from middles.
+    pub(super) least_reach_px: f32,
 }
 
 /// Eight patches in view space.
@@ -222,7 +224,14 @@ fn bounds<S: Simd>(
     };
     let px = |slope: f32x8<S>, axis: usize| slope * view.px_per_slope[axis] + view.middle_px[axis];
     // Rows are counted downwards.
-    let ends = [px(low_x, 0), px(high_x, 0), px(high_y, 1), px(low_y, 1)];
+    let mut ends = [px(low_x, 0), px(high_x, 0), px(high_y, 1), px(low_y, 1)];
+    if canvas.least_reach_px > 0.0 {
+        let middles = [px(c.x / -c.z, 0), px(c.y / -c.z, 1)];
+        for (axis, middle) in middles.into_iter().enumerate() {
+            ends[2 * axis] = ends[2 * axis].min(middle - canvas.least_reach_px);
+            ends[2 * axis + 1] = ends[2 * axis + 1].max(middle + canvas.least_reach_px);
+        }
+    }
     let [left, right] = pixels_between(simd, clip, 0, [ends[0], ends[1]], is_around_eye);
     let [top, bottom] = pixels_between(simd, clip, 1, [ends[2], ends[3]], is_around_eye);
     // None where nothing is in front of the near plane.
@@ -280,6 +289,7 @@ mod tests {
             clip: PixelRect::of_picture(view.size_px),
             outline,
             cull_back_faces: false,
+            least_reach_px: 0.0,
         };
         dispatch!(Level::new(), simd => {
             Facet::of_patch(simd, &canvas, [patch.center, patch.u, patch.v])

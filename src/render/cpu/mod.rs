@@ -34,6 +34,7 @@ mod rows;
 mod screen;
 mod shading;
 mod shadow;
+mod small_splats;
 mod spans;
 mod sprites;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::shading::{Light, Shading, SurfaceNormal};
 use super::tile::{LANES, PIXELS, Tile, WIDTH};
 use super::view::{Affine, PixelRect, PixelView};
 use crate::render::constants::MASK_FALLOFF;
-use crate::scene::Kernel;
+use crate::scene::{Kernel, SplatFilter};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use glam::Vec3;
 
@@ -135,24 +135,85 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
             }
             let mask = mask_weight(simd, fragments, kernel) * shading.weight;
             let weight = simd.select_f32x8(drawn, mask, nothing);
-            let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
-            for (channel, sums) in tile.colors.iter_mut().enumerate() {
-                store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);
-            }
-            store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
-            if let Some(normal) = shading.normal {
-                for (value, sums) in surface(simd, normal, fragments, depths)
-                    .into_iter()
-                    .zip(&mut tile.surfaces)
-                {
-                    store(value.mul_add(weight, load(simd, sums, at)), sums, at);
-                }
-            }
+            add(simd, tile, at, facet, shading, fragments, [depths, weight]);
         },
     );
 }
 
-/// Lays a splat over what is there, with its mask as opacity. Where depth counts, its corners hide what is behind them.
+/// The same of splats that are at least as large as [`SplatFilter::Clamp`](crate::scene::SplatFilter) says: a mask is
+/// that of the disk, or of the circle around its middle where that is stronger.
+#[inline(always)]
+pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, middle: &Middle) {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let (nothing, beside) = (splat(0.0), splat(2.0));
+    let [left, top] = tile.origin;
+    let per_radius = 1.0 / SplatFilter::CLAMP_RADIUS_PX;
+    let lanes = lane_numbers(simd) * per_radius;
+    let is_in_front = middle.depth > 0.0;
+    for_each(
+        simd,
+        tile.rect(),
+        facet,
+        #[inline(always)]
+        |at, fragments| {
+            let on_plane = fragments.depths(simd, facet.depth_per_w);
+            let across = fragments.p.mul_add(fragments.p, fragments.q * fragments.q) / (fragments.w * fragments.w);
+            let is_on_plane = fragments.w.simd_gt(nothing) & are_beyond_near(simd, on_plane);
+            let of_disk = simd.select_f32x8(is_on_plane, across, beside);
+            let middle_of = |px: i32, axis: usize| (px as f32 + 0.5 - middle.place_px[axis]) * per_radius;
+            let right = lanes + splat(middle_of(left + (at % WIDTH) as i32, 0));
+            let down = splat(middle_of(top + (at / WIDTH) as i32, 1));
+            let of_circle = right.mul_add(right, down * down);
+            let of_circle = if is_in_front { of_circle } else { beside };
+            let is_circle = of_circle.simd_lt(of_disk);
+            let depths = simd.select_f32x8(is_circle, splat(middle.depth), on_plane);
+            let radius2 = of_circle.min(of_disk);
+            let drawn = radius2.simd_le(splat(1.0)) & depths.simd_ge(load(simd, &tile.depth, at));
+            if !simd.any_true_mask32x8(drawn) {
+                return;
+            }
+            let weight = simd.select_f32x8(drawn, gaussian(simd, radius2.min(splat(1.0))), nothing);
+            add(simd, tile, at, facet, shading, fragments, [depths, weight]);
+        },
+    );
+}
+
+/// Where the middle of a splat is on the screen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Middle {
+    pub(super) place_px: [f32; 2],
+    /// Reversed; 0 where it is not in front of the eye.
+    pub(super) depth: f32,
+}
+
+/// Adds what eight fragments leave, times a weight each.
+#[inline(always)]
+fn add<S: Simd>(
+    simd: S,
+    tile: &mut Tile,
+    at: usize,
+    facet: &Facet,
+    shading: &Shading,
+    fragments: &Fragments<S>,
+    [depths, weight]: [f32x8<S>; 2],
+) {
+    let colors = shading.colors(simd, &tile.per_ray_length, at, facet, fragments);
+    for (channel, sums) in tile.colors.iter_mut().enumerate() {
+        store(colors[channel].mul_add(weight, load(simd, sums, at)), sums, at);
+    }
+    store(load(simd, &tile.weight, at) + weight, &mut tile.weight, at);
+    if let Some(normal) = shading.normal {
+        for (value, sums) in surface(simd, normal, fragments, depths)
+            .into_iter()
+            .zip(&mut tile.surfaces)
+        {
+            store(value.mul_add(weight, load(simd, sums, at)), sums, at);
+        }
+    }
+}
+
+/// Lays a splat over what is there, with its mask as opacity. What hides what is behind it, if anything does, is the
+/// outline `with_depth`: of a parallelogram the corners, too.
 #[inline(always)]
 pub(super) fn over<S: Simd>(
     simd: S,
@@ -160,7 +221,7 @@ pub(super) fn over<S: Simd>(
     facet: &Facet,
     shading: &Shading,
     kernel: Kernel,
-    with_depth: bool,
+    with_depth: Option<Outline>,
 ) {
     let nothing = f32x8::splat(simd, 0.0);
     for_each(
@@ -171,7 +232,8 @@ pub(super) fn over<S: Simd>(
         |at, fragments| {
             let depths = fragments.depths(simd, facet.depth_per_w);
             let mut drawn = fragments.are_inside(Outline::Parallelogram) & are_beyond_near(simd, depths);
-            if with_depth {
+            if let Some(outline) = with_depth {
+                drawn &= fragments.are_inside(outline);
                 let before = load(simd, &tile.depth, at);
                 drawn &= depths.simd_ge(before);
                 store(simd.select_f32x8(drawn, depths, before), &mut tile.depth, at);
@@ -260,7 +322,7 @@ fn mask_weight<S: Simd>(simd: S, fragments: &Fragments<S>, kernel: Kernel) -> f3
 /// The circular Gaussian mask of paper 000 §V, `exp(−MASK_FALLOFF·r²)`, of squares up to 1. Relative error below
 /// 4·10⁻⁵.
 #[inline(always)]
-fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
+pub(super) fn gaussian<S: Simd>(simd: S, radius2: f32x8<S>) -> f32x8<S> {
     let splat = |value| f32x8::splat(simd, value);
     // The eighth root is within the reach of a short series.
     let y = radius2 * splat(-MASK_FALLOFF / 8.0);
@@ -313,7 +375,8 @@ impl Shading {
             ],
             Light::OfPixels => {
                 let per_length = load(simd, per_ray_length, at) * (1.0 / facet.normal_length);
-                let facing = fragments.w * per_length;
+                // Behind the eye, where splats reach beyond their disks.
+                let facing = (fragments.w * per_length).abs();
                 head_light_of(simd, facing)
             }
             Light::OfPixelsOn(along_rays) => {

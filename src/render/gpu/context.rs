@@ -31,6 +31,8 @@ pub struct Context {
     pub limits: wgpu::Limits,
     /// Whether GPU time can be measured.
     pub has_timestamps: bool,
+    /// Whether fragments that write depths may be left out before they are drawn.
+    pub tests_depths_early: bool,
     /// Whether what is drawn into textures of single floats can be blended.
     pub blends_single_floats: bool,
     pub(super) max_chunk_records: Option<usize>,
@@ -73,7 +75,8 @@ impl Context {
         let info = adapter.get_info();
         let timestamps = wgpu::Features::TIMESTAMP_QUERY;
         let single_floats = wgpu::Features::FLOAT32_BLENDABLE;
-        let features = adapter.features() & (timestamps | single_floats);
+        let early_depths = wgpu::Features::SHADER_EARLY_DEPTH_TEST;
+        let features = adapter.features() & (timestamps | single_floats | early_depths);
         let has_timestamps = features.contains(timestamps);
         // wgpu's own defaults (256 MiB a buffer) are below what adapters give.
         let limits = adapter.limits();
@@ -106,6 +109,7 @@ impl Context {
             info,
             limits,
             has_timestamps,
+            tests_depths_early: features.contains(early_depths),
             blends_single_floats: features.contains(single_floats),
             max_chunk_records: options.max_chunk_records,
             lost,

@@ -114,8 +114,7 @@ pub struct ViewUniform {
     pub mean_loss: f32,
     pub mean_let_in: f32,
     pub environment_light: f32,
-    /// Fills the row.
-    pub padding: u32,
+    pub clamp_radius_px: f32,
     pub environment_from_view_x: [f32; 4],
     pub environment_from_view_y: [f32; 4],
     pub environment_from_view_z: [f32; 4],
@@ -219,12 +218,7 @@ impl ViewUniform {
             head_light: of_lights(|lights| lights.head),
             specular: of_lights(|lights| lights.specular),
             usual_distance: of_lights(|lights| lights.usual_distance),
-            depth_slack_px: if packet.style.filters_splats() {
-                SplatFilter::RADIUS_PX
-            } else {
-                0.0
-            },
-            filter_radius_px: 0.0,
+            depth_slack_px: packet.style.splat_filter().radius_px(),
             kernel: match packet.style.kernel() {
                 Kernel::Gaussian => KERNEL_GAUSSIAN,
                 Kernel::Hat => KERNEL_HAT,
@@ -287,11 +281,13 @@ impl ViewUniform {
 
     /// The same for the attribute pass, whose splats are not pushed back, but filtered.
     #[must_use]
-    pub fn of_attributes(self) -> Self {
+    pub fn of_attributes(self, filter: SplatFilter) -> Self {
+        let is = |other| if filter == other { filter.radius_px() } else { 0.0 };
         Self {
             depth_slack: 0.0,
             depth_slack_px: 0.0,
-            filter_radius_px: self.depth_slack_px,
+            filter_radius_px: is(SplatFilter::Ewa),
+            clamp_radius_px: is(SplatFilter::Clamp),
             ..self
         }
     }

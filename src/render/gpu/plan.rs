@@ -80,7 +80,7 @@ impl<'a> Plan<'a> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         let first = ViewUniform::new(packet, visibility);
-        let second = ViewUniform::new(packet, attribute).of_attributes();
+        let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
         let first = match &self.physical {
             Some(physical) => first.with_physical(physical),
             None => first,

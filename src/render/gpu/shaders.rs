@@ -53,15 +53,23 @@ impl Permutation {
         }
     }
 
-    /// The complete WGSL source.
-    pub fn source(self) -> String {
+    /// The complete WGSL source. If the adapter `tests_depths_early`, fragments that write depths say that they are
+    /// none that is nearer than their quads.
+    pub fn source(self, tests_depths_early: bool) -> String {
         match self {
             Self::Geometry(strategy, amplification, pass) => {
                 let mut files = instancing::vertex_wgsl(strategy, amplification);
-                if !amplification.is_indexed {
-                    files.push(include_str!("../../../shaders/common/varyings.wgsl"));
-                }
-                files.extend([include_str!("../../../shaders/common/fragments.wgsl"), pass.wgsl]);
+                let writes_depths = amplification.writes_depths && pass.depth.is_some();
+                let entry = pass.entry(writes_depths);
+                // Reversed: what is less is farther.
+                let early = "@fragment\n@early_depth_test(less_equal)";
+                let entry = if writes_depths && tests_depths_early {
+                    &entry.replace("@fragment", early)
+                } else {
+                    entry
+                };
+                let fragments = include_str!("../../../shaders/common/fragments.wgsl");
+                files.extend([amplification.varyings, fragments, pass.wgsl, entry]);
                 wgsl::of_records(amplification, &files)
             }
             Self::Amplify(amplification) => instancing::compute_source(amplification),

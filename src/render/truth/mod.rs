@@ -1,8 +1,8 @@
 //! What a view should look like: slow pictures in f64 that those of renderers are measured against.
 //!
 //! How it works: each pixel is the mean of 8×8 samples, and each sample asks its ray what it meets. Of a cloud that is
-//! all of its disks, without levels of detail (`surfels.rs`); of a shape with a formula it is the shape itself
-//! (`shapes.rs`). Light is worked out at each sample. Depths are those in the middles of the pixels.
+//! all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`); of a shape with a formula it
+//! is the shape itself (`shapes.rs`). Light is worked out at each sample. Depths are those in the middles of pixels.
 //!
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing left out; it
 //! takes seconds where renderers take milliseconds.
@@ -94,7 +94,7 @@ impl<'a> TruthKey<'a> {
         take(&background.bottom);
         match self.of {
             TruthSubject::Disks(disks) => {
-                take(&[u8::from(disks.cull_back_faces)]);
+                take(&[u8::from(disks.cull_back_faces), u8::from(disks.are_ellipses)]);
                 take(bytemuck::cast_slice(disks.points));
                 take(bytemuck::cast_slice(disks.shapes));
             }

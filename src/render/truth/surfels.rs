@@ -1,4 +1,4 @@
-//! The surface that the disks of a cloud make, met by rays one by one.
+//! The surface that the disks or ellipses of a cloud make, met by rays one by one.
 //!
 //! How it works: of the disks that a ray meets, the nearest says where the surface is. Its colour is the mean of those
 //! that are met no farther behind it than its radius, weighted by the Gaussian of paper 000 §V around their middles and
@@ -9,9 +9,10 @@
 //! has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
 
 use super::rays::{Hit, SampleGrid, TILE_PX, TruthView, Visible, unit_color};
-use crate::cloud::{PointRecord, ShapeRecord, oct_decode};
+use crate::cloud::{PointRecord, ShapeRecord, decode_ellipse, oct_decode};
 use crate::render::constants::{DEPTH_SLACK_RADII, MASK_FALLOFF};
 use glam::DVec3;
+use std::f64::consts::SQRT_2;
 
 /// All surfels of a frame.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +21,8 @@ pub struct Disks<'a> {
     pub points: &'a [PointRecord],
     /// Normals and radii, as many.
     pub shapes: &'a [ShapeRecord],
+    /// Whether their ellipses count: those of a file. Estimated ones say less of a cloud than its points do.
+    pub are_ellipses: bool,
     /// Whether what faces away is left out.
     pub cull_back_faces: bool,
 }
@@ -37,7 +40,10 @@ pub(super) struct SeenDisks {
 struct Disk {
     center: DVec3,
     normal: DVec3,
+    /// Of an ellipse the quadratic mean of its half axes.
     radius: f64,
+    /// Of an ellipse: what an offset is multiplied with for its share of either half axis.
+    per_half_axis: Option<[DVec3; 2]>,
     color: DVec3,
     /// The places that it may cover: first and last in x and y.
     place_px: [[f64; 2]; 2],
@@ -79,12 +85,22 @@ impl Disks<'_> {
             return None;
         }
         let [red, green, blue, _] = point.color;
+        let is_ellipse = self.are_ellipses && shape.ellipse != 0;
+        let per_half_axis = is_ellipse.then(|| {
+            let ellipse = decode_ellipse(shape.normal, shape.ellipse);
+            let [longer, shorter] = ellipse.half_axes_of_quadratic_mean(shape.radius).map(f64::from);
+            let axis = (view.view_from_frame * ellipse.axis.as_dvec3()).normalize();
+            [axis / longer, normal.cross(axis) / shorter]
+        });
+        // √2 times the quadratic mean is the most that a half axis can be.
+        let reach = if is_ellipse { SQRT_2 * radius } else { radius };
         Some(Disk {
             center,
             normal,
             radius,
+            per_half_axis,
             color: unit_color([red, green, blue]),
-            place_px: covered_px(view, center, radius)?,
+            place_px: covered_px(view, center, reach)?,
         })
     }
 }
@@ -115,11 +131,15 @@ fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2];
 }
 
 impl Disk {
-    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and in radii; none where it
-    /// does not.
+    /// How deep a ray meets the plane of the disk, and how far from its middle, squared and as a share of how far its
+    /// rim is there; none where it does not.
     fn meet(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = self.normal.dot(self.center) / self.normal.dot(ray);
-        let off_middle = (ray * depth - self.center).length_squared() / (self.radius * self.radius);
+        let offset = ray * depth - self.center;
+        let off_middle = match self.per_half_axis {
+            Some(per_half_axis) => per_half_axis.map(|axis| axis.dot(offset).powi(2)).iter().sum(),
+            None => offset.length_squared() / (self.radius * self.radius),
+        };
         (depth > 0.0 && off_middle.is_finite()).then_some([depth, off_middle])
     }
 }
@@ -178,7 +198,7 @@ impl Visible for SeenDisks {
 
 impl SeenDisks {
     /// Calls `then` with each meeting of a ray and a disk's plane near its middle: the sample, the disk, the ray, how
-    /// deep, and how far from the middle (squared, in radii).
+    /// deep, and how far from the middle (squared, as a share of the way to the rim).
     fn for_each_meeting(
         &self,
         view: &TruthView,

@@ -1,7 +1,7 @@
 //! Pictures with known answers, and both kinds of truth against each other.
 
 use super::*;
-use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
+use crate::cloud::{Ellipse, PointRecord, ShapeRecord, encode_ellipse, oct_encode};
 use crate::measure::{DepthTolerance, SurfaceError, flip};
 use crate::scene::{Background, Camera, Projection, UpAxis};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
@@ -47,6 +47,7 @@ fn of_disks(disks: &[(PointRecord, ShapeRecord)], view: &TruthView) -> Truth {
     let disks = Disks {
         points: &points,
         shapes: &shapes,
+        are_ellipses: false,
         cull_back_faces: true,
     };
     Truth::of_disks(&disks, view)
@@ -87,6 +88,46 @@ fn near_disks_hide_far_ones_and_blend_with_those_of_their_surface() {
         red.abs_diff(100) <= 2 && green.abs_diff(100) <= 2 && blue == 0,
         "{red} {green} {blue}"
     );
+}
+
+#[test]
+fn an_ellipse_has_its_area_and_direction_and_is_a_disk_where_ellipses_do_not_count() {
+    let view = unlit(&front(2.0), [200, 200]);
+    let (point, shape) = disk([0.0; 3], 0.5, [219, 119, 19]);
+    let axis = Vec3::new(0.6, 0.8, 0.0);
+    let ellipse = encode_ellipse(shape.normal, Ellipse { axis, ratio: 0.25 });
+    let picture = |are_ellipses| {
+        let disks = Disks {
+            points: &[point],
+            shapes: &[ShapeRecord { ellipse, ..shape }],
+            are_ellipses,
+            cull_back_faces: true,
+        };
+        Truth::of_disks(&disks, &view).image
+    };
+    assert_eq!(picture(false), of_disks(&[(point, shape)], &view).image);
+    let image = picture(true);
+    let longer = 0.5 * (2.0f64 / (1.0 + 0.0625)).sqrt();
+    let expected_px = std::f64::consts::PI * longer * 0.25 * longer * 2500.0;
+    let sum: f64 = image.pixels().map(|pixel| f64::from(pixel[0]) - 119.0).sum();
+    assert!(
+        (sum / 100.0 / expected_px - 1.0).abs() < 0.005,
+        "{sum} for {expected_px}"
+    );
+    // Rows are counted downwards.
+    let at = |along: f64, across: f64| {
+        let place = DVec3::new(0.6, -0.8, 0.0) * along + DVec3::new(0.8, 0.6, 0.0) * across;
+        let [x, y] = [place.x, place.y].map(|offset| (100.0 + 50.0 * offset) as u32);
+        image.get_pixel(x, y).0[0]
+    };
+    for (share, expected) in [(0.93, 219), (1.07, 119)] {
+        let shorter = 0.25 * longer;
+        for side in [-1.0, 1.0] {
+            assert_eq!(at(side * share * longer, 0.0), expected);
+            // A pixel is an eighth of the shorter half axis.
+            assert_eq!(at(0.0, side * (shorter + (share - 1.0) * longer)), expected);
+        }
+    }
 }
 
 #[test]
@@ -224,6 +265,7 @@ fn the_truth_of_a_sampled_shape_is_near_that_of_the_shape() {
             let disks = Disks {
                 points: &frame.points,
                 shapes: frame.shapes.as_ref().unwrap(),
+                are_ellipses: false,
                 cull_back_faces: true,
             };
             let truth = Truth::of_disks(&disks, &view);

@@ -12,6 +12,8 @@ choices! {
         Surfel = "surfel", "Surfels", "Oriented disks with a Gaussian mask, blended where they overlap";
         /// Paper 002 §4.
         Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
+        /// Paper 002 §5.1.
+        Sprite = "sprite", "Sprites", "The disks of surfels on squares that face the screen: exact in every pixel";
         /// Paper 000 §VI.
         /// Paper 002, Figs. 5 and 6.
         Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them";

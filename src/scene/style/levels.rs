@@ -302,6 +302,7 @@ group! {
             hint: "What levels of detail are taken from",
             section: Section::Surfels,
             when: When::SurfelLevels,
+            label: Label::Unusual(Place::HowFine, "of {}"),
             values: Values::Words(LevelStructure::WORDS),
         }
         /// How deep the octree goes: as far as voxels are closed, or as is said.

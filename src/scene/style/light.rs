@@ -70,6 +70,7 @@ group! {
         /// How surfaces are lit.
         lighting: Lighting = Lighting::PerFragment, "lighting" LIGHTING {
             flag: "lighting",
+            other_flag: "shading",
             value_name: "HOW",
             help: "How surfaces are lit",
             title: "Lighting",
@@ -194,6 +195,7 @@ group! {
         /// Whether depths shade the picture as well (eye-dome lighting).
         eye_dome: EyeDome = EyeDome::Auto, "eye_dome" EYE_DOME {
             flag: "eye-dome",
+            other_flag: "edl",
             value_name: "WHETHER",
             help: "Shade by depths (eye-dome lighting)",
             title: "Eye-dome light",

@@ -16,6 +16,7 @@ mod of_sequence;
 mod parse_error;
 mod points;
 mod resolved;
+mod shorthands;
 mod surfels;
 #[cfg(test)]
 mod tests;
@@ -35,7 +36,7 @@ pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Kernel, SplatFilter, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
-use self::describe::{Described, Label, Place, Section, Setting as _, Value, Values, When};
+use self::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, When, Word};
 use crate::levels::LevelsKind;
 use crate::levels::octree::StopCriterion;
 use crate::sequence::Coloring;
@@ -92,6 +93,17 @@ impl Style {
         section: Section::Own,
         label: Label::Always(Place::What, "{}"),
         values: Values::Words(Primitive::WORDS),
+        shorthands: &[Shorthand {
+            word: Word {
+                word: "ewa",
+                title: "EWA",
+                hint: "Surfels that are filtered to the pixels: far surfaces are smooth and still",
+            },
+            given: &[
+                ("primitive", Value::Word(Primitive::Surfel as usize)),
+                (SurfelStyle::FILTER.key, Value::Word(SplatFilter::Ewa as usize)),
+            ],
+        }],
         ..Described::USUAL
     };
 
@@ -177,9 +189,24 @@ impl Style {
         self.draws_surfels() && self.surfels.splatting.sums_masks()
     }
 
+    /// How splats are filtered to the pixels that they are seen in.
+    pub fn splat_filter(&self) -> SplatFilter {
+        if self.blends_surfels() {
+            self.surfels.filter
+        } else {
+            SplatFilter::Off
+        }
+    }
+
     /// Whether splats are filtered to the pixels that they are seen in.
     pub fn filters_splats(&self) -> bool {
-        self.blends_surfels() && self.surfels.filter == SplatFilter::Ewa
+        self.splat_filter() != SplatFilter::Off
+    }
+
+    /// Whether splats are drawn on squares that face the screen: those that reach beyond their disks in pixels are, as
+    /// no square on their planes would hold them.
+    pub fn draws_sprites(&self) -> bool {
+        self.primitive == Primitive::Sprite || self.splat_filter() == SplatFilter::Clamp
     }
 
     /// How splats fall off: the filter is a convolution of Gaussians, and so are the masks of points.
@@ -203,7 +230,10 @@ impl Style {
 
     /// Whether points are drawn as surfels, round or not.
     pub fn draws_surfels(&self) -> bool {
-        matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Ellipse)
+        matches!(
+            self.primitive,
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite
+        )
     }
 
     /// Whether points are drawn that stay points: all of them, or those that belong to no triangle.
@@ -258,7 +288,7 @@ impl Style {
         let of_surfels = self.levels.structure.kind();
         match self.primitive {
             Primitive::Auto | Primitive::Surfel if self.draws_codes() => Some(LevelsKind::Codes),
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Point => {
                 self.is(When::SurfelLevels).then_some(of_surfels)
             }
             Primitive::Voxel if self.lights_voxels_by_normals() => Some(LevelsKind::LitCubes),
@@ -311,7 +341,7 @@ impl Style {
     /// the spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
-            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Point => {
+            Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Point => {
                 self.levels.stop.of_surfels()
             }
             Primitive::Voxel | Primitive::Mesh => self.levels.stop,
@@ -326,12 +356,12 @@ impl Style {
 
     /// Whether [`CodeStyle::footprint`] has an effect: the processor alone draws byte codes. Who draws has to be
     /// decided before: see [`Style::drawn_by`]. Where shading is deferred there are none, as a code is lit by a table
-    /// of normals, nor of ellipses, filtered splats or other kernels.
+    /// of normals, nor of ellipses, sprites, filtered splats or other kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && !self.filters_splats()
             && self.surfels.kernel == Kernel::Gaussian
-            && self.primitive != Primitive::Ellipse
+            && !matches!(self.primitive, Primitive::Ellipse | Primitive::Sprite)
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()

@@ -61,6 +61,8 @@ choices! {
         Off = "none", "None", "Splats as they are: those smaller than a pixel flicker";
         /// Ren et al. 2002.
         Ewa = "ewa", "EWA", "At least as large as a pixel, and as much fainter: far surfaces are smooth and still";
+        /// Botsch et al. 2005.
+        Clamp = "clamp", "Clamp", "At least as large as a pixel, and as strong as before: outlines grow";
     }
 }
 
@@ -69,6 +71,19 @@ impl SplatFilter {
     /// covers the middle of a pixel (`tests/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8; that
     /// of a pixel's square is 1/12.
     pub const RADIUS_PX: f32 = 0.87;
+
+    /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the middle of a pixel wherever it is: its
+    /// variance is a half, as others have it, so that exp(−r²) is at its rim what masks are there.
+    pub const CLAMP_RADIUS_PX: f32 = 1.732_050_8;
+
+    /// Radius of the splat that a point becomes.
+    pub fn radius_px(self) -> f32 {
+        match self {
+            Self::Off => 0.0,
+            Self::Ewa => Self::RADIUS_PX,
+            Self::Clamp => Self::CLAMP_RADIUS_PX,
+        }
+    }
 
     /// Splats that are seen at a smaller cosine between normal and view are filtered almost as with this one: on their
     /// planes, pixels reach too far into the picture.

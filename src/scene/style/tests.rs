@@ -20,7 +20,7 @@ fn every_choice_reads_back_from_its_name() {
     let error = "cone".parse::<Primitive>().unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`cone` is no primitive: expected auto, surfel, ellipse, mesh, voxel, point"
+        "`cone` is no primitive: expected auto, surfel, ellipse, sprite, mesh, voxel, point"
     );
 }
 

@@ -62,7 +62,7 @@ fn words(point: &LabPoint) -> String {
 
 fn color(primitive: Primitive) -> Color32 {
     match primitive {
-        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => ACCENT,
+        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => ACCENT,
         Primitive::Voxel | Primitive::Mesh => GOOD,
         Primitive::Point => ODD,
     }

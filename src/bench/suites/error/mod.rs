@@ -27,7 +27,7 @@ use crate::measure::{SurfaceError, psnr_db};
 use crate::render::cpu::CpuRenderer;
 use crate::render::{AnyRenderer, Renderer};
 use crate::scene::describe::When;
-use crate::scene::{Background, RendererChoice, Scene, ScenePacket, Style};
+use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -75,10 +75,11 @@ pub const ERROR: &Suite = &Suite {
     hint: "Time and error of every way to draw, against the truth; a click on a point draws as it does",
     description: "errors of pictures against the truth beside their times, for every way to draw",
     measured: "CPU wall time from camera to finished picture, traversal and uploads of what it chose included; errors \
-        against the truth (a shape ray-traced, else all points as disks in f64; 8x8 samples a pixel): FLIP over the \
-        pixels that show the object and over all, PSNR, SSIM, background where the surface is (holes), another surface \
-        than a splat's diameter away (wrong surface), surface where the background is (too much); bytes uploaded for a \
-        first picture; on the front is what no other way beats in time and FLIP of the object",
+        against the truth (a shape ray-traced, else all points in f64, as ellipses where the file has them and as \
+        disks elsewhere; 8x8 samples a pixel): FLIP over the pixels that show the object and over all, PSNR, SSIM, \
+        background where the surface is (holes), another surface than a splat's diameter away (wrong surface), \
+        surface where the background is (too much); bytes uploaded for a first picture; on the front is what no other \
+        way beats in time and FLIP of the object",
     not_measured: "decoding, normals, octrees, reading back, showing",
     covered_by: "surfels",
     defaults: Defaults {
@@ -168,13 +169,14 @@ fn measure_sequence(
         point_counts.push(frame.points.len() as f64);
         run.begin_step(format!("{} frame {index}: the truth", subject.name))?;
         let viewpoints = run.viewpoints(subject, &frame, &Style::default())?;
+        let of_truth = of_truth(&frame);
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let mut views = Vec::new();
         for viewpoint in viewpoints {
             run.check_cancelled()?;
             views.push(View::new(
                 &runners.cache,
-                &frame,
+                of_truth.as_ref().unwrap_or(&frame),
                 subject.shape,
                 subject.sequence.origin(),
                 viewpoint.camera,
@@ -203,6 +205,19 @@ fn measure_sequence(
     run.finish(subject, &point_counts, &coverages, rows);
     run.add_points(points);
     Ok(())
+}
+
+/// The frame as its file has it, where that is another: with the ellipses of Gaussian splats, against which disks of
+/// the same area are measured as well. Ellipses that are estimated are no truth: they are measured against the disks of
+/// all points, as all else is.
+fn of_truth(frame: &PreparedFrame) -> Option<PreparedFrame> {
+    frame.frame.ellipses()?;
+    let of_ellipses = Style::default().with(|style| style.primitive = Primitive::Ellipse);
+    Some(complete(
+        frame,
+        &Scene::needs(&of_ellipses),
+        &PrepareCounters::default(),
+    ))
 }
 
 fn measure_way(

@@ -42,7 +42,8 @@ pub(super) struct DrawnWay {
 }
 
 impl View {
-    /// The view of `frame` from `camera`; what it was sampled from is the truth, if it is known.
+    /// The view of `frame` from `camera`; what it was sampled from is the truth, if it is known, else its disks, or its
+    /// ellipses if it has them.
     pub(super) fn new(
         cache: &TruthCache,
         frame: &PreparedFrame,
@@ -68,6 +69,7 @@ impl View {
             let disks = Disks {
                 points: &frame.points,
                 shapes,
+                are_ellipses: frame.has_ellipses,
                 cull_back_faces: true,
             };
             cache.get(&TruthKey::of_disks(disks, &view), || Truth::of_disks(&disks, &view))

@@ -4,8 +4,8 @@ use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::describe::{Described, Label, Place, Value, Values};
 use crate::scene::{
-    Antialiasing, Background, Footprint, Lighting, PointLight, PointShape, PointSizing, Primitive, RendererChoice,
-    SplatFilter, Splatting, Strategy, Style, VoxelLight,
+    Antialiasing, Background, Footprint, LevelStructure, Lighting, PointLight, PointShape, PointSizing, Primitive,
+    RendererChoice, SplatFilter, Splatting, Strategy, Style, VoxelLight,
 };
 
 /// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
@@ -80,7 +80,28 @@ fn of_renderer(base: &Style) -> Vec<Style> {
     let ellipse = base.with(|style| style.primitive = Primitive::Ellipse);
     ways.push(ellipse);
     ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
-    ways.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = SplatFilter::Ewa)));
+    let sprite = base.with(|style| style.primitive = Primitive::Sprite);
+    ways.push(sprite);
+    ways.extend([ellipse, sprite].map(|splats| splats.with(|style| style.surfels.splatting = Splatting::Opaque)));
+    for filter in [SplatFilter::Ewa, SplatFilter::Clamp] {
+        ways.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = filter)));
+    }
+    ways.push(
+        of_scene(PointSizing::Projected, PointShape::Square).with(|style| style.points.light = PointLight::Normals),
+    );
+    // Of the octree: below.
+    for &structure in LevelStructure::ALL
+        .iter()
+        .filter(|&&structure| structure != LevelStructure::Octree)
+    {
+        let coarse = detail.with(|style| style.levels.structure = structure);
+        // A plain list has no cells that a threshold could be held against.
+        let lods = match structure {
+            LevelStructure::None => [Lod::Budget(1 << 16), Lod::Budget(1 << 14)],
+            _ => [Lod::ThresholdPx(1.0), Lod::ThresholdPx(4.0)],
+        };
+        ways.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
+    }
     for coarse in [detail, ellipse.with(|style| style.levels.surfel_lod = true), voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));

@@ -62,7 +62,7 @@ impl<'a> Drawable<'a> {
                 points: &surfels.points,
                 shapes: &surfels.shapes,
                 style,
-                is_filtered: style.filters_splats(),
+                filter: style.splat_filter(),
                 slack_radii,
             }),
             Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting, slack_of_cells)),

@@ -4,14 +4,15 @@ use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
-use crate::render::cpu::ewa::Splats;
+use crate::render::cpu::ewa::{OnScreen, Splats};
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
-use crate::render::cpu::raster;
+use crate::render::cpu::raster::{self, Middle};
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
+use crate::render::cpu::small_splats::{self, SmallSplat, SmallSplats};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
@@ -23,14 +24,20 @@ pub(in crate::render::cpu) struct Surfels<'a> {
     pub(super) points: &'a [PointRecord],
     pub(super) shapes: &'a [ShapeRecord],
     pub(super) style: &'a Style,
-    /// Whether they are filtered to the pixels.
-    pub(super) is_filtered: bool,
+    /// How they are filtered to the pixels.
+    pub(super) filter: SplatFilter,
     /// How far the visibility pass is pushed back, in splat radii.
     pub(super) slack_radii: f32,
 }
 
-/// A splat of the attribute pass that waits for the visibility pass to end.
-type Waiting = Vec<(Facet, Shading)>;
+/// Splats of the attribute pass that wait for the visibility pass to end.
+#[derive(Debug, Default)]
+pub(in crate::render::cpu) struct Waiting {
+    splats: Vec<(Facet, Shading)>,
+    /// As many, where they are clamped.
+    middles: Vec<Middle>,
+    small: Vec<SmallSplat>,
+}
 
 impl Placed for Surfels<'_> {
     fn len(&self) -> usize {
@@ -50,6 +57,7 @@ impl Placed for Surfels<'_> {
 struct EightSurfels<S: Simd> {
     /// The number of the first.
     first: usize,
+    are_there: mask32x8<S>,
     may_touch: mask32x8<S>,
     centers: Vectors<S>,
     normals: Vectors<S>,
@@ -74,7 +82,7 @@ impl DrawnRecords for Surfels<'_> {
     fn extent(&self) -> Extent {
         Extent {
             scale: self.largest_scale(),
-            margin_px: if self.is_filtered { EWA_REACH_PX } else { 0.0 },
+            margin_px: if self.is_filtered() { EWA_REACH_PX } else { 0.0 },
             ..Extent::default()
         }
     }
@@ -90,7 +98,9 @@ impl DrawnRecords for Surfels<'_> {
         records: impl Iterator<Item = Range<usize>> + Clone,
         waiting: &mut Waiting,
     ) {
-        waiting.clear();
+        waiting.splats.clear();
+        waiting.middles.clear();
+        waiting.small.clear();
         let pyramid = Pyramid::of(view, clip);
         for range in records {
             let end = range.end;
@@ -100,10 +110,11 @@ impl DrawnRecords for Surfels<'_> {
                 let [normals, radii, ellipses, _] = words(simd, &self.shapes[eight.clone()]);
                 let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
                 let mut reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
-                if self.is_filtered {
+                if self.is_filtered() {
                     reach += centers.z * -view.length_of_px(EWA_REACH_PX);
                 }
-                let may_touch = pyramid.may_touch(simd, centers, reach) & lanes_below(simd, eight.len());
+                let are_there = lanes_below(simd, eight.len());
+                let may_touch = pyramid.may_touch(simd, centers, reach) & are_there;
                 if simd.any_true_mask32x8(may_touch) {
                     let normals = oct_decode_each(simd, normals);
                     let (u, half_axes) = if self.style.primitive == Primitive::Ellipse {
@@ -119,6 +130,7 @@ impl DrawnRecords for Surfels<'_> {
                     }
                     let seen = EightSurfels {
                         first,
+                        are_there,
                         may_touch,
                         centers,
                         normals,
@@ -130,19 +142,38 @@ impl DrawnRecords for Surfels<'_> {
                 }
             }
         }
+        if self.filter == SplatFilter::Clamp {
+            for ((facet, shading), middle) in waiting.splats.iter().zip(&waiting.middles) {
+                raster::attribute_clamped(simd, tile, facet, shading, middle);
+            }
+            return;
+        }
+        small_splats::attribute(tile, &waiting.small, self.lighting().is_deferred());
         let kernel = self.style.kernel();
-        for (facet, shading) in waiting {
+        for (facet, shading) in &waiting.splats {
             raster::attribute(simd, tile, facet, shading, kernel);
         }
     }
 }
 
 impl Surfels<'_> {
+    fn is_filtered(&self) -> bool {
+        self.filter != SplatFilter::Off
+    }
+
     /// Factors on the radii of what is drawn at most.
     fn largest_scale(&self) -> f32 {
         let surfels = &self.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         visibility.max(attribute) * surfels.splat_scale
+    }
+
+    /// How they are lit: sprites have no vertices on their disks but the middles.
+    fn lighting(&self) -> Lighting {
+        match self.style.light.lighting {
+            Lighting::PerVertex if self.style.draws_sprites() => Lighting::PerSurfel,
+            lighting => lighting,
+        }
     }
 
     /// Draws eight surfels, or lets them wait.
@@ -165,13 +196,17 @@ impl Surfels<'_> {
             clip,
             outline: Outline::Disk,
             cull_back_faces: self.style.culls_back_faces(),
+            least_reach_px: 0.0,
         };
         match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
-                canvas.outline = Outline::Parallelogram;
+                // Only what is on a surface has corners.
+                if self.style.primitive != Primitive::Sprite {
+                    canvas.outline = Outline::Parallelogram;
+                }
                 let splats = seen.splats(simd, scale);
                 let facets = splats.facets(simd, &canvas, seen);
-                let with_depth = surfels.splatting == Splatting::Regular;
+                let with_depth = (surfels.splatting == Splatting::Regular).then_some(canvas.outline);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
                         let shading = self.shading(seen, &splats, lane);
@@ -202,17 +237,74 @@ impl Surfels<'_> {
                     return;
                 }
                 let mut splats = seen.splats(simd, attribute);
-                if self.is_filtered {
-                    splats = splats.filtered(simd, view, seen.centers);
+                match self.filter {
+                    SplatFilter::Off => {}
+                    SplatFilter::Ewa => {
+                        let on_screen = splats.on_screen(simd, view, seen.centers);
+                        if self.small_splats(simd, &canvas, tile.origin, &on_screen, seen, &mut waiting.small) {
+                            return;
+                        }
+                        splats = splats.filtered(&on_screen);
+                    }
+                    SplatFilter::Clamp => canvas.least_reach_px = SplatFilter::CLAMP_RADIUS_PX,
                 }
                 let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        waiting.push((facet, self.shading(seen, &splats, lane)));
+                        waiting.splats.push((facet, self.shading(seen, &splats, lane)));
+                        if self.filter == SplatFilter::Clamp {
+                            waiting.middles.push(seen.middle(view, lane));
+                        }
                     }
                 }
             }
         }
+    }
+
+    /// Lets eight filtered surfels wait, if all are small.
+    #[inline(always)]
+    fn small_splats<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &Canvas<'_>,
+        origin: [i32; 2],
+        on_screen: &OnScreen<S>,
+        seen: &EightSurfels<S>,
+        waiting: &mut Vec<SmallSplat>,
+    ) -> bool {
+        let lighting = self.lighting();
+        let small = SmallSplats::of(
+            simd,
+            &small_splats::Seen {
+                canvas,
+                on_screen,
+                centers: seen.centers,
+                normals: seen.normals,
+                are_there: seen.are_there,
+                may_touch: seen.may_touch,
+                is_lit: matches!(
+                    lighting,
+                    Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment
+                ),
+            },
+        );
+        let Some(small) = small else {
+            return false;
+        };
+        for lane in 0..LANES {
+            let splat = small.get(lane, origin, |faces_away| {
+                let [red, green, blue, _] = self.points[seen.first + lane].color;
+                let color = unit_color([red, green, blue]);
+                let normal = seen.normals.lane(lane);
+                match (faces_away, self.style.darkens_back_faces()) {
+                    (false, _) => (color, normal),
+                    (true, false) => (color, -normal),
+                    (true, true) => (seen_from_behind(color), -normal),
+                }
+            });
+            waiting.extend(splat);
+        }
+        true
     }
 
     /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
@@ -221,8 +313,8 @@ impl Surfels<'_> {
         let near = f32x8::splat(simd, view.near);
         let distances = seen.centers.dot(seen.centers).sqrt().max(near);
         let mut slack = seen.radii * (self.slack_radii * scale);
-        if self.is_filtered {
-            slack -= seen.centers.z * (self.slack_radii * view.length_of_px(SplatFilter::RADIUS_PX));
+        if self.is_filtered() {
+            slack -= seen.centers.z * (self.slack_radii * view.length_of_px(self.filter.radius_px()));
         }
         1.0 / (1.0 + slack / distances)
     }
@@ -230,7 +322,7 @@ impl Surfels<'_> {
     #[inline(always)]
     fn shading<S: Simd>(&self, seen: &EightSurfels<S>, splats: &Splats<S>, lane: usize) -> Shading {
         let [red, green, blue, _] = self.points[seen.first + lane].color;
-        let lighting = self.style.light.lighting;
+        let lighting = self.lighting();
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels
         } else {
@@ -271,6 +363,23 @@ fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
 }
 
 impl<S: Simd> EightSurfels<S> {
+    /// Where the middle of one of them is.
+    #[inline(always)]
+    fn middle(&self, view: &PixelView, lane: usize) -> Middle {
+        let center = self.centers.lane(lane);
+        if -center.z < view.near {
+            return Middle {
+                place_px: [0.0; 2],
+                depth: 0.0,
+            };
+        }
+        let slopes = center.truncate() / -center.z;
+        Middle {
+            place_px: [0, 1].map(|axis| slopes[axis] * view.px_per_slope[axis] + view.middle_px[axis]),
+            depth: view.near / -center.z,
+        }
+    }
+
     /// Their splats where radii are `scale` times as large.
     #[inline(always)]
     fn splats(&self, simd: S, scale: f32) -> Splats<S> {

@@ -178,7 +178,7 @@ fn build(
     let targets = targets.unwrap_or_default();
     let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&label),
-        source: wgpu::ShaderSource::Wgsl(permutation.source().into()),
+        source: wgpu::ShaderSource::Wgsl(permutation.source(context.tests_depths_early).into()),
     });
     let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label),

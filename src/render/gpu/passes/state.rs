@@ -7,7 +7,7 @@ use crate::render::gpu::targets::{DEPTH_FORMAT, Precision, Source, Target};
 pub struct GeometryPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// A file of `shaders/passes/`.
+    /// A file of `shaders/passes/`: what fragments leave.
     pub(in crate::render::gpu) wgsl: &'static str,
     /// `None` where only depths are drawn.
     pub(in crate::render::gpu) color: Option<ColorUse>,
@@ -41,6 +41,25 @@ pub(in crate::render::gpu) enum DepthUse {
     /// A pass over records clears it first.
     TestAndWrite,
     TestOnly,
+}
+
+impl GeometryPass {
+    /// Whether depths are tested.
+    pub fn has_depths(&self) -> bool {
+        self.depth.is_some()
+    }
+
+    /// The file of `shaders/entries/` by which that gets into the targets; where fragments write depths, with these.
+    pub(in crate::render::gpu) fn entry(&self, writes_depths: bool) -> &'static str {
+        match (self.color.map(|color| color.target), writes_depths) {
+            (None, false) => include_str!("../../../../shaders/entries/nothing.wgsl"),
+            (None, true) => include_str!("../../../../shaders/entries/depths.wgsl"),
+            (Some(Target::Surfaces), false) => include_str!("../../../../shaders/entries/surfaces.wgsl"),
+            (Some(Target::Surfaces), true) => include_str!("../../../../shaders/entries/surfaces_and_depths.wgsl"),
+            (Some(_), false) => include_str!("../../../../shaders/entries/colors.wgsl"),
+            (Some(_), true) => include_str!("../../../../shaders/entries/colors_and_depths.wgsl"),
+        }
+    }
 }
 
 impl ColorUse {

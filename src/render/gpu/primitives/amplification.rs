@@ -6,11 +6,17 @@ use crate::scene::Strategy;
 
 /// What one record becomes.
 #[derive(Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "a row of a table, whose columns have nothing to do with each other"
+)]
 pub struct Amplification {
     /// No other has the same.
     pub name: &'static str,
     /// Files of `shaders/primitives/`.
     pub(in crate::render::gpu) wgsl: &'static [&'static str],
+    /// The file that hands vertices on to fragments.
+    pub(in crate::render::gpu) varyings: &'static str,
     /// Vertices that the vertex stage runs for a record: 1, or 4 for each quad.
     pub vertices_per_record: u32,
     /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
@@ -18,12 +24,17 @@ pub struct Amplification {
     /// Whether records are triangles, which name vertices: then they reach the vertex stage in one way, whatever the
     /// strategy.
     pub is_indexed: bool,
+    /// Whether depths are worked out at each fragment. Their quads are at the nearest.
+    pub writes_depths: bool,
     /// Whether the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
     /// the vertex stage computes once anyway.
     pub compute_amplifies: bool,
     /// Every pass that may draw it.
     pub passes: &'static [&'static GeometryPass],
 }
+
+/// What vertices of quads of one colour hand on.
+pub(super) const QUAD_VARYINGS: &str = include_str!("../../../../shaders/common/varyings.wgsl");
 
 impl Amplification {
     /// Whether records are vertices of a list of points, not of quads.

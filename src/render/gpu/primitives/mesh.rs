@@ -13,13 +13,12 @@ use std::sync::Arc;
 /// Half a quad, or the square of a point.
 pub(super) const TRIANGLE: Amplification = Amplification {
     name: "triangle",
-    wgsl: &[
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/primitives/mesh.wgsl"),
-    ],
+    wgsl: &[include_str!("../../../../shaders/common/linear.wgsl")],
+    varyings: include_str!("../../../../shaders/primitives/mesh.wgsl"),
     vertices_per_record: 4,
     reads_shapes: false,
     is_indexed: true,
+    writes_depths: false,
     compute_amplifies: false,
     passes: &[&SOLID, &ROUND_SOLID, &SURFACE_SOLID, &SURFACE_ROUND_SOLID, &DEPTH],
 };

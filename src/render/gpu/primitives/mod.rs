@@ -13,6 +13,8 @@
 //! | surfel `visibility` | visibility, depth view |
 //! | surfel, other modes | visibility, attribute, resolve |
 //!
+//! Ellipses and sprites are drawn as surfels are.
+//!
 //! Where shading is deferred, *surface* passes stand in place of those that leave colours, and shade and resolve
 //! follow. Shadow maps are drawn by visibility, those of voxels and triangles by depth.
 
@@ -29,12 +31,14 @@ pub(super) use drawable::Drawable;
 use crate::scene::{Content, Primitive, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 8] = [
+pub const AMPLIFICATIONS: [&Amplification; 10] = [
     &points::PIXEL,
     &points::SQUARE,
     &points::SQUARE_WITH_SHAPE,
     &surfels::DISK,
     &surfels::ELLIPSE,
+    &surfels::SPRITE,
+    &surfels::ELLIPSE_SPRITE,
     &voxels::LIT_BY_FACES,
     &voxels::LIT_BY_NORMALS,
     &mesh::TRIANGLE,

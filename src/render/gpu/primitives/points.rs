@@ -1,7 +1,7 @@
 //! Points: pixels, or squares or disks that face the screen. Where they are lit or blended, the passes of surfels and
 //! voxels draw them.
 
-use super::amplification::Amplification;
+use super::amplification::{Amplification, QUAD_VARYINGS};
 use super::drawable::{Drawable, Passes};
 use super::surfels;
 use crate::render::gpu::passes::ScreenPass;
@@ -27,9 +27,11 @@ pub(super) const SQUARE: Amplification = Amplification {
         include_str!("../../../../shaders/primitives/points_alike.wgsl"),
         include_str!("../../../../shaders/primitives/points.wgsl"),
     ],
+    varyings: QUAD_VARYINGS,
     vertices_per_record: 4,
     reads_shapes: false,
     is_indexed: false,
+    writes_depths: false,
     compute_amplifies: false,
     passes: &[&POINT, &ROUND_POINT, &VISIBILITY, &ATTRIBUTE],
 };

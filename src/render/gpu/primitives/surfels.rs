@@ -1,6 +1,6 @@
 //! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
-use super::amplification::Amplification;
+use super::amplification::{Amplification, QUAD_VARYINGS};
 use super::drawable::{Drawable, Passes};
 use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{
@@ -17,11 +17,14 @@ pub(super) const DISK: Amplification = Amplification {
     wgsl: &[
         include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
         include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
+        include_str!("../../../../shaders/primitives/splats.wgsl"),
         include_str!("../../../../shaders/primitives/surfels.wgsl"),
     ],
+    varyings: QUAD_VARYINGS,
     vertices_per_record: 4,
     reads_shapes: true,
     is_indexed: false,
+    writes_depths: false,
     compute_amplifies: true,
     passes: &[
         &VISIBILITY,
@@ -42,9 +45,38 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     wgsl: &[
         include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
         include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
+        include_str!("../../../../shaders/primitives/splats.wgsl"),
         include_str!("../../../../shaders/primitives/surfels.wgsl"),
     ],
     ..DISK
+};
+
+/// One quad that faces the screen, around the disk.
+pub(super) const SPRITE: Amplification = Amplification {
+    name: "sprite",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/disk_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
+        include_str!("../../../../shaders/primitives/splats.wgsl"),
+        include_str!("../../../../shaders/common/facet.wgsl"),
+    ],
+    varyings: include_str!("../../../../shaders/primitives/sprites.wgsl"),
+    writes_depths: true,
+    // A corner has three times as many numbers as one on a surface.
+    compute_amplifies: false,
+    ..DISK
+};
+
+/// The same around an ellipse.
+pub(super) const ELLIPSE_SPRITE: Amplification = Amplification {
+    name: "ellipse sprite",
+    wgsl: &[
+        include_str!("../../../../shaders/primitives/ellipse_axes.wgsl"),
+        include_str!("../../../../shaders/primitives/filtered_by_ewa.wgsl"),
+        include_str!("../../../../shaders/primitives/splats.wgsl"),
+        include_str!("../../../../shaders/common/facet.wgsl"),
+    ],
+    ..SPRITE
 };
 
 /// Precondition: `packet` draws surfels.
@@ -68,10 +100,11 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
-    let amplification = if style.primitive == Primitive::Ellipse {
-        &ELLIPSE
-    } else {
-        &DISK
+    let amplification = match (style.primitive == Primitive::Ellipse, style.draws_sprites()) {
+        (false, false) => &DISK,
+        (true, false) => &ELLIPSE,
+        (false, true) => &SPRITE,
+        (true, true) => &ELLIPSE_SPRITE,
     };
     Drawable {
         amplification,

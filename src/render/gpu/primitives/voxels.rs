@@ -1,6 +1,6 @@
 //! Cells as cubes: the three faces of each that can face the eye.
 
-use super::amplification::Amplification;
+use super::amplification::{Amplification, QUAD_VARYINGS};
 use super::drawable::{Drawable, Passes};
 use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{DEPTH, SOLID, SURFACE_SOLID};
@@ -15,9 +15,11 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
         include_str!("../../../../shaders/primitives/voxels.wgsl"),
         include_str!("../../../../shaders/primitives/voxels_lit_by_faces.wgsl"),
     ],
+    varyings: QUAD_VARYINGS,
     vertices_per_record: 12,
     reads_shapes: false,
     is_indexed: false,
+    writes_depths: false,
     compute_amplifies: true,
     passes: &[&SOLID, &SURFACE_SOLID, &DEPTH],
 };

@@ -1,5 +1,6 @@
 //! One setting in words.
 
+use super::shorthand::{Given, Shorthand};
 use super::values::{Value, Values};
 use crate::scene::environment::Environment;
 
@@ -12,6 +13,8 @@ pub struct Described {
     pub flag: &'static str,
     /// An earlier name of the option, which is understood as well; empty where there is none.
     pub former_flag: &'static str,
+    /// Another name of the option, as others call it; empty where there is none.
+    pub other_flag: &'static str,
     /// What the option is given, in capitals.
     pub value_name: &'static str,
     /// What the option does, before the words that it takes.
@@ -30,6 +33,8 @@ pub struct Described {
     pub label: Label,
     /// Which values it has.
     pub values: Values,
+    /// Words for its values that come with those of other settings.
+    pub shorthands: &'static [Shorthand],
 }
 
 impl Described {
@@ -38,6 +43,7 @@ impl Described {
         key: "",
         flag: "",
         former_flag: "",
+        other_flag: "",
         value_name: "",
         help: "",
         heading: "Picture",
@@ -47,12 +53,16 @@ impl Described {
         when: When::Always,
         label: Label::Untold,
         values: Values::Switch(""),
+        shorthands: &[],
     };
 
     /// The line of its option in a list of options.
     pub fn help_line(&self) -> String {
-        let words = match self.values {
-            Values::Words(words) => words.list.iter().map(|word| word.word).collect(),
+        let words: Vec<&str> = match self.values {
+            Values::Words(words) => {
+                let words = words.list.iter().chain(self.shorthands.iter().map(|short| &short.word));
+                words.map(|word| word.word).collect()
+            }
             Values::Environment => environment_words(),
             _ => return self.help.to_owned(),
         };
@@ -64,20 +74,26 @@ impl Described {
         }
     }
 
-    /// A word or a number of the command line. `Err` says what was expected.
-    pub fn parse(&self, text: &str) -> Result<Value, String> {
-        match &self.values {
-            Values::Words(words) => {
-                let place = words.place_of(text).map_err(|error| error.to_string());
-                place.map(Value::Word)
-            }
-            Values::Number(numbers) => numbers.parse(text).map(Value::Number),
-            Values::Environment => match text.parse::<Environment>() {
-                Ok(environment) => Ok(Value::Environment(environment)),
-                Err(error) => Err(format!("{error}, nor one of {}", list_of(&environment_words()))),
-            },
-            _ => Err("expected no text".to_owned()),
+    /// What a word or a number of the command line gives: a value of this setting, and of others where it is short for
+    /// them. `Err` says what was expected.
+    pub fn parse(&self, text: &str) -> Result<Given, String> {
+        if let Some(shorthand) = self.shorthands.iter().find(|short| short.word.word == text) {
+            return Ok(shorthand.given.to_vec());
         }
+        let value = match &self.values {
+            Values::Words(words) => {
+                let others = self.shorthands.iter().map(|short| short.word.word);
+                let place = words.place_among(text, others).map_err(|error| error.to_string())?;
+                Value::Word(place)
+            }
+            Values::Number(numbers) => Value::Number(numbers.parse(text)?),
+            Values::Environment => match text.parse::<Environment>() {
+                Ok(environment) => Value::Environment(environment),
+                Err(error) => return Err(format!("{error}, nor one of {}", list_of(&environment_words()))),
+            },
+            _ => return Err("expected no text".to_owned()),
+        };
+        Ok(vec![(self.key, value)])
     }
 
     /// The nearest value that files may hold.

@@ -8,10 +8,12 @@ mod described;
 mod group;
 mod numbers;
 mod setting;
+mod shorthand;
 mod values;
 
 pub use described::{Described, Label, Place, Section, When};
 pub(super) use group::group;
 pub use numbers::{Numbers, Typed, Unit};
 pub use setting::Setting;
+pub use shorthand::{Given, Shorthand};
 pub use values::{Kind, KindNumber, Value, Values, Word, Words};

@@ -5,6 +5,7 @@ use crate::scene::ParseChoiceError;
 use crate::scene::environment::Environment;
 use crate::scene::style::background::Background;
 use crate::sequence::Coloring;
+use std::iter;
 
 /// The value of any setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,10 +57,19 @@ pub struct Words {
 impl Words {
     /// The place of a word.
     pub(crate) fn place_of(&self, text: &str) -> Result<usize, ParseChoiceError> {
+        self.place_among(text, iter::empty())
+    }
+
+    /// The same where there are other words that are expected, too.
+    pub(super) fn place_among<'a>(
+        &'a self,
+        text: &str,
+        others: impl Iterator<Item = &'a str>,
+    ) -> Result<usize, ParseChoiceError> {
         let place = self.list.iter().position(|word| word.word == text);
         place.ok_or_else(|| {
             let words = self.list.iter().map(|word| word.word);
-            ParseChoiceError::new(self.what, text, words)
+            ParseChoiceError::new(self.what, text, words.chain(others))
         })
     }
 }

@@ -52,6 +52,7 @@ impl Points<'_> {
                 PointShape::Disk | PointShape::Gaussian => Outline::Disk,
             },
             cull_back_faces: false,
+            least_reach_px: 0.0,
         };
         let passes: &[Pass] = match self.shape {
             PointShape::Square | PointShape::Disk => &[Pass::Solid],

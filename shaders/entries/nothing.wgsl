@@ -1,0 +1,11 @@
+// Fragments leave nothing beside the depths of their quads.
+
+@vertex
+fn vertex(instance: Instance) -> Varyings {
+    return varyings(instance);
+}
+
+@fragment
+fn fragment(in: Varyings) {
+    left(in);
+}

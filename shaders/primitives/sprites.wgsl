@@ -1,0 +1,122 @@
+// A surfel is a square of pixels around its picture, which faces the screen (paper 002 §5.1). Where on its disk a
+// fragment is, and how far away, is worked out there: exact in every pixel, without vertices on the disk between which
+// anything is interpolated.
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    // The functions of the facet; the fourth number of W is the depth for each unit of it.
+    @location(0) @interpolate(flat) p: vec3f,
+    @location(1) @interpolate(flat) q: vec3f,
+    @location(2) @interpolate(flat) w: vec4f,
+    @location(3) @interpolate(flat) light: vec2f,
+    @location(4) @interpolate(flat) color: u32,
+    // In view space.
+    @location(5) @interpolate(flat) normal: vec3f,
+    // Factor on the mask.
+    @location(6) @interpolate(flat) weight: f32,
+    // The pixel that the middle is in, and its reversed depth; 0 where it is not in front of the eye.
+    @location(7) @interpolate(flat) middle: vec3f,
+}
+
+fn varyings(instance: Instance) -> Varyings {
+    let point = fetch_point(instance);
+    let shape = fetch_shape(instance);
+    let n = oct_decode(shape.normal);
+    let center = offset_from_eye(point.position);
+    let splat = splat_of(n, shape, center);
+    let seen = patch_of(
+        rotate_to_view(center),
+        rotate_to_view(splat.axes[0] * splat.scale),
+        rotate_to_view(splat.axes[1] * splat.scale),
+    );
+    let facet = facet_of(seen);
+    let slack = slack_of(splat, center);
+    let clip = sprite_corner(seen, facet, slack, quad_corner(vertex_of_record(instance)));
+    // There is no other vertex on the disk than its middle.
+    let light = light_at_vertex(n, center, center);
+    let color = side_color(point.color, dot(n, center));
+    let w = vec4f(facet.w, facet.depth_per_w / slack);
+    return Varyings(
+        clip, facet.p, facet.q, w, light, color, rotate_to_view(n), splat.weight, middle_of(seen),
+    );
+}
+
+fn middle_of(seen: Patch) -> vec3f {
+    if (-seen.c.z < seen.near) {
+        return vec3f(0.0);
+    }
+    let ndc = seen.c.xy / -seen.c.z * view.focal + view.center_ndc;
+    return vec3f((0.5 + vec2f(0.5, -0.5) * ndc) * view.viewport_px, seen.near / -seen.c.z);
+}
+
+// A corner of the square at the nearest depth of the disk: no fragment is nearer, so that what lies behind other
+// splats can be left out before it is worked out.
+fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f {
+    let outline = outline_of(seen);
+    let is_culled = view.back_faces == BACK_FACES_CULLED && faces_away(seen);
+    let half_depth = -seen.c.z - outline.nearest;
+    if (facet.depth_per_w == 0.0 || is_culled || half_depth - seen.c.z < seen.near) {
+        // No area.
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
+    var place = corner;
+    if (!outline.is_around_eye) {
+        let margin = 2.0 * SPRITE_MARGIN_PX / view.viewport_px;
+        let least = view.clamp_radius_px / view.px_per_slope;
+        let middle = seen.c.xy / -seen.c.z;
+        let end = select(min(outline.low, middle - least), max(outline.high, middle + least), corner > vec2f(0.0));
+        place = end * view.focal + view.center_ndc + corner * margin;
+    }
+    // Rounded towards the eye.
+    let depth = SPRITE_NEARER * seen.near / (max(outline.nearest, 0.25 * seen.near) * slack);
+    return vec4f(place, min(depth, 1.0), 1.0);
+}
+
+// Where a fragment is on its disk, half axes being 1 long; beside it where the disk is nearer than the near plane, or
+// behind the eye.
+fn place_on_disk(in: Varyings) -> vec2f {
+    let ray = ray_through(in.position.xy);
+    let w = dot(in.w.xyz, ray);
+    if (w <= 0.0 || w * in.w.w > 1.0) {
+        return vec2f(2.0);
+    }
+    return vec2f(dot(in.p, ray), dot(in.q, ray)) / w;
+}
+
+// Where a fragment is in the least splat, whose radius is some pixels.
+fn place_on_least_splat(in: Varyings) -> vec2f {
+    if (view.clamp_radius_px == 0.0 || in.middle.z == 0.0) {
+        return vec2f(2.0);
+    }
+    return (in.position.xy - in.middle.xy) / view.clamp_radius_px;
+}
+
+// Whether the least splat is stronger there than the disk.
+fn is_on_least_splat(in: Varyings) -> bool {
+    let on_disk = place_on_disk(in);
+    let on_least = place_on_least_splat(in);
+    return dot(on_least, on_least) < dot(on_disk, on_disk);
+}
+
+fn place_on_splat(in: Varyings) -> vec2f {
+    return select(place_on_disk(in), place_on_least_splat(in), is_on_least_splat(in));
+}
+
+// Of the square only the disk is on the surface.
+fn is_beside_surface(in: Varyings) -> bool {
+    return is_beside_splat(in);
+}
+
+// Reversed.
+fn depth_of(in: Varyings) -> f32 {
+    let on_plane = dot(in.w.xyz, ray_through(in.position.xy)) * in.w.w;
+    return min(select(on_plane, in.middle.z, is_on_least_splat(in)), in.position.z);
+}
+
+fn albedo(in: Varyings) -> vec3f {
+    return unpack4x8unorm(in.color).rgb;
+}
+
+fn shaded(in: Varyings) -> vec3f {
+    return shade(albedo(in), in.normal, in.light, in.position.xy);
+}
