@@ -61,8 +61,11 @@ impl ReelDecoder {
         &self.file
     }
 
-    /// Frame `index`: its finest levels that together have at most `most_points` points to draw (the root's one, if that
-    /// is less; `usize::MAX` for all). What the answer is does not depend on what was decoded before.
+    /// Frame `index` by its finest level of at most `most_points` points (by its root, if no level has so few;
+    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before.
+    ///
+    /// # Errors
+    /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
     pub fn decode(&mut self, index: usize, most_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
         let cancelled = |path: &std::path::Path| ReelError::Cancelled { path: path.to_owned() };
         let file = Arc::clone(&self.file);
