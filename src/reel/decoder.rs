@@ -1,8 +1,8 @@
 //! Frames of a file, whole or by their coarse levels.
 
 use super::error::{Fault, ReelError};
-use super::file::{Directory, FrameRecord, SectionRecord, checksum};
-use super::frame::{CodedSection, Pose, Wanted, cloud_of, decode_pose};
+use super::file::{Directory, FrameRecord, SectionRecord, checksum, is_right};
+use super::frame::{CodedSection, Wanted, cloud_of, decode_pose};
 use super::reader::ReelFile;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -241,7 +241,7 @@ fn read_sections(file: &ReelFile, records: &[SectionRecord], data: u64) -> Resul
             let (own, others) = left.split_at(record.bytes() as usize);
             left = others;
             let found = crc32fast::hash(own);
-            if found != record.crc {
+            if !is_right(found, record.crc) {
                 let byte = data.saturating_add(record.offset);
                 return Err(checksum("a part of a frame", found, record.crc).at(file.path(), byte));
             }
