@@ -94,7 +94,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     };
     let content = match primitive {
         Primitive::Voxel => Content::Voxels(voxels()),
-        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse => Content::Surfels(Surfels {
+        Primitive::Auto | Primitive::Surfel | Primitive::Sprite | Primitive::Ellipse => Content::Surfels(Surfels {
             points: Arc::new(points),
             shapes: Arc::new(shapes.collect()),
         }),

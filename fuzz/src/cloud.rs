@@ -6,6 +6,8 @@ mod attributes;
 mod ellipse;
 #[path = "../../src/cloud/image_grid.rs"]
 mod image_grid;
+#[path = "../../src/cloud/quantised_normal.rs"]
+mod quantised_normal;
 #[path = "../../src/cloud/raw.rs"]
 mod raw;
 #[path = "../../src/cloud/record.rs"]
@@ -24,6 +26,7 @@ mod unit;
 pub use attributes::Attributes;
 pub use ellipse::Ellipse;
 pub use image_grid::ImageGrid;
+pub use quantised_normal::*;
 pub use raw::*;
 pub(crate) use sample::even_places;
 pub use scalar_field::ScalarField;

@@ -14,6 +14,12 @@ pub mod locks;
 #[path = "../../src/progress.rs"]
 pub mod progress;
 
+#[path = "../../src/math/mod.rs"]
+pub mod math;
+
+#[path = "../../src/reel/mod.rs"]
+pub mod reel;
+
 /// Crates whose panics the readers catch.
 const CAUGHT: [&str; 2] = ["/laz-", "/draco-core-"];
 

@@ -1,8 +1,8 @@
 //! Frames of a file, whole or by their coarse levels.
 
 use super::error::{Fault, ReelError};
-use super::file::{Directory, FrameRecord, SectionRecord, checksum};
-use super::frame::{CodedSection, Pose, Wanted, cloud_of, decode_pose};
+use super::file::{Directory, FrameRecord, SectionRecord, checksum, is_right};
+use super::frame::{CodedSection, Wanted, cloud_of, decode_pose};
 use super::reader::ReelFile;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -61,8 +61,11 @@ impl ReelDecoder {
         &self.file
     }
 
-    /// Frame `index`: its finest levels that together have at most `most_points` points to draw (the root's one, if that
-    /// is less; `usize::MAX` for all). What the answer is does not depend on what was decoded before.
+    /// Frame `index` by its finest level of at most `most_points` points (by its root, if no level has so few;
+    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before.
+    ///
+    /// # Errors
+    /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
     pub fn decode(&mut self, index: usize, most_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
         let cancelled = |path: &std::path::Path| ReelError::Cancelled { path: path.to_owned() };
         let file = Arc::clone(&self.file);
@@ -238,7 +241,7 @@ fn read_sections(file: &ReelFile, records: &[SectionRecord], data: u64) -> Resul
             let (own, others) = left.split_at(record.bytes() as usize);
             left = others;
             let found = crc32fast::hash(own);
-            if found != record.crc {
+            if !is_right(found, record.crc) {
                 let byte = data.saturating_add(record.offset);
                 return Err(checksum("a part of a frame", found, record.crc).at(file.path(), byte));
             }

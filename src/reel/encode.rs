@@ -4,9 +4,12 @@ use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
 use super::frame::{CodedSection, GroupPlan, Pose, Schema, encode_pose, prepare};
 use super::options::ReelOptions;
-use crate::cloud::{Frame, RawCloud};
+use crate::cloud::RawCloud;
 use rayon::prelude::*;
 use std::time::Duration;
+
+/// Most points of a frame: indices of 31 bits tell them apart.
+const MOST_POINTS: usize = (1 << 31) - 1;
 
 /// A frame that is to be written.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +42,7 @@ impl EncodedGroup {
     }
 }
 
-/// Encodes frames that follow each other as a group, of which the first is decoded alone.
+/// Encodes frames that follow each other as a group: they share a cube and the steps of scalars.
 ///
 /// # Errors
 /// Options that cannot be meant, and clouds of which an attribute has not one entry a point.
@@ -95,7 +98,7 @@ fn check(frame: &NewFrame<'_>) -> Result<(), ReelError> {
     let count = frame.cloud.positions.len();
     let problem = match frame.cloud.attributes.other_length(count) {
         Some((attribute, found)) => format!("{attribute} has {found} entries for {count} points"),
-        None if count >= Frame::MAX_POINTS => format!("{count} points are more than a frame can hold"),
+        None if count > MOST_POINTS => format!("{count} points are more than a frame can hold"),
         None => return Ok(()),
     };
     Err(ReelError::Cloud {
@@ -110,7 +113,6 @@ fn record(frame: &NewFrame<'_>, pose: &Pose, schema: usize, of_schema: &Schema) 
     FrameRecord {
         name: frame.name.to_owned(),
         time: frame.time,
-        is_dependent: false,
         schema,
         points_written: cloud.positions.len() as u64,
         points: points.map_or([0; 2], |points| [points.below.len(), points.outside.len()]),

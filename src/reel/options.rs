@@ -32,7 +32,7 @@ pub struct ReelOptions {
     pub scalar_bits: u8,
     /// Bits of the offset of a point along its normal at [`Precision::SamplingDensity`], at most 4; 0 for none.
     pub offset_bits: u8,
-    /// Frames of a group: the first is decoded alone, each other one after the one before it.
+    /// Frames of a group: they share a cube, and what is damaged costs no more than its group.
     pub keyframes: u32,
     /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one:
     /// [`Precision::Length`] or [`Precision::Lossless`].

@@ -31,7 +31,7 @@ impl Default for OffsetModels {
 
 /// The offset that a code of `bits` bits stands for, in 1024ths of the cell's edge.
 fn offset_of_code(code: u8, bits: u8) -> i32 {
-    ((2 * i32::from(code) + 1) * LARGEST >> bits) - LARGEST
+    (((2 * i32::from(code) + 1) * LARGEST) >> bits) - LARGEST
 }
 
 /// The offset that a code of `bits` bits stands for, in edges of the cell.
@@ -62,7 +62,7 @@ pub(in crate::reel) fn code_offsets<C: BitCoder>(
         let mut code = 1;
         for place in (0..bits).rev() {
             let bit = coder.bit(&mut tree[code], offsets[node] >> place & 1 != 0);
-            code = 2 * code | usize::from(bit);
+            code = 2 * code + usize::from(bit);
         }
         offsets[node] = (code - (1 << bits)) as u8;
     }

@@ -92,7 +92,7 @@ impl ChunkHeader {
             crc: reader.u32()?,
         };
         let (expected, found) = (crc32fast::hash(&bytes[..CHUNK_HEADER_BYTES - 4]), reader.u32()?);
-        if expected != found {
+        if !is_right(expected, found) {
             return Err(checksum("the header of a chunk", expected, found));
         }
         if u64::from(header.checked_len) > header.len {
@@ -104,10 +104,16 @@ impl ChunkHeader {
     /// Whether the first bytes of the contents are those that were written.
     pub(in crate::reel) fn check(&self, checked: &[u8]) -> Result<(), Fault> {
         match crc32fast::hash(checked) {
-            found if found == self.crc => Ok(()),
+            found if is_right(found, self.crc) => Ok(()),
             found => Err(checksum("a chunk", found, self.crc)),
         }
     }
+}
+
+/// Whether a checksum is that of its bytes. Fuzzers, which do not guess checksums, get past.
+#[allow(unexpected_cfgs, reason = "cargo-fuzz sets it")]
+pub(in crate::reel) fn is_right(expected: u32, found: u32) -> bool {
+    expected == found || cfg!(fuzzing)
 }
 
 /// Bytes that were changed.

@@ -8,6 +8,10 @@ use glam::DVec3;
 use std::ops::Range;
 use std::time::Duration;
 
+/// Flags of a frame; bit 0 is kept for frames that depend on the one before.
+const SENSOR: u8 = 1 << 1;
+const IMAGE: u8 = 1 << 2;
+
 /// A stream of a section: its bytes follow those of the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct StreamRecord {
@@ -38,8 +42,6 @@ impl SectionRecord {
 pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) name: String,
     pub(in crate::reel) time: Option<Duration>,
-    /// Whether it is decoded with the frame before it.
-    pub(in crate::reel) is_dependent: bool,
     /// Which of the group's schemas.
     pub(in crate::reel) schema: usize,
     /// Points of the cloud that was written.
@@ -132,14 +134,9 @@ impl FrameRecord {
         writer.text(&self.name);
         let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX - 1) + 1;
         writer.number(self.time.map_or(0, nanos));
-        let flags = [self.is_dependent, self.sensor.is_some(), self.image.is_some()];
-        writer.byte(
-            flags
-                .iter()
-                .enumerate()
-                .map(|(bit, &is_set)| u8::from(is_set) << bit)
-                .sum(),
-        );
+        let sensor = if self.sensor.is_some() { SENSOR } else { 0 };
+        let image = if self.image.is_some() { IMAGE } else { 0 };
+        writer.byte(sensor | image);
         writer.number(self.schema as u64);
         writer.number(self.points_written);
         writer.number(self.points[0] as u64);
@@ -177,6 +174,10 @@ impl FrameRecord {
         let name = reader.text()?;
         let time = reader.number()?.checked_sub(1).map(Duration::from_nanos);
         let flags = reader.byte()?;
+        if flags & !(SENSOR | IMAGE) != 0 {
+            let problem = format!("frame {name} is coded in a way that only later versions know ({flags:#b})");
+            return Err(Fault::new(problem));
+        }
         let schema = reader.number()? as usize;
         let Some(of_schema) = schemas.get(schema) else {
             return Err(Fault::new(format!(
@@ -197,7 +198,7 @@ impl FrameRecord {
         for _ in &of_schema.scalars {
             scalar_offsets.push(reader.f64()?);
         }
-        let sensor = match flags >> 1 & 1 {
+        let sensor = match flags & SENSOR {
             0 => None,
             _ => Some(DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?)),
         };
@@ -207,7 +208,7 @@ impl FrameRecord {
         let unit = usize::from(reader.byte()?)
             .checked_sub(1)
             .and_then(|place| UNITS.get(place).copied());
-        let image = match flags >> 2 & 1 {
+        let image = match flags & IMAGE {
             0 => None,
             _ => {
                 let [width, height] =
@@ -231,7 +232,6 @@ impl FrameRecord {
         Ok(Self {
             name,
             time,
-            is_dependent: flags & 1 != 0,
             schema,
             points_written,
             points: [placed as usize, outside as usize],

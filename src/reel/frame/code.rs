@@ -217,7 +217,8 @@ fn code_tree<C: BitCoder>(
             .position(|range| range.contains(&(level + 1)))
             .unwrap_or(0);
         let masks = &mut levels[level].masks;
-        neighbours = code_masks(&mut coders[section], &mut models, links, masks);
+        let wants_neighbours = wants_plan || level + 2 < counts.len();
+        neighbours = code_masks(&mut coders[section], &mut models, links, masks, wants_neighbours);
         above.clone_from(masks);
         let found: usize = above.iter().map(|mask| mask.count_ones() as usize).sum();
         if found != expected {

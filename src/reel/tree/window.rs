@@ -104,8 +104,8 @@ pub(in crate::reel) const fn own_mask(window: u64) -> u8 {
 #[inline(always)]
 pub(in crate::reel) const fn refined(around: u64) -> u64 {
     // Columns 0, 1, 2 become 0, 1 and 2, 3; then rows, then planes.
-    let x = around & 0x0111_0111_0111 | (around & 0x0222_0222_0222) * 3 | (around & 0x0444_0444_0444) << 1;
-    let y = x & 0x000f_000f_000f | (x & 0x00f0_00f0_00f0) * 0x11 | (x & 0x0f00_0f00_0f00) << 4;
+    let x = (around & 0x0111_0111_0111) | ((around & 0x0222_0222_0222) * 3) | (around & 0x0444_0444_0444) << 1;
+    let y = (x & 0x000f_000f_000f) | ((x & 0x00f0_00f0_00f0) * 0x11) | (x & 0x0f00_0f00_0f00) << 4;
     let middle = y & 0xffff_0000;
     y & 0xffff | middle | middle << 16 | (y & 0xffff_0000_0000) << 16
 }
