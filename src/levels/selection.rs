@@ -7,7 +7,6 @@
 //! When it wins: where a view moves about a frame. Of a frame that is seen once, all records are more than those of a
 //! cut. So structures tell places once they have written as many records as they have nodes ([`KeptNodes`]).
 
-use super::structure::RecordBuffers;
 use crate::cloud::{PointRecord, ShapeRecord};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -55,12 +54,15 @@ impl Selection {
         self.len() == 0
     }
 
-    /// The records that are drawn, in the memory of `buffers`.
+    /// The records that are drawn, in the memory of these.
     ///
     /// # Panics
     /// Precondition: places are those of `nodes`.
-    pub fn gathered(&self, nodes: &NodeRecords, buffers: RecordBuffers) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
-        let (mut points, mut shapes) = (buffers.points, buffers.shapes);
+    pub fn gathered(
+        &self,
+        nodes: &NodeRecords,
+        (mut points, mut shapes): (Vec<PointRecord>, Vec<ShapeRecord>),
+    ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
         match *self {
             Self::At(ref places) => {
                 let places = places.par_iter().with_min_len(NODES_PER_TASK);
@@ -140,7 +142,7 @@ mod tests {
     fn records_are_gathered_in_the_order_of_their_places() {
         let nodes = nodes(10);
         let scalars = |selection: &Selection| -> Vec<(f32, f32, f32)> {
-            let (points, shapes) = selection.gathered(&nodes, RecordBuffers::default());
+            let (points, shapes) = selection.gathered(&nodes, Default::default());
             assert_eq!((points.len(), shapes.len()), (selection.len(), selection.len()));
             let both = points.iter().zip(&shapes);
             both.map(|(point, shape)| (point.position[0], shape.scalar, shape.radius))

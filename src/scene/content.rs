@@ -48,7 +48,7 @@ pub struct Selected {
 impl Selected {
     /// Those that are drawn, side by side.
     pub fn gathered(&self) -> Surfels {
-        let (points, shapes) = self.selection.gathered(&self.nodes, RecordBuffers::default());
+        let (points, shapes) = self.selection.gathered(&self.nodes, Default::default());
         Surfels {
             points: Arc::new(points),
             shapes: Arc::new(shapes),

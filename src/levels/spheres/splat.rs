@@ -54,13 +54,10 @@ impl Splat {
 /// The records of all of so many nodes.
 pub(super) fn all(
     node_count: usize,
-    records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Sync,
+    records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Send + Sync,
 ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
     let nodes = (0..node_count as u32).into_par_iter();
-    nodes
-        .with_min_len(super::split::NODES_PER_TASK)
-        .map(|node| records(node))
-        .unzip()
+    nodes.with_min_len(super::split::NODES_PER_TASK).map(records).unzip()
 }
 
 /// The records of nodes, in their order.

@@ -16,6 +16,7 @@ mod plan;
 mod presence;
 mod primitives;
 mod readback;
+mod recording;
 mod renderer;
 mod residency;
 pub mod shaders;

@@ -5,6 +5,7 @@ use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::{LAMP_VIEW, Plan};
+use super::recording::Recording;
 use super::targets::{Target, Targets};
 use super::timer::{Stamps, Timer};
 use crate::render::RenderStats;
@@ -25,50 +26,6 @@ pub(super) struct Recorder<'a> {
     /// Where the adapter has timestamps.
     pub(super) timer: Option<&'a mut Timer>,
     pub(super) stats: &'a mut RenderStats,
-}
-
-/// What compute passes are recorded with.
-#[derive(Debug)]
-pub(super) struct Recording<'a> {
-    pub(super) context: &'a Context,
-    encoder: &'a mut wgpu::CommandEncoder,
-    timer: Option<&'a mut Timer>,
-}
-
-impl<'a> Recording<'a> {
-    /// Of what comes before the passes of a picture.
-    pub(super) fn new(
-        context: &'a Context,
-        encoder: &'a mut wgpu::CommandEncoder,
-        timer: Option<&'a mut Timer>,
-    ) -> Self {
-        Self {
-            context,
-            encoder,
-            timer,
-        }
-    }
-
-    /// Copies a buffer to all of a texture.
-    pub(super) fn copy_to_texture(
-        &mut self,
-        buffer: &wgpu::Buffer,
-        layout: wgpu::TexelCopyBufferLayout,
-        texture: &wgpu::Texture,
-    ) {
-        let from = wgpu::TexelCopyBufferInfo { buffer, layout };
-        self.encoder
-            .copy_buffer_to_texture(from, texture.as_image_copy(), texture.size());
-    }
-
-    /// Begins a compute pass.
-    pub(super) fn begin_compute(&mut self, label: &'static str) -> wgpu::ComputePass<'_> {
-        let stamps = self.timer.as_deref_mut().and_then(|timer| timer.stamps(label));
-        self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(label),
-            timestamp_writes: stamps.map(Stamps::of_compute),
-        })
-    }
 }
 
 /// All textures are loaded or cleared in the same way.

@@ -78,7 +78,7 @@ impl<'a> RecordSource<'a> {
     }
 
     /// The same records, some of which are gathered.
-    pub(super) fn to_gather_from(self) -> Self {
+    pub(super) fn into_nodes(self) -> Self {
         Self {
             key: StreamKey {
                 use_of: StreamUse::Gathered,

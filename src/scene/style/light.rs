@@ -72,7 +72,7 @@ group! {
             flag: "lighting",
             other_flag: "shading",
             value_name: "HOW",
-            help: "How surfaces are lit",
+            help: "Light",
             title: "Lighting",
             hint: "Where the head light is evaluated, or how the blended surface is lit",
             section: Section::Shading,

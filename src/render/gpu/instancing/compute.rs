@@ -13,8 +13,8 @@ use super::stream::{Chunk, Draw, ViewBinding};
 use crate::render::gpu::constants::{GROUP_RECORDS, OUTPUT_GROUP, STREAM_GROUP, VIEW_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::SplatVertex;
-use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::recording::Recording;
 use crate::render::gpu::wgsl;
 use std::collections::HashMap;
 

@@ -1,7 +1,7 @@
 //! Room for the records of a chunk, which a compute pass writes.
 
 use super::stream::RECORD_BYTES;
-use crate::render::gpu::picture::Recording;
+use crate::render::gpu::recording::Recording;
 
 /// Where a compute pass writes records.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use super::room::Room;
 use super::stream::{Chunk, Draw, RECORD_BYTES, Stream, ViewBinding};
 use crate::render::gpu::context::Context;
-use crate::render::gpu::picture::Recording;
 use crate::render::gpu::primitives::Amplification;
+use crate::render::gpu::recording::Recording;
 use std::{fmt, iter};
 
 /// A row of the [table of strategies](super::row).

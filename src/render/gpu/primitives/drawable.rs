@@ -32,7 +32,7 @@ impl<'a> Drawable<'a> {
     /// The same of some nodes, with the records of all as its streams.
     pub(super) fn selecting(self, selection: &'a Arc<Selection>) -> Self {
         Self {
-            streams: self.streams.into_iter().map(RecordSource::to_gather_from).collect(),
+            streams: self.streams.into_iter().map(RecordSource::into_nodes).collect(),
             selection: Some(selection),
             ..self
         }
