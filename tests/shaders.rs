@@ -10,8 +10,8 @@ mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
-    Gathering, LampUniform, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord, VertexRecord,
-    ViewUniform,
+    Filtering, Gathering, LampUniform, NodeBounds, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord,
+    VertexRecord, ViewUniform,
 };
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
@@ -84,7 +84,7 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather => true,
+        Permutation::Gather | Permutation::Filter => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);
@@ -128,6 +128,39 @@ fn rust_and_wgsl_agree_on_every_layout() {
     );
     assert_layout!(TexturePlace, "TexturePlace", first, width, height, unused);
     assert_layout!(Gathering, "Gathering", first, count, step, radius_factor);
+    assert_layout!(
+        Filtering,
+        "Filtering",
+        first,
+        count,
+        inner_candidates,
+        inners,
+        eye,
+        marks,
+        area_px2,
+        small_px2,
+        rough_area_px2,
+        rough_small_px2,
+        is_oriented,
+        culls_back_faces,
+        deepest_level,
+        unused_a,
+        unused_b,
+        unused_c,
+        planes
+    );
+    assert_layout!(
+        NodeBounds,
+        "NodeBounds",
+        center,
+        sphere_radius,
+        axis,
+        cone_cosine,
+        radius,
+        level,
+        parent,
+        unused
+    );
     assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);
     assert_layout!(

@@ -14,6 +14,11 @@ struct SplatVertex {
     weight: f32,
 }
 
+// A corner of what is not drawn: all are at one place outside of the view.
+fn nowhere() -> SplatVertex {
+    return SplatVertex(vec4f(2.0, 2.0, 2.0, 1.0), 0u, 0u, 0u, 0.0);
+}
+
 // Corners 0 1 2 3 of a quad are (-1,-1) (1,-1) (-1,1) (1,1).
 fn quad_corner(corner: u32) -> vec2f {
     return vec2f(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;

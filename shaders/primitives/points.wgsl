@@ -4,6 +4,9 @@
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     let point = fetch_point(instance);
     let shape = point_shape(instance);
+    if (shape.radius == RADIUS_OF_NOTHING) {
+        return nowhere();
+    }
     let center = rotate_to_view(offset_from_eye(point.position));
     var place = center;
     var clip = project(center);

@@ -7,12 +7,18 @@ fn amplified_vertex(instance: Instance) -> SplatVertex {
 fn may_be_seen(instance: Instance) -> bool {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
+    if (shape.radius == RADIUS_OF_NOTHING) {
+        return false;
+    }
     let splat = splat_of(oct_decode(shape.normal), shape, offset_from_eye(point.position));
     let reach = SQUARE_REACH_RADII * splat.reach;
     return surfel_may_face_eye(point, shape, reach) && sphere_may_be_seen(point.position, reach);
 }
 
 fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVertex {
+    if (shape.radius == RADIUS_OF_NOTHING) {
+        return nowhere();
+    }
     let n = oct_decode(shape.normal);
     let q = quad_corner(corner);
     let center = offset_from_eye(point.position);

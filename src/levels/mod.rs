@@ -20,5 +20,6 @@ pub use list::PointList;
 pub use policy::{Affordable, Lod};
 pub use selection::{NodeRecords, Selection};
 pub use set::{CloudRecords, LevelsSet, LevelsWork};
+pub use spheres::filter::{NodeBounds, SequenceFilter};
 pub use spheres::{SphereKind, SphereLevels};
 pub use structure::{Levels, LevelsSize, RecordBuffers, Records};

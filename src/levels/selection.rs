@@ -1,12 +1,13 @@
 //! Nodes that are told by their places among the records of all nodes, for whoever keeps these.
 //!
 //! How it works: where nodes have records that are the same from cut to cut, a graphics card keeps the records, and a
-//! cut is four bytes a node, or nothing but a step for the plain list. Elsewhere, and where they do not fit, what is
+//! cut is four bytes a node, or nothing but a step for the plain list and a rule for a sequence, whose nodes it tests. Elsewhere, and where they do not fit, what is
 //! drawn of a cut is *gathered*.
 //!
 //! When it wins: where a view moves about a frame. Of a frame that is seen once, all records are more than those of a
 //! cut. So structures tell places once they have written as many records as they have nodes ([`KeptNodes`]).
 
+use super::spheres::filter::SequenceFilter;
 use crate::cloud::{PointRecord, ShapeRecord};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,10 +26,12 @@ pub struct NodeRecords {
 }
 
 /// Which of them are drawn, in this order.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub enum Selection {
     /// Those at these places.
     At(Vec<u32>),
+    /// Candidates of a sequence that pass a test.
+    Filtered(Box<SequenceFilter>),
     /// Every one whose place is a multiple of a step, with wider disks.
     Every {
         /// From one to the next; at least 1.
@@ -41,11 +44,23 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// How many records are drawn.
+    /// How many records are drawn; of those that are tested, at most.
     pub fn len(&self) -> usize {
         match self {
             Self::At(places) => places.len(),
+            Self::Filtered(filter) => filter.len(),
             Self::Every { count, .. } => *count as usize,
+        }
+    }
+
+    /// How many are drawn, those that are tested one by one.
+    pub fn count_drawn(&self) -> usize {
+        match self {
+            Self::At(_) | Self::Every { .. } => self.len(),
+            Self::Filtered(filter) => {
+                let candidates = (0..filter.len() as u32).into_par_iter().with_min_len(NODES_PER_TASK);
+                candidates.filter(|&candidate| filter.draws(candidate)).count()
+            }
         }
     }
 
@@ -69,6 +84,14 @@ impl Selection {
                 places
                     .map(|&place| (nodes.points[place as usize], nodes.shapes[place as usize]))
                     .unzip_into_vecs(&mut points, &mut shapes);
+            }
+            Self::Filtered(ref filter) => {
+                let candidates = (0..filter.len() as u32).into_par_iter().with_min_len(NODES_PER_TASK);
+                let drawn = candidates.filter(|&candidate| filter.draws(candidate));
+                (points, shapes) = drawn
+                    .map(|candidate| filter.name(candidate) as usize)
+                    .map(|place| (nodes.points[place], nodes.shapes[place]))
+                    .unzip();
             }
             Self::Every {
                 step,
@@ -97,6 +120,11 @@ pub(super) struct KeptNodes {
 }
 
 impl KeptNodes {
+    /// The records of all nodes, if they are kept.
+    pub(super) fn known(&self) -> Option<&NodeRecords> {
+        self.records.get()
+    }
+
     /// The records of all of `node_count` nodes, where as many were written before: a view that moves has then paid at
     /// most twice, and a frame that is seen once pays for what it draws.
     pub(super) fn records(

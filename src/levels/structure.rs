@@ -22,6 +22,12 @@ pub trait Levels: Debug + Send + Sync {
         None
     }
 
+    /// What is drawn in a view as a test of each node, for the same reader, without a cut: see [`Levels::select`]. The
+    /// view before is not asked.
+    fn filter(&self, _view: &SelectView, _hints: CutHints<'_>) -> Option<Records> {
+        None
+    }
+
     /// How large it is.
     fn size(&self) -> LevelsSize;
 

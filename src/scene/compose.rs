@@ -24,7 +24,7 @@ pub struct SceneStats {
     pub traversals: u64,
     /// Nodes visited by the last traversal.
     pub visited_nodes: usize,
-    /// Nodes emitted by the last traversal.
+    /// Nodes emitted by the last traversal; where these are left to a test of each, those that are tested.
     pub emitted_voxels: usize,
     /// Those of them that stand for points for which another one stands, too.
     pub duplicates: usize,
@@ -51,7 +51,8 @@ pub struct Scene {
 #[derive(Debug)]
 struct LastCut {
     from: CutInput,
-    cut: Cut,
+    /// `None` where nodes are told by a test of each.
+    cut: Option<Cut>,
     content: Content,
 }
 
@@ -77,6 +78,18 @@ impl CutInput {
             && self.culls_back_faces == other.culls_back_faces
             && self.lod == other.lod
             && self.metric == other.metric
+    }
+}
+
+impl CutInput {
+    /// What is drawn where nodes are told by a test of each, and the LOD threshold. Other policies count nodes.
+    fn filtered(&self, view: &SelectView, hints: CutHints<'_>) -> Option<(Content, f32)> {
+        let Lod::ThresholdPx(lod_px) = self.lod else {
+            return None;
+        };
+        let view = SelectView { lod_px, ..*view };
+        let records = self.may_select.then(|| self.levels.filter(&view, hints))??;
+        Some((Content::from(records), lod_px))
     }
 }
 
@@ -287,7 +300,7 @@ impl Scene {
             .filter(|last| self.remembers && last.from.has_same_nodes(&from));
         let hints = CutHints {
             culls_back_faces: from.culls_back_faces,
-            before: before.map(|last| &last.cut),
+            before: before.and_then(|last| last.cut.as_ref()),
         };
         let select_view = SelectView {
             metric: from.metric,
@@ -295,6 +308,23 @@ impl Scene {
         };
         let affordable = from.affordable.voxels();
         let levels = &*from.levels;
+        if let Some((content, lod_px)) = from.filtered(&select_view, hints) {
+            let candidates = content.record_count();
+            self.stats = SceneStats {
+                traversals: self.stats.traversals + 1,
+                visited_nodes: candidates,
+                emitted_voxels: candidates,
+                duplicates: 0,
+                lod_px: Some(lod_px),
+                traverse_time: start.elapsed(),
+            };
+            self.last_cut = Some(LastCut {
+                from,
+                cut: None,
+                content: content.clone(),
+            });
+            return content;
+        }
         let (cut, lod_px) = from.lod.cut(levels, &select_view, hints, affordable);
         let most_records = match from.lod {
             Lod::Budget(most) => most as usize,
@@ -320,7 +350,7 @@ impl Scene {
         };
         self.last_cut = Some(LastCut {
             from,
-            cut,
+            cut: Some(cut),
             content: content.clone(),
         });
         content

@@ -195,7 +195,7 @@ impl Content {
                     places,
                     ..RecordBuffers::default()
                 },
-                Ok(Selection::Every { .. }) | Err(_) => RecordBuffers::default(),
+                Ok(Selection::Every { .. } | Selection::Filtered(_)) | Err(_) => RecordBuffers::default(),
             },
             Self::Voxels(voxels) => RecordBuffers {
                 voxels: memory(voxels.records),

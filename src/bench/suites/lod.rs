@@ -19,7 +19,7 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::levels::LevelsSize;
-use crate::scene::{Camera, LevelStructure, LevelStyle, Scene, Style};
+use crate::scene::{Camera, Content, LevelStructure, LevelStyle, Scene, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 
 /// Names of the tables.
@@ -388,7 +388,10 @@ impl Subjected {
         if let Some(samples) = samples {
             let stats = self.scene.stats();
             let lod_ms = stats.traverse_time.as_secs_f64() * 1e3;
-            let drawn = packet.content.record_count();
+            let drawn = match &packet.content {
+                Content::Selected(selected) => selected.selection.count_drawn(),
+                content => content.record_count(),
+            };
             // Where nothing is chosen, all points are looked at by who draws them.
             let processed = if stats.traversals > 0 {
                 stats.visited_nodes

@@ -16,6 +16,7 @@ mod cone;
 #[cfg(test)]
 mod ellipse_tests;
 mod ellipses;
+pub(super) mod filter;
 mod node_code;
 mod order;
 mod printed;
@@ -34,10 +35,11 @@ use super::cut::{Cut, CutHints, SelectView};
 use super::selection::{KeptNodes, NodeRecords, Selection};
 use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord};
+use filter::Tested;
 use printed::PrintedSequence;
 use qsplat::QSplat;
 use sequential::{HIERARCHY_POINTS, SequentialTree};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use tree::{Precision, SphereTree};
 
 /// What a tree of spheres is stored as.
@@ -61,6 +63,8 @@ pub struct SphereLevels {
     shapes: Arc<Vec<ShapeRecord>>,
     structure: Structure,
     kept: KeptNodes,
+    /// Of a sequence, once its nodes are kept.
+    tested: OnceLock<Tested>,
 }
 
 #[derive(Debug)]
@@ -94,13 +98,15 @@ impl SphereLevels {
             shapes,
             structure,
             kept: KeptNodes::default(),
+            tested: OnceLock::new(),
         }
     }
 
     /// Most bytes that it can come to, with the records of all nodes for whoever selects among them.
     pub fn most_bytes(&self) -> usize {
         let size = self.size();
-        size.bytes + size.nodes * (size_of::<PointRecord>() + size_of::<ShapeRecord>())
+        let kept = size_of::<PointRecord>() + size_of::<ShapeRecord>() + size_of::<u32>();
+        size.bytes + size.nodes * kept
     }
 
     /// The records of all nodes, by their names.
@@ -159,6 +165,19 @@ impl Levels for SphereLevels {
         Some(Records::Selected {
             nodes: nodes.clone(),
             selection: Selection::At(places),
+        })
+    }
+
+    fn filter(&self, view: &SelectView, hints: CutHints<'_>) -> Option<Records> {
+        let Structure::Sequential(sequences) = &self.structure else {
+            return None;
+        };
+        let nodes = self.kept.known()?;
+        let sequence = sequences.only_sequence()?;
+        let tested = self.tested.get_or_init(|| sequence.tested());
+        Some(Records::Selected {
+            nodes: nodes.clone(),
+            selection: Selection::Filtered(Box::new(sequence.filter(tested, view, hints)?)),
         })
     }
 

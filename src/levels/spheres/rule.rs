@@ -41,6 +41,25 @@ pub(super) struct Rule {
     deepest_level: u32,
 }
 
+/// All that decides in a view. What was a single float before is one here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RuleNumbers {
+    /// Where distances are measured from.
+    pub eye: [f32; 3],
+    /// Of the frustum.
+    pub planes: [[f32; 4]; crate::math::Frustum::PLANES],
+    /// A of a disk with a radius of 1 at a distance of 1, px².
+    pub area_px2: f64,
+    /// The largest ε of a small node, px².
+    pub small_px2: f64,
+    /// Whether normals say how much of a disk is seen.
+    pub is_oriented: bool,
+    /// Whether nodes that face away are dropped.
+    pub culls_back_faces: bool,
+    /// Nodes of this level are not divided.
+    pub deepest_level: u32,
+}
+
 /// How much larger than the threshold, or smaller, a node must be to change sides.
 pub(super) const HYSTERESIS: f64 = 0.1;
 
@@ -55,6 +74,23 @@ impl Rule {
             threshold_px2: f64::from(view.metric.root_area_px(view.lod_px).max(0.0)).powi(2),
             band: if hints.before.is_some() { HYSTERESIS } else { 0.0 },
             deepest_level: view.deepest_level,
+        }
+    }
+
+    /// What decides without a view before, for who evaluates it elsewhere.
+    pub(super) fn numbers(&self) -> RuleNumbers {
+        RuleNumbers {
+            eye: self.eye.as_vec3().to_array(),
+            planes: self.planes.map(|plane| plane.as_vec4().to_array()),
+            area_px2: self.area_px2,
+            small_px2: self.threshold_px2,
+            is_oriented: self.is_oriented,
+            culls_back_faces: self.culls_back_faces,
+            deepest_level: if self.deepest_level < SelectView::ALL_LEVELS {
+                self.deepest_level
+            } else {
+                u32::MAX
+            },
         }
     }
 
@@ -147,7 +183,8 @@ impl Rule {
             return f64::INFINITY;
         }
         let seen_share = if self.is_oriented { seen_share.max(0.0) } else { 1.0 };
-        seen_share * self.area_px2 * (f64::from(bounds.radius) / distance).powi(2)
+        let ratio = f64::from(bounds.radius) / distance;
+        seen_share * self.area_px2 * (ratio * ratio)
     }
 }
 

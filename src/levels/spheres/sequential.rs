@@ -12,10 +12,12 @@
 //!
 //! There is no lower end of a range (paper 002 §4.3): a node that is seen from its edge is small however large it is.
 //!
-//! When it wins: where there is no time to descend, and on graphics cards, which could test a prefix by themselves.
+//! When it wins: where there is no time to descend, and on graphics cards, which test a prefix by themselves
+//! (`filter.rs`).
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
+use super::filter::{NodeBounds, SequenceFilter, Tested};
 use super::order::{NO_PARENT, Order, descending_key};
 use super::rule::{Rule, Verdict};
 use super::splat::{self, Splat};
@@ -26,6 +28,7 @@ use crate::levels::cut::{Cut, CutHints, ListedNodes, SelectView};
 use crate::levels::structure::{LevelsSize, RecordBuffers, Records};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Most points of a sequence in a hierarchy of them.
 pub(super) const HIERARCHY_POINTS: usize = 1 << 8;
@@ -171,6 +174,51 @@ impl SequentialTree {
     }
 }
 
+/// A tree that is one sequence.
+#[derive(Clone, Copy)]
+pub(super) struct OnlySequence<'a>(&'a SequentialTree);
+
+impl SequentialTree {
+    /// The sequence, if there is but one, below the root.
+    pub(super) fn only_sequence(&self) -> Option<OnlySequence<'_>> {
+        (self.uppers.len() == 1).then_some(OnlySequence(self))
+    }
+}
+
+impl OnlySequence<'_> {
+    /// Its nodes as they are tested.
+    pub(super) fn tested(self) -> Tested {
+        // Names are places below the root, which has none.
+        let name = |parent: u32| if parent == NO_PARENT { 0 } else { parent + 1 };
+        let bounds = self.0.inners.par_iter();
+        let bounds = bounds.map(|inner| NodeBounds::new(&inner.bounds, inner.level, name(inner.parent)));
+        Tested {
+            bounds: Arc::new(bounds.collect()),
+            parents: Arc::new(self.0.leaves.par_iter().map(|leaf| name(leaf.parent)).collect()),
+        }
+    }
+
+    /// What is drawn in a view; `None` where that is the root alone, or nothing.
+    pub(super) fn filter(self, tested: &Tested, view: &SelectView, hints: CutHints<'_>) -> Option<SequenceFilter> {
+        let before = None;
+        let selection = Selection {
+            tree: self.0,
+            rule: Rule::new(view, &CutHints { before, ..hints }),
+            before: WasDivided::new(before),
+        };
+        if selection.verdict(0) != Verdict::Divided {
+            return None;
+        }
+        let (inner_candidates, leaf_candidates) = selection.prefixes(0);
+        Some(SequenceFilter {
+            rule: selection.rule,
+            tested: tested.clone(),
+            inner_candidates: inner_candidates as u32,
+            leaf_candidates: leaf_candidates as u32,
+        })
+    }
+}
+
 impl Inner {
     fn of(tree: &SphereTree, node: u32, parent: u32) -> Self {
         let inner = &tree.division.inners[node as usize];
@@ -292,8 +340,9 @@ impl Selection<'_> {
         self.rule.verdict(&inner.bounds, inner.level, was_divided)
     }
 
-    /// What is drawn of the sequence below a node that is divided, and how many nodes were tested for it.
-    fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
+    /// How many of the nodes that are no leaves, and of the leaves, may be drawn of the sequence below a node that is
+    /// divided: the first.
+    fn prefixes(&self, upper: usize) -> (usize, usize) {
         let Upper { inners, leaves, .. } = &self.tree.uppers[upper];
         let above = &self.tree.inners[upper].bounds;
         let small_radius = self.rule.small_radius_below(above);
@@ -307,7 +356,14 @@ impl Selection<'_> {
         let is_divisible = |radius: f32| f64::from(radius) > small_radius;
         let inner_count = of_inners.partition_point(|inner| is_divisible(inner.parent_radius));
         let leaf_count = of_leaves.partition_point(|leaf| is_divisible(radius_of(leaf.parent)));
+        (inner_count, leaf_count)
+    }
 
+    /// What is drawn of the sequence below a node that is divided, and how many nodes were tested for it.
+    fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
+        let Upper { inners, leaves, .. } = &self.tree.uppers[upper];
+        let (of_inners, of_leaves) = (&self.tree.inners[inners.clone()], &self.tree.leaves[leaves.clone()]);
+        let (inner_count, leaf_count) = self.prefixes(upper);
         let tested = (inners.start..inners.start + inner_count).into_par_iter();
         let verdicts: Vec<Verdict> = tested
             .with_min_len(NODES_PER_TASK)

@@ -31,6 +31,15 @@ pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 /// Of the pass that gathers records: all that it reads and writes.
 pub(super) const GATHER_GROUP: u32 = 0;
 
+/// The radius of what is not drawn, which was not told before its record was written.
+const RADIUS_OF_NOTHING: f32 = -1.0;
+
+/// What becomes of a node of a sequence; open is what single floats leave so.
+const VERDICT_DROPPED: u32 = 0;
+const VERDICT_SMALL: u32 = 1;
+const VERDICT_DIVIDED: u32 = 2;
+const VERDICT_OPEN: u32 = 3;
+
 /// Records that the strategy `compute` hands to a workgroup.
 pub(super) const GROUP_RECORDS: u32 = 256;
 
@@ -132,6 +141,7 @@ pub(super) fn shared() -> String {
         OCCLUSION_ROUGHNESS,
         OPAQUE_WEIGHT,
         OUTPUT_GROUP,
+        RADIUS_OF_NOTHING,
         SHADOW_EDGE_PX,
         SHADOW_OFFSET_TEXELS,
         SHADOW_SLOPE_TEXELS,
@@ -144,6 +154,10 @@ pub(super) fn shared() -> String {
         STREAM_GROUP,
         UPRIGHT_NORMAL_Y,
         USUAL_LINES,
+        VERDICT_DIVIDED,
+        VERDICT_DROPPED,
+        VERDICT_OPEN,
+        VERDICT_SMALL,
         VERTICES_PER_QUAD,
         VIEW_GROUP,
         WIDEST_CELL_PX,

@@ -5,14 +5,19 @@
 //! buffer, or one that becomes a texture. So shaders and draw calls are those of any other cloud, whatever the strategy,
 //! and so is every byte of the picture.
 //!
+//! Of a sequential point tree there are no places: the pass tests each candidate (`passes/filter.wgsl`) and gives those
+//! that are not drawn a radius by which `compute` drops them, and other strategies draw no more than a point without
+//! extent. Bisection has found the candidates, and the rule is a uniform.
+//!
 //! **Why not by an index in the vertex stage.** Uniform buffers are bound 64 KiB at a time, and attributes that are
 //! stepped per instance come in the order of memory: two of five strategies could not. The others would read an index
 //! for each of the four to twelve vertices of a record, and have twice as many shaders. The copy costs 64 bytes of the
 //! GPU's own memory a record, once a view.
 
-use super::constants::{self, GATHER_GROUP, GROUP_RECORDS};
+use super::constants;
 use super::context::Context;
-use super::gpu_data::Gathering;
+use super::gather_program::Program;
+use super::gpu_data::{Filtering, Gathering};
 use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
 use super::recording::Recording;
@@ -32,11 +37,24 @@ pub(super) fn source() -> String {
     .join("\n")
 }
 
+/// The same of the pass that tests nodes.
+pub(super) fn filter_source() -> String {
+    [
+        constants::shared().as_str(),
+        include_str!("../../../shaders/common/f64.wgsl"),
+        include_str!("../../../shaders/passes/filter.wgsl"),
+    ]
+    .join("\n")
+}
+
+/// Streams of records: points, then shapes. Others follow, by which nodes are tested.
+const RECORD_STREAMS: usize = 2;
+
 /// Gathers the records of one selection at a time.
 #[derive(Debug)]
 pub(super) struct Gatherer {
-    layout: wgpu::BindGroupLayout,
-    pipeline: Option<wgpu::ComputePipeline>,
+    gather: Program,
+    filter: Program,
     places: Option<wgpu::Buffer>,
     gathered: Option<Gathered>,
 }
@@ -63,31 +81,9 @@ pub(super) struct Selected<'a> {
 
 impl Gatherer {
     pub(super) fn new(context: &Context) -> Self {
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let entries = [
-            entry(0, wgpu::BufferBindingType::Uniform),
-            entry(1, storage(true)),
-            entry(2, storage(true)),
-            entry(3, storage(false)),
-        ];
         Self {
-            layout: context
-                .device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                    label: Some("gather"),
-                    entries: &entries,
-                }),
-            pipeline: None,
+            gather: Program::new(context, "gather", source, 3),
+            filter: Program::new(context, "filter", filter_source, 4),
             places: None,
             gathered: None,
         }
@@ -135,7 +131,7 @@ impl Gatherer {
         let uploaded_bytes = self.upload_places(context, selection);
         let mut streams = Vec::new();
         let mut rooms = self.gathered.take().map_or_else(Vec::new, |gathered| gathered.rooms);
-        rooms.resize_with(nodes.len(), Vec::new);
+        rooms.resize_with(RECORD_STREAMS.min(nodes.len()), Vec::new);
         for rooms in &mut rooms {
             streams.push(make_room(context, instancing, selected, rooms));
         }
@@ -185,29 +181,42 @@ impl Gatherer {
             return 0;
         }
         let context = recording.context;
-        let (layout, places) = (&self.layout, self.places.as_ref());
-        let pipeline = self.pipeline.get_or_insert_with(|| pipeline(context, layout));
-        let mut pass = recording.begin_compute("gather");
-        pass.set_pipeline(pipeline);
-        for (stream, (key, rooms)) in gathered.nodes.iter().zip(&gathered.rooms).enumerate() {
-            let Some(nodes) = residency.get(*key).and_then(Stream::to_gather_from) else {
-                continue;
-            };
+        let is_filtered = matches!(*gathered.selection, Selection::Filtered(_));
+        let program = if is_filtered {
+            &mut self.filter
+        } else {
+            &mut self.gather
+        };
+        program.ensure_pipeline(context);
+        let (nodes, of_test) = gathered.nodes.split_at(gathered.rooms.len());
+        let buffer = |key: &StreamKey| residency.get(*key).and_then(Stream::to_gather_from);
+        let mut pass = recording.begin_compute(program.label);
+        for (stream, (key, rooms)) in nodes.iter().zip(&gathered.rooms).enumerate() {
+            let Some(nodes) = buffer(key) else { continue };
             let mut first = 0;
             for (chunk, room) in gathered.streams[stream].chunks.iter().zip(rooms) {
+                let records = first..first + chunk.record_count;
+                first = records.end;
                 // The first stream has no radii.
-                let scales_radii = stream > 0;
-                let gathering = Gathering::of(&gathered.selection, first..first + chunk.record_count, scales_radii);
-                let group = bind_group(
-                    context,
-                    layout,
-                    &gathering,
-                    [places.unwrap_or(nodes), nodes, &room.buffer],
-                );
-                pass.set_bind_group(GATHER_GROUP, &group, &[]);
-                let most = context.limits.max_compute_workgroups_per_dimension;
-                pass.dispatch_workgroups(chunk.record_count.div_ceil(GROUP_RECORDS).min(most), 1, 1);
-                first += chunk.record_count;
+                let has_radii = stream > 0;
+                let group = match &*gathered.selection {
+                    Selection::Filtered(filter) => {
+                        let [Some(bounds), Some(parents)] =
+                            [of_test.first(), of_test.get(1)].map(|key| key.and_then(buffer))
+                        else {
+                            continue;
+                        };
+                        let filtering = Filtering::of(filter, records, has_radii);
+                        let buffers = [parents, nodes, &room.buffer, bounds];
+                        program.bind_group(context, bytemuck::bytes_of(&filtering), &buffers)
+                    }
+                    selection => {
+                        let gathering = Gathering::of(selection, records, has_radii);
+                        let buffers = [self.places.as_ref().unwrap_or(nodes), nodes, &room.buffer];
+                        program.bind_group(context, bytemuck::bytes_of(&gathering), &buffers)
+                    }
+                };
+                program.dispatch(context, &mut pass, &group, chunk.record_count);
             }
         }
         drop(pass);
@@ -241,51 +250,4 @@ fn make_room(
         chunks,
         byte_size: (count * RECORD_BYTES) as u64,
     }
-}
-
-fn pipeline(context: &Context, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
-    let label = Some("gather");
-    let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label,
-        source: wgpu::ShaderSource::Wgsl(source().into()),
-    });
-    let layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label,
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    context
-        .device
-        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label,
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("gather"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        })
-}
-
-/// The places, the nodes and where these go, in the order of their bindings.
-fn bind_group(
-    context: &Context,
-    layout: &wgpu::BindGroupLayout,
-    gathering: &Gathering,
-    buffers: [&wgpu::Buffer; 3],
-) -> wgpu::BindGroup {
-    let bytes = bytemuck::bytes_of(gathering);
-    let uniform = context.filled_buffer("gathering", wgpu::BufferUsages::UNIFORM, bytes, bytes.len());
-    let [places, nodes, room] = buffers;
-    let entries: Vec<_> = (0..)
-        .zip([&uniform, places, nodes, room])
-        .map(|(binding, buffer)| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer.as_entire_binding(),
-        })
-        .collect();
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("gather"),
-        layout,
-        entries: &entries,
-    })
 }

@@ -1,8 +1,10 @@
 //! Every structure that Rust and WGSL share. `tests/shaders.rs` holds these layouts against the shaders by reflection.
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
+pub use crate::levels::NodeBounds;
 
-use crate::levels::Selection;
+use crate::levels::{Selection, SequenceFilter};
+use crate::math::Frustum;
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
@@ -43,7 +45,7 @@ impl Gathering {
     /// Of these records of a selection, with their radii or without.
     pub fn of(selection: &Selection, records: Range<u32>, has_radii: bool) -> Self {
         let (step, factor) = match *selection {
-            Selection::At(_) => (0, 1.0),
+            Selection::At(_) | Selection::Filtered(_) => (0, 1.0),
             Selection::Every {
                 step, radius_factor, ..
             } => (step, radius_factor),
@@ -53,6 +55,55 @@ impl Gathering {
             count: records.len() as u32,
             step,
             radius_factor: if has_radii { factor } else { 1.0 },
+        }
+    }
+}
+
+/// Twin of `Filtering` in `passes/filter.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct Filtering {
+    pub first: u32,
+    pub count: u32,
+    pub inner_candidates: u32,
+    pub inners: u32,
+    pub eye: [f32; 3],
+    pub marks: u32,
+    pub area_px2: [u32; 2],
+    pub small_px2: [u32; 2],
+    pub rough_area_px2: f32,
+    pub rough_small_px2: f32,
+    pub is_oriented: u32,
+    pub culls_back_faces: u32,
+    pub deepest_level: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub unused_c: u32,
+    pub planes: [[f32; 4]; Frustum::PLANES],
+}
+
+impl Filtering {
+    /// Of these candidates, of which those that are not drawn are marked or not.
+    pub fn of(filter: &SequenceFilter, candidates: Range<u32>, marks: bool) -> Self {
+        let numbers = filter.numbers();
+        let words = |number: f64| [number.to_bits() as u32, (number.to_bits() >> 32) as u32];
+        Self {
+            first: candidates.start,
+            count: candidates.len() as u32,
+            inner_candidates: filter.inner_candidates(),
+            inners: filter.bounds().len() as u32,
+            eye: numbers.eye,
+            marks: marks.into(),
+            area_px2: words(numbers.area_px2),
+            small_px2: words(numbers.small_px2),
+            rough_area_px2: numbers.area_px2 as f32,
+            rough_small_px2: numbers.small_px2 as f32,
+            is_oriented: numbers.is_oriented.into(),
+            culls_back_faces: numbers.culls_back_faces.into(),
+            deepest_level: numbers.deepest_level,
+            planes: numbers.planes,
+            ..Self::zeroed()
         }
     }
 }

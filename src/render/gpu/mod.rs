@@ -8,6 +8,9 @@ pub mod complexity;
 mod constants;
 mod context;
 mod gather;
+mod gather_program;
+#[cfg(test)]
+mod gather_tests;
 pub mod gpu_data;
 mod instancing;
 mod passes;

@@ -17,6 +17,8 @@ pub enum Permutation {
     Amplify(&'static Amplification),
     /// The pass that gathers the records of selected nodes.
     Gather,
+    /// The same of those of a sequence, which it tests.
+    Filter,
     /// A pass over the screen.
     Screen(&'static ScreenPass),
 }
@@ -25,7 +27,7 @@ impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
-        all.push(Self::Gather);
+        all.extend([Self::Gather, Self::Filter]);
         for amplification in AMPLIFICATIONS {
             if amplification.compute_amplifies {
                 all.push(Self::Amplify(amplification));
@@ -49,6 +51,7 @@ impl Permutation {
             }
             Self::Amplify(amplification) => format!("amplify/{}", amplification.name),
             Self::Gather => "gather".to_owned(),
+            Self::Filter => "filter".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
         }
     }
@@ -74,6 +77,7 @@ impl Permutation {
             }
             Self::Amplify(amplification) => instancing::compute_source(amplification),
             Self::Gather => gather::source(),
+            Self::Filter => gather::filter_source(),
             Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
         }
     }

@@ -29,10 +29,17 @@ pub(in crate::render::gpu) struct Drawable<'a> {
 }
 
 impl<'a> Drawable<'a> {
-    /// The same of some nodes, with the records of all as its streams.
+    /// The same of some nodes, with the records of all as its streams, and what these are tested by after them.
     pub(super) fn selecting(self, selection: &'a Arc<Selection>) -> Self {
+        let of_test = match &**selection {
+            Selection::Filtered(filter) => {
+                vec![RecordSource::of(filter.bounds()), RecordSource::of(filter.parents())]
+            }
+            Selection::At(_) | Selection::Every { .. } => Vec::new(),
+        };
+        let streams = self.streams.into_iter().chain(of_test);
         Self {
-            streams: self.streams.into_iter().map(RecordSource::into_nodes).collect(),
+            streams: streams.map(RecordSource::into_nodes).collect(),
             selection: Some(selection),
             ..self
         }

@@ -1,0 +1,223 @@
+// Brings the candidates of a sequential point tree together and marks those that are not drawn in a view. The rule is
+// that of levels/spheres/rule.rs. It is worked out in single floats with a bound on their error, and where that leaves
+// it open, in the double floats of the processor, so that both find the same nodes (Shewchuk 1997).
+
+// Mirror: render/gpu/gpu_data.rs.
+struct Filtering {
+    // The first of these candidates, and how many they are.
+    first: u32,
+    count: u32,
+    // Candidates that are no leaves, and nodes of the tree that are none. The root, which is the first of these, is no
+    // candidate, but divided.
+    inner_candidates: u32,
+    inners: u32,
+    eye: vec3f,
+    // 1 where nodes that are not drawn are marked, which shapes are.
+    marks: u32,
+    // Doubles: the area of a disk of radius 1 at a distance of 1, and that of the largest small node.
+    area_px2: vec2u,
+    small_px2: vec2u,
+    // Roughly the same.
+    rough_area_px2: f32,
+    rough_small_px2: f32,
+    is_oriented: u32,
+    culls_back_faces: u32,
+    // Nodes of this level are not divided.
+    deepest_level: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
+    planes: array<vec4f, 5>,
+}
+
+// Mirror: levels/spheres/filter.rs. Numbers of which all bits count.
+struct NodeBounds {
+    center: vec3u,
+    sphere_radius: u32,
+    axis: vec3u,
+    cone_cosine: u32,
+    radius: u32,
+    level: u32,
+    parent: u32,
+    unused: u32,
+}
+
+@group(GATHER_GROUP) @binding(0) var<uniform> filtering: Filtering;
+// Names of the parents of leaves.
+@group(GATHER_GROUP) @binding(1) var<storage, read> parents: array<u32>;
+@group(GATHER_GROUP) @binding(2) var<storage, read> nodes: array<vec4u>;
+@group(GATHER_GROUP) @binding(3) var<storage, read_write> gathered: array<vec4u>;
+@group(GATHER_GROUP) @binding(4) var<storage, read> bounds: array<NodeBounds>;
+
+@compute @workgroup_size(GROUP_RECORDS)
+fn gather(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    for (var place = invocation.x; place < filtering.count; place += groups.x * GROUP_RECORDS) {
+        let candidate = filtering.first + place;
+        let is_leaf = candidate >= filtering.inner_candidates;
+        var name = candidate + 1u;
+        if (is_leaf) {
+            name = filtering.inners + (candidate - filtering.inner_candidates);
+        }
+        var record = nodes[name];
+        if (filtering.marks == 1u && !is_drawn(name, is_leaf)) {
+            record.y = bitcast<u32>(RADIUS_OF_NOTHING);
+        }
+        gathered[place] = record;
+    }
+}
+
+fn is_drawn(name: u32, is_leaf: bool) -> bool {
+    var parent = 0u;
+    if (is_leaf) {
+        parent = parents[name - filtering.inners];
+    } else {
+        if (verdict(bounds[name]) != VERDICT_SMALL) {
+            return false;
+        }
+        parent = bounds[name].parent;
+    }
+    return parent == 0u || verdict(bounds[parent]) == VERDICT_DIVIDED;
+}
+
+fn verdict(node: NodeBounds) -> u32 {
+    let rough = rough_verdict(node);
+    if (rough != VERDICT_OPEN) {
+        return rough;
+    }
+    return exact_verdict(node);
+}
+
+fn has_cone(node: NodeBounds) -> bool {
+    return bitcast<f32>(node.cone_cosine) != -1.0 && (filtering.is_oriented == 1u || filtering.culls_back_faces == 1u);
+}
+
+// What single floats tell for certain. Errors are a few units in the last place (6e-8) of what is added up; roots of
+// numbers near 0 make 6e-8 to 2.5e-4.
+fn rough_verdict(node: NodeBounds) -> u32 {
+    let center = bitcast<vec3f>(node.center);
+    let radius = bitcast<f32>(node.sphere_radius);
+    let to_eye = filtering.eye - center;
+    let extent = max(max(abs(to_eye.x), max(abs(to_eye.y), abs(to_eye.z))), radius);
+    if (!(extent > 1e-15 && extent < 1e15)) {
+        return VERDICT_OPEN;
+    }
+    var is_open = false;
+    for (var side = 0u; side < 5u; side++) {
+        let plane = filtering.planes[side];
+        let terms = plane.xyz * center;
+        let inside = terms.x + terms.y + terms.z + plane.w + radius;
+        let error = 1e-5 * (abs(terms.x) + abs(terms.y) + abs(terms.z) + abs(plane.w) + radius);
+        if (inside < -error) {
+            return VERDICT_DROPPED;
+        }
+        is_open = is_open || inside <= error;
+    }
+    let distance = length(to_eye);
+    var seen_share = 1.0;
+    var share_error = 0.0;
+    if (has_cone(node) && distance > radius * 0.9999) {
+        let cosine = dot(bitcast<vec3f>(node.axis), to_eye) / distance;
+        let gamma = clamp(select(abs(cosine), cosine, filtering.culls_back_faces == 1u), -1.0, 1.0);
+        let theta = bitcast<f32>(node.cone_cosine);
+        let sine_of_beta = min(radius / distance, 1.0);
+        let beta = sqrt(1.0 - sine_of_beta * sine_of_beta);
+        let sine_of_theta = sqrt(max(1.0 - theta * theta, 0.0));
+        let allowed = theta * beta - sine_of_theta * sine_of_beta;
+        let sine_of_allowed = sine_of_theta * beta + theta * sine_of_beta;
+        share_error = 0.005;
+        if (gamma < allowed) {
+            seen_share = gamma * allowed + sqrt(max(1.0 - gamma * gamma, 0.0)) * sine_of_allowed;
+        }
+        if (distance < radius * 1.0001) {
+            return VERDICT_OPEN;
+        }
+    }
+    if (filtering.culls_back_faces == 1u && seen_share < share_error) {
+        if (seen_share < -share_error) {
+            return VERDICT_DROPPED;
+        }
+        is_open = true;
+    }
+    if (is_open) {
+        return VERDICT_OPEN;
+    }
+    if (node.level >= filtering.deepest_level) {
+        return VERDICT_SMALL;
+    }
+    let from_sphere = distance - radius;
+    if (!(from_sphere > 1e-3 * distance)) {
+        return VERDICT_OPEN;
+    }
+    let ratio = bitcast<f32>(node.radius) / from_sphere;
+    let whole_px2 = filtering.rough_area_px2 * ratio * ratio;
+    var size_px2 = whole_px2;
+    var error = (2e-5 + 4e-6 * distance / from_sphere) * whole_px2;
+    if (filtering.is_oriented == 1u) {
+        size_px2 = max(seen_share, 0.0) * whole_px2;
+        error += share_error * whole_px2;
+    }
+    if (!(whole_px2 < 1e30) || abs(size_px2 - filtering.rough_small_px2) <= error) {
+        return VERDICT_OPEN;
+    }
+    return select(VERDICT_DIVIDED, VERDICT_SMALL, size_px2 < filtering.rough_small_px2);
+}
+
+fn exact_verdict(node: NodeBounds) -> u32 {
+    let one = vec2u(0u, 0x3ff00000u);
+    let zero = vec2u(0u);
+    let center = doubles(node.center);
+    let radius = f64_of_f32(node.sphere_radius);
+    let eye = doubles(bitcast<vec3u>(filtering.eye));
+    let to_eye = array(difference(eye[0], center[0]), difference(eye[1], center[1]), difference(eye[2], center[2]));
+    let distance = root(sum_of_products(to_eye, to_eye));
+    var seen_share = one;
+    if (has_cone(node) && !is_at_most(distance, radius)) {
+        var gamma = quotient(sum_of_products(doubles(node.axis), to_eye), distance);
+        if (filtering.culls_back_faces != 1u) {
+            gamma = magnitude(gamma);
+        }
+        let theta = f64_of_f32(node.cone_cosine);
+        let sine_of_beta = quotient(radius, distance);
+        let beta = root(difference(one, product(sine_of_beta, sine_of_beta)));
+        let sine_of_theta = root(difference(one, product(theta, theta)));
+        let allowed = difference(product(theta, beta), product(sine_of_theta, sine_of_beta));
+        let sine_of_allowed = sum(product(sine_of_theta, beta), product(theta, sine_of_beta));
+        if (!is_at_most(allowed, gamma)) {
+            var sine_squared = difference(one, product(gamma, gamma));
+            if (is_negative(sine_squared)) {
+                sine_squared = zero;
+            }
+            seen_share = sum(product(gamma, allowed), product(root(sine_squared), sine_of_allowed));
+        }
+    }
+    if (filtering.culls_back_faces == 1u && is_at_most(seen_share, zero)) {
+        return VERDICT_DROPPED;
+    }
+    for (var side = 0u; side < 5u; side++) {
+        let plane = bitcast<vec4u>(filtering.planes[side]);
+        let inside = sum(sum_of_products(doubles(plane.xyz), center), f64_of_f32(plane.w));
+        if (is_negative(sum(inside, radius))) {
+            return VERDICT_DROPPED;
+        }
+    }
+    if (node.level >= filtering.deepest_level) {
+        return VERDICT_SMALL;
+    }
+    let from_sphere = difference(distance, radius);
+    if (is_at_most(from_sphere, zero) || is_at_most(filtering.small_px2, zero)) {
+        return VERDICT_DIVIDED;
+    }
+    if (filtering.is_oriented != 1u) {
+        seen_share = one;
+    }
+    if (is_negative(seen_share)) {
+        seen_share = zero;
+    }
+    let ratio = quotient(f64_of_f32(node.radius), from_sphere);
+    let size_px2 = product(product(seen_share, filtering.area_px2), product(ratio, ratio));
+    return select(VERDICT_DIVIDED, VERDICT_SMALL, is_at_most(size_px2, filtering.small_px2));
+}
+
+fn doubles(bits: vec3u) -> array<vec2u, 3> {
+    return array(f64_of_f32(bits.x), f64_of_f32(bits.y), f64_of_f32(bits.z));
+}
