@@ -269,7 +269,7 @@ fn primitives_are_measured_with_the_work_of_their_shaders() {
     let names: Vec<&str> = report.sequences.iter().map(|sequence| sequence.name.as_str()).collect();
     assert_eq!(names, ["torus of 3000", "demo"]);
     let speed = rows_of(&report, "speed");
-    let primitives = 10;
+    let primitives = 13;
     assert_eq!(speed.len(), 2 * 3 * primitives);
     let records = column(&report, &speed, "records");
     // All points from every distance, but for voxels, of which there are as many leaves.

@@ -32,7 +32,7 @@ pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
-pub use surfels::{BackFaces, Kernel, SplatFilter, Splatting, SurfelStyle};
+pub use surfels::{BackFaces, Kernel, SplatFilter, SplatGeometry, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Value, Values, When};
@@ -143,6 +143,9 @@ impl Style {
             When::BlendedSurfels => self.blends_surfels(),
             When::MaskedSurfels => self.draws_surfels() && self.surfels.splatting.has_masks() && !self.filters_splats(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
+            When::GpuDisks => {
+                self.is(When::Gpu) && self.draws_surfels() && self.surfels.splatting != Splatting::Regular
+            }
             When::SurfelRadii => self.draws_surfels() || self.has_adaptive_points(),
             When::SurfelLevels => self.is(When::SurfelRadii) && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
@@ -179,6 +182,15 @@ impl Style {
     /// Whether splats are filtered to the pixels that they are seen in.
     pub fn filters_splats(&self) -> bool {
         self.blends_surfels() && self.surfels.filter == SplatFilter::Ewa
+    }
+
+    /// What the GPU draws splats as: squares where the picture shows these.
+    pub fn splat_geometry(&self) -> SplatGeometry {
+        if self.surfels.splatting == Splatting::Regular {
+            SplatGeometry::Quad
+        } else {
+            self.surfels.geometry
+        }
     }
 
     /// How splats fall off: the filter is a convolution of Gaussians, and so are the masks of points.

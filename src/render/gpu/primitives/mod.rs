@@ -29,12 +29,14 @@ pub(super) use drawable::Drawable;
 use crate::scene::{Content, Primitive, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 8] = [
+pub const AMPLIFICATIONS: [&Amplification; 10] = [
     &points::PIXEL,
     &points::SQUARE,
     &points::SQUARE_WITH_SHAPE,
     &surfels::DISK,
     &surfels::ELLIPSE,
+    &surfels::DISK_IN_TRIANGLE,
+    &surfels::ELLIPSE_IN_TRIANGLE,
     &voxels::LIT_BY_FACES,
     &voxels::LIT_BY_NORMALS,
     &mesh::TRIANGLE,

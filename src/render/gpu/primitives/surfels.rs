@@ -2,6 +2,7 @@
 
 use super::amplification::Amplification;
 use super::drawable::{Drawable, Passes};
+use crate::render::gpu::constants::VERTICES_PER_TRIANGLE;
 use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{
     ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, SURFACE_ATTRIBUTE, SURFACE_NO_DEPTH, SURFACE_OPAQUE, SURFACE_REGULAR,
@@ -9,9 +10,9 @@ use crate::render::gpu::passes::geometry::{
 };
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{Primitive, Splatting, Style, Surfels};
+use crate::scene::{Primitive, SplatGeometry, Splatting, Style, Surfels};
 
-/// One quad on the surface, with a disk.
+/// One quad in the plane of the surfel, with a disk.
 pub(super) const DISK: Amplification = Amplification {
     name: "surfel",
     wgsl: &[
@@ -47,6 +48,30 @@ pub(super) const ELLIPSE: Amplification = Amplification {
     ..DISK
 };
 
+/// One triangle around the disk: fewer vertices and triangles, more pixels beside the disk. The squares of
+/// [`Splatting::Regular`] are no part of it.
+pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
+    name: "surfel in triangle",
+    vertices_per_record: VERTICES_PER_TRIANGLE,
+    passes: &[
+        &VISIBILITY,
+        &ATTRIBUTE,
+        &NO_DEPTH,
+        &OPAQUE,
+        &SURFACE_ATTRIBUTE,
+        &SURFACE_NO_DEPTH,
+        &SURFACE_OPAQUE,
+    ],
+    ..DISK
+};
+
+/// The same with an ellipse.
+pub(super) const ELLIPSE_IN_TRIANGLE: Amplification = Amplification {
+    name: "ellipse in triangle",
+    wgsl: ELLIPSE.wgsl,
+    ..DISK_IN_TRIANGLE
+};
+
 pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> {
     let is_deferred = style.light.lighting.is_deferred();
     let (passes, resolve): (Passes, Option<&'static ScreenPass>) = match style.surfels.splatting {
@@ -65,10 +90,11 @@ pub(super) fn drawable<'a>(surfels: &'a Surfels, style: &Style) -> Drawable<'a> 
         }
     };
     Drawable {
-        amplification: if style.primitive == Primitive::Ellipse {
-            &ELLIPSE
-        } else {
-            &DISK
+        amplification: match (style.splat_geometry(), style.primitive) {
+            (SplatGeometry::Quad, Primitive::Ellipse) => &ELLIPSE,
+            (SplatGeometry::Quad, _) => &DISK,
+            (SplatGeometry::Triangle, Primitive::Ellipse) => &ELLIPSE_IN_TRIANGLE,
+            (SplatGeometry::Triangle, _) => &DISK_IN_TRIANGLE,
         },
         streams: vec![RecordSource::of(&surfels.points), RecordSource::of(&surfels.shapes)],
         chunked_for: &DISK,
