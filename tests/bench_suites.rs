@@ -313,7 +313,7 @@ fn primitives_are_measured_with_the_work_of_their_shaders() {
     assert_eq!(names, ["torus of 3000", "demo"]);
     let speed = rows_of(&report, "speed");
     // The torus has a mesh as well.
-    let primitives = 13;
+    let primitives = 16;
     assert_eq!(speed.len(), 3 * (2 * primitives + 1));
     assert_passes_are_timed(&report);
     let records = column(&report, &speed, "records");

@@ -14,8 +14,8 @@ use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{
     BackFaces, Backdrop, Background, Camera, Content, EyeDome, Kernel, LightRig, LightStyle, Lighting, OnOff,
-    PointLight, PointShape, PointSizing, PointStyle, Primitive, Scene, ScenePacket, SplatFilter, Splatting, Style,
-    SurfelStyle, Voxels,
+    PointLight, PointShape, PointSizing, PointStyle, Primitive, Scene, ScenePacket, SplatFilter, SplatGeometry,
+    Splatting, Style, SurfelStyle, Voxels,
 };
 use pointreel::sequence::{Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use proptest::prelude::*;
@@ -119,6 +119,25 @@ fn ellipses_and_sprites_in_every_mode_and_light() {
                     assert_same_picture(&surfel_scene(style, distance), least_psnr_db, most_differing);
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn splats_of_every_geometry() {
+    for &geometry in SplatGeometry::ALL {
+        let style = Style::default().with(|style| style.surfels.geometry = geometry);
+        for &splatting in Splatting::ALL {
+            let style = style.with(|style| style.surfels.splatting = splatting);
+            let (least_psnr_db, most_differing) = agreement(splatting);
+            assert_same_picture(&surfel_scene(style, 1.9), least_psnr_db, most_differing);
+        }
+        for distance in [0.4, 1.02, 30.0] {
+            let style = style.with(|style| {
+                style.surfels.back_faces = BackFaces::Drawn;
+                style.surfels.splatting = Splatting::TwoPassEnlarged;
+            });
+            assert_same_picture(&surfel_scene(style, distance), 55.0, 1e-5);
         }
     }
 }

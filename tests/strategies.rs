@@ -11,7 +11,7 @@ use pointreel::render::Renderer;
 use pointreel::render::gpu::{ContextOptions, GpuRenderer};
 use pointreel::scene::{
     BackFaces, Background, Camera, Content, Kernel, Lighting, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, Scene, ScenePacket, SplatFilter, Splatting, Strategy, Style, UpAxis,
+    Primitive, Scene, ScenePacket, SplatFilter, SplatGeometry, Splatting, Strategy, Style, UpAxis,
 };
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
@@ -36,6 +36,11 @@ fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str
             Strategy::ALL[0]
         );
     }
+}
+
+/// Each of `first` with each of `second`.
+fn pairs<'a, A, B>(first: &'a [A], second: &'a [B]) -> impl Iterator<Item = (&'a A, &'a B)> {
+    first.iter().flat_map(|a| second.iter().map(move |b| (a, b)))
 }
 
 fn gradient() -> Background {
@@ -82,6 +87,31 @@ fn surfels_in_all_modes_and_lights() {
                 });
                 let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
                 let what = format!("{primitive}, {splatting}, light {lighting}");
+                assert_agreement(&mut renderer, &packet, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn surfels_of_every_geometry() {
+    let mut renderer = GpuRenderer::new(common::context()).unwrap();
+    let cloud = sphere(1500, 1.0);
+    for (&geometry, &splatting) in pairs(SplatGeometry::ALL, Splatting::ALL) {
+        for lighting in [Lighting::PerVertex, Lighting::Lambert] {
+            for (primitive, filter) in [
+                (Primitive::Surfel, SplatFilter::Off),
+                (Primitive::Ellipse, SplatFilter::Ewa),
+            ] {
+                let style = plain().with(|style| {
+                    style.primitive = primitive;
+                    style.surfels.geometry = geometry;
+                    style.surfels.filter = filter;
+                    style.surfels.splatting = splatting;
+                    style.light.lighting = lighting;
+                });
+                let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+                let what = format!("{primitive}, {geometry}, {splatting}, light {lighting}");
                 assert_agreement(&mut renderer, &packet, &what);
             }
         }
@@ -288,22 +318,28 @@ fn points_of_every_shape_in_every_light() {
 #[test]
 fn many_batches_and_chunks_draw_what_one_draws() {
     let cloud = sphere(10_000, 1.0);
-    let style = plain().with(|style| style.surfels.splatting = Splatting::Regular);
-    let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
     let mut whole = GpuRenderer::new(common::context()).unwrap();
-    let reference = draw_with(&mut whole, &packet);
     // An odd number, so that neither batches nor workgroups end with a chunk.
     let chunked = common::open(&ContextOptions {
         max_chunk_records: Some(777),
         ..software()
     });
     let mut chunked = GpuRenderer::new(chunked).unwrap();
-    for &strategy in Strategy::ALL {
-        let mut packet = packet.clone();
-        packet.style.drawing.strategy = strategy;
-        let image = draw_with(&mut chunked, &packet);
-        assert_eq!(common::difference(&reference, &image), (0, 0), "{strategy} in chunks");
-        assert_eq!(chunked.stats().draw_calls, 13, "{strategy}: one draw a chunk");
+    for &geometry in SplatGeometry::ALL {
+        let style = plain().with(|style| {
+            style.surfels.splatting = Splatting::NoDepth;
+            style.surfels.geometry = geometry;
+        });
+        let packet = surfels(&cloud, &close_camera(), style, [120, 90]);
+        let reference = draw_with(&mut whole, &packet);
+        for &strategy in Strategy::ALL {
+            let mut packet = packet.clone();
+            packet.style.drawing.strategy = strategy;
+            let image = draw_with(&mut chunked, &packet);
+            let what = format!("{geometry}, {strategy}");
+            assert_eq!(common::difference(&reference, &image), (0, 0), "{what} in chunks");
+            assert_eq!(chunked.stats().draw_calls, 13, "{what}: one draw a chunk");
+        }
     }
 }
 

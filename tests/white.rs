@@ -24,7 +24,7 @@ use pointreel::render::truth::{Disks, RayTraced, Truth, TruthView};
 use pointreel::scene::{
     Antialiasing, Background, Camera, CodeStyle, Content, DrawingStyle, Environment, Footprint, Kernel, LevelStyle,
     LightRig, Lighting, PointLight, PointShape, PointStyle, Primitive, RendererChoice, Scene, ScenePacket, SplatFilter,
-    Splatting, Strategy, Style, VoxelLight,
+    SplatGeometry, Splatting, Strategy, Style, VoxelLight,
 };
 use pointreel::sequence::{ColorSource, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::f64::consts::{PI, TAU};
@@ -252,6 +252,20 @@ fn ellipses_in_the_modes_that_close_surfaces_are_white() {
         for_each_picture(&frame, &of_ellipses(splatting), |picture, by| {
             assert_white(picture, &is_covered, &format!("ellipses, {splatting}, {by}"));
         });
+    }
+}
+
+#[test]
+fn surfels_of_every_geometry_are_white() {
+    let frame = white_sphere(3_000, &white());
+    let is_covered = covered_by_disks(&frame.points, frame.shapes.as_ref().unwrap());
+    for &geometry in SplatGeometry::ALL {
+        for splatting in CLOSING {
+            let style = in_mode(splatting).with(|style| style.surfels.geometry = geometry);
+            for_each_picture(&frame, &style, |picture, by| {
+                assert_white(picture, &is_covered, &format!("{geometry}, {splatting}, {by}"));
+            });
+        }
     }
 }
 

@@ -1,7 +1,8 @@
-// Amplification: one record becomes the corners of quads (`shaders/primitives/`). Shared by the vertex stage of the
-// instanced strategies and by the compute pass of the amplifying one, so that all of them draw the same picture.
+// Amplification: one record becomes the corners of quads or of a triangle (`shaders/primitives/`). Shared by the vertex
+// stage of the instanced strategies and by the compute pass of the amplifying one, so that all of them draw the same
+// picture.
 
-// A corner of a quad, ready for the rasteriser. Mirror: gpu_data.rs, `SplatVertex`.
+// A corner, ready for the rasteriser. Mirror: gpu_data.rs, `SplatVertex`.
 struct SplatVertex {
     clip: vec4f,
     // 8-bit red, green, blue in the low bytes.
@@ -22,6 +23,20 @@ fn nowhere() -> SplatVertex {
 // Corners 0 1 2 3 of a quad are (-1,-1) (1,-1) (-1,1) (1,1).
 fn quad_corner(corner: u32) -> vec2f {
     return vec2f(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;
+}
+
+// Corners 0 1 2 of the smallest equilateral triangle around the unit disk. Its area is 3√3, 1.3 times the quad's.
+fn triangle_corner(corner: u32) -> vec2f {
+    let beside = vec2f(sqrt(3.0) * (f32(corner) * 2.0 - 1.0), -1.0);
+    return select(beside, vec2f(0.0, 2.0), corner == 2u);
+}
+
+// Where a vertex is in the plane of what carries a record, of which the unit disk or square is drawn.
+fn corner_of(vertex: u32) -> vec2f {
+    if (VERTICES_PER_RECORD == VERTICES_PER_TRIANGLE) {
+        return triangle_corner(vertex % VERTICES_PER_TRIANGLE);
+    }
+    return quad_corner(vertex % VERTICES_PER_QUAD);
 }
 
 // Whether a place in the square of a point is beside the disk in it; the pixel that the point is in is not. Points that

@@ -2,7 +2,7 @@
 
 struct Varyings {
     @builtin(position) position: vec4f,
-    // -1 to 1 across the quad.
+    // -1 to 1 across the quad, or across the disk in the triangle.
     @location(0) quad: vec2f,
     @location(1) light: vec2f,
     @location(2) @interpolate(flat) color: u32,
@@ -15,7 +15,7 @@ struct Varyings {
 fn varyings(instance: Instance) -> Varyings {
     let vertex = amplified_vertex(instance);
     let normal = rotate_to_view(oct_decode(vertex.normal));
-    let quad = quad_corner(instance.vertex & 3u);
+    let quad = corner_of(instance.vertex);
     return Varyings(vertex.clip, quad, unpack2x16unorm(vertex.light), vertex.color, normal, vertex.weight);
 }
 

@@ -1,8 +1,9 @@
-// Strategy `compute`: records that may be seen become quads, in the order of the cloud, and a draw call for them.
+// Strategy `compute`: records that may be seen become corners, in the order of the cloud, and a draw call for them.
 //
 // Three dispatches: `count` sums what each workgroup keeps, `scan` turns the sums into offsets and writes the indirect
 // draw, `emit` writes the corners. The order is that of the records, so blending gives what the other strategies give.
 
+// The first four words are also those of a draw of vertices without indices.
 struct DrawIndexedIndirect {
     index_count: u32,
     instance_count: u32,
@@ -70,7 +71,7 @@ fn scan(@builtin(local_invocation_index) local: u32) {
         workgroupBarrier();
     }
     if (local == 0u) {
-        draw = DrawIndexedIndirect(total * VERTICES_PER_RECORD / VERTICES_PER_QUAD * INDICES_PER_QUAD, 1u, 0u, 0, 0u);
+        draw = DrawIndexedIndirect(total * DRAWN_PER_RECORD, 1u, 0u, 0, 0u);
     }
 }
 

@@ -1,4 +1,4 @@
-// A surfel is one quad.
+// A surfel is one quad in its plane, or one triangle.
 
 fn amplified_vertex(instance: Instance) -> SplatVertex {
     return surfel_vertex(fetch_point(instance), fetch_shape(instance), vertex_of_record(instance));
@@ -20,7 +20,7 @@ fn surfel_vertex(point: PointRecord, shape: ShapeRecord, corner: u32) -> SplatVe
         return nowhere();
     }
     let n = oct_decode(shape.normal);
-    let q = quad_corner(corner);
+    let q = corner_of(corner);
     let center = offset_from_eye(point.position);
     let splat = splat_of(n, shape, center);
     let offset = center + (splat.axes[0] * q.x + splat.axes[1] * q.y) * splat.scale;

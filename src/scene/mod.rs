@@ -52,7 +52,7 @@ pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
     LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy,
-    Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting,
+    Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

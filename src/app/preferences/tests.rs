@@ -7,8 +7,8 @@ use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
     LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointLight,
-    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, Splatting, Strategy, SurfelStyle,
-    VoxelLight, VoxelStyle,
+    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy,
+    SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -23,6 +23,7 @@ fn unusual() -> Preferences {
             surfels: SurfelStyle {
                 splatting: Splatting::NoDepth,
                 filter: SplatFilter::Ewa,
+                geometry: SplatGeometry::Triangle,
                 kernel: Kernel::Hat,
                 splat_scale: 1.25,
                 enlargement: 3.5,
@@ -108,6 +109,7 @@ fn of_version_6() -> Preferences {
     Preferences {
         settings: unusual.settings.with(|style| {
             style.surfels.filter = SplatFilter::Off;
+            style.surfels.geometry = SplatGeometry::Quad;
             style.surfels.kernel = Kernel::Gaussian;
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Auto;

@@ -46,6 +46,9 @@ pub(super) const GROUP_RECORDS: u32 = 256;
 /// Records that the strategy `uniform` draws at once: 64 KiB, the largest uniform binding that every adapter has.
 pub(super) const BATCH_RECORDS: u32 = 4096;
 
+/// Corners of the triangle around a splat.
+pub(super) const VERTICES_PER_TRIANGLE: u32 = 3;
+
 /// Corners of a quad, and indices of its two triangles.
 pub(super) const VERTICES_PER_QUAD: u32 = 4;
 pub(super) const INDICES_PER_QUAD: u32 = 6;
@@ -123,7 +126,6 @@ pub(super) fn shared() -> String {
         HEAD_LIGHT_AMBIENT,
         HEAD_LIGHT_SHININESS,
         HEAD_LIGHT_SPECULAR,
-        INDICES_PER_QUAD,
         KERNEL_BOX,
         KERNEL_HAT,
         LEAST_COSINE,
@@ -159,14 +161,19 @@ pub(super) fn shared() -> String {
         VERDICT_OPEN,
         VERDICT_SMALL,
         VERTICES_PER_QUAD,
+        VERTICES_PER_TRIANGLE,
         VIEW_GROUP,
         WIDEST_CELL_PX,
     ]
 }
 
-/// That of the shaders of an amplification.
-pub(super) fn of_amplification(vertices_per_record: u32) -> String {
-    declaration("VERTICES_PER_RECORD", vertices_per_record)
+/// Those of the shaders of an amplification: its vertices, and what a draw call counts for a record.
+pub(super) fn of_amplification(vertices_per_record: u32, drawn_per_record: u32) -> String {
+    [
+        declaration("VERTICES_PER_RECORD", vertices_per_record),
+        declaration("DRAWN_PER_RECORD", drawn_per_record),
+    ]
+    .join("\n")
 }
 
 /// A number with a type of WGSL.

@@ -15,7 +15,7 @@ const AMPLIFYING: [&str; 3] = [
 
 /// Of a pass over records, by these files.
 pub(super) fn of_records(amplification: &Amplification, files: &[&str]) -> String {
-    let constants = constants::of_amplification(amplification.vertices_per_record);
+    let constants = constants::of_amplification(amplification.vertices_per_record, amplification.drawn_per_record());
     [&[&constants::shared(), &constants, VIEW], &AMPLIFYING[..], files]
         .concat()
         .join("\n")

@@ -33,7 +33,7 @@ pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
-pub use surfels::{BackFaces, Kernel, SplatFilter, Splatting, SurfelStyle};
+pub use surfels::{BackFaces, Kernel, SplatFilter, SplatGeometry, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, When, Word};
@@ -155,6 +155,12 @@ impl Style {
             When::BlendedSurfels => self.blends_surfels(),
             When::MaskedSurfels => self.draws_surfels() && self.surfels.splatting.has_masks() && !self.filters_splats(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
+            When::GpuDisks => {
+                self.is(When::Gpu)
+                    && self.draws_surfels()
+                    && !self.draws_sprites()
+                    && self.surfels.splatting != Splatting::Regular
+            }
             When::SurfelRadii => self.draws_surfels() || self.has_adaptive_points(),
             When::SurfelLevels => self.is(When::SurfelRadii) && self.levels.surfel_lod,
             When::CodedSurfels => self.draws_surfels() && self.codes.footprint != Footprint::Disks,
@@ -207,6 +213,15 @@ impl Style {
     /// no square on their planes would hold them.
     pub fn draws_sprites(&self) -> bool {
         self.primitive == Primitive::Sprite || self.splat_filter() == SplatFilter::Clamp
+    }
+
+    /// What the GPU draws splats as: squares where the picture shows these.
+    pub fn splat_geometry(&self) -> SplatGeometry {
+        if self.surfels.splatting == Splatting::Regular {
+            SplatGeometry::Quad
+        } else {
+            self.surfels.geometry
+        }
     }
 
     /// How splats fall off: the filter is a convolution of Gaussians, and so are the masks of points.

@@ -91,6 +91,15 @@ impl SplatFilter {
 }
 
 choices! {
+    /// What the GPU draws a splat as (paper 002 §5.1). The processor fills the pixels of each splat and needs none.
+    SplatGeometry, "splat geometry" {
+        Quad = "quad", "Quad", "A square around each splat, in its plane: four vertices, two triangles";
+        Triangle = "triangle", "Triangle",
+            "One triangle around each splat, in its plane: three vertices, a third more area";
+    }
+}
+
+choices! {
     /// How a splat falls off from its middle to its rim.
     Kernel, "kernel" {
         /// The mask of paper 000 §V.
@@ -155,6 +164,19 @@ group! {
             when: When::BlendedSurfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(SplatFilter::WORDS),
+        }
+        /// What carries a splat through the GPU.
+        geometry: SplatGeometry = SplatGeometry::Quad, "splat_geometry" GEOMETRY {
+            flag: "splat-geometry",
+            value_name: "SHAPE",
+            help: "What the GPU draws a splat as",
+            title: "Geometry",
+            hint: "What the GPU draws a splat as. The picture is the same, its speed differs; the software renderer \
+                   needs none",
+            section: Section::Surfels,
+            when: When::GpuDisks,
+            label: Label::Unusual(Place::What, "as {}"),
+            values: Values::Words(SplatGeometry::WORDS),
         }
         /// How splats fall off towards their rims.
         kernel: Kernel = Kernel::Gaussian, "kernel" KERNEL {

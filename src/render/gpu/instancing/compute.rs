@@ -1,4 +1,4 @@
-//! Strategy `compute`: compute passes write the quads and the draw call, as the paper's geometry shader did.
+//! Strategy `compute`: compute passes write the corners and the draw call, as the paper's geometry shader did.
 //!
 //! Records that lie outside the view or face away are dropped before they cost a vertex; what is kept stays in the
 //! order of the cloud (a prefix sum, no atomics), so blending gives the same picture as every other strategy. The
@@ -18,7 +18,7 @@ use crate::render::gpu::recording::Recording;
 use crate::render::gpu::wgsl;
 use std::collections::HashMap;
 
-/// Bytes of `DrawIndexedIndirect`.
+/// Bytes of `DrawIndexedIndirect`, of which the first four words are also those of a draw without indices.
 const INDIRECT_BYTES: u64 = 20;
 
 pub(super) const ROW: StrategyRow = StrategyRow {
@@ -231,7 +231,10 @@ impl Instancing for Compute {
         }
         for output in &self.outputs {
             pass.set_bind_group(STREAM_GROUP, &output.draw_group, &[]);
-            pass.draw_indexed_indirect(&output.indirect, 0);
+            match draw.amplification.quads_per_record() {
+                0 => pass.draw_indirect(&output.indirect, 0),
+                _ => pass.draw_indexed_indirect(&output.indirect, 0),
+            }
         }
         self.outputs.len() as u32
     }

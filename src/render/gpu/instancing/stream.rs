@@ -1,7 +1,8 @@
 //! Streams of records on the GPU, and what draws them.
 
-use crate::render::gpu::constants::{INDICES_PER_QUAD, STREAM_GROUP};
+use crate::render::gpu::constants::STREAM_GROUP;
 use crate::render::gpu::primitives::Amplification;
+use std::ops::Range;
 
 /// Size of every record.
 pub(in crate::render::gpu) const RECORD_BYTES: usize = 16;
@@ -79,9 +80,15 @@ impl Draw<'_> {
 
     /// Draws `records` records by vertex index, from bound streams.
     pub(super) fn pulled(&self, pass: &mut wgpu::RenderPass<'_>, records: u32) {
+        self.instanced(pass, records, 0..1);
+    }
+
+    /// Draws instances that have the vertices of so many records.
+    pub(super) fn instanced(&self, pass: &mut wgpu::RenderPass<'_>, records: u32, instances: Range<u32>) {
+        let drawn = 0..records * self.amplification.drawn_per_record();
         match self.amplification.quads_per_record() {
-            0 => pass.draw(0..records, 0..1),
-            quads => pass.draw_indexed(0..records * quads * INDICES_PER_QUAD, 0, 0..1),
+            0 => pass.draw(drawn, instances),
+            _ => pass.draw_indexed(drawn, 0, instances),
         }
     }
 }

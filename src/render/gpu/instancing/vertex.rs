@@ -1,13 +1,12 @@
 //! Strategy `vertex`: records are per-instance vertex attributes, stepped by the hardware.
 //!
-//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 4 (surfel)
-//! or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
+//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 3 or 4
+//! (surfel) or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
 use super::binding::{buffer_for, buffer_with, records_of};
 use super::room::Room;
 use super::strategy::{Instancing, RecordInstancing, StrategyRow};
 use super::stream::{Chunk, Draw, RECORD_BYTES};
-use crate::render::gpu::constants::INDICES_PER_QUAD;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::primitives::Amplification;
 
@@ -67,9 +66,10 @@ impl Instancing for Vertex {
                 }
             }
             let records = draw.chunk_records(chunk);
-            match draw.amplification.quads_per_record() {
-                0 => pass.draw(0..records, 0..1),
-                quads => pass.draw_indexed(0..quads * INDICES_PER_QUAD, 0, 0..records),
+            if draw.amplification.is_point_list() {
+                draw.pulled(pass, records);
+            } else {
+                draw.instanced(pass, 1, 0..records);
             }
         }
         draw.chunk_count() as u32

@@ -1,6 +1,6 @@
 //! What a row of the table of amplifications is.
 
-use crate::render::gpu::constants::VERTICES_PER_QUAD;
+use crate::render::gpu::constants::{INDICES_PER_QUAD, VERTICES_PER_QUAD};
 use crate::render::gpu::passes::GeometryPass;
 use crate::scene::Strategy;
 
@@ -17,7 +17,7 @@ pub struct Amplification {
     pub(in crate::render::gpu) wgsl: &'static [&'static str],
     /// The file that hands vertices on to fragments.
     pub(in crate::render::gpu) varyings: &'static str,
-    /// Vertices that the vertex stage runs for a record: 1, or 4 for each quad.
+    /// Vertices that the vertex stage runs for a record: 1, 3 of a triangle, or 4 for each quad.
     pub vertices_per_record: u32,
     /// Whether [`ShapeRecord`](crate::cloud::ShapeRecord)s are read beside the records.
     pub reads_shapes: bool,
@@ -37,7 +37,7 @@ pub struct Amplification {
 pub(super) const QUAD_VARYINGS: &str = include_str!("../../../../shaders/common/varyings.wgsl");
 
 impl Amplification {
-    /// Whether records are vertices of a list of points, not of quads.
+    /// Whether records are vertices of a list of points, not of triangles.
     pub(in crate::render::gpu) fn is_point_list(&self) -> bool {
         self.vertices_per_record == 1
     }
@@ -47,8 +47,16 @@ impl Amplification {
         if self.is_indexed { Strategy::Storage } else { chosen }
     }
 
-    /// Quads that one record becomes; 0 for point lists.
+    /// Quads that one record becomes; 0 for points and triangles, whose vertices are drawn as they come.
     pub(in crate::render::gpu) fn quads_per_record(&self) -> u32 {
         self.vertices_per_record / VERTICES_PER_QUAD
+    }
+
+    /// What a draw call counts for a record: indices of its quads, or its vertices.
+    pub(in crate::render::gpu) fn drawn_per_record(&self) -> u32 {
+        match self.quads_per_record() {
+            0 => self.vertices_per_record,
+            quads => quads * INDICES_PER_QUAD,
+        }
     }
 }

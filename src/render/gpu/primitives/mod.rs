@@ -39,6 +39,8 @@ pub const AMPLIFICATIONS: [&Amplification; 10] = [
     &surfels::ELLIPSE,
     &surfels::SPRITE,
     &surfels::ELLIPSE_SPRITE,
+    &surfels::DISK_IN_TRIANGLE,
+    &surfels::ELLIPSE_IN_TRIANGLE,
     &voxels::LIT_BY_FACES,
     &voxels::LIT_BY_NORMALS,
     &mesh::TRIANGLE,

@@ -2,6 +2,7 @@
 
 use super::amplification::{Amplification, QUAD_VARYINGS};
 use super::drawable::{Drawable, Passes};
+use crate::render::gpu::constants::VERTICES_PER_TRIANGLE;
 use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{
     ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, SURFACE_ATTRIBUTE, SURFACE_NO_DEPTH, SURFACE_OPAQUE, SURFACE_REGULAR,
@@ -9,9 +10,9 @@ use crate::render::gpu::passes::geometry::{
 };
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::residency::RecordSource;
-use crate::scene::{Primitive, ScenePacket, Splatting};
+use crate::scene::{Primitive, ScenePacket, SplatGeometry, Splatting};
 
-/// One quad on the surface, with a disk.
+/// One quad in the plane of the surfel, with a disk.
 pub(super) const DISK: Amplification = Amplification {
     name: "surfel",
     wgsl: &[
@@ -49,6 +50,30 @@ pub(super) const ELLIPSE: Amplification = Amplification {
         include_str!("../../../../shaders/primitives/surfels.wgsl"),
     ],
     ..DISK
+};
+
+/// One triangle around the disk: fewer vertices and triangles, more pixels beside the disk. The squares of
+/// [`Splatting::Regular`] are no part of it.
+pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
+    name: "surfel in triangle",
+    vertices_per_record: VERTICES_PER_TRIANGLE,
+    passes: &[
+        &VISIBILITY,
+        &ATTRIBUTE,
+        &NO_DEPTH,
+        &OPAQUE,
+        &SURFACE_ATTRIBUTE,
+        &SURFACE_NO_DEPTH,
+        &SURFACE_OPAQUE,
+    ],
+    ..DISK
+};
+
+/// The same with an ellipse.
+pub(super) const ELLIPSE_IN_TRIANGLE: Amplification = Amplification {
+    name: "ellipse in triangle",
+    wgsl: ELLIPSE.wgsl,
+    ..DISK_IN_TRIANGLE
 };
 
 /// One quad that faces the screen, around the disk.
@@ -100,11 +125,14 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
-    let amplification = match (style.primitive == Primitive::Ellipse, style.draws_sprites()) {
-        (false, false) => &DISK,
-        (true, false) => &ELLIPSE,
-        (false, true) => &SPRITE,
-        (true, true) => &ELLIPSE_SPRITE,
+    let is_ellipse = style.primitive == Primitive::Ellipse;
+    let amplification = match (style.draws_sprites(), style.splat_geometry(), is_ellipse) {
+        (true, _, false) => &SPRITE,
+        (true, _, true) => &ELLIPSE_SPRITE,
+        (false, SplatGeometry::Quad, false) => &DISK,
+        (false, SplatGeometry::Quad, true) => &ELLIPSE,
+        (false, SplatGeometry::Triangle, false) => &DISK_IN_TRIANGLE,
+        (false, SplatGeometry::Triangle, true) => &ELLIPSE_IN_TRIANGLE,
     };
     Drawable {
         amplification,
