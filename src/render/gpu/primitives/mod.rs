@@ -31,7 +31,7 @@ pub(super) use drawable::Drawable;
 use crate::scene::{Content, Primitive, ScenePacket};
 
 /// All of them.
-pub const AMPLIFICATIONS: [&Amplification; 10] = [
+pub const AMPLIFICATIONS: [&Amplification; 12] = [
     &points::PIXEL,
     &points::SQUARE,
     &points::SQUARE_WITH_SHAPE,
