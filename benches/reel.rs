@@ -18,7 +18,6 @@ mod shapes;
 
 use glam::Vec3;
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::io::ReadOptions;
 use pointreel::progress::Progress;
 use pointreel::reel::{NewFrame, Precision, ReelDecoder, ReelFile, ReelOptions, ReelWriter, StreamKind};
 use std::path::Path;
@@ -132,7 +131,7 @@ fn sequence(folder: &str) -> Vec<RawCloud> {
     };
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
-    let read = |path: &std::path::PathBuf| pointreel::io::read(path, &ReadOptions::default()).unwrap();
+    let read = |path: &std::path::PathBuf| pointreel::io::read(path).unwrap();
     paths.iter().map(read).collect()
 }
 

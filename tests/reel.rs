@@ -265,11 +265,16 @@ fn a_file_that_grows_is_followed() {
     assert_eq!(sequence.decode(2).unwrap().positions.len(), 900);
 }
 
+/// Runs `work` beside the test.
+fn beside<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) {
+    thread::Builder::new().name(name.to_owned()).spawn(work).unwrap();
+}
+
 /// Serves `path` until the end of the test, and says where.
 fn served(path: &Path) -> String {
     let server = FileServer::bind(path, "127.0.0.1:0".parse().unwrap()).unwrap();
     let url = server.url().unwrap();
-    thread::spawn(move || server.run());
+    beside("server", move || server.run());
     url
 }
 
@@ -296,13 +301,13 @@ fn a_file_on_the_web_is_a_sequence_like_any_other() {
 fn breaking_proxy(address: String, most_bytes: usize) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let own = listener.local_addr().unwrap().to_string();
-    thread::spawn(move || {
+    beside("proxy", move || {
         for client in listener.incoming().map_while(Result::ok) {
             let server = TcpStream::connect(&address).unwrap();
             let (mut from_client, mut to_server) = (client.try_clone().unwrap(), server.try_clone().unwrap());
-            thread::spawn(move || std::io::copy(&mut from_client, &mut to_server));
+            beside("to the server", move || std::io::copy(&mut from_client, &mut to_server));
             let (mut from_server, mut to_client) = (server, client);
-            thread::spawn(move || {
+            beside("to the client", move || {
                 let mut sent = 0;
                 let mut piece = [0; 512];
                 while let Ok(count @ 1..) = from_server.read(&mut piece) {

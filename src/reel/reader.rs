@@ -348,9 +348,9 @@ fn check_begin(begin: &[u8], path: &Path) -> Result<(), ReelError> {
         });
     };
     let [known, _] = VERSION;
-    match rest {
-        &[low, high, _, _] if u16::from_le_bytes([low, high]) == known => Ok(()),
-        &[low, high, _, _] => Err(ReelError::Version {
+    match *rest {
+        [low, high, _, _] if u16::from_le_bytes([low, high]) == known => Ok(()),
+        [low, high, _, _] => Err(ReelError::Version {
             path: path.to_owned(),
             found: u16::from_le_bytes([low, high]),
             known,

@@ -38,22 +38,6 @@ pub enum OctreeError {
         /// Level of the node.
         level: u32,
     },
-    /// Only leaves above a level that should have nodes.
-    #[error("octree byte code: no node on level {level}, but leaves are said to be there")]
-    EmptyLevel {
-        /// Level without nodes.
-        level: u32,
-    },
-    /// More cells than points, of which each has one at least.
-    #[error("octree byte code: {found} cells down to level {level}, but {most} points")]
-    TooManyCells {
-        /// Level that is too large.
-        level: u32,
-        /// Its cells, and the leaves above it.
-        found: usize,
-        /// Number of points.
-        most: usize,
-    },
     /// More bytes than nodes.
     #[error("octree byte code: {trailing} bytes follow the last node")]
     TrailingBytes {
@@ -102,79 +86,41 @@ impl Octree {
     /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to
     /// store.) Memory is bounded by the bytes there are: eight cells for each.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
-        let leaves = leaves_of_masks(masks, depth, LeafLevels::OnDeepestLevel, usize::MAX)?;
-        let codes = leaves.into_iter().map(|leaf| leaf ^ ROOT << (3 * depth));
-        Ok(codes.map(morton::decode).collect())
+        if depth > LEVELS {
+            return Err(OctreeError::TooDeep { depth });
+        }
+        let mut cells = vec![ROOT];
+        let mut start = 0;
+        for level in 0..depth {
+            let Some(level_masks) = masks[start..].get(..cells.len()) else {
+                return Err(OctreeError::Truncated {
+                    level,
+                    expected: cells.len(),
+                    found: masks.len() - start,
+                });
+            };
+            if let Some(offset) = level_masks.iter().position(|&mask| mask == 0) {
+                return Err(OctreeError::EmptyNode {
+                    index: start + offset,
+                    level,
+                });
+            }
+            let below = level_masks.iter().map(|mask| mask.count_ones() as usize).sum();
+            cells = children(&cells, level_masks, below);
+            start += level_masks.len();
+        }
+        match masks.len() - start {
+            0 => {
+                let codes = cells.into_iter().map(|cell| cell ^ (ROOT << (3 * depth)));
+                Ok(codes.map(morton::decode).collect())
+            }
+            trailing => Err(OctreeError::TrailingBytes { trailing }),
+        }
     }
 }
 
 /// The location code of the root.
 const ROOT: u64 = 1;
-
-/// Where the leaves of a tree are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LeafLevels {
-    /// All on the deepest level.
-    OnDeepestLevel,
-    /// On any: above the deepest level a mask of zero is a leaf.
-    OnAnyLevel,
-}
-
-/// The location codes of the leaves that `masks` stand for, from the uppermost level down, on each in Morton order.
-/// More than `most_cells` are refused before there is memory for them.
-pub(super) fn leaves_of_masks(
-    masks: &[u8],
-    depth: u32,
-    leaves: LeafLevels,
-    most_cells: usize,
-) -> Result<Vec<u64>, OctreeError> {
-    if depth > LEVELS {
-        return Err(OctreeError::TooDeep { depth });
-    }
-    let mut found_leaves = Vec::new();
-    let mut cells = vec![ROOT];
-    let mut start = 0;
-    for level in 0..depth {
-        let Some(level_masks) = masks[start..].get(..cells.len()) else {
-            return Err(OctreeError::Truncated {
-                level,
-                expected: cells.len(),
-                found: masks.len() - start,
-            });
-        };
-        let empty = level_masks.iter().position(|&mask| mask == 0);
-        if let Some(offset) = empty.filter(|_| leaves == LeafLevels::OnDeepestLevel) {
-            return Err(OctreeError::EmptyNode {
-                index: start + offset,
-                level,
-            });
-        }
-        if empty.is_some() {
-            let both = cells.iter().zip(level_masks);
-            found_leaves.extend(both.filter(|(_, mask)| **mask == 0).map(|(cell, _)| *cell));
-        }
-        let level = level + 1;
-        let below: usize = level_masks.iter().map(|mask| mask.count_ones() as usize).sum();
-        if below == 0 {
-            return Err(OctreeError::EmptyLevel { level });
-        }
-        let found = found_leaves.len() + below;
-        if found > most_cells {
-            let most = most_cells;
-            return Err(OctreeError::TooManyCells { level, found, most });
-        }
-        cells = children(&cells, level_masks, below);
-        start += level_masks.len();
-    }
-    match masks.len() - start {
-        0 if found_leaves.is_empty() => Ok(cells),
-        0 => {
-            found_leaves.append(&mut cells);
-            Ok(found_leaves)
-        }
-        trailing => Err(OctreeError::TrailingBytes { trailing }),
-    }
-}
 
 /// The `count` children of `cells` with these masks.
 fn children(cells: &[u64], masks: &[u8], count: usize) -> Vec<u64> {
@@ -248,28 +194,6 @@ mod tests {
         for (masks, depth, expected) in cases {
             assert_eq!(Octree::cells_from_masks(masks, depth), Err(expected));
         }
-    }
-
-    /// Octants 0 and 7 of the root are leaves and divided into octants 1 and 2; the code of the root is one.
-    #[test]
-    fn leaves_on_several_levels_by_hand() {
-        let any = |masks: &[u8], depth, most| leaves_of_masks(masks, depth, LeafLevels::OnAnyLevel, most);
-        let masks = [0b1000_0001, 0, 0b0000_0110];
-        assert_eq!(any(&masks, 2, 3), Ok(vec![0o10, 0o171, 0o172]));
-        assert_eq!(
-            any(&masks, 2, 2),
-            Err(OctreeError::TooManyCells {
-                level: 2,
-                found: 3,
-                most: 2
-            })
-        );
-        assert_eq!(
-            any(&[0b1000_0001, 0, 0], 2, 9),
-            Err(OctreeError::EmptyLevel { level: 2 })
-        );
-        let finest = any(&[0b1000_0000; 21], 21, 1).unwrap();
-        assert_eq!(finest, [u64::MAX]);
     }
 
     #[test]

@@ -73,11 +73,6 @@ fn total(colors: &[[u8; 4]; SUM_BLOCK]) -> ColorSum {
     red | green << FIELD_BITS | blue << (2 * FIELD_BITS)
 }
 
-/// The one colour that a sum is of.
-pub(super) fn color_of_sum(sum: ColorSum) -> [u8; 3] {
-    [0, 1, 2].map(|field| (sum >> (field * FIELD_BITS)) as u8)
-}
-
 /// One channel of the sum of at most [`MOST_SUMMED`] colours.
 #[inline(always)]
 pub(super) fn field_of(sum: ColorSum, channel: u32) -> u32 {

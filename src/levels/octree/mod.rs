@@ -45,7 +45,6 @@ mod spacing;
 #[cfg(test)]
 mod spacing_tests;
 mod stop;
-pub mod stored;
 #[cfg(test)]
 mod surfel_tests;
 mod surfels;
@@ -63,6 +62,5 @@ pub use gap::Gap;
 pub use levels::VoxelLevels;
 pub use node_surfel::NodeSurfel;
 pub use stop::StopCriterion;
-pub use stored::{StoredOctree, StoredOctreeError};
 pub use surfels::LodSurfels;
 pub use tree::Octree;

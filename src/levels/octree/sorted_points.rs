@@ -64,14 +64,6 @@ impl SortedPoints {
         }
     }
 
-    /// Points in the finest cells with these codes; `None` if they do not ascend. Precondition: a colour for each.
-    pub(super) fn from_codes(codes: &[u64], colors: &[[u8; 3]]) -> Option<Self> {
-        let cells: Vec<PackedCell> = codes.iter().copied().map(PackedCell::from_code).collect();
-        let partings = partings_in_order(&cells)?;
-        let colors: Vec<[u8; 4]> = colors.iter().map(|&[red, green, blue]| [red, green, blue, 0]).collect();
-        Some(Self::in_order(cells, partings, &colors))
-    }
-
     fn in_order(cells: Vec<PackedCell>, partings: Vec<u8>, colors: &[[u8; 4]]) -> Self {
         let count = || occupied_cells(&partings);
         let (occupied, colors_before) = rayon::join(count, || color_sums::running_sums(colors));

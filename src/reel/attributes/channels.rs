@@ -68,8 +68,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
                 count += 1;
             }
             let (predicted, differing) = match (count, left) {
-                (0, _) => (expected, 0),
-                (_, 1) => (expected, 0),
+                (0, _) | (_, 1) => (expected, 0),
                 (count, _) => {
                     // As much weight for the parent as for all beside it.
                     let doubled = 2 * beside + expected * count;

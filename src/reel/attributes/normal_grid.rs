@@ -95,7 +95,7 @@ fn place_of(index: u32, level: u32) -> [i16; 2] {
     let mut corners = [[half, 0], [0, half], [0, 0]];
     for depth in (0..level).rev() {
         let [a, b, c] = corners;
-        let middle = |p: [i32; 2], q: [i32; 2]| [(p[0] + q[0]) / 2, (p[1] + q[1]) / 2];
+        let middle = |p: [i32; 2], q: [i32; 2]| [p[0].midpoint(q[0]), p[1].midpoint(q[1])];
         let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
         corners = match index >> (2 * depth) & 3 {
             0 => [ab, bc, ca],

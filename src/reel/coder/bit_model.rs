@@ -42,11 +42,6 @@ impl Default for BitModel {
 }
 
 impl BitModel {
-    /// One that begins at a probability of `numerator` / 16.
-    pub(in crate::reel) const fn of_sixteenths(numerator: u32) -> Self {
-        Self(numerator << 28)
-    }
-
     /// The probability of a set bit in 2⁻¹⁶.
     #[inline(always)]
     pub(in crate::reel) fn probability(self) -> u32 {

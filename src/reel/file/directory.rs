@@ -208,13 +208,11 @@ impl FrameRecord {
         let unit = usize::from(reader.byte()?)
             .checked_sub(1)
             .and_then(|place| UNITS.get(place).copied());
-        let image = match flags & IMAGE {
-            0 => None,
-            _ => {
-                let [width, height] =
-                    [reader.number()?, reader.number()?].map(|side| side.min(u64::from(u32::MAX)) as u32);
-                ImageGrid::of(width, height, (placed + outside) as usize)
-            }
+        let image = if flags & IMAGE == 0 {
+            None
+        } else {
+            let [width, height] = [reader.number()?, reader.number()?].map(|side| side.min(u64::from(u32::MAX)) as u32);
+            ImageGrid::of(width, height, (placed + outside) as usize)
         };
         let mut sections = Vec::new();
         let mut level = 0;

@@ -85,7 +85,7 @@ pub(in crate::reel) fn code_order<C: BitCoder>(coder: &mut C, order: &mut [u32])
 pub(in crate::reel) fn code_even<C: BitCoder>(coder: &mut C, mut span: u64, mut value: u64) -> u64 {
     let mut base = 0;
     while span > 1 {
-        let half = 1u64 << (63 - (span - 1).leading_zeros());
+        let half = 1u64 << (span - 1).ilog2();
         let upper = span - half;
         let probability = ((u128::from(upper) << 16) / u128::from(span)).clamp(1, (1 << 16) - 1) as u32;
         if coder.bit_of(probability, value >= half) {

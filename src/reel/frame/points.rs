@@ -4,6 +4,7 @@ use super::columns::{ordered32, ordered64, unordered32, unordered64};
 use super::grid::Grid;
 use super::schema::{Kept, Schema, Values};
 use crate::cloud::{Attributes, Positions};
+use glam::Vec3;
 
 /// The place in the order of all floats of the least one that is not below a border. Zero begins with −0.
 fn first_rank(is_double: bool, border: f64) -> u64 {
@@ -114,7 +115,7 @@ pub(super) fn columns(schema: &Schema, attributes: &Attributes, order: &[u32]) -
     };
     if let (Some(normals), true) = (&attributes.normals, schema.has_exact_normals) {
         for axis in 0..3 {
-            add(&|point| normals[point][axis]);
+            add(&|point| Vec3::from(normals[point])[axis]);
         }
     }
     if let (Some(radii), Values::Exact) = (&attributes.radii, schema.radii) {

@@ -118,10 +118,8 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
         }
         Precision::Length(length) => {
             // The middle of a cell is rounded to the floats of the file once more.
-            let rounding = match clouds.iter().any(|cloud| matches!(cloud.positions, Positions::F32(_))) {
-                true => largest * 2f64.powi(-24),
-                false => largest * 2f64.powi(-51),
-            };
+            let has_singles = clouds.iter().any(|cloud| matches!(cloud.positions, Positions::F32(_)));
+            let rounding = largest * 2f64.powi(if has_singles { -24 } else { -51 });
             let cell = 2.0 * (length - rounding) * (1.0 - 1e-9);
             let cells = extent / cell + 2.0;
             if cell > 0.0 && cells < (1u64 << 50) as f64 {

@@ -130,6 +130,7 @@ impl ScalarSchema {
 }
 
 /// Which attributes a frame has and how each is written.
+#[expect(clippy::struct_excessive_bools, reason = "each is a bit of the file")]
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Schema {
     /// Whether coordinates are of double precision.

@@ -50,7 +50,7 @@ fn every_prefix_has_the_groups_that_are_whole() {
     for end in (12..bytes.len()).step_by(101).chain([bytes.len() - 1]) {
         let file = open(&bytes[..end]).unwrap();
         let count = file.frame_count();
-        assert!(count >= most && count % 2 == 0);
+        assert!(count >= most && count.is_multiple_of(2));
         most = count;
         assert_eq!(readable(file), (0..count).collect::<Vec<_>>());
     }

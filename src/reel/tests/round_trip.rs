@@ -25,7 +25,7 @@ fn bits_of(cloud: &RawCloud, point: usize) -> Vec<u64> {
         .iter()
         .for_each(|normals| normals[point].into_iter().for_each(&mut add));
     attributes.radii.iter().for_each(|radii| add(radii[point]));
-    for ellipses in &attributes.ellipses {
+    if let Some(ellipses) = &attributes.ellipses {
         let ellipse = ellipses[point];
         ellipse
             .axis

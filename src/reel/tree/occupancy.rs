@@ -83,7 +83,7 @@ pub(in crate::reel) fn code_masks<C: BitCoder>(
 
 /// A node without neighbours.
 fn code_lone<C: BitCoder>(coder: &mut C, models: &mut OccupancyModels, near: u64, mask: u8) -> u8 {
-    if coder.bit(&mut models.lone[0], mask.count_ones() == 1) {
+    if coder.bit(&mut models.lone[0], mask.is_power_of_two()) {
         1 << coder.even_bits(3, u64::from(mask.trailing_zeros()) & 7)
     } else {
         code_mask(coder, models, near, 0, mask)

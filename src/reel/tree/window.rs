@@ -28,6 +28,7 @@ pub(in crate::reel) const EDGES: u64 = CUBE_OF_27 & !(FACES | CORNERS | SELF);
 /// `PLACED[d][m]`: the cells of a mask of the node in direction `d` that are in the window.
 pub(in crate::reel) static PLACED: [[u64; 256]; DIRECTIONS] = placed();
 
+#[expect(clippy::large_stack_arrays, reason = "made by the compiler")]
 const fn placed() -> [[u64; 256]; DIRECTIONS] {
     let mut table = [[0; 256]; DIRECTIONS];
     let mut direction = 0;
@@ -92,13 +93,6 @@ pub(in crate::reel) const fn around(window: u64, octant: usize) -> u64 {
     window >> shift_of(octant) & CUBE_OF_27
 }
 
-/// The eight cells of a node in a window, as a mask; the inverse of `PLACED[MIDDLE]`.
-#[inline(always)]
-pub(in crate::reel) const fn own_mask(window: u64) -> u8 {
-    let bits = window >> 21;
-    ((bits & 3) | (bits >> 2 & 12) | (bits >> 12 & 0x30) | (bits >> 14 & 0xc0)) as u8
-}
-
 /// The window of the level below around a node, of which a cell is set where the node that it is in is among the 27
 /// around.
 #[inline(always)]
@@ -153,7 +147,7 @@ fn along_z(upper: usize, own: u64, side: u64) -> u64 {
 #[inline(always)]
 pub(in crate::reel) const fn in_block(octant: usize, mask: u8) -> u64 {
     let mask = mask as u64;
-    let cells = mask & 3 | (mask & 12) << 2 | (mask & 0x30) << 12 | (mask & 0xc0) << 14;
+    let cells = mask & 0x03 | (mask & 0x0c) << 2 | (mask & 0x30) << 12 | (mask & 0xc0) << 14;
     cells << (2 * shift_of(octant))
 }
 
@@ -164,10 +158,10 @@ mod tests {
     #[test]
     fn masks_are_placed_where_their_cells_are() {
         for mask in 0..=255u8 {
-            assert_eq!(own_mask(PLACED[MIDDLE][mask as usize]), mask);
+            let window = PLACED[MIDDLE][mask as usize];
+            assert!((0..8).all(|octant| (around(window, octant) & SELF != 0) == (mask >> octant & 1 != 0)));
         }
-        for cell in 0..64usize {
-            let (direction, octant) = OWNERS[cell];
+        for (cell, (direction, octant)) in OWNERS.into_iter().enumerate() {
             assert_eq!(PLACED[direction as usize][1 << octant], 1 << cell);
         }
         assert_eq!(CUBE_OF_27.count_ones(), 27);
@@ -198,9 +192,9 @@ mod tests {
 
     #[test]
     fn cells_are_refined_to_the_windows_around_them() {
-        for direction in 0..DIRECTIONS {
+        for (direction, of_masks) in PLACED.iter().enumerate() {
             let around = 1 << (direction % 3 + 4 * (direction / 3 % 3) + 16 * (direction / 9));
-            assert_eq!(refined(around), PLACED[direction][255]);
+            assert_eq!(refined(around), of_masks[255]);
         }
     }
 

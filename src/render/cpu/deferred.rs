@@ -69,16 +69,15 @@ pub(super) fn shade<S: Simd>(
     let [red, green, blue] = surface.albedo;
     // No `map` over arrays of registers: see `raster.rs`.
     let albedo = [to_linear(simd, red), to_linear(simd, green), to_linear(simd, blue)];
-    let linear = match illumination.physical {
-        Some(physical) => physical::lit(simd, illumination, physical, &lit, albedo, open),
-        None => {
-            let light = light_on(simd, illumination, &lit, facing.abs());
-            [
-                albedo[0].mul_add(light.diffuse[0] * open, light.specular[0]),
-                albedo[1].mul_add(light.diffuse[1] * open, light.specular[1]),
-                albedo[2].mul_add(light.diffuse[2] * open, light.specular[2]),
-            ]
-        }
+    let linear = if let Some(physical) = illumination.physical {
+        physical::lit(simd, illumination, physical, &lit, albedo, open)
+    } else {
+        let light = light_on(simd, illumination, &lit, facing.abs());
+        [
+            albedo[0].mul_add(light.diffuse[0] * open, light.specular[0]),
+            albedo[1].mul_add(light.diffuse[1] * open, light.specular[1]),
+            albedo[2].mul_add(light.diffuse[2] * open, light.specular[2]),
+        ]
     };
     let one = splat(1.0);
     [

@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_halved_map_keeps_its_light() {
-        let map = Octahedral::new(32, |direction| direction.abs());
+        let map = Octahedral::new(32, Vec3::abs);
         let mean = |map: &Octahedral| map.shares().map(|(_, light, share)| light * share).sum::<Vec3>();
         assert!(mean(&map).distance(mean(&map.halved())) < 2e-3);
         assert_eq!(map.halved().edge(), 16);
