@@ -7,7 +7,7 @@
 //! ([`Record`]), and a folder that holds a conversion with others is refused. Shards take every n-th frame, whoever
 //! runs them.
 //!
-//! Or all frames go into one sequence file ([`reel`]).
+//! Or all frames go into one sequence file (`convert::reel`).
 
 mod conversion;
 mod edit;

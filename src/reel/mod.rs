@@ -13,7 +13,7 @@
 //!                                                    ◄── the same functions backwards ──
 //! ```
 //!
-//! Encoder and decoder are one set of functions, generic over the direction ([`coder::BitCoder`]); models compute in
+//! Encoder and decoder are one set of functions, generic over the direction (`coder::BitCoder`); models compute in
 //! integers. So the same clouds make the same bytes on every machine and for any number of threads.
 //!
 //! `docs/reel.md` describes the format for those who want to read it elsewhere.

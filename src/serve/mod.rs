@@ -5,7 +5,7 @@
 //! Connections stay open. Any server of plain files does the same; this one needs no installation.
 //!
 //! **Bounds.** A request has 8 KiB of head at most and no body, a connection that says nothing is closed, and more
-//! connections than [`MOST_CONNECTIONS`] wait.
+//! connections than `MOST_CONNECTIONS` wait.
 
 mod request;
 

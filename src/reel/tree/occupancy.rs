@@ -18,6 +18,7 @@
 use super::links::{Links, NONE, Neighbours};
 use super::window::{self, CORNERS, CUBE_OF_27, EDGES, FACES, SELF};
 use crate::reel::coder::{BitCoder, BitModel, Mixer};
+use fearless_simd::{Level, dispatch};
 
 const FACES_MODELS: usize = 1 << 16;
 const COUNTS_MODELS: usize = 1 << 15;
@@ -44,6 +45,18 @@ impl Default for OccupancyModels {
 /// Codes the masks of a level, of which the nodes above are `links`, and hands over the neighbours of its nodes, if they
 /// are wanted. Precondition: as many masks as there are nodes.
 pub(in crate::reel) fn code_masks<C: BitCoder>(
+    coder: &mut C,
+    models: &mut OccupancyModels,
+    links: Links<'_>,
+    masks: &mut [u8],
+    wants_neighbours: bool,
+) -> Vec<Neighbours> {
+    // Bits are counted by instructions that not every processor has.
+    dispatch!(Level::new(), _simd => code_masks_in_order(coder, models, links, masks, wants_neighbours))
+}
+
+#[inline(always)]
+fn code_masks_in_order<C: BitCoder>(
     coder: &mut C,
     models: &mut OccupancyModels,
     links: Links<'_>,
@@ -82,6 +95,7 @@ pub(in crate::reel) fn code_masks<C: BitCoder>(
 }
 
 /// A node without neighbours.
+#[inline(always)]
 fn code_lone<C: BitCoder>(coder: &mut C, models: &mut OccupancyModels, near: u64, mask: u8) -> u8 {
     if coder.bit(&mut models.lone[0], mask.is_power_of_two()) {
         1 << coder.even_bits(3, u64::from(mask.trailing_zeros()) & 7)
