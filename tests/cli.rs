@@ -489,8 +489,9 @@ fn bench_names_its_suites() {
     let output = pointreel(&["bench", "speed"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        stderr(&output)
-            .contains("expected surfels, octree, voxels, accuracy, render, play, window, error, lod or primitives"),
+        stderr(&output).contains(
+            "expected surfels, octree, voxels, accuracy, render, play, window, error, lod, primitives or reel"
+        ),
         "{}",
         stderr(&output)
     );

@@ -1,7 +1,8 @@
-// Double floats in integers, as IEEE 754 has them: what a processor works out, bit for bit, on adapters without doubles.
+// Double floats in integers, as IEEE 754 has them: what a processor works out, bit for bit, on adapters without
+// doubles.
 //
-// A number is its two words, the lower one in x. Sums, products, quotients and roots are rounded to the nearest, ties to
-// the even one. Zero is known; numbers below the least normal one, infinities and NaN are not.
+// A number is its two words, the lower one in x. Sums, products, quotients and roots are rounded to the nearest, ties
+// to the even one. Zero is known; numbers below the least normal one, infinities and NaN are not.
 
 // 64-bit integers, the lower word in x.
 fn add_u64(a: vec2u, b: vec2u) -> vec2u {

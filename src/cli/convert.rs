@@ -4,10 +4,12 @@ use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::progress::Bar;
 use super::reel_arguments::ReelArgs;
+use super::reel_info::ReelInfo;
 use super::warnings;
 use crate::convert::{Conversion, Converted, Edit, Output, Shard, convert, join};
 use crate::io::WriteFormat;
 use crate::progress::Progress;
+use crate::reel::ReelFile;
 use crate::sequence::Sequence;
 use anyhow::bail;
 use clap::Args;
@@ -153,19 +155,16 @@ fn tell(converted: &Converted, output: &Output) -> anyhow::Result<()> {
         warnings::warn_of_frame(&format!("frame {frame}: {error}"));
     }
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
-    let size = match output {
-        Output::Reel(path, _) => {
-            std::fs::metadata(path).map_or_else(|_| String::new(), |file| format!(", {} bytes in all", file.len()))
-        }
-        Output::File(_) | Output::Folder(_) => String::new(),
-    };
     answer(&format!(
-        "{} frames written to {}, {} were there already, {} failed{size}",
+        "{} frames written to {}, {} were there already, {} failed",
         converted.written,
         path.display(),
         converted.left,
         converted.failed.len()
     ));
+    if let (Output::Reel(path, _), false) = (output, converted.is_cancelled) {
+        answer(&ReelInfo::of(&ReelFile::open_path(path)?).line());
+    }
     match converted.failed.len() {
         0 => Ok(()),
         count => bail!("{count} frames could not be converted"),

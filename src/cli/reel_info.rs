@@ -8,6 +8,10 @@ use std::collections::BTreeMap;
 #[derive(Serialize)]
 pub(super) struct ReelInfo {
     bytes: u64,
+    /// Points of all frames.
+    points: usize,
+    /// Points of the clouds that were written: those of one cell are one point unless they are kept one by one.
+    points_written: u64,
     /// Frames of each group, the first of which is decoded alone.
     groups: Vec<usize>,
     /// Of all bytes, the directory included.
@@ -28,6 +32,8 @@ impl ReelInfo {
         };
         Self {
             bytes: file.byte_size(),
+            points,
+            points_written: frames().map(|frame| frame.points_written).sum(),
             groups: file.groups().map(|group| group.len()).collect(),
             bits_per_point: bits(file.byte_size()),
             bits_by_stream: StreamKind::ALL.into_iter().enumerate().filter_map(of_stream).collect(),
@@ -42,8 +48,14 @@ impl ReelInfo {
             .iter()
             .map(|(name, bits)| format!("{name} {bits:.2}"));
         let settings = self.settings.iter().map(|(name, value)| format!("{name} {value}"));
+        let merged = if self.points as u64 == self.points_written {
+            String::new()
+        } else {
+            format!(" (of {}: those of a cell are merged)", self.points_written)
+        };
         format!(
-            "{} bytes in {} groups, {:.2} bits a point ({}); {}",
+            "{} points{merged}, {} bytes in {} groups, {:.2} bits a point ({}); {}",
+            self.points,
             self.bytes,
             self.groups.len(),
             self.bits_per_point,

@@ -1,10 +1,14 @@
 //! What is to be converted, and how.
 
 use super::edit::Edit;
+use super::error::ConvertError;
+use crate::cloud::RawCloud;
 use crate::io::WriteFormat;
 use crate::reel::ReelOptions;
+use crate::sequence::{FrameEntry, Sequence};
+use std::fs;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which frames, what becomes of them, and where they go.
 #[derive(Debug, Clone)]
@@ -21,6 +25,18 @@ pub struct Conversion {
     pub output: Output,
     /// Write frames that are there already, whatever options they were written with.
     pub overwrites: bool,
+}
+
+impl Conversion {
+    /// A frame as it is to be written.
+    pub(super) fn edited(&self, sequence: &Sequence, index: usize) -> Result<RawCloud, ConvertError> {
+        let mut cloud = sequence.decode(index)?;
+        self.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
+            path: sequence.entry(index).path.clone(),
+            reason,
+        })?;
+        Ok(cloud)
+    }
 }
 
 /// A share of the frames: those whose index leaves `index` when divided by `count`; of a sequence file, the `index`-th
@@ -47,4 +63,30 @@ pub enum Output {
     Folder(PathBuf),
     /// Frames to this sequence file, kept so.
     Reel(PathBuf, ReelOptions),
+}
+
+/// What came of a conversion.
+#[derive(Debug, Default)]
+pub struct Converted {
+    /// Frames that were written.
+    pub written: usize,
+    /// Frames that were finished before.
+    pub left: usize,
+    /// Frames that could not be converted, and why.
+    pub failed: Vec<(usize, ConvertError)>,
+    /// Frames that were written without a part of their files, and why.
+    pub warnings: Vec<(usize, String)>,
+    /// True if it was cancelled before the end.
+    pub is_cancelled: bool,
+}
+
+/// Whether `output` is there and not older than what it was made from.
+pub(super) fn is_finished(output: &Path, entry: &FrameEntry) -> bool {
+    let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
+    let Ok(output) = modified(output) else {
+        return false;
+    };
+    let mut files = std::iter::once(&entry.path).chain(&entry.normals);
+    // Frames in the program have no file.
+    files.all(|file| modified(file).map_or(true, |input| output >= input))
 }

@@ -15,34 +15,18 @@ mod error;
 mod record;
 mod reel;
 
-pub use conversion::{Conversion, Output, Shard};
+pub use conversion::{Conversion, Converted, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
 pub use record::Record;
 pub use reel::join;
 
-use crate::cloud::RawCloud;
+use self::conversion::is_finished;
 use crate::kept;
 use crate::progress::Progress;
-use crate::sequence::{FrameEntry, Sequence};
+use crate::sequence::Sequence;
 use rayon::prelude::*;
 use std::fs;
-use std::path::Path;
-
-/// What came of a conversion.
-#[derive(Debug, Default)]
-pub struct Converted {
-    /// Frames that were written.
-    pub written: usize,
-    /// Frames that were finished before.
-    pub left: usize,
-    /// Frames that could not be converted, and why.
-    pub failed: Vec<(usize, ConvertError)>,
-    /// Frames that were written without a part of their files, and why.
-    pub warnings: Vec<(usize, String)>,
-    /// True if it was cancelled before the end.
-    pub is_cancelled: bool,
-}
 
 /// Converts frames of `sequence`; `progress` counts those that are done, on several threads, and may be cancelled.
 ///
@@ -117,7 +101,7 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
     if !conversion.overwrites && is_finished(&path, &entry) {
         return Ok(FrameOutcome::Left);
     }
-    let cloud = edited(sequence, index, conversion)?;
+    let cloud = conversion.edited(sequence, index)?;
     kept::write_whole_with(&path, |file| {
         crate::io::write(&mut *file, conversion.format, &cloud)?;
         // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
@@ -127,27 +111,6 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
     Ok(FrameOutcome::Written {
         warnings: cloud.warnings,
     })
-}
-
-/// A frame as it is to be written.
-fn edited(sequence: &Sequence, index: usize, conversion: &Conversion) -> Result<RawCloud, ConvertError> {
-    let mut cloud = sequence.decode(index)?;
-    conversion.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
-        path: sequence.entry(index).path.clone(),
-        reason,
-    })?;
-    Ok(cloud)
-}
-
-/// Whether `output` is there and not older than what it was made from.
-fn is_finished(output: &Path, entry: &FrameEntry) -> bool {
-    let modified = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified());
-    let Ok(output) = modified(output) else {
-        return false;
-    };
-    let mut files = std::iter::once(&entry.path).chain(&entry.normals);
-    // Frames in the program have no file.
-    files.all(|file| modified(file).map_or(true, |input| output >= input))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What a folder of converted frames was made with, so that nobody mixes two conversions in it.
 
-use super::{Conversion, ConvertError, Output};
+use super::conversion::{Conversion, Output};
+use super::error::ConvertError;
 use crate::sequence::Sequence;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

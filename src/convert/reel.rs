@@ -6,8 +6,9 @@
 //! cannot be read are left out and said. Shards take runs of groups one after the other, so that their files are joined
 //! by writing one behind the other ([`join`]).
 
+use super::conversion::{Conversion, Converted, Shard, is_finished};
+use super::error::ConvertError;
 use super::record::Record;
-use super::{Conversion, ConvertError, Converted, Shard, is_finished};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use crate::reel::{EncodedGroup, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
@@ -82,7 +83,7 @@ pub(super) fn convert(
     let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
     if !conversion.overwrites && entries.iter().all(|entry| is_finished(output, entry)) {
         // What has the name is whole.
-        converted.left = open(output)?.frame_count();
+        converted.left = ReelFile::open_path(output)?.frame_count();
         return Ok(converted);
     }
     let unfinished = Unfinished::of(output);
@@ -152,7 +153,7 @@ fn encoded(
             made.is_cancelled = true;
             return Ok(made);
         }
-        match super::edited(sequence, frame, conversion) {
+        match conversion.edited(sequence, frame) {
             Ok(mut cloud) => {
                 let warnings = std::mem::take(&mut cloud.warnings);
                 made.warnings
@@ -196,7 +197,7 @@ pub fn join(parts: &[PathBuf], output: &Path) -> Result<usize, ConvertError> {
     let unfinished = Unfinished::of(output);
     let mut writer: Option<Writer> = None;
     for part in parts {
-        let part = open(part)?;
+        let part = ReelFile::open_path(part)?;
         let writer = match &mut writer {
             Some(writer) => writer,
             writer => writer.insert(Writer::create_like(&unfinished.file, &part)?),
@@ -209,11 +210,6 @@ pub fn join(parts: &[PathBuf], output: &Path) -> Result<usize, ConvertError> {
     let count = writer.frame_count();
     finish(writer, output, &unfinished)?;
     Ok(count)
-}
-
-fn open(path: &Path) -> Result<ReelFile, ConvertError> {
-    let file = File::open(path).map_err(write_error(path))?;
-    Ok(ReelFile::open(Arc::new(file), path)?)
 }
 
 /// Gives a file that is whole its name.

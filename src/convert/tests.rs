@@ -5,6 +5,7 @@ use crate::progress::Progress;
 use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::time::Duration;
 
 /// 1,000 points in a cube of ten metres, with everything a cloud can have.

@@ -1,8 +1,8 @@
 //! Nodes that are told by their places among the records of all nodes, for whoever keeps these.
 //!
 //! How it works: where nodes have records that are the same from cut to cut, a graphics card keeps the records, and a
-//! cut is four bytes a node, or nothing but a step for the plain list and a rule for a sequence, whose nodes it tests. Elsewhere, and where they do not fit, what is
-//! drawn of a cut is *gathered*.
+//! cut is four bytes a node, or nothing but a step for the plain list and a rule for a sequence, whose nodes it tests.
+//! Elsewhere, and where they do not fit, what is drawn of a cut is *gathered*.
 //!
 //! When it wins: where a view moves about a frame. Of a frame that is seen once, all records are more than those of a
 //! cut. So structures tell places once they have written as many records as they have nodes ([`KeptNodes`]).
@@ -139,7 +139,8 @@ impl KeptNodes {
         if self.written.fetch_add(about_to_be_written, Ordering::Relaxed) < node_count {
             return None;
         }
-        // Not inside of `get_or_init`: a thread that waits for its share may take up other work, and come by here again.
+        // Not inside of `get_or_init`: a thread that waits for its share may take up other work, and come by here
+        // again.
         let worked_out = work_out();
         Some(self.records.get_or_init(|| worked_out))
     }

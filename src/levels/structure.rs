@@ -16,8 +16,8 @@ pub trait Levels: Debug + Send + Sync {
     /// cells that close gaps, is left out where there would be more than `most_records`.
     fn write(&self, cut: &Cut, most_records: usize, buffers: RecordBuffers) -> Records;
 
-    /// The same as places among records that stay, for whoever keeps these on a graphics card. `None` where there are no
-    /// such records, or not yet: see [`Levels::write`]. Of `buffers` it takes the memory for places alone.
+    /// The same as places among records that stay, for whoever keeps these on a graphics card. `None` where there are
+    /// no such records, or not yet: see [`Levels::write`]. Of `buffers` it takes the memory for places alone.
     fn select(&self, _cut: &Cut, _buffers: &mut RecordBuffers) -> Option<Records> {
         None
     }

@@ -58,6 +58,19 @@ pub struct FrameInfo<'a> {
 }
 
 impl ReelFile {
+    /// Opens the file at a path.
+    ///
+    /// # Errors
+    /// As [`ReelFile::open`], and a file that cannot be opened.
+    pub fn open_path(path: &Path) -> Result<Self, ReelError> {
+        let file = std::fs::File::open(path).map_err(|source| ReelError::Io {
+            path: path.to_owned(),
+            byte: 0,
+            source,
+        })?;
+        Self::open(Arc::new(file), path)
+    }
+
     /// Opens a file of which `path` is the name in messages: reads its head and its index. Without an index, as after
     /// a crash or while it is written, the groups that are whole are found one by one.
     ///

@@ -2,10 +2,10 @@
 //!
 //! **How it works.** Clouds of a torus with as many points as are asked for are measured beside the inputs. Each step
 //! turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn of it is
-//! told (LOD time), that is uploaded, and the picture is drawn. All structures take their turn at a view before the next
-//! step, so that what slows the machine down slows all of them. *none* draws all points as they are, which are resident.
-//! Records of all nodes are resident as well, from the time on that a structure has written as many: mostly before the
-//! rounds that are counted.
+//! told (LOD time), that is uploaded, and the picture is drawn. All structures take their turn at a view before the
+//! next step, so that what slows the machine down slows all of them. *none* draws all points as they are, which are
+//! resident. Records of all nodes are resident as well, from the time on that a structure has written as many: mostly
+//! before the rounds that are counted.
 //!
 //! The paper drew points on the hardware of 2004; its times are beside ours for their ratios, not for themselves.
 

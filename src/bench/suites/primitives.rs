@@ -1,14 +1,14 @@
 //! Fig. 5 and Table 1 of paper 002: how fast each primitive is drawn, and how much work its shaders are.
 //!
 //! **How it works.** Clouds of a torus with as many points as are asked for are drawn beside the inputs, all of their
-//! points as each primitive, from three distances; each picture turns the object by 2°. Beside them are triangles: those
-//! of the file, or of a mesh with as many vertices as the torus has points. Processor and adapter draw the
-//! same pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size
-//! in the scene are about as large as the disks of surfels, so that all but single pixels cover as much. Splats are
-//! drawn as each geometry that the adapter has for them, of which the processor needs none: there its times are equal.
+//! points as each primitive, from three distances; each picture turns the object by 2°. Beside them are triangles:
+//! those of the file, or of a mesh with as many vertices as the torus has points. Processor and adapter draw the same
+//! pictures in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size in
+//! the scene are about as large as the disks of surfels, so that all but single pixels cover as much. Splats are drawn
+//! as each geometry that the adapter has for them, of which the processor needs none: there its times are equal.
 //!
-//! The second table has the time of each pass on the adapter's clock, the third counts what the shaders of each pass do, in naga's intermediate representation, beside what the
-//! paper counted in its instructions.
+//! The second table has the time of each pass on the adapter's clock. The third counts what the shaders of each pass
+//! do, in naga's intermediate representation, beside what the paper counted in its instructions.
 
 use super::pass_samples::PassSamples;
 use super::torus_mesh::torus_mesh;
@@ -72,8 +72,9 @@ pub const PRIMITIVES: &Suite = &Suite {
            Fig. 5 and Table 1)",
     description: "drawing all points as each primitive, from three distances, turning by 2° a picture",
     measured: "CPU wall time from packet to finished picture, processor and adapter in turn; points a second are all \
-        points over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the adapter, median; operations and reads of shaders are counted in naga's \
-        intermediate representation, with all branches and the storage strategy",
+        points over all times; of voxels, leaves, of meshes, triangles; passes are timed by timestamps of the \
+        adapter, median; operations and reads of shaders are counted in naga's intermediate representation, with all \
+        branches and the storage strategy",
     not_measured: "decoding, normals, radii, ellipses, octrees, uploads, reading back, showing; the paper's are \
         instructions of the Cg compiler for a GeForce 5900, with lights for each vertex",
     covered_by: "surfels",

@@ -9,7 +9,7 @@
 //!
 //! What remains is coded by models that are chosen by how well parent and neighbours agree.
 
-use crate::reel::coder::{BitCoder, SignedModel};
+use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels, divided};
 use crate::reel::tree::{Known, NONE};
 
 /// Classes of how well what a value is predicted from agrees.
@@ -21,14 +21,16 @@ const BEFORE: usize = 4;
 /// What is known of what is not predicted.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct ChannelModels {
-    models: Vec<SignedModel>,
+    models: Vec<MagnitudeModel>,
+    rest: RestModels,
 }
 
 impl ChannelModels {
     /// For so many channels.
     pub(in crate::reel) fn new(channels: usize) -> Self {
         Self {
-            models: vec![SignedModel::default(); channels * 3 * AGREEMENTS * BEFORE],
+            models: vec![MagnitudeModel::default(); channels * 3 * AGREEMENTS * BEFORE],
+            rest: RestModels::default(),
         }
     }
 }
@@ -59,9 +61,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
         for channel in 0..N {
             let mean = i32::from(parent[channel]);
             // What the children left have on average.
-            let expected = ((mean * (siblings + left) - sums[channel]) * 2 + left)
-                .div_euclid(2 * left)
-                .clamp(0, most);
+            let expected = divided((mean * (siblings + left) - sums[channel]) * 2 + left, 2 * left).clamp(0, most);
             let (mut beside, mut count) = (0, 0);
             for &neighbour in known.beside.iter().take_while(|&&neighbour| neighbour != NONE) {
                 beside += i32::from(values[neighbour as usize][channel]);
@@ -73,14 +73,14 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
                     // As much weight for the parent as for all beside it.
                     let doubled = 2 * beside + expected * count;
                     (
-                        (2 * doubled + 3 * count).div_euclid(6 * count),
-                        (beside - expected * count).abs() / count,
+                        divided(2 * doubled + 3 * count, 6 * count),
+                        divided((beside - expected * count).abs(), count),
                     )
                 }
             };
             let predicted = (predicted + off).clamp(0, most);
-            let agreement = (32 - (differing as u32 / step as u32).leading_zeros()).min(AGREEMENTS as u32 - 1) as usize;
-            let before = (32 - (off.unsigned_abs() / step as u32).leading_zeros()).min(BEFORE as u32 - 1) as usize;
+            let agreement = class_of(divided(differing, step), AGREEMENTS);
+            let before = class_of(divided(off.abs(), step), BEFORE);
             let kind = if left == 1 {
                 0
             } else if count == 0 {
@@ -89,10 +89,15 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
                 2
             };
             let model = &mut models.models[((channel * 3 + kind) * AGREEMENTS + agreement) * BEFORE + before];
-            let difference = i32::from(values[node][channel]) - predicted;
-            let steps = (difference + if difference < 0 { -(step / 2) } else { step / 2 }) / step;
+            let steps = if C::DECODES {
+                0
+            } else {
+                (i32::from(values[node][channel]) - predicted + step / 2).div_euclid(step)
+            };
             // What damaged bytes say may be any number.
-            let steps = model.code(coder, i64::from(steps)).clamp(-(1 << 17), 1 << 17) as i32;
+            let steps = model
+                .code_signed(coder, &mut models.rest, i64::from(steps))
+                .clamp(-(1 << 17), 1 << 17) as i32;
             let value = (predicted + steps * step).clamp(0, most);
             values[node][channel] = value as u16;
             sums[channel] += value;
@@ -100,4 +105,10 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
         }
         siblings += 1;
     }
+}
+
+/// The number of bits of a number that is not negative, as one of so many classes.
+#[inline(always)]
+fn class_of(number: i32, classes: usize) -> usize {
+    (32 - number.leading_zeros() as usize).min(classes - 1)
 }

@@ -1,7 +1,7 @@
 //! Normals as places on the unfolded octahedron: cells as differences to a prediction, and which half of the cell.
 
 use super::normal_grid::{MISSING, NormalGrid};
-use crate::reel::coder::{BitCoder, BitModel, SignedModel};
+use crate::reel::coder::{BitCoder, BitModel, MagnitudeModel, RestModels, divided};
 use crate::reel::tree::{Known, NONE};
 
 /// Classes of how far apart the normals around are.
@@ -11,8 +11,9 @@ const SPREADS: usize = 8;
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct NormalModels {
     missing: [BitModel; 3],
-    across: [SignedModel; SPREADS],
-    along: Vec<SignedModel>,
+    across: [MagnitudeModel; SPREADS],
+    along: [MagnitudeModel; SPREADS * 3],
+    rest: RestModels,
     halves: [BitModel; 3 * 3 * 3 * 2],
 }
 
@@ -21,7 +22,8 @@ impl Default for NormalModels {
         Self {
             missing: Default::default(),
             across: Default::default(),
-            along: vec![SignedModel::default(); SPREADS * 3],
+            along: Default::default(),
+            rest: RestModels::default(),
             halves: [BitModel::default(); 54],
         }
     }
@@ -59,9 +61,9 @@ pub(in crate::reel) fn code_normals<C: BitCoder>(
         let [u0, v0] = predicted.map(cell);
         let given = if C::DECODES { predicted } else { places[node] };
         let [u, v] = given.map(cell);
-        let du = models.across[spread].code(coder, i64::from(u - u0));
+        let du = models.across[spread].code_signed(coder, &mut models.rest, i64::from(u - u0));
         let class = du.unsigned_abs().min(2) as usize;
-        let dv = models.along[3 * spread + class].code(coder, i64::from(v - v0));
+        let dv = models.along[3 * spread + class].code_signed(coder, &mut models.rest, i64::from(v - v0));
         // What damaged bytes say may be any number.
         let inside = |from: i32, step: i64| {
             (i64::from(from).saturating_add(step)).clamp(-i64::from(half), i64::from(half) - 1) as i32
@@ -103,7 +105,7 @@ fn predict(half: i32, known: &Known, parent: [i16; 2], places: &[[i16; 2]]) -> (
     if weights == 0 {
         return (MISSING, SPREADS - 1);
     }
-    let mean = [0, 1].map(|axis| i32::from(first[axis]) + (2 * sums[axis] + weights).div_euclid(2 * weights));
+    let mean = [0, 1].map(|axis| i32::from(first[axis]) + divided(2 * sums[axis] + weights, 2 * weights));
     let class = (32 - (spread / 2).leading_zeros()).min(SPREADS as u32 - 1) as usize;
     (mean.map(|along| along as i16), class)
 }

@@ -5,7 +5,7 @@
 //! the models of the bits.
 
 use super::normal_grid::{MISSING, NormalGrid};
-use crate::reel::coder::{BitCoder, BitModel};
+use crate::reel::coder::{BitCoder, BitModel, divided};
 use crate::reel::tree::{Known, NONE};
 
 /// Offsets are within this part of a cell's edge to both sides, in 1024ths: half the diagonal, rounded up.
@@ -88,6 +88,6 @@ fn class_of(grid: &NormalGrid, bits: u8, known: &Known, normal: [i16; 2], offset
         sum += offset_of_code(offsets[neighbour as usize], bits) + along;
         count += 1;
     }
-    let predicted = (sum / count).clamp(-LARGEST, LARGEST - 1);
+    let predicted = divided(sum, count).clamp(-LARGEST, LARGEST - 1);
     ((predicted + LARGEST) * (CLASSES as i32 - 1) / (2 * LARGEST)) as usize
 }

@@ -31,6 +31,9 @@ pub(in crate::reel) const PROBABILITY_BITS: u32 = 16;
 /// something, so that bytes bound the number of bits.
 const LEAST: u32 = 1 << 5;
 
+/// The same as a state has it.
+const TARGET: i64 = (LEAST as i64) << (22 - PROBABILITY_BITS);
+
 /// The running probability of one bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct BitModel(u32);
@@ -45,7 +48,7 @@ impl BitModel {
     /// The probability of a set bit in 2⁻¹⁶.
     #[inline(always)]
     pub(in crate::reel) fn probability(self) -> u32 {
-        (self.0 >> 16).clamp(LEAST, (1 << PROBABILITY_BITS) - LEAST)
+        self.0 >> 16
     }
 
     /// Takes notice of a bit.
@@ -53,7 +56,7 @@ impl BitModel {
     pub(in crate::reel) fn see(&mut self, bit: bool) {
         let seen = self.0 & ((1 << SEEN_BITS) - 1);
         let probability = (self.0 >> SEEN_BITS) as i64;
-        let target = if bit { (1 << 22) - 1 } else { 0 };
+        let target = if bit { (1 << 22) - TARGET } else { TARGET };
         let moved = probability + (((target - probability) * i64::from(RATES[seen as usize])) >> 16);
         self.0 = (moved as u32) << SEEN_BITS | (seen + 1).min(MOST_SEEN);
     }

@@ -11,7 +11,7 @@ use super::range::BitCoder;
 const MOST_STRETCHED: i32 = 2047;
 
 /// The logistic function at −16, −15, …, 16 halves, in 2⁻¹².
-const SQUASHED: [i32; 33] = [
+const HALVES: [i32; 33] = [
     1, 2, 3, 6, 10, 16, 27, 45, 73, 120, 194, 310, 488, 747, 1101, 1546, 2048, 2550, 2995, 3349, 3608, 3786, 3902,
     3976, 4023, 4051, 4069, 4080, 4086, 4090, 4093, 4094, 4095,
 ];
@@ -26,7 +26,20 @@ const fn squash(stretched: i32) -> i32 {
     }
     let between = stretched & 127;
     let place = ((stretched >> 7) + 16) as usize;
-    (SQUASHED[place] * (128 - between) + SQUASHED[place + 1] * between + 64) >> 7
+    (HALVES[place] * (128 - between) + HALVES[place + 1] * between + 64) >> 7
+}
+
+/// [`squash`] of every value, as twelve bits in two's complement.
+static SQUASHED: [i16; 4096] = squashed();
+
+const fn squashed() -> [i16; 4096] {
+    let mut table = [0; 4096];
+    let mut value = -MOST_STRETCHED;
+    while value <= MOST_STRETCHED {
+        table[(value & 4095) as usize] = squash(value) as i16;
+        value += 1;
+    }
+    table
 }
 
 /// The inverse of [`squash`]: the least value that is squashed to a probability or more.
@@ -54,12 +67,12 @@ const ONE: i32 = 1 << 16;
 const RATE: i32 = 6;
 
 /// A weight may not grow beyond this.
-const MOST_WEIGHT: i32 = 16 * ONE;
+const MOST_WEIGHT: i32 = 4 * ONE;
 
 /// Weights of `N` models for each of some contexts.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Mixer<const N: usize> {
-    weights: Vec<[i32; N]>,
+    weights: Box<[[i32; N]]>,
 }
 
 impl<const N: usize> Mixer<N> {
@@ -67,35 +80,35 @@ impl<const N: usize> Mixer<N> {
     pub(in crate::reel) fn new(contexts: usize) -> Self {
         let even = 11 * ONE / (10 * N as i32);
         Self {
-            weights: vec![[even; N]; contexts],
+            weights: vec![[even; N]; contexts].into_boxed_slice(),
         }
     }
 
-    /// Codes a bit by the models at these places, which see it. Precondition: no two places alike.
+    /// Codes a bit by these models, which see it.
     #[inline(always)]
     pub(in crate::reel) fn code<C: BitCoder>(
         &mut self,
         coder: &mut C,
         context: usize,
-        models: &mut [BitModel],
-        places: [usize; N],
+        models: [&mut BitModel; N],
         bit: bool,
     ) -> bool {
         let weights = &mut self.weights[context];
         let mut inputs = [0; N];
-        let mut sum = 0i64;
-        for ((input, weight), &place) in inputs.iter_mut().zip(&*weights).zip(&places) {
-            *input = i32::from(STRETCHED[(models[place].probability() >> 4) as usize]);
-            sum += i64::from(*input) * i64::from(*weight);
+        let mut sum = 0;
+        for ((input, weight), model) in inputs.iter_mut().zip(&*weights).zip(&models) {
+            *input = i32::from(STRETCHED[(model.probability() >> 4) as usize & 4095]);
+            sum += *input * *weight;
         }
-        let probability = squash((sum >> 16) as i32);
+        let stretched = (sum >> 16).clamp(-MOST_STRETCHED, MOST_STRETCHED);
+        let probability = i32::from(SQUASHED[(stretched & 4095) as usize]);
         let bit = coder.bit_of(probability as u32 * 16 + 8, bit);
         let error = ((i32::from(bit) << 12) - probability) * RATE;
         for (weight, input) in weights.iter_mut().zip(inputs) {
             *weight = (*weight + ((input * error + (1 << 13)) >> 14)).clamp(-MOST_WEIGHT, MOST_WEIGHT);
         }
-        for place in places {
-            models[place].see(bit);
+        for model in models {
+            model.see(bit);
         }
         bit
     }

@@ -7,8 +7,10 @@ mod bit_model;
 mod mixer;
 mod number;
 mod range;
+mod reciprocal;
 
 pub(super) use bit_model::BitModel;
 pub(super) use mixer::Mixer;
-pub(super) use number::{MagnitudeModel, SignedModel};
+pub(super) use number::{MagnitudeModel, RestModels};
 pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};
+pub(super) use reciprocal::divided;

@@ -6,19 +6,26 @@ use super::range::BitCoder;
 /// Numbers up to this are told one by one.
 const UNARY: usize = 14;
 
-/// A number from 0 on: so many set bits as it has ones up to [`UNARY`], each with a model of its own, then an
-/// Elias-gamma code (Elias 1975) of the rest, of which the length and the highest bit below it have models.
-#[derive(Debug, Clone, PartialEq)]
+/// Models of a number from 0 on: so many set bits as it has ones up to [`UNARY`], each with a model of its own, then
+/// [`RestModels`]. A line of a processor's cache, as there may be hundreds of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[repr(align(64))]
 pub(in crate::reel) struct MagnitudeModel {
     unary: [BitModel; UNARY],
+    sign: BitModel,
+}
+
+/// What is beyond the ones: an Elias-gamma code (Elias 1975), of which the length and the highest bit below it have
+/// models. Few numbers come here, so many models of magnitudes share these.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct RestModels {
     length: [BitModel; 64],
     high: [BitModel; 64],
 }
 
-impl Default for MagnitudeModel {
+impl Default for RestModels {
     fn default() -> Self {
         Self {
-            unary: [BitModel::default(); UNARY],
             length: [BitModel::default(); 64],
             high: [BitModel::default(); 64],
         }
@@ -27,20 +34,41 @@ impl Default for MagnitudeModel {
 
 impl MagnitudeModel {
     /// Codes a number below 2⁶³.
-    #[inline]
-    pub(in crate::reel) fn code<C: BitCoder>(&mut self, coder: &mut C, value: u64) -> u64 {
+    #[inline(always)]
+    pub(in crate::reel) fn code<C: BitCoder>(&mut self, coder: &mut C, rest: &mut RestModels, value: u64) -> u64 {
         let mut coded = 0;
-        while coded < UNARY as u64 {
-            if !coder.bit(&mut self.unary[coded as usize], value > coded) {
+        for model in &mut self.unary {
+            if !coder.bit(model, value > coded) {
                 return coded;
             }
             coded += 1;
         }
-        coded.saturating_add(self.code_rest(coder, value.wrapping_sub(coded)))
+        coded.saturating_add(rest.code(coder, value.wrapping_sub(coded)))
     }
 
+    /// Codes a number of either sign and a magnitude below 2⁶².
+    #[inline(always)]
+    pub(in crate::reel) fn code_signed<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        rest: &mut RestModels,
+        value: i64,
+    ) -> i64 {
+        let magnitude = self.code(coder, rest, value.unsigned_abs()) as i64;
+        if magnitude == 0 {
+            return 0;
+        }
+        if coder.bit(&mut self.sign, value < 0) {
+            -magnitude
+        } else {
+            magnitude
+        }
+    }
+}
+
+impl RestModels {
     #[cold]
-    fn code_rest<C: BitCoder>(&mut self, coder: &mut C, value: u64) -> u64 {
+    fn code<C: BitCoder>(&mut self, coder: &mut C, value: u64) -> u64 {
         let value = value.wrapping_add(1);
         let most = 62;
         let length = if C::DECODES { 0 } else { value.ilog2().min(most) };
@@ -55,28 +83,5 @@ impl MagnitudeModel {
         let high = coder.bit(&mut self.high[coded_length as usize], value >> below & 1 != 0);
         let low = coder.even_bits(below, value & ((1 << below) - 1));
         (1 << coded_length | u64::from(high) << below | low) - 1
-    }
-}
-
-/// A number of either sign.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(in crate::reel) struct SignedModel {
-    magnitude: MagnitudeModel,
-    sign: BitModel,
-}
-
-impl SignedModel {
-    /// Codes a number of magnitude below 2⁶².
-    #[inline]
-    pub(in crate::reel) fn code<C: BitCoder>(&mut self, coder: &mut C, value: i64) -> i64 {
-        let magnitude = self.magnitude.code(coder, value.unsigned_abs()) as i64;
-        if magnitude == 0 {
-            return 0;
-        }
-        if coder.bit(&mut self.sign, value < 0) {
-            -magnitude
-        } else {
-            magnitude
-        }
     }
 }

@@ -6,8 +6,11 @@
 
 use super::bit_model::{BitModel, PROBABILITY_BITS};
 
+/// Even bits that are coded in one step.
+const MOST_EVEN_BITS: u32 = 16;
+
 /// Codes bits in one direction or the other.
-pub(in crate::reel) trait BitCoder {
+pub(in crate::reel) trait BitCoder: Default {
     /// Whether bits are read: what is handed in then says nothing.
     const DECODES: bool;
 
@@ -22,13 +25,17 @@ pub(in crate::reel) trait BitCoder {
         bit
     }
 
+    /// Codes a number below 2ᵇ, b at most [`MOST_EVEN_BITS`], all of them equally likely.
+    fn few_even_bits(&mut self, bits: u32, value: u64) -> u64;
+
     /// Codes the lowest `bits` bits of a number, all equally likely.
     #[inline]
     fn even_bits(&mut self, bits: u32, value: u64) -> u64 {
-        let mut coded = 0;
-        for place in (0..bits).rev() {
-            let bit = self.bit_of(1 << (PROBABILITY_BITS - 1), value >> place & 1 != 0);
-            coded |= u64::from(bit) << place;
+        let (mut coded, mut left) = (0, bits);
+        while left > 0 {
+            let some = left.min(MOST_EVEN_BITS);
+            left -= some;
+            coded = coded << some | self.few_even_bits(some, value >> left & ((1 << some) - 1));
         }
         coded
     }
@@ -63,6 +70,15 @@ impl RangeEncoder {
         }
     }
 
+    #[inline(always)]
+    fn refill(&mut self) {
+        if self.range < 1 << 32 {
+            self.words.push((self.low >> 32) as u32);
+            self.low <<= 32;
+            self.range <<= 32;
+        }
+    }
+
     /// All bytes: the shortest that name a number in the interval.
     pub(in crate::reel) fn finish(mut self) -> Vec<u8> {
         // The number in the interval with the most zeros at its end.
@@ -79,8 +95,10 @@ impl RangeEncoder {
             if rounded >= self.low { rounded } else { last }
         };
         let mut bytes: Vec<u8> = self.words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        // Of the words none is left out, be they 0: bytes bound the number of bits.
+        let least = bytes.len();
         bytes.extend(number.to_be_bytes());
-        while bytes.last() == Some(&0) {
+        while bytes.len() > least && bytes.last() == Some(&0) {
             bytes.pop();
         }
         bytes
@@ -93,22 +111,28 @@ impl BitCoder for RangeEncoder {
     #[inline(always)]
     fn bit_of(&mut self, probability: u32, bit: bool) -> bool {
         let bound = (self.range >> PROBABILITY_BITS) * u64::from(probability);
-        if bit {
-            self.range = bound;
-        } else {
-            let (low, carries) = self.low.overflowing_add(bound);
-            self.low = low;
-            self.range -= bound;
-            if carries {
-                self.carry();
-            }
+        let unset = u64::from(bit).wrapping_sub(1);
+        let (low, carries) = self.low.overflowing_add(bound & unset);
+        self.low = low;
+        self.range = bound ^ ((bound ^ (self.range - bound)) & unset);
+        if carries {
+            self.carry();
         }
-        if self.range < 1 << 32 {
-            self.words.push((self.low >> 32) as u32);
-            self.low <<= 32;
-            self.range <<= 32;
-        }
+        self.refill();
         bit
+    }
+
+    #[inline]
+    fn few_even_bits(&mut self, bits: u32, value: u64) -> u64 {
+        let step = self.range >> bits;
+        let (low, carries) = self.low.overflowing_add(step * value);
+        self.low = low;
+        self.range = step;
+        if carries {
+            self.carry();
+        }
+        self.refill();
+        value
     }
 }
 
@@ -120,6 +144,13 @@ pub(in crate::reel) struct RangeDecoder<'a> {
     next: usize,
     above_low: u64,
     range: u64,
+}
+
+impl Default for RangeDecoder<'_> {
+    /// Of no bytes.
+    fn default() -> Self {
+        Self::new(&[])
+    }
 }
 
 impl<'a> RangeDecoder<'a> {
@@ -153,6 +184,14 @@ impl<'a> RangeDecoder<'a> {
         u32::from_be_bytes(word)
     }
 
+    #[inline(always)]
+    fn refill(&mut self) {
+        if self.range < 1 << 32 {
+            self.above_low = self.above_low << 32 | u64::from(self.word());
+            self.range <<= 32;
+        }
+    }
+
     /// Whether more was read than an encoder ever wrote: the bytes are not all there, or not those that were written.
     pub(in crate::reel) fn has_overrun(&self) -> bool {
         self.next > self.bytes.len() + 8 + 3
@@ -166,16 +205,22 @@ impl BitCoder for RangeDecoder<'_> {
     fn bit_of(&mut self, probability: u32, _: bool) -> bool {
         let bound = (self.range >> PROBABILITY_BITS) * u64::from(probability);
         let bit = self.above_low < bound;
-        if bit {
-            self.range = bound;
-        } else {
-            self.above_low -= bound;
-            self.range -= bound;
-        }
-        if self.range < 1 << 32 {
-            self.above_low = self.above_low << 32 | u64::from(self.word());
-            self.range <<= 32;
-        }
+        // No branch: half of the bits would be guessed wrongly.
+        let unset = u64::from(bit).wrapping_sub(1);
+        self.above_low -= bound & unset;
+        self.range = bound ^ ((bound ^ (self.range - bound)) & unset);
+        self.refill();
         bit
+    }
+
+    #[inline]
+    fn few_even_bits(&mut self, bits: u32, _: u64) -> u64 {
+        let step = self.range >> bits;
+        // The last interval reaches to the end.
+        let value = (self.above_low / step).min((1 << bits) - 1);
+        self.above_low -= step * value;
+        self.range = step;
+        self.refill();
+        value
     }
 }

@@ -56,7 +56,7 @@ impl<'a> ByteReader<'a> {
         self.rest.len()
     }
 
-    fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
+    pub(in crate::reel) fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
         let (taken, rest) = self
             .rest
             .split_at_checked(count)

@@ -14,7 +14,10 @@ use crate::reel::attributes::{
 };
 use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder};
 use crate::reel::error::Fault;
-use crate::reel::tree::{ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, first_children, plan};
+use crate::reel::file::{ByteReader, ByteWriter};
+use crate::reel::tree::{
+    ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, first_children, parts_of, plan,
+};
 use std::ops::Range;
 
 /// Levels of at most so many nodes are one section.
@@ -26,6 +29,14 @@ pub(in crate::reel) struct CodedSection {
     /// Levels that it adds; none if it adds the points.
     pub(in crate::reel) levels: Range<usize>,
     pub(in crate::reel) streams: Vec<(StreamKind, Vec<u8>)>,
+}
+
+impl CodedSection {
+    /// The bytes of a kind; none if there is no such stream.
+    fn stream(&self, kind: StreamKind) -> &[u8] {
+        let stream = self.streams.iter().find(|(other, _)| *other == kind);
+        stream.map_or(&[], |(_, bytes)| bytes.as_slice())
+    }
 }
 
 /// Levels that belong to one section each, by the number of nodes of every level.
@@ -68,16 +79,23 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
             streams: Vec::new(),
         });
     }
-    let coders = |kind: StreamKind| {
-        let count = if kind == StreamKind::Geometry {
-            ranges.len()
-        } else {
-            sections.len()
-        };
-        (0..count).map(|_| RangeEncoder::default()).collect()
-    };
+    let coders = |_| (0..sections.len()).map(|_| RangeEncoder::default()).collect();
+    let mut geometry: Vec<Vec<RangeEncoder>> = ranges
+        .iter()
+        .map(|levels| {
+            (0..parts_of_section(&counts, levels))
+                .map(|_| RangeEncoder::default())
+                .collect()
+        })
+        .collect();
     // An encoder never fails.
-    let coded = code_pose(schema, grid, pose, &counts, &ranges, coders).unwrap_or_default();
+    let coded = code_pose(schema, grid, pose, (&counts, &ranges), &mut geometry, coders).unwrap_or_default();
+    for (section, parts) in sections.iter_mut().zip(geometry) {
+        let bytes = joined(parts);
+        if !bytes.is_empty() {
+            section.streams.push((StreamKind::Geometry, bytes));
+        }
+    }
     for (kind, coders) in coded {
         for (section, coder) in sections.iter_mut().zip(coders) {
             let bytes = coder.finish();
@@ -87,6 +105,34 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
         }
     }
     sections
+}
+
+/// Parts of the geometry in a section: masks of the level above its first, or of all levels of the first section.
+fn parts_of_section(counts: &[usize], levels: &Range<usize>) -> usize {
+    parts_of(counts[levels.start.saturating_sub(1)])
+}
+
+/// One stream of parts: how long each but the last is, and their bytes.
+fn joined(parts: Vec<RangeEncoder>) -> Vec<u8> {
+    let parts: Vec<Vec<u8>> = parts.into_iter().map(RangeEncoder::finish).collect();
+    let mut writer = ByteWriter::default();
+    for part in &parts[..parts.len() - 1] {
+        writer.number(part.len() as u64);
+    }
+    writer.bytes.extend(parts.concat());
+    writer.bytes
+}
+
+/// The parts that a stream is joined of.
+fn parted(stream: &[u8], parts: usize) -> Result<Vec<RangeDecoder<'_>>, Fault> {
+    let mut reader = ByteReader::new(stream);
+    let lengths: Vec<u64> = (1..parts).map(|_| reader.number()).collect::<Result<_, _>>()?;
+    let mut decoders = Vec::with_capacity(parts);
+    for length in lengths {
+        decoders.push(RangeDecoder::new(reader.take(length as usize)?));
+    }
+    decoders.push(RangeDecoder::new(reader.take(reader.left())?));
+    Ok(decoders)
 }
 
 /// A pose from its first sections.
@@ -104,15 +150,23 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
     let has_points = ranges.len() < sections.len();
     let mut pose = blank(wanted, counts, has_points);
     let coders = |kind: StreamKind| {
-        sections
-            .iter()
-            .map(|section| {
-                let stream = section.streams.iter().find(|(other, _)| *other == kind);
-                RangeDecoder::new(stream.map_or(&[], |(_, bytes)| bytes.as_slice()))
-            })
-            .collect::<Vec<_>>()
+        let streams = sections.iter().map(|section| section.stream(kind));
+        streams.map(RangeDecoder::new).collect::<Vec<_>>()
     };
-    let coded = code_pose(wanted.schema, wanted.grid, &mut pose, counts, &ranges, coders)?;
+    let mut geometry = ranges
+        .iter()
+        .zip(sections)
+        .map(|(levels, section)| parted(section.stream(StreamKind::Geometry), parts_of_section(counts, levels)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut coded = code_pose(
+        wanted.schema,
+        wanted.grid,
+        &mut pose,
+        (counts, &ranges),
+        &mut geometry,
+        coders,
+    )?;
+    coded.extend(geometry.into_iter().map(|parts| (StreamKind::Geometry, parts)));
     for (kind, coders) in coded {
         if coders.iter().any(RangeDecoder::has_overrun) {
             return Err(Fault::new(format!("the stream of {} ends too early", kind.name())));
@@ -151,19 +205,17 @@ fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool) -> Pose {
     }
 }
 
-/// Codes the whole of a pose; the coders of each stream come back.
+/// Codes the whole of a pose; the coders of each stream but the geometry come back.
 fn code_pose<C: BitCoder + Send>(
     schema: &Schema,
     grid: &Grid,
     pose: &mut Pose,
-    counts: &[usize],
-    ranges: &[Range<usize>],
+    (counts, ranges): (&[usize], &[Range<usize>]),
+    geometry: &mut [Vec<C>],
     coders: impl Fn(StreamKind) -> Vec<C>,
 ) -> Result<Vec<(StreamKind, Vec<C>)>, Fault> {
     let mut all = Vec::new();
-    let mut geometry = coders(StreamKind::Geometry);
-    let mut plans = code_tree(&mut geometry, (counts, ranges), &mut pose.levels, schema.has_values())?;
-    all.push((StreamKind::Geometry, geometry));
+    let mut plans = code_tree(geometry, (counts, ranges), &mut pose.levels, schema.has_values())?;
     if let Some(points) = &mut pose.points {
         let mut position = coders(StreamKind::Position);
         let deepest = pose.levels.last().map_or(&[][..], |level| level.cells.as_slice());
@@ -187,8 +239,8 @@ fn code_pose<C: BitCoder + Send>(
 }
 
 /// Codes the masks of all levels, fills in their cells, and says what is known of their nodes.
-fn code_tree<C: BitCoder>(
-    coders: &mut [C],
+fn code_tree<C: BitCoder + Send>(
+    coders: &mut [Vec<C>],
     (counts, ranges): (&[usize], &[Range<usize>]),
     levels: &mut [Level],
     wants_plan: bool,
@@ -196,7 +248,7 @@ fn code_tree<C: BitCoder>(
     if counts.first().is_none_or(|&count| count == 0) {
         return Ok(vec![Vec::new(); levels.len()]);
     }
-    let mut models = OccupancyModels::default();
+    let mut models = vec![OccupancyModels::default()];
     let mut neighbours = vec![ALONE];
     let mut above = vec![1u8];
     let mut plans = Vec::new();

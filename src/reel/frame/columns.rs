@@ -1,6 +1,6 @@
 //! Floats as they are: bit by bit, in as few bits as a prediction from the one before leaves.
 
-use crate::reel::coder::{BitCoder, MagnitudeModel, SignedModel};
+use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels};
 
 /// Floats whose bits are whole numbers in the same order: −0 before +0, NaN of either sign at the ends.
 pub(in crate::reel) fn ordered32(bits: u32) -> u32 {
@@ -48,7 +48,7 @@ pub(in crate::reel) fn code_floats<C: BitCoder>(coder: &mut C, column: &mut [u32
         FLOATS
     };
     let kind = coder.even_bits(1, kind);
-    let mut model = SignedModel::default();
+    let (mut model, mut rest) = (MagnitudeModel::default(), RestModels::default());
     let mut last = 0i64;
     for bits in column {
         let number = if kind == INTEGERS {
@@ -56,7 +56,7 @@ pub(in crate::reel) fn code_floats<C: BitCoder>(coder: &mut C, column: &mut [u32
         } else {
             i64::from(ordered32(*bits))
         };
-        let coded = last.wrapping_add(model.code(coder, number - last));
+        let coded = last.wrapping_add(model.code_signed(coder, &mut rest, number - last));
         last = if kind == INTEGERS {
             i64::from(coded as i32)
         } else {
@@ -72,10 +72,11 @@ pub(in crate::reel) fn code_floats<C: BitCoder>(coder: &mut C, column: &mut [u32
 
 /// Codes the order of points: indices that mostly follow each other by little.
 pub(in crate::reel) fn code_order<C: BitCoder>(coder: &mut C, order: &mut [u32]) {
-    let mut model = SignedModel::default();
+    let (mut model, mut rest) = (MagnitudeModel::default(), RestModels::default());
     let mut last = -1i64;
     for index in order {
-        let coded = (last + 1).wrapping_add(model.code(coder, i64::from(*index) - last - 1));
+        let step = model.code_signed(coder, &mut rest, i64::from(*index) - last - 1);
+        let coded = (last + 1).wrapping_add(step);
         last = i64::from(coded as u32);
         *index = last as u32;
     }
@@ -102,11 +103,11 @@ pub(in crate::reel) fn code_even<C: BitCoder>(coder: &mut C, mut span: u64, mut 
 
 /// Codes how many points are in each cell, one or more.
 pub(in crate::reel) fn code_counts<C: BitCoder>(coder: &mut C, counts: &mut [u32]) {
-    let mut models: [MagnitudeModel; 4] = Default::default();
+    let (mut models, mut rest): ([MagnitudeModel; 4], _) = (Default::default(), RestModels::default());
     let mut last = 0;
     for count in counts {
         let model = &mut models[(last as usize).min(3)];
-        last = model.code(coder, u64::from(*count) - u64::from(!C::DECODES)) as u32;
+        last = model.code(coder, &mut rest, u64::from(*count) - u64::from(!C::DECODES)) as u32;
         *count = last.saturating_add(1);
     }
 }

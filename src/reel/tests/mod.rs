@@ -3,3 +3,4 @@
 mod clouds;
 mod damage;
 mod round_trip;
+mod vector;

@@ -41,21 +41,26 @@ impl Links<'_> {
         window
     }
 
+    /// The node in a cell of the window around a node. Precondition: there is one.
+    #[inline(always)]
+    pub(in crate::reel) fn in_window(&self, node: usize, cell: u32) -> u32 {
+        let (direction, octant) = OWNERS[cell as usize & 63];
+        let parent = self.neighbours[node][direction as usize] as usize;
+        let before = self.masks[parent] & ((1 << octant) - 1) as u8;
+        self.first[parent] + before.count_ones()
+    }
+
     /// The neighbours of the child of a node in an octant, from the window around that node.
     #[inline(always)]
     pub(in crate::reel) fn neighbours_of_child(&self, node: usize, window: u64, octant: usize) -> Neighbours {
-        let of_parent = &self.neighbours[node];
         let mut neighbours = [NONE; DIRECTIONS];
         let shift = shift_of(octant);
         let mut cells = window >> shift & CUBE_OF_27;
         while cells != 0 {
             let cell = cells.trailing_zeros();
             cells &= cells - 1;
-            let (direction, octant) = OWNERS[(cell + shift) as usize];
-            let parent = of_parent[direction as usize] as usize;
-            let before = self.masks[parent] & ((1 << octant) - 1) as u8;
             let place = (cell & 3) + (cell >> 2 & 3) * 3 + (cell >> 4) * 9;
-            neighbours[place as usize] = self.first[parent] + before.count_ones();
+            neighbours[place as usize] = self.in_window(node, cell + shift);
         }
         neighbours
     }

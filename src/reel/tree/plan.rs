@@ -1,6 +1,8 @@
 //! What the values of a node are predicted from: its parent, and nodes beside it that are known before it.
 
 use super::links::{Links, NONE};
+use super::window::{cell_of, shift_of};
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 /// Most nodes beside a node that it is predicted from.
@@ -34,22 +36,23 @@ pub(in crate::reel) fn plan(links: Links<'_>) -> Vec<Known> {
             let range = part * NODES_PER_TASK..nodes.min((part + 1) * NODES_PER_TASK);
             let children = (links.first[range.end] - links.first[range.start]) as usize;
             let mut known = Vec::with_capacity(children);
-            for node in range {
-                known_of_children(links, node, &mut known);
-            }
+            // Bits are counted by instructions that not every processor has.
+            dispatch!(Level::new(), _simd => range.for_each(|node| known_of_children(links, node, &mut known)));
             known
         })
         .collect();
     parts.concat()
 }
 
+#[inline(always)]
 fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
     let window = links.window(node);
     let mut octants = links.masks[node];
     let mut child = links.first[node];
     while octants != 0 {
         let octant = octants.trailing_zeros() as usize;
-        let neighbours = links.neighbours_of_child(node, window, octant);
+        let shift = shift_of(octant);
+        let around = window >> shift;
         let mut of_child = Known {
             parent: node as u32,
             beside: [NONE; MOST_KNOWN],
@@ -58,8 +61,11 @@ fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
         };
         let mut count = 0;
         for direction in BY_DISTANCE {
-            let neighbour = neighbours[direction as usize];
-            // No node is larger than any.
+            let cell = cell_of(direction);
+            if around >> cell & 1 == 0 {
+                continue;
+            }
+            let neighbour = links.in_window(node, cell + shift);
             if neighbour < child {
                 of_child.beside[count] = neighbour;
                 of_child.directions[count] = direction;

@@ -87,6 +87,12 @@ pub(in crate::reel) const fn shift_of(octant: usize) -> u32 {
     (octant & 1 | (octant & 2) << 1 | (octant & 4) << 2) as u32
 }
 
+/// Where the cell in a direction is among 27 around a cell.
+#[inline(always)]
+pub(in crate::reel) const fn cell_of(direction: u8) -> u32 {
+    (direction % 3 + 4 * (direction / 3 % 3) + 16 * (direction / 9)) as u32
+}
+
 /// The 27 cells around an octant of the node that a window is around.
 #[inline(always)]
 pub(in crate::reel) const fn around(window: u64, octant: usize) -> u64 {

@@ -2,8 +2,8 @@
 //!
 //! **How it works.** The records of all nodes lie in storage buffers. A view uploads the places of its nodes (four
 //! bytes each), and one pass copies their records to where the strategy has its own: a storage, uniform or vertex
-//! buffer, or one that becomes a texture. So shaders and draw calls are those of any other cloud, whatever the strategy,
-//! and so is every byte of the picture.
+//! buffer, or one that becomes a texture. So shaders and draw calls are those of any other cloud, whatever the
+//! strategy, and so is every byte of the picture.
 //!
 //! Of a sequential point tree there are no places: the pass tests each candidate (`passes/filter.wgsl`) and gives those
 //! that are not drawn a radius by which `compute` drops them, and other strategies draw no more than a point without

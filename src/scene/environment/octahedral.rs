@@ -152,12 +152,15 @@ mod tests {
     #[test]
     fn light_is_continuous_over_the_whole_sphere() {
         let map = Octahedral::new(64, |direction| direction);
+        // Across an edge of the octahedron four texels blend to half a texel below it, 1/64, which is seen as up to √3
+        // times that from the middle of a face.
+        let most = 3f32.sqrt() / 64.0;
         for step in 0..20_000 {
             let y = 1.0 - 2.0 * (step as f32 + 0.5) / 20_000.0;
             let angle = 2.399_963 * step as f32;
             let ring = (1.0 - y * y).sqrt();
             let direction = Vec3::new(ring * angle.cos(), y, ring * angle.sin());
-            assert!(map.at(direction).distance(direction) < 0.01, "{direction}");
+            assert!(map.at(direction).distance(direction) < most, "{direction}");
         }
     }
 
@@ -176,9 +179,11 @@ mod tests {
 
     #[test]
     fn a_halved_map_keeps_its_light() {
-        let map = Octahedral::new(32, Vec3::abs);
+        // The four texels of a mean are not of quite one solid angle: that is an error of the second order, 3e-3 for
+        // 32 texels along an edge and a quarter of it for twice as many.
+        let map = Octahedral::new(64, Vec3::abs);
         let mean = |map: &Octahedral| map.shares().map(|(_, light, share)| light * share).sum::<Vec3>();
-        assert!(mean(&map).distance(mean(&map.halved())) < 2e-3);
-        assert_eq!(map.halved().edge(), 16);
+        assert!(mean(&map).distance(mean(&map.halved())) < 1e-3);
+        assert_eq!(map.halved().edge(), 32);
     }
 }

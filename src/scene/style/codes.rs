@@ -65,7 +65,7 @@ group! {
         footprint: Footprint = Footprint::Disks, "footprint" FOOTPRINT {
             flag: "footprint",
             value_name: "FOOTPRINT",
-            help: "What the CPU draws surfels from (byte codes but for disks)",
+            help: "What the CPU draws surfels from (codes but for disks)",
             title: "Footprint",
             hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
             section: Section::Footprints,

@@ -87,7 +87,7 @@ fn an_edit_changes_what_it_names_and_nothing_else() {
     for (changed, value) in style.settings() {
         let other = match value {
             Value::Word(place) => Value::Word(if place == 0 { 1 } else { place - 1 }),
-            Value::Number(number) => Value::Number(0.5 * number),
+            Value::Number(number) => Value::Number(if number == 0.0 { 0.5 } else { 0.5 * number }),
             Value::Switch(is_on) => Value::Switch(!is_on),
             Value::Kind(..) => Value::Kind(1, 3.0),
             Value::Background(_) => Value::Background(Background::solid([1, 2, 3])),

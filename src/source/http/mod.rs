@@ -2,8 +2,8 @@
 //!
 //! **How it works.** What is read is asked for by `Range` (RFC 9110 §14), over connections that stay open. Small pieces
 //! come from blocks that are kept, since an index and the directories of groups are read in many. A connection that
-//! breaks is opened again where it broke, with growing pauses; a server that answers wrongly is an error at once. A file
-//! that is another one meanwhile, by its tag or its date, is an error too.
+//! breaks is opened again where it broke, with growing pauses; a server that answers wrongly is an error at once. A
+//! file that is another one meanwhile, by its tag or its date, is an error too.
 //!
 //! **Bounds.** No more is read than was asked for, whatever the server sends, and no faster than is allowed
 //! ([`pace`]). Blocks take [`MOST_BLOCKS`] times [`BLOCK_BYTES`].

@@ -1,0 +1,66 @@
+//! The example of `docs/reel.md`: what was written once is read as it was, and written again as the same bytes.
+
+use super::clouds::{decoded, file_of};
+use crate::cloud::{Positions, RawCloud};
+use crate::reel::{Precision, ReelOptions};
+
+const VECTOR: &[u8] = include_bytes!("vector.reel");
+
+/// Seven corners of a cube, and its middle.
+fn cloud() -> RawCloud {
+    let corner = |corner: u8| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { 0.0 } else { 7.0 });
+    let positions: Vec<[f32; 3]> = (0..7).map(corner).chain([[3.0, 4.0, 3.0]]).collect();
+    let colors = (0..8u8).map(|point| [30 * point, 255 - 20 * point, 100 + point, 255]);
+    let mut cloud = RawCloud::from_positions(Positions::F32(positions));
+    cloud.attributes.colors = Some(colors.collect());
+    cloud
+}
+
+fn options() -> ReelOptions {
+    ReelOptions {
+        precision: Precision::Bits(3),
+        color_error: 0,
+        ..ReelOptions::default()
+    }
+}
+
+#[test]
+fn the_example_is_read() {
+    let frame = decoded(VECTOR, 0, usize::MAX).cloud;
+    let Positions::F32(positions) = frame.positions else {
+        panic!("other positions")
+    };
+    let colors = frame.attributes.colors.unwrap();
+    let mut rows: Vec<[i32; 6]> = positions
+        .iter()
+        .zip(&colors)
+        .map(|(&[x, y, z], &[red, green, blue, _])| {
+            [
+                x as i32,
+                y as i32,
+                z as i32,
+                i32::from(red),
+                i32::from(green),
+                i32::from(blue),
+            ]
+        })
+        .collect();
+    rows.sort_unstable();
+    let document = include_str!("../../../docs/reel.md");
+    for [x, y, z, red, green, blue] in &rows {
+        let row = format!("| {x} | {y} | {z} | {red} | {green} | {blue} |");
+        assert!(document.contains(&row), "{row} is not in the document");
+    }
+    assert_eq!(rows.len(), 8);
+}
+
+/// What is behind the head, which names the version of the program.
+#[test]
+fn the_example_is_written_as_it_was() {
+    let group_of = |bytes: &[u8]| {
+        let start = bytes.windows(8).position(|at| at == b"\xf1rlcGRUP").unwrap();
+        let end = bytes.windows(8).position(|at| at == b"\xf1rlcINDX").unwrap();
+        bytes[start..end].to_vec()
+    };
+    assert_eq!(group_of(&file_of(&[cloud()], &options())), group_of(VECTOR));
+}
