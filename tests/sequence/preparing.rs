@@ -316,6 +316,8 @@ fn every_byte_is_counted() {
     let coarse = octree.level_counts().iter();
     let coarse = coarse.take_while(|&&cells| 3 * cells <= 100);
     let normals: usize = coarse.map(|cells| cells * 16 + 8).sum();
-    let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes + normals;
+    // And all nodes and points side by side, as they are kept on a graphics card, two records of 16 each.
+    let selectable = (octree.internal_count() + 100) * (16 + 16);
+    let expected = 100 * (36 + 16 + 16) + octree.byte_size() + nodes + normals + selectable;
     assert_eq!(prepared.byte_size(), expected);
 }

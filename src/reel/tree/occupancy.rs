@@ -25,13 +25,13 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 
-const FACES_MODELS: usize = 1 << 13;
+const FACES_MODELS: usize = 1 << 16;
 const OUTER_MODELS: usize = 1 << 16;
 
 /// What is known so far of how masks follow from what is around them.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct OccupancyModels {
-    faces: Box<[[BitModel; FACES_MODELS]; 8]>,
+    faces: Box<[BitModel; FACES_MODELS]>,
     outer: Box<[BitModel; OUTER_MODELS]>,
     mixer: Mixer<2>,
     lone: BitModel,
@@ -40,12 +40,19 @@ pub(in crate::reel) struct OccupancyModels {
 impl Default for OccupancyModels {
     fn default() -> Self {
         Self {
-            faces: Box::new([[BitModel::default(); FACES_MODELS]; 8]),
-            outer: Box::new([BitModel::default(); OUTER_MODELS]),
+            faces: new_models(),
+            outer: new_models(),
             mixer: Mixer::new(8 * 8),
             lone: BitModel::default(),
         }
     }
+}
+
+/// Not on the stack, not for a moment: those of other threads are small.
+#[expect(clippy::unnecessary_box_returns, reason = "a place on the heap is what it is for")]
+fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
+    let models = vec![BitModel::default(); COUNT].into_boxed_slice();
+    models.try_into().expect("there are as many as asked for")
 }
 
 /// Nodes that are worth a part of their own, and most parts. Each part learns its models alone: for the bumpy torus of
@@ -186,10 +193,11 @@ impl Around {
         let occupied = self.known >> shift;
         let edges = (occupied & EDGES).count_ones().min(3) as usize;
         let possible_edges = ((self.possible >> shift & EDGES).count_ones() / 2).min(3) as usize;
-        let faces = (face_bits(occupied) << 3 | outer_faces(self.near, OCTANT)) << 4 | edges << 2 | possible_edges;
+        let across = face_bits(occupied) << 3 | outer_faces(self.near, OCTANT);
+        let faces = (OCTANT << 9 | across) << 4 | edges << 2 | possible_edges;
         let outer = usize::from(self.coded) << 8 | outer_nodes(self.near, OCTANT);
         let of_cell = [
-            &mut models.faces[OCTANT][faces & (FACES_MODELS - 1)],
+            &mut models.faces[faces & (FACES_MODELS - 1)],
             &mut models.outer[(1 << (8 + OCTANT) | outer) & (OUTER_MODELS - 1)],
         ];
         let mixed = OCTANT << 3 | self.coded.count_ones() as usize;
