@@ -43,8 +43,11 @@ fn with_options(command: Command, described: &'static Described) -> Command {
         Values::Switch(_) => command.arg(option(described.flag).help(described.help).action(ArgAction::SetTrue)),
         Values::Words(_) | Values::Number(_) | Values::Environment => command.arg(
             option(described.flag)
-                .aliases(Some(described.former_flag).filter(|flag| !flag.is_empty()))
-                .visible_aliases(Some(described.other_flag).filter(|flag| !flag.is_empty()))
+                .aliases(
+                    [described.former_flag, described.other_flag]
+                        .into_iter()
+                        .filter(|flag| !flag.is_empty()),
+                )
                 .help(described.help_line())
                 .value_name(described.value_name)
                 .value_parser(parser(described)),

@@ -84,7 +84,7 @@ group! {
         rig: LightRig = LightRig::Auto, "lights" RIG {
             flag: "lights",
             value_name: "RIG",
-            help: "Lights of lambert, blinn-phong and physical",
+            help: "Lights of deferred lighting",
             title: "Lights",
             hint: "Which lights fall on the blended surface; they move with the camera",
             section: Section::Shading,
@@ -125,8 +125,8 @@ group! {
         /// What is around the scene.
         environment: Environment = Environment::Studio, "environment" ENVIRONMENT {
             flag: "environment",
-            value_name: "ENVIRONMENT",
-            help: "What lights physical surfaces from all sides",
+            value_name: "NAME",
+            help: "What lights physical surfaces",
             title: "Environment",
             hint: "What is around the scene, and lights it from all sides; it turns with the scene",
             section: Section::Shading,

@@ -122,7 +122,7 @@ fn list_of(words: &[&str]) -> String {
 /// What the option of an environment takes.
 fn environment_words() -> Vec<&'static str> {
     let built_in = Environment::BUILT_IN.iter().map(|word| word.word);
-    built_in.chain(["the path of an equirectangular picture"]).collect()
+    built_in.chain(["the path of a picture"]).collect()
 }
 
 /// A part of the panel.
