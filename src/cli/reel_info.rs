@@ -12,7 +12,7 @@ pub(super) struct ReelInfo {
     points: usize,
     /// Points of the clouds that were written: those of one cell are one point unless they are kept one by one.
     points_written: u64,
-    /// Frames of each group, the first of which is decoded alone.
+    /// Frames of each group.
     groups: Vec<usize>,
     /// Of all bytes, the directory included.
     bits_per_point: f64,

@@ -138,10 +138,6 @@ impl Source for Reel {
         Arc::clone(&read(&self.shared.opened).entries[index])
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        self.file().frame(index).map_or(index..index + 1, |frame| frame.group)
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(FileDecoder {
             decoder: ReelDecoder::new(self.file(), self.shared.max_memory_bytes),
