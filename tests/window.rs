@@ -358,7 +358,10 @@ fn a_picture_and_its_panels_are_one_submission() {
             "point" => 4.0,
             _ => 3.0,
         };
-        assert_eq!(row["gpu_passes"], passes, "{row}");
+        // Where another cut of surfels is drawn, one more pass gathers them among those that are on the card.
+        let gathering = if row["primitive"] == "surfel" { 1.0 } else { 0.0 };
+        let found = row["gpu_passes"].as_f64().unwrap();
+        assert!((passes..=passes + gathering).contains(&found), "{row}");
         // The points of a frame at rest, 130 KiB, are there already; the panels are new whenever egui has run.
         if row["primitive"] == "point" && row["action"] == "turn" {
             let uploaded_kib = row["gpu_uploaded_kib"].as_f64().unwrap();
