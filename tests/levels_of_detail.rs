@@ -4,14 +4,12 @@
 
 mod common;
 
-use common::{camera_at, covered, draw, plain, sphere};
+use common::{camera_at, colored_sphere, covered, draw, plain};
 use glam::DVec3;
-use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::levels::Lod;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
 use pointreel::scene::{BackFaces, LevelStructure, Scene, ScenePacket, Style};
-use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
-use std::sync::Arc;
+use pointreel::sequence::PreparedFrame;
 
 const SIZE: [u32; 2] = [240, 240];
 const POINTS: u32 = 40_000;
@@ -24,22 +22,6 @@ fn by_octree(lod: Lod) -> Style {
     })
 }
 
-/// A closed sphere of radius 1 with colours that change along it.
-fn closed_sphere(style: &Style) -> PreparedFrame {
-    let surfels = sphere(POINTS, 1.0);
-    let positions = surfels.iter().map(|surfel| surfel.position.to_array());
-    let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
-    let color = |normal: glam::Vec3| {
-        let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
-        [red, green, blue, 255]
-    };
-    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
-    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    let needs = Scene::needs(style);
-    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
-}
-
 fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), style, SIZE)
 }
@@ -47,7 +29,7 @@ fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
 /// From afar a fraction of the surfels makes nearly the same picture, and a closed one.
 #[test]
 fn few_surfels_stand_for_many() {
-    let frame = closed_sphere(&by_octree(Lod::default()));
+    let frame = colored_sphere(POINTS, &by_octree(Lod::default()));
     let all = packet(&frame, 4.0, &plain());
     let truth = draw(&all);
     let mut errors = Vec::new();
@@ -74,7 +56,7 @@ fn few_surfels_stand_for_many() {
 #[test]
 fn what_faces_away_is_left_out_and_not_missed() {
     let style = by_octree(Lod::ThresholdPx(0.0));
-    let frame = closed_sphere(&style);
+    let frame = colored_sphere(POINTS, &style);
     let two_sided = style.with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let front = packet(&frame, 2.0, &style);
     let both = packet(&frame, 2.0, &two_sided);
@@ -91,7 +73,7 @@ fn what_faces_away_is_left_out_and_not_missed() {
 
 #[test]
 fn a_frame_without_an_octree_shows_all_of_its_surfels() {
-    let frame = closed_sphere(&plain());
+    let frame = colored_sphere(POINTS, &plain());
     assert!(frame.levels.surfels().is_none());
     let packet = packet(&frame, 4.0, &by_octree(Lod::Level(3)));
     assert_eq!(packet.content.points().unwrap().len(), POINTS as usize);
@@ -99,7 +81,7 @@ fn a_frame_without_an_octree_shows_all_of_its_surfels() {
 
 #[test]
 fn a_budget_of_surfels_is_kept() {
-    let frame = closed_sphere(&by_octree(Lod::default()));
+    let frame = colored_sphere(POINTS, &by_octree(Lod::default()));
     for budget in [500, 5_000] {
         let drawn = packet(&frame, 3.0, &by_octree(Lod::Budget(budget)))
             .content
@@ -121,7 +103,7 @@ fn a_list_keeps_a_budget_without_an_octree() {
         style.levels.structure = LevelStructure::None;
         style
     };
-    let frame = closed_sphere(&of_list(Lod::default()));
+    let frame = colored_sphere(POINTS, &of_list(Lod::default()));
     assert!(frame.levels.octree().is_none());
     let all = packet(&frame, 4.0, &plain());
     // A list knows no sizes on the screen.

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Surfel, camera_at, draw, plain, surfels};
+use common::{Surfel, camera_at, draw, plain, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::math::Aabb;
@@ -66,22 +66,6 @@ fn drawn(packet: &ScenePacket) -> [([u8; 3], &'static str); 2] {
         let [red, green, blue, _] = picture.get_pixel(EDGE_PX / 2, EDGE_PX / 2).0;
         ([red, green, blue], by)
     })
-}
-
-fn to_linear(channel: f64) -> f64 {
-    if channel <= 0.04045 {
-        channel / 12.92
-    } else {
-        ((channel + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-fn to_display(light: f64) -> f64 {
-    if light <= 0.003_130_8 {
-        light * 12.92
-    } else {
-        1.055 * light.powf(1.0 / 2.4) - 0.055
-    }
 }
 
 /// Between normal and eye, and normal and light; and of the half vector.

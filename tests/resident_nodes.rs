@@ -4,15 +4,14 @@
 
 mod common;
 
-use common::{camera_at, plain, sphere};
+use common::{camera_at, colored_sphere, cost, plain};
 use glam::DVec3;
-use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::levels::Lod;
+use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
-use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{Content, LevelStructure, PointSizing, Primitive, Scene, ScenePacket, Strategy, Style};
-use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
+use pointreel::sequence::PreparedFrame;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [120, 100];
@@ -38,26 +37,6 @@ fn style((structure, lod): (LevelStructure, Lod), strategy: Strategy) -> Style {
     style.drawn_by(false)
 }
 
-fn frame(style: &Style) -> PreparedFrame {
-    let surfels = sphere(POINTS, 1.0);
-    let positions = surfels.iter().map(|surfel| surfel.position.to_array());
-    let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
-    let color = |normal: glam::Vec3| {
-        let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
-        [red, green, blue, 255]
-    };
-    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
-    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
-    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    prepare(
-        0,
-        Arc::new(frame),
-        0.0,
-        &Scene::needs(style),
-        &PrepareCounters::default(),
-    )
-}
-
 /// A moving view of a scene that has written its share of records before.
 struct Moving {
     scene: Scene,
@@ -67,7 +46,7 @@ struct Moving {
 
 impl Moving {
     fn new(style: Style) -> Self {
-        let frame = frame(&style);
+        let frame = colored_sphere(POINTS, &style);
         let mut moving = Self {
             scene: Scene::default(),
             frame,
@@ -94,20 +73,6 @@ fn context_of_small_chunks() -> Arc<Context> {
         max_chunk_records: Some(1000),
     };
     Context::headless(&options).unwrap()
-}
-
-fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
-    let before = renderer.stats();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    let after = renderer.stats();
-    RenderStats {
-        frames: after.frames - before.frames,
-        passes: after.passes - before.passes,
-        uploads: after.uploads - before.uploads,
-        uploaded_bytes: after.uploaded_bytes - before.uploaded_bytes,
-        ..after
-    }
 }
 
 /// The packet whose records lie side by side.

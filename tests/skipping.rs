@@ -4,29 +4,14 @@
 
 mod common;
 
-use common::{camera_at, plain, sphere, surfels, voxels};
+use common::{camera_at, cost, plain, sphere, surfels, voxels};
 use pointreel::cloud::VoxelRecord;
 use pointreel::levels::Lod;
 use pointreel::render::gpu::GpuRenderer;
-use pointreel::render::{RenderError, RenderStats, Renderer};
+use pointreel::render::{RenderError, Renderer};
 use pointreel::scene::{Camera, Content, Lighting, Primitive, Scene, ScenePacket, Splatting, Strategy, Style};
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
-
-/// Draws and returns what was done for it.
-fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
-    let before = renderer.stats();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    let after = renderer.stats();
-    RenderStats {
-        frames: after.frames - before.frames,
-        passes: after.passes - before.passes,
-        uploads: after.uploads - before.uploads,
-        uploaded_bytes: after.uploaded_bytes - before.uploaded_bytes,
-        ..after
-    }
-}
 
 #[test]
 fn an_untouched_picture_costs_nothing() {

@@ -4,14 +4,15 @@
 
 use glam::{DVec3, Vec3};
 use image::{Rgba, RgbaImage};
-use pointreel::cloud::{PointRecord, ShapeRecord, VoxelRecord, oct_encode};
+use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ShapeRecord, VoxelRecord, oct_encode};
 use pointreel::math::Aabb;
-use pointreel::render::Renderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
+use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{
-    Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Splatting, Style, Surfels, UpAxis,
-    Voxels,
+    Background, Camera, Content, Lighting, Primitive, Projection, Scene, ScenePacket, Splatting, Style, Surfels,
+    UpAxis, Voxels,
 };
+use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
@@ -190,4 +191,53 @@ pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
             let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
             (count + usize::from(most > 0), max.max(most))
         })
+}
+
+/// A closed sphere of radius 1 with colours that change along it.
+pub(crate) fn colored_sphere(count: u32, style: &Style) -> PreparedFrame {
+    let surfels = sphere(count, 1.0);
+    let positions = surfels.iter().map(|surfel| surfel.position.to_array());
+    let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
+    let color = |normal: Vec3| {
+        let [red, green, blue] = (normal * 100.0 + 128.0).to_array().map(|value| value as u8);
+        [red, green, blue, 255]
+    };
+    raw.attributes.colors = Some(surfels.iter().map(|surfel| color(surfel.normal)).collect());
+    raw.attributes.normals = Some(surfels.iter().map(|surfel| surfel.normal.to_array()).collect());
+    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+    let needs = Scene::needs(style);
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+/// Draws and returns what was done for it.
+pub(crate) fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
+    let before = renderer.stats();
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    let after = renderer.stats();
+    RenderStats {
+        frames: after.frames - before.frames,
+        passes: after.passes - before.passes,
+        uploads: after.uploads - before.uploads,
+        uploaded_bytes: after.uploaded_bytes - before.uploaded_bytes,
+        ..after
+    }
+}
+
+/// What sRGB means: light from 0 to 1.
+pub(crate) fn to_linear(channel: f64) -> f64 {
+    if channel <= 0.04045 {
+        channel / 12.92
+    } else {
+        ((channel + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// The inverse of [`to_linear`].
+pub(crate) fn to_display(light: f64) -> f64 {
+    if light <= 0.003_130_8 {
+        light * 12.92
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    }
 }
