@@ -3,7 +3,8 @@
 //! How it works: a node can only be drawn while its parent is not small, so nodes are sorted by the radius of their
 //! parents, which is `r_max` at an error of 1. Bisection finds how many may be drawn; each of these is then tested by
 //! itself (`rule.rs`), in the order of memory. Parents come before their children, and what was found of them is read
-//! off. Leaves are points of the frame, are drawn as these, and are tested by their parents alone.
+//! off. Leaves are points of the frame and are drawn as these if their parents are divided. Leaves of one parent follow
+//! each other, so processors test none of them.
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree
@@ -18,7 +19,7 @@
 use super::before::WasDivided;
 use super::bounds::Bounds;
 use super::filter::{NodeBounds, SequenceFilter, Tested};
-use super::order::{NO_PARENT, Order, descending_key};
+use super::order::{NO_PARENT, Order};
 use super::rule::{Rule, Verdict};
 use super::splat::{self, Splat};
 use super::split::{Child, Division};
@@ -41,7 +42,8 @@ const NODES_PER_TASK: usize = 1 << 12;
 pub(super) struct SequentialTree {
     /// The nodes above sequences first, in breadth-first order, then those in sequences.
     inners: Vec<Inner>,
-    leaves: Vec<Leaf>,
+    /// The points of leaves, sequence by sequence.
+    leaf_points: Vec<u32>,
     /// What is below each of the first nodes.
     uppers: Vec<Upper>,
 }
@@ -51,19 +53,15 @@ pub(super) struct SequentialTree {
 struct Inner {
     bounds: Bounds,
     splat: Splat,
-    level: u32,
-    /// Its place in the sequence, or [`NO_PARENT`].
+    level: u8,
+    /// How many of its children are leaves.
+    leaf_count: u8,
+    /// Where these begin.
+    first_leaf: u32,
+    /// The place of its parent in the sequence, or [`NO_PARENT`].
     parent: u32,
     /// `r_max`.
     parent_radius: f32,
-}
-
-/// A point.
-#[derive(Debug, Clone, Copy)]
-struct Leaf {
-    point: u32,
-    /// As that of an [`Inner`].
-    parent: u32,
 }
 
 /// What is below a node above sequences.
@@ -71,9 +69,8 @@ struct Leaf {
 struct Upper {
     /// Nodes of the same kind.
     children: Range<u32>,
-    /// Its sequence: the leaves among its children and, unless it has children of its kind, all below.
+    /// Its sequence: unless it has children of its kind, all nodes below.
     inners: Range<usize>,
-    leaves: Range<usize>,
 }
 
 impl SequentialTree {
@@ -83,30 +80,29 @@ impl SequentialTree {
         let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();
         let mut built = Self {
             inners: Vec::with_capacity(tree.nodes.len()),
-            leaves: Vec::with_capacity(sequences.iter().map(|sequence| sequence.leaves.len()).sum()),
+            leaf_points: Vec::with_capacity(sequences.iter().map(|sequence| sequence.leaf_points.len()).sum()),
             uppers: Vec::with_capacity(uppers.len()),
         };
-        built
-            .inners
-            .extend(uppers.iter().map(|upper| Inner::of(tree, upper.node, NO_PARENT)));
-        for (UpperNode { children, .. }, sequence) in uppers.into_iter().zip(sequences) {
-            let (first_inner, first_leaf) = (built.inners.len(), built.leaves.len());
+        built.inners.extend(sequences.iter().map(|sequence| sequence.above));
+        for (place, (UpperNode { children, .. }, sequence)) in uppers.into_iter().zip(sequences).enumerate() {
+            let (first_inner, first_leaf) = (built.inners.len(), built.leaf_points.len() as u32);
             built.inners.extend(sequence.inners);
-            built.leaves.extend(sequence.leaves);
-            built.uppers.push(Upper {
-                children,
-                inners: first_inner..built.inners.len(),
-                leaves: first_leaf..built.leaves.len(),
-            });
+            built.leaf_points.extend(sequence.leaf_points);
+            built.inners[place].first_leaf += first_leaf;
+            for inner in &mut built.inners[first_inner..] {
+                inner.first_leaf += first_leaf;
+            }
+            let inners = first_inner..built.inners.len();
+            built.uppers.push(Upper { children, inners });
         }
         built
     }
 
     pub(super) fn size(&self) -> LevelsSize {
         LevelsSize {
-            nodes: self.inners.len() + self.leaves.len(),
+            nodes: self.inners.len() + self.leaf_points.len(),
             bytes: size_of_val(self.inners.as_slice())
-                + size_of_val(self.leaves.as_slice())
+                + size_of_val(self.leaf_points.as_slice())
                 + size_of_val(self.uppers.as_slice()),
         }
     }
@@ -160,7 +156,7 @@ impl SequentialTree {
         points: &[PointRecord],
         shapes: &[ShapeRecord],
     ) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
-        splat::all(self.inners.len() + self.leaves.len(), |name| {
+        splat::all(self.inners.len() + self.leaf_points.len(), |name| {
             self.records(name, points, shapes)
         })
     }
@@ -169,7 +165,7 @@ impl SequentialTree {
         if let Some(inner) = self.inners.get(name as usize) {
             return inner.splat.records();
         }
-        let point = self.leaves[name as usize - self.inners.len()].point as usize;
+        let point = self.leaf_points[name as usize - self.inners.len()] as usize;
         (points[point], shapes[point])
     }
 }
@@ -191,10 +187,14 @@ impl OnlySequence<'_> {
         // Names are places below the root, which has none.
         let name = |parent: u32| if parent == NO_PARENT { 0 } else { parent + 1 };
         let bounds = self.0.inners.par_iter();
-        let bounds = bounds.map(|inner| NodeBounds::new(&inner.bounds, inner.level, name(inner.parent)));
+        let bounds = bounds.map(|inner| NodeBounds::new(&inner.bounds, inner.level.into(), name(inner.parent)));
+        let mut parents = vec![0; self.0.leaf_points.len()];
+        for (inner, name) in self.0.inners.iter().zip(0..) {
+            parents[inner.leaves()].fill(name);
+        }
         Tested {
             bounds: Arc::new(bounds.collect()),
-            parents: Arc::new(self.0.leaves.par_iter().map(|leaf| name(leaf.parent)).collect()),
+            parents: Arc::new(parents),
         }
     }
 
@@ -209,12 +209,13 @@ impl OnlySequence<'_> {
         if selection.verdict(0) != Verdict::Divided {
             return None;
         }
-        let (inner_candidates, leaf_candidates) = selection.prefixes(0);
+        let small_radius = selection.rule.small_radius_below(&self.0.inners[0].bounds);
+        let is_divisible = |&parent: &u32| f64::from(self.0.inners[parent as usize].bounds.radius) > small_radius;
         Some(SequenceFilter {
-            rule: selection.rule,
             tested: tested.clone(),
-            inner_candidates: inner_candidates as u32,
-            leaf_candidates: leaf_candidates as u32,
+            inner_candidates: selection.candidates(0).len() as u32,
+            leaf_candidates: tested.parents.partition_point(is_divisible) as u32,
+            rule: selection.rule,
         })
     }
 }
@@ -226,10 +227,18 @@ impl Inner {
         Self {
             bounds: rounded.bounds,
             splat: Splat::of(rounded),
-            level: inner.level.into(),
+            level: inner.level,
+            leaf_count: 0,
+            first_leaf: 0,
             parent,
             parent_radius: parent_radius(tree, node),
         }
+    }
+
+    /// Those of its children that are leaves, by their places among leaves.
+    fn leaves(&self) -> Range<usize> {
+        let first = self.first_leaf as usize;
+        first..first + usize::from(self.leaf_count)
     }
 }
 
@@ -263,8 +272,10 @@ fn upper_nodes(division: &Division, most_points: usize) -> Vec<UpperNode> {
 }
 
 struct Sequence {
+    /// The node that it is below.
+    above: Inner,
     inners: Vec<Inner>,
-    leaves: Vec<Leaf>,
+    leaf_points: Vec<u32>,
 }
 
 /// A node of a sequence while it is made.
@@ -284,27 +295,32 @@ impl UpperNode {
             let Below { node, parent } = below[place as usize];
             Inner::of(tree, node, order.place_of(parent))
         });
-        let of_order = order
-            .sorted
-            .iter()
-            .zip(0..)
-            .map(|(&place, parent)| (below[place as usize].node, parent));
-        let mut unsorted: Vec<Leaf> = Vec::with_capacity(tree.division.inners[self.node as usize].point_count());
-        let mut keys: Vec<u64> = Vec::with_capacity(unsorted.capacity());
-        for (node, parent) in std::iter::once((self.node, NO_PARENT)).chain(of_order) {
-            let radius = tree.nodes[node as usize].bounds.radius;
-            for child in tree.division.inners[node as usize].children() {
-                if let Child::Leaf(point) = child {
-                    keys.push(descending_key(radius, unsorted.len() as u32));
-                    unsorted.push(Leaf { point, parent });
-                }
-            }
-        }
-        keys.par_sort_unstable();
-        Sequence {
+        let mut sequence = Sequence {
+            above: Inner::of(tree, self.node, NO_PARENT),
             inners: inners.collect(),
-            leaves: keys.into_iter().map(|key| unsorted[key as u32 as usize]).collect(),
+            leaf_points: Vec::with_capacity(tree.division.inners[self.node as usize].point_count()),
+        };
+        // Leaves are sorted as well, so that cards test a prefix of them.
+        let in_order = order.sorted.iter().map(|&place| below[place as usize].node);
+        let nodes: Vec<u32> = std::iter::once(self.node).chain(in_order).collect();
+        let leaf_parents = Order::of(nodes.len(), |place| {
+            tree.nodes[nodes[place as usize] as usize].bounds.radius
+        });
+        for place in leaf_parents.sorted {
+            let first = sequence.leaf_points.len();
+            let children = tree.division.inners[nodes[place as usize] as usize].children();
+            sequence.leaf_points.extend(children.filter_map(|child| match child {
+                Child::Leaf(point) => Some(point),
+                Child::Inner(_) => None,
+            }));
+            let parent = match place.checked_sub(1) {
+                Some(place) => &mut sequence.inners[place as usize],
+                None => &mut sequence.above,
+            };
+            parent.first_leaf = first as u32;
+            parent.leaf_count = (sequence.leaf_points.len() - first) as u8;
         }
+        sequence
     }
 
     /// The nodes of its sequence, in breadth-first order.
@@ -337,56 +353,48 @@ impl Selection<'_> {
     fn verdict(&self, name: usize) -> Verdict {
         let inner = &self.tree.inners[name];
         let was_divided = || self.before.at(name);
-        self.rule.verdict(&inner.bounds, inner.level, was_divided)
+        self.rule.verdict(&inner.bounds, inner.level.into(), was_divided)
     }
 
-    /// How many of the nodes that are no leaves, and of the leaves, may be drawn of the sequence below a node that is
-    /// divided: the first.
-    fn prefixes(&self, upper: usize) -> (usize, usize) {
-        let Upper { inners, leaves, .. } = &self.tree.uppers[upper];
-        let above = &self.tree.inners[upper].bounds;
-        let small_radius = self.rule.small_radius_below(above);
-        let of_inners = &self.tree.inners[inners.clone()];
-        let of_leaves = &self.tree.leaves[leaves.clone()];
-        let radius_of = |parent: u32| {
-            of_inners
-                .get(parent as usize)
-                .map_or(above.radius, |inner| inner.bounds.radius)
-        };
-        let is_divisible = |radius: f32| f64::from(radius) > small_radius;
-        let inner_count = of_inners.partition_point(|inner| is_divisible(inner.parent_radius));
-        let leaf_count = of_leaves.partition_point(|leaf| is_divisible(radius_of(leaf.parent)));
-        (inner_count, leaf_count)
+    /// Those nodes of the sequence below a node that is divided that may be drawn: its first.
+    fn candidates(&self, upper: usize) -> Range<usize> {
+        let inners = self.tree.uppers[upper].inners.clone();
+        let small_radius = self.rule.small_radius_below(&self.tree.inners[upper].bounds);
+        let of_sequence = &self.tree.inners[inners.clone()];
+        let count = of_sequence.partition_point(|inner| f64::from(inner.parent_radius) > small_radius);
+        inners.start..inners.start + count
     }
 
-    /// What is drawn of the sequence below a node that is divided, and how many nodes were tested for it.
+    /// What is drawn of the sequence below a node that is divided, and how many nodes were looked at for it.
     fn sequence(&self, upper: usize) -> (ListedNodes, usize) {
-        let Upper { inners, leaves, .. } = &self.tree.uppers[upper];
-        let (of_inners, of_leaves) = (&self.tree.inners[inners.clone()], &self.tree.leaves[leaves.clone()]);
-        let (inner_count, leaf_count) = self.prefixes(upper);
-        let tested = (inners.start..inners.start + inner_count).into_par_iter();
+        let candidates = self.candidates(upper);
+        let tested = candidates.clone().into_par_iter();
         let verdicts: Vec<Verdict> = tested
             .with_min_len(NODES_PER_TASK)
             .map(|name| self.verdict(name))
             .collect();
         let is_divided = |parent: u32| parent == NO_PARENT || verdicts[parent as usize] == Verdict::Divided;
         let mut listed = ListedNodes::default();
-        for ((inner, &verdict), name) in of_inners.iter().zip(&verdicts).zip(inners.start as u32..) {
+        let mut leaves = vec![self.tree.inners[upper].leaves()];
+        for (&verdict, name) in verdicts.iter().zip(candidates.clone()) {
+            let inner = &self.tree.inners[name];
             match verdict {
-                Verdict::Small if is_divided(inner.parent) => listed.drawn.push(name),
-                Verdict::Divided => listed.divided.push(name),
+                Verdict::Small if is_divided(inner.parent) => listed.drawn.push(name as u32),
+                Verdict::Divided => {
+                    listed.divided.push(name as u32);
+                    leaves.push(inner.leaves());
+                }
                 Verdict::Small | Verdict::Dropped => {}
             }
         }
-        let first_leaf = (self.tree.inners.len() + leaves.start) as u32;
-        let drawn = of_leaves[..leaf_count]
-            .par_iter()
-            .zip(first_leaf..first_leaf + leaf_count as u32)
-            .with_min_len(NODES_PER_TASK)
-            .filter(|(leaf, _)| is_divided(leaf.parent))
-            .map(|(_, name)| name);
-        listed.drawn.par_extend(drawn);
-        (listed, inner_count + leaf_count)
+        // In the order of memory, which is that in which cards list them.
+        leaves.par_sort_unstable_by_key(|leaves| leaves.start);
+        let inner_count = self.tree.inners.len();
+        let names = leaves.into_iter().flatten().map(|leaf| (inner_count + leaf) as u32);
+        let drawn_inners = listed.drawn.len();
+        listed.drawn.extend(names);
+        let leaf_count = listed.drawn.len() - drawn_inners;
+        (listed, candidates.len() + leaf_count)
     }
 }
 
@@ -395,7 +403,7 @@ impl SequentialTree {
     /// Which node of `tree` each name stands for: told by the leaves, whose parents are known.
     pub(super) fn nodes(&self, tree: &SphereTree) -> std::collections::HashMap<u32, Child> {
         let division = &tree.division.inners;
-        let mut parent_of_point = vec![0; self.leaves.len()];
+        let mut parent_of_point = vec![0; self.leaf_points.len()];
         for (node, index) in division.iter().zip(0_u32..) {
             for child in node.children() {
                 if let Child::Leaf(point) = child {
@@ -420,9 +428,11 @@ impl SequentialTree {
                     upper.inners.start as u32 + parent
                 }
             };
-            for (leaf, leaf_name) in self.leaves[upper.leaves.clone()].iter().zip(upper.leaves.start..) {
-                nodes.insert((self.inners.len() + leaf_name) as u32, Child::Leaf(leaf.point));
-                let (mut place, mut node) = (place_above(leaf.parent), parent_of_point[leaf.point as usize]);
+            let owners = std::iter::once(name as usize).chain(upper.inners.clone());
+            for (owner, leaf) in owners.flat_map(|owner| self.inners[owner].leaves().map(move |leaf| (owner, leaf))) {
+                let point = self.leaf_points[leaf];
+                nodes.insert((self.inners.len() + leaf) as u32, Child::Leaf(point));
+                let (mut place, mut node) = (owner as u32, parent_of_point[point as usize]);
                 loop {
                     let known = *nodes.entry(place).or_insert(Child::Inner(node));
                     assert_eq!(
