@@ -40,6 +40,8 @@ mod points;
 mod reading;
 #[path = "panels/settings.rs"]
 mod settings;
+#[path = "panels/sizes.rs"]
+mod sizes;
 #[path = "panels/statistics.rs"]
 mod statistics;
 #[path = "panels/temporal.rs"]

@@ -1,7 +1,8 @@
 //! What of a sequence a sequence file is to keep.
 
-use crate::cloud::LengthUnit;
+use crate::cloud::{Frame, LengthUnit};
 use crate::reel::{Precision, ReelOptions};
+use crate::scene::{FirstLook, Primitive};
 use crate::sequence::Sequence;
 use clap::Args;
 
@@ -22,6 +23,11 @@ pub(super) struct ReelArgs {
     #[arg(long, value_name = "N")]
     normal_bits: Option<u8>,
 
+    /// Write no normals that the files have not (usually those of a surface are estimated, unless points are kept one
+    /// by one)
+    #[arg(long)]
+    no_normals: bool,
+
     /// Largest error of a channel of a colour, of 255; 0 keeps colours as they are [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
     color_error: Option<u8>,
@@ -41,6 +47,7 @@ impl ReelArgs {
         self.precision.is_some()
             || self.bits.is_some()
             || self.normal_bits.is_some()
+            || self.no_normals
             || self.color_error.is_some()
             || self.keyframes.is_some()
             || self.keep_order
@@ -67,6 +74,7 @@ impl ReelArgs {
         let options = ReelOptions {
             precision,
             normal_bits: self.normal_bits.unwrap_or(default.normal_bits),
+            estimates_normals: !self.no_normals && precision == Precision::SamplingDensity && is_surface(sequence),
             color_error: self.color_error.unwrap_or(default.color_error),
             keyframes: self.keyframes.unwrap_or(default.keyframes),
             keep_order: self.keep_order,
@@ -75,6 +83,13 @@ impl ReelArgs {
         };
         (options, assumed)
     }
+}
+
+/// Whether the points of the first frame that can be read sample a surface, so that normals mean something.
+fn is_surface(sequence: &Sequence) -> bool {
+    let first = sequence.frames().find_map(|index| sequence.decode(index).ok());
+    let frame = first.and_then(|cloud| Frame::from_raw(cloud, sequence.origin()).ok());
+    frame.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).primitive == Primitive::Surfel)
 }
 
 /// The unit of the first frame that can be read.

@@ -1,7 +1,7 @@
 //! What becomes of a frame on its way: moved, joined in cells, thinned out, given normals; in this order.
 
-use crate::analysis::estimate_surface;
-use crate::cloud::{Attributes, Ellipse, Frame, Positions, RawCloud, ScalarField};
+use crate::analysis::FileSurface;
+use crate::cloud::{Attributes, Ellipse, Positions, RawCloud, ScalarField};
 use crate::math::{Cube, order_of_codes};
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::collections::HashMap;
@@ -236,22 +236,9 @@ fn thin_out(cloud: &mut RawCloud, count: usize) {
 
 /// Adds the normals that the window would estimate, and radii where there are none; points that are none get zeros.
 fn estimate_normals(cloud: &mut RawCloud) -> Result<(), EditError> {
-    let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
-        return Ok(());
-    };
-    let positions = RawCloud {
-        sensor: cloud.sensor,
-        ..RawCloud::from_positions(cloud.positions.clone())
-    };
-    let frame = Frame::from_raw(positions, min * 0.5 + max * 0.5)?;
-    let surface = estimate_surface(frame.positions(), frame.sensor());
-    let mut normals = vec![[0.0; 3]; cloud.positions.len()];
-    let mut radii = vec![0.0; cloud.positions.len()];
-    for (place, &index) in frame.file_index().iter().enumerate() {
-        normals[index as usize] = surface.normals[place].to_array();
-        radii[index as usize] = surface.radii[place];
+    if let Some(FileSurface { normals, radii }) = FileSurface::of(cloud)? {
+        cloud.attributes.normals = Some(normals);
+        cloud.attributes.radii.get_or_insert(radii);
     }
-    cloud.attributes.normals = Some(normals);
-    cloud.attributes.radii.get_or_insert(radii);
     Ok(())
 }

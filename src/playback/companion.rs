@@ -8,10 +8,12 @@
 //! the sequences have other rates.
 
 use super::can_draw;
-use super::pairing::{Pair, PairBy, PairTimes};
+use super::pairing::{Pair, PairBy, PairNumbers, PairTimes};
 use super::player::{PlayerChange, new_warnings};
 use crate::scene::{Scene, Style};
-use crate::sequence::{FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot};
+use crate::sequence::{
+    FrameEntry, FrameError, Loader, LoaderOptions, Needs, PreparedFrame, Sequence, SequenceError, Slot,
+};
 use crate::timeline::{Clock, Direction, LoopMode, PlayRange};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -25,7 +27,8 @@ pub struct Companion {
     by: PairBy,
     offset_frames: i64,
     times: Option<PairTimes>,
-    /// Frames of leader and companion that `times` is of.
+    numbers: Option<PairNumbers>,
+    /// Frames of leader and companion that these are of.
     known_counts: [usize; 2],
     pair: Pair,
     shown: Option<Arc<PreparedFrame>>,
@@ -39,7 +42,7 @@ pub struct Companion {
 
 impl Companion {
     /// Opens `sequence` beside `leader`, whose origin it takes if that keeps its detail. Paired by time where both have
-    /// times.
+    /// times, else by the numbers in their names where these meet.
     pub fn new(leader: &Arc<Sequence>, sequence: Arc<Sequence>, options: LoaderOptions) -> Result<Self, SequenceError> {
         sequence.share_origin_with(leader);
         Ok(Self::with_loader(leader, Loader::new(sequence, options)?))
@@ -53,6 +56,7 @@ impl Companion {
             by: PairBy::Index,
             offset_frames: 0,
             times: None,
+            numbers: None,
             known_counts: [0; 2],
             pair: Pair {
                 nearest: 0,
@@ -65,10 +69,12 @@ impl Companion {
             way: None,
             is_playing: false,
         };
-        companion.look_at_times();
-        if companion.times.is_some() {
-            companion.by = PairBy::Time;
-        }
+        companion.look_at_entries();
+        companion.by = match (&companion.times, &companion.numbers) {
+            (Some(_), _) => PairBy::Time,
+            (None, Some(_)) => PairBy::Number,
+            (None, None) => PairBy::Index,
+        };
         companion
     }
 
@@ -121,12 +127,17 @@ impl Companion {
         self.times.as_ref()
     }
 
+    /// The numbers by which they can; `None` where not all frames of both have one, or none is the same.
+    pub fn numbers(&self) -> Option<&PairNumbers> {
+        self.numbers.as_ref()
+    }
+
     /// How many of its frames later the companion is.
     pub fn offset_frames(&self) -> i64 {
         self.offset_frames
     }
 
-    /// Chooses by what frames belong together; without times it stays the index.
+    /// Chooses by what frames belong together; without times or numbers it is the index.
     pub fn pair_by(&mut self, by: PairBy) {
         self.by = by;
     }
@@ -146,7 +157,7 @@ impl Companion {
     /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be
     /// waited for: it is here, cannot be read, or there is none.
     pub fn prepare(&mut self, clock: &Clock, is_playing: bool, style: &Style) -> bool {
-        self.look_at_times();
+        self.look_at_entries();
         if self.sequence.is_empty() {
             return true;
         }
@@ -218,8 +229,9 @@ impl Companion {
     }
 
     fn pair_of(&self, index: usize) -> Pair {
-        match &self.times {
-            Some(times) if self.by == PairBy::Time => times.pair(index, self.offset_frames),
+        match (self.by, &self.times, &self.numbers) {
+            (PairBy::Time, Some(times), _) => times.pair(index, self.offset_frames),
+            (PairBy::Number, _, Some(numbers)) => numbers.pair(index, self.offset_frames),
             _ => Pair::by_index(index, self.offset_frames, self.sequence.len()),
         }
     }
@@ -233,18 +245,18 @@ impl Companion {
     }
 
     /// Both may have grown.
-    fn look_at_times(&mut self) {
+    fn look_at_entries(&mut self) {
         let counts = [self.leader.len(), self.sequence.len()];
         if counts == self.known_counts {
             return;
         }
         self.loader.grow();
         self.known_counts = counts;
-        let times = |sequence: &Sequence| -> Vec<_> {
-            let entries = sequence.entries();
-            entries.iter().map(|entry| entry.time).collect()
-        };
-        self.times = PairTimes::of(&times(&self.leader), &times(&self.sequence));
+        let (a, b) = (self.leader.entries(), self.sequence.entries());
+        let times = |entries: &[Arc<FrameEntry>]| -> Vec<_> { entries.iter().map(|entry| entry.time).collect() };
+        self.times = PairTimes::of(&times(&a), &times(&b));
+        let numbers = |entries: &[Arc<FrameEntry>]| -> Vec<_> { entries.iter().map(|entry| entry.number).collect() };
+        self.numbers = PairNumbers::of(&numbers(&a), &numbers(&b));
     }
 }
 

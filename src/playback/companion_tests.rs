@@ -168,13 +168,47 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
 }
 
 #[test]
-fn without_times_of_both_the_index_decides() {
+fn without_times_of_both_the_numbers_decide() {
     for (a, b) in [(None, Some(40)), (Some(40), None), (None, None)] {
         let sequences = [sequence(3, a, &[]), sequence(3, b, &[])];
         let theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
-        assert_eq!(theatre.companion.paired_by(), PairBy::Index);
+        assert_eq!(theatre.companion.paired_by(), PairBy::Number);
         assert!(theatre.companion.times().is_none());
     }
+}
+
+#[test]
+fn a_copy_that_lacks_files_stays_beside_its_original() {
+    let entries = sequence(4, None, &[]).entries();
+    let others = entries.iter().filter(|entry| entry.number != Some(1));
+    let lacks_one: Vec<FrameEntry> = others.map(|entry| FrameEntry::clone(entry)).collect();
+    let copy = Sequence::with_decoder(lacks_one, |_| {
+        let positions = (0..POINTS).map(|i| [i as f32, 0.0, 0.0]).collect();
+        Ok(RawCloud::from_positions(Positions::F32(positions)))
+    });
+    let sequences = [sequence(4, None, &[]), Arc::new(copy)];
+    let mut theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
+    theatre.play(10);
+    theatre.player.toggle(theatre.now());
+    let pairs: Vec<_> = (0..4)
+        .map(|frame| {
+            theatre.player.seek(frame, theatre.now());
+            theatre.update();
+            theatre.companion.frame()
+        })
+        .collect();
+    assert_eq!(pairs, [Some(0), None, Some(1), Some(2)]);
+}
+
+#[test]
+fn without_times_and_numbers_of_both_the_index_decides() {
+    let unnumbered = Sequence::with_decoder(vec![FrameEntry::file("a.ply"), FrameEntry::file("b.ply")], |_| {
+        Err("not read".into())
+    });
+    let sequences = [sequence(3, None, &[]), Arc::new(unnumbered)];
+    let theatre = Theatre::new(&sequences, [FAST; 2], 1 << 30);
+    assert_eq!(theatre.companion.paired_by(), PairBy::Index);
+    assert!(theatre.companion.numbers().is_none());
 }
 
 #[test]

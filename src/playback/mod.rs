@@ -11,5 +11,5 @@ mod player;
 
 pub use companion::Companion;
 pub use marks::{Mark, MarkRun};
-pub use pairing::{Pair, PairBy, PairTimes};
+pub use pairing::{Pair, PairBy, PairNumbers, PairTimes};
 pub use player::{Player, PlayerChange, can_draw};

@@ -1,10 +1,10 @@
 //! Which frame of a sequence B stands beside a frame of a sequence A.
 //!
-//! **How it works.** By index, the frames of the same number belong together. By time, the frame of B that was taken
-//! nearest to that of A does, unless it is so far away that B has none at that moment: before its first, behind its
-//! last, or where one was lost. Times of both are on one clock if they overlap; if not (one counts from its start, the
-//! other since 1970), each counts from its first frame. The offset is in frames of B: by time, a frame is the median
-//! spacing.
+//! **How it works.** By index, the frames at the same place belong together. By number, those do whose names count
+//! them alike, so that a lost file shifts nothing. By time, the frame of B that was taken nearest to that of A does,
+//! unless it is so far away that B has none at that moment: before its first, behind its last, or where one was lost.
+//! Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each
+//! counts from its first frame. The offset is in frames of B: by time and by number, a frame is the median spacing.
 
 use std::time::Duration;
 
@@ -17,6 +17,8 @@ const REACH_IN_SPACINGS: f64 = 0.75;
 pub enum PairBy {
     /// Their places in the sequences.
     Index,
+    /// The numbers in their names.
+    Number,
     /// When they were taken.
     Time,
 }
@@ -44,6 +46,42 @@ impl Pair {
         Self {
             nearest: nearest as usize,
             is_there: nearest == wanted,
+        }
+    }
+}
+
+/// The numbers in the names of the frames of A and of B.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PairNumbers {
+    a: Vec<u64>,
+    b: Vec<u64>,
+    b_spacing: u64,
+}
+
+impl PairNumbers {
+    /// `None` unless all frames of both have numbers that grow, and one is the same.
+    pub fn of(a: &[Option<u64>], b: &[Option<u64>]) -> Option<Self> {
+        let (a, b) = (growing(a)?, growing(b)?);
+        if !b.iter().any(|number| a.binary_search(number).is_ok()) {
+            return None;
+        }
+        let mut spacings: Vec<u64> = b.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        spacings.sort_unstable();
+        let b_spacing = spacings.get(spacings.len() / 2).copied().unwrap_or(1);
+        Some(Self { a, b, b_spacing })
+    }
+
+    /// The frame of B with the number of frame `index` of A, `offset` frames later.
+    pub(super) fn pair(&self, index: usize, offset: i64) -> Pair {
+        let last = self.a.len() - 1;
+        let wanted = i128::from(self.a[index.min(last)]) + i128::from(offset) * i128::from(self.b_spacing);
+        let away = |frame: usize| (i128::from(self.b[frame]) - wanted).unsigned_abs();
+        let after = self.b.partition_point(|&number| i128::from(number) < wanted);
+        let candidates = after.saturating_sub(1)..(after + 1).min(self.b.len());
+        let nearest = candidates.min_by_key(|&frame| away(frame)).unwrap_or(0);
+        Pair {
+            nearest,
+            is_there: away(nearest) == 0,
         }
     }
 }
@@ -109,9 +147,10 @@ impl PairTimes {
     }
 }
 
-fn growing(times: &[Option<Duration>]) -> Option<Vec<Duration>> {
-    let times: Vec<Duration> = times.iter().copied().collect::<Option<_>>()?;
-    times.windows(2).all(|pair| pair[0] < pair[1]).then_some(times)
+/// All of them, if each frame has one and they grow.
+fn growing<T: Copy + PartialOrd>(of_frames: &[Option<T>]) -> Option<Vec<T>> {
+    let all: Vec<T> = of_frames.iter().copied().collect::<Option<_>>()?;
+    all.windows(2).all(|pair| pair[0] < pair[1]).then_some(all)
 }
 
 fn ends(times: &[Duration]) -> Option<[Duration; 2]> {
@@ -190,6 +229,32 @@ mod tests {
         assert!(times.counts_from_first());
         assert_eq!(frames(&times, 0), [Some(0), Some(1), Some(2)]);
         assert_eq!(frames(&times, -1), [None, Some(0), Some(1)]);
+    }
+
+    #[test]
+    fn by_number_a_lost_file_shifts_nothing() {
+        let numbers = |numbers: &[u64]| -> Vec<_> { numbers.iter().copied().map(Some).collect() };
+        // 7 and 8 are lost, and B ends earlier.
+        let pairs = PairNumbers::of(&numbers(&[5, 6, 7, 8, 9, 10, 11]), &numbers(&[4, 5, 6, 9, 10])).unwrap();
+        let frames = |offset| -> Vec<_> { (0..7).map(|index| pairs.pair(index, offset).frame()).collect() };
+        assert_eq!(frames(0), [Some(1), Some(2), None, None, Some(3), Some(4), None]);
+        assert_eq!(frames(-1), [Some(0), Some(1), Some(2), None, None, Some(3), Some(4)]);
+        assert_eq!(frames(i64::MAX), [None; 7]);
+        assert_eq!(frames(i64::MIN), [None; 7]);
+        // What is prepared meanwhile is the nearest.
+        assert_eq!((pairs.pair(2, 0).nearest, pairs.pair(6, 0).nearest), (2, 4));
+        // Every tenth: an offset of one is the next of B.
+        let tens = PairNumbers::of(&numbers(&[0, 5, 10]), &numbers(&[0, 10, 20])).unwrap();
+        assert_eq!((tens.pair(0, 1).frame(), tens.pair(1, 1).frame()), (Some(1), None));
+    }
+
+    #[test]
+    fn numbers_that_say_nothing_pair_no_frames() {
+        let some = [Some(1), Some(2)];
+        for other in [&[Some(1), None][..], &[Some(2), Some(2)], &[Some(3), Some(4)], &[]] {
+            assert_eq!(PairNumbers::of(&some, other), None, "{other:?}");
+            assert_eq!(PairNumbers::of(other, &some), None, "{other:?}");
+        }
     }
 
     #[test]

@@ -3,9 +3,11 @@
 use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
 use super::frame::{CodedSection, GroupPlan, Pose, Schema, encode_pose, prepare};
-use super::options::ReelOptions;
+use super::options::{Precision, ReelOptions};
+use crate::analysis::FileSurface;
 use crate::cloud::RawCloud;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// Most points of a frame: indices of 31 bits tell them apart.
@@ -51,13 +53,15 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
     for frame in frames {
         check(frame)?;
     }
-    let clouds: Vec<&RawCloud> = frames.iter().map(|frame| frame.cloud).collect();
+    let clouds = frames.par_iter().map(|frame| with_normals(frame, options));
+    let clouds: Vec<Cow<'_, RawCloud>> = clouds.collect::<Result<_, _>>()?;
+    let clouds: Vec<&RawCloud> = clouds.iter().map(AsRef::as_ref).collect();
     let plan = GroupPlan::new(&clouds, options);
-    let coded: Vec<(Pose, Vec<CodedSection>)> = frames
+    let coded: Vec<(Pose, Vec<CodedSection>)> = clouds
         .par_iter()
         .enumerate()
-        .map(|(index, frame)| {
-            let mut pose = prepare(&plan, index, frame.cloud);
+        .map(|(index, cloud)| {
+            let mut pose = prepare(&plan, index, cloud);
             let sections = encode_pose(&plan.schemas[index], &plan.grid, &mut pose);
             (pose, sections)
         })
@@ -92,6 +96,21 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
         directory,
         data,
     })
+}
+
+/// The points of a frame with normals, if they are to be estimated.
+fn with_normals<'a>(frame: &NewFrame<'a>, options: &ReelOptions) -> Result<Cow<'a, RawCloud>, ReelError> {
+    let has_normals = frame.cloud.attributes.normals.is_some();
+    if has_normals || !options.estimates_normals || options.precision != Precision::SamplingDensity {
+        return Ok(Cow::Borrowed(frame.cloud));
+    }
+    let surface = FileSurface::of(frame.cloud).map_err(|error| ReelError::Cloud {
+        name: frame.name.to_owned(),
+        problem: error.to_string(),
+    })?;
+    let mut cloud = frame.cloud.clone();
+    cloud.attributes.normals = surface.map(|surface| surface.normals);
+    Ok(Cow::Owned(cloud))
 }
 
 fn check(frame: &NewFrame<'_>) -> Result<(), ReelError> {

@@ -25,6 +25,9 @@ pub struct ReelOptions {
     /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for the numbers as they are, where
     /// points are kept one by one.
     pub normal_bits: u8,
+    /// Whether frames without normals get those that a viewer would estimate, at [`Precision::SamplingDensity`]: of the
+    /// middles of cells no viewer could estimate them as well, and points are put back along them.
+    pub estimates_normals: bool,
     /// Most that a channel of a colour may be off by, on every level; 0 is lossless.
     pub color_error: u8,
     /// Bits of a scalar, 2 to 16, between its smallest and its largest value in a group; or 0 for the numbers as they
@@ -46,6 +49,7 @@ impl Default for ReelOptions {
         Self {
             precision: Precision::SamplingDensity,
             normal_bits: 13,
+            estimates_normals: false,
             color_error: 2,
             scalar_bits: 8,
             offset_bits: 3,

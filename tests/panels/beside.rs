@@ -285,11 +285,15 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     click(&mut harness, "Time");
     assert_eq!(by(&harness), PairBy::Time);
 
-    // Without times there is nothing to choose.
+    // Without times the numbers of the names decide.
     let b = cubes("right", DVec3::ZERO, 3, None, &[]);
     let mut harness = beside(&b);
-    assert_eq!(by(&harness), PairBy::Index);
+    assert_eq!(by(&harness), PairBy::Number);
     click(&mut harness, "Time");
+    assert_eq!(by(&harness), PairBy::Number, "there are no times to choose");
+    go_to(&mut harness, 5);
+    assert!(harness.query_by_label("B  right: no frame of this number").is_some());
+    click(&mut harness, "Index");
     assert_eq!(by(&harness), PairBy::Index);
 }
 

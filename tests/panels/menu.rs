@@ -177,7 +177,7 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
 }
 
 /// Clicks an item of the open menu; its label has the key after the text.
-fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
+pub(super) fn choose_item(harness: &mut Harness<'_, State>, text: &str) {
     harness
         .get_all_by_role(Role::Button)
         .find(|node| {

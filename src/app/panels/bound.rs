@@ -10,12 +10,13 @@ use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
 use crate::app::features::export::panel::{ExportRequest, export_ui};
 use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
-use crate::app::features::palette::CommandEntry;
 use crate::app::features::palette::panel::palette_ui;
+use crate::app::features::palette::{Action, Entry};
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::features::trails::panel::trail_ui;
-use crate::app::{PanelId, State};
+use crate::app::presets::built_in;
+use crate::app::{Benchmark, PanelId, State};
 use crate::bench::suites;
 use crate::scene::{Primitive, Scene};
 use crate::timeline::DEFAULT_FPS;
@@ -166,9 +167,34 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// The list of commands, `more` of them beside those that have keys.
-pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[CommandEntry]) {
-    if let Some(command) = palette_ui(ui, &mut state.palette, more) {
-        state.run(command);
+/// The list of all that can be asked for, `more` beside what the palette knows by itself.
+pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[Entry]) {
+    let presets = state.presets.list().iter();
+    let presets: Vec<String> = presets.map(|preset| preset.name.clone()).collect();
+    let Some(action) = palette_ui(ui, &mut state.palette, &presets, more) else {
+        return;
+    };
+    match action {
+        Action::Run(command) => state.run(command),
+        Action::Set(key, value) => state
+            .style
+            .edit(&mut |described, before| if described.key == key { value } else { before }),
+        Action::Take(shorthand) => state.style.take(shorthand),
+        Action::BuiltIn(place) => {
+            if let Some((.., style)) = built_in().get(place) {
+                state.draw_as(style);
+            }
+        }
+        Action::Preset(place) => {
+            if let Some(preset) = state.presets.list().get(place) {
+                state.style = preset.settings;
+            }
+        }
+        Action::Measure(suite) => {
+            if !matches!(state.benchmark, Benchmark::Running(_)) {
+                state.start_benchmark(suite);
+            }
+        }
+        Action::ShowSettings => state.panels.set(PanelId::SETTINGS, true),
     }
 }

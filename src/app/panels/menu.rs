@@ -8,27 +8,56 @@ use crate::app::{Benchmark, PanelId, Side, State, Tool};
 use crate::bench::suites;
 use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
-use egui::{Button, MenuBar, ThemePreference, Ui};
+use egui::{Button, MenuBar, ScrollArea, ThemePreference, Ui};
 use std::path::PathBuf;
 
-/// File, Playback, View, Presets, Tools, Benchmark, Help.
+/// Width left of the bar from which the name of the sequence is worth showing, points.
+const LEAST_NAME_WIDTH: f32 = 60.0;
+
+/// Height of a window that menus leave free, points.
+const FREE_HEIGHT: f32 = 48.0;
+
+/// A narrower bar has one menu with the others in it, points.
+const BAR_WIDTH: f32 = 480.0;
+
+/// File, Edit, Playback, View, Presets, Tools, Benchmark, Help; in a narrow window all in one.
 pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file_menu(ui, state));
-        ui.menu_button("Playback", |ui| play_menu(ui, state));
-        ui.menu_button("View", |ui| view_menu(ui, state));
-        ui.menu_button("Presets", |ui| presets_menu(ui, state));
-        ui.menu_button("Tools", |ui| tools_menu(ui, state));
-        ui.menu_button("Benchmark", |ui| benchmark_menu(ui, state));
-        ui.menu_button("Help", |ui| {
-            item(ui, state, "Keys and mouse", Command::TogglePanel(PanelId::HELP));
-            item(ui, state, "Find a command…", Command::TogglePalette);
-        });
-        if let Some(name) = state.sequence_name() {
+        if ui.available_width() < BAR_WIDTH {
+            menu(ui, "Menu", |ui| menus_ui(ui, state));
+        } else {
+            menus_ui(ui, state);
+        }
+        let name = state.sequence_name();
+        if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.weak(name);
+                ui.add(egui::Label::new(egui::RichText::new(name).weak()).truncate());
             });
         }
+    });
+}
+
+fn menus_ui(ui: &mut Ui, state: &mut State) {
+    menu(ui, "File", |ui| file_menu(ui, state));
+    menu(ui, "Edit", |ui| edit_menu(ui, state));
+    menu(ui, "Playback", |ui| play_menu(ui, state));
+    menu(ui, "View", |ui| view_menu(ui, state));
+    menu(ui, "Presets", |ui| presets_menu(ui, state));
+    menu(ui, "Tools", |ui| tools_menu(ui, state));
+    menu(ui, "Benchmark", |ui| benchmark_menu(ui, state));
+    menu(ui, "Help", |ui| {
+        item(ui, state, "Keys and mouse", Command::TogglePanel(PanelId::HELP));
+        item(ui, state, "Find a command…", Command::TogglePalette);
+    });
+}
+
+/// A menu, which scrolls where it is higher than the window.
+fn menu(ui: &mut Ui, title: &str, items: impl FnOnce(&mut Ui)) {
+    let most_height = (ui.ctx().content_rect().height() - FREE_HEIGHT).max(FREE_HEIGHT);
+    ui.menu_button(title, |ui| {
+        // A menu is made before it is known how much room there is.
+        let area = ScrollArea::vertical().max_height(most_height);
+        area.min_scrolled_height(most_height).show(ui, items);
     });
 }
 
@@ -145,10 +174,27 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
     chosen
 }
 
+fn edit_menu(ui: &mut Ui, state: &mut State) {
+    ui.set_min_width(190.0);
+    item(ui, state, "Undo", Command::Undo);
+    item(ui, state, "Redo", Command::Redo);
+    ui.separator();
+    item(ui, state, "Copy view", Command::CopyView);
+    item(ui, state, "Paste view", Command::PasteView);
+}
+
 /// What the timeline's own buttons have no room for.
 fn play_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(240.0);
     ui.add_enabled_ui(state.player.is_some(), |ui| {
+        let is_playing = state.player.as_ref().is_some_and(Player::is_playing);
+        let play = if is_playing { "Pause" } else { "Play" };
+        item(ui, state, play, Command::TogglePlay);
+        item(ui, state, "Slower", Command::Slower);
+        item(ui, state, "Faster", Command::Faster);
+        item(ui, state, "Reverse", Command::Reverse);
+        item(ui, state, "Once, loop or ping-pong", Command::NextLoopMode);
+        ui.separator();
         item(ui, state, "Set in point", Command::SetIn);
         item(ui, state, "Set out point", Command::SetOut);
         item(ui, state, "Clear in and out point", Command::ClearRange);
@@ -167,13 +213,8 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         item(ui, state, name, Command::Look(preset));
     }
     ui.separator();
-    item(ui, state, "Undo", Command::Undo);
-    item(ui, state, "Redo", Command::Redo);
-    ui.separator();
     item(ui, state, "Reset view", Command::ResetView);
     item(ui, state, "Frame everything", Command::FrameAll);
-    item(ui, state, "Copy view", Command::CopyView);
-    item(ui, state, "Paste view", Command::PasteView);
     ui.separator();
     let is_orthographic = state.camera.projection == Projection::Orthographic;
     let has_legend = state.panels.has(PanelId::LEGEND);

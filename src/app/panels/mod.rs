@@ -19,11 +19,14 @@ mod style;
 mod table;
 mod viewport;
 
-use super::State;
-use egui::{CentralPanel, Context, Frame, Margin, Panel, ThemePreference, Ui};
+use super::{PanelId, State};
+use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui, Window};
 use menu::menu_ui;
 use table::{Dock, PANELS, PanelRow, without_keys};
 use viewport::viewport_ui;
+
+/// The picture is never narrower because of a panel beside it, points.
+const LEAST_VIEW_WIDTH: f32 = 160.0;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
@@ -59,7 +62,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     state.follow_thumbnails();
 }
 
-/// A panel beside the picture, while it is open.
+/// A panel beside the picture, while it is open; over it, in a window that is too narrow for both.
 fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
     let Some(id) = row.id.filter(|&id| state.panels.has(id)) else {
         return;
@@ -69,12 +72,36 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
         Dock::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
         Dock::Window => return,
     };
+    let most_width = ui.available_width() - LEAST_VIEW_WIDTH;
+    if most_width < *range.start() {
+        return floating_ui(ui, state, (row, id));
+    }
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(12, 8));
     panel
         .frame(frame)
         .default_size(width)
-        .size_range(range)
+        .size_range(*range.start()..=range.end().min(most_width))
         .show(ui, |ui| (row.show)(ui, state));
+}
+
+/// The panel of a row in a window of its own, which can be closed to see the picture.
+fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow, PanelId)) {
+    let room = ui.available_rect_before_wrap();
+    let mut is_open = true;
+    Window::new(row.menu.unwrap_or(id.name()))
+        .id(ui.scope_id().with(("floating", id.name())))
+        .open(&mut is_open)
+        .default_rect(room.shrink(8.0))
+        .constrain_to(room)
+        .show(ui, |ui| {
+            let height = ui.available_height();
+            ScrollArea::both()
+                .max_height(height)
+                .show(ui, |ui| (row.show)(ui, state));
+        });
+    if !is_open {
+        state.panels.set(id, false);
+    }
 }
 
 /// Has the panels run again where another theme was chosen.

@@ -2,6 +2,7 @@
 
 use crate::app::widgets::picture::picture;
 use crate::app::{Beside, Layout, Side, State};
+use crate::playback::PairBy;
 use egui::{
     Align2, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Label, Margin, Pos2, Rect, RichText, Role, Sense,
     Stroke, TextWrapMode, TextureHandle, TextureId, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2,
@@ -150,6 +151,7 @@ fn names(state: &State) -> Option<[String; 2]> {
     let a = named("A", &state.sequence_name().unwrap_or_default(), frame);
     let companion = &beside.companion;
     let frame = match (companion.frame(), companion.waiting_for(), companion.failure()) {
+        (None, ..) if companion.paired_by() == PairBy::Number => "no frame of this number".to_owned(),
         (None, ..) => "no frame at this time".to_owned(),
         (_, _, Some(failure)) => format!("frame {} cannot be shown", failure.index() + 1),
         (_, Some(frame), _) => format!("loading frame {}", frame + 1),

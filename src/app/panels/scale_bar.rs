@@ -7,6 +7,9 @@ use egui::{Align2, Color32, FontId, Painter, Rect, Role, Sense, Stroke, Ui, Widg
 /// From the lower left corner of the picture, points.
 const MARGIN: f32 = 16.0;
 
+/// Of its text above the line, points.
+const HEIGHT: f32 = 22.0;
+
 /// Half the height of its ends.
 const END: f32 = 4.0;
 
@@ -25,7 +28,7 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
     let text = bar.text();
     let left = rect.left() + MARGIN;
     let line = rect.bottom() - MARGIN;
-    if left + length + MARGIN > rect.right() {
+    if left + length + MARGIN > rect.right() || line - HEIGHT < rect.top() {
         return;
     }
     let painter = ui.painter_at(rect);
@@ -43,7 +46,7 @@ pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
         }
         write(&painter, at(left + 0.5 * length, line - 5.0), &text, stroke.color);
     }
-    let area = Rect::from_min_max(pos2(left, line - 22.0), pos2(left + length, line + END));
+    let area = Rect::from_min_max(pos2(left, line - HEIGHT), pos2(left + length, line + END));
     let response = ui.interact(area, ui.scope_id().with("scale bar"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Scale bar: {text}")));
     response.on_hover_text(

@@ -9,7 +9,7 @@ use super::presets::preset_name_ui;
 use super::question::question_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
-use crate::app::features::palette::CommandEntry;
+use crate::app::features::palette::Entry;
 use crate::app::{PanelId, State};
 use egui::Ui;
 use std::ops::RangeInclusive;
@@ -19,7 +19,7 @@ pub(super) struct PanelRow {
     /// By what a person opens and closes it; `None` of one that comes and goes with what it is about.
     pub(super) id: Option<PanelId>,
     /// Its item of the menu View; `None` of one that is opened from elsewhere.
-    menu: Option<&'static str>,
+    pub(super) menu: Option<&'static str>,
     pub(super) place: Dock,
     /// Shows it. A window is asked in each pass, and knows whether it is open.
     pub(super) show: fn(&mut Ui, &mut State),
@@ -92,15 +92,12 @@ pub(super) fn menu_items() -> impl Iterator<Item = (&'static str, PanelId)> {
 }
 
 /// Panels that are found by name and have no key.
-pub(super) fn without_keys() -> Vec<CommandEntry> {
-    let entry = |(text, panel)| CommandEntry {
-        text,
-        keys: "",
-        command: Command::TogglePanel(panel),
-    };
-    let mut entries: Vec<CommandEntry> = menu_items().map(entry).collect();
-    entries.retain(|entry| keys_of(entry.command).is_empty());
-    entries
+pub(super) fn without_keys() -> Vec<Entry> {
+    let commands = menu_items().map(|(text, panel)| (text, Command::TogglePanel(panel)));
+    let without = commands.filter(|&(_, command)| keys_of(command).is_empty());
+    without
+        .map(|(text, command)| Entry::of_command(text, command))
+        .collect()
 }
 
 #[cfg(test)]

@@ -56,7 +56,8 @@ impl State {
         let sequence = Arc::new(before.sequence().anew());
         let offset_frames = before.offset_frames();
         // Where there was no choice, the person made none.
-        let by = before.times().map(|_| before.paired_by());
+        let has_choice = before.times().is_some() || before.numbers().is_some();
+        let by = has_choice.then(|| before.paired_by());
         self.compare_with(sequence);
         if let Some(beside) = &mut self.beside {
             beside.companion.set_offset_frames(offset_frames);

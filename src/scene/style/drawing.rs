@@ -14,9 +14,9 @@ choices! {
         Ellipse = "ellipse", "Ellipses", "Oriented ellipses: as surfels, but longer where points are farther apart";
         /// Paper 002 §5.1.
         Sprite = "sprite", "Sprites", "The disks of surfels on squares that face the screen: exact in every pixel";
-        /// Paper 000 §VI.
         /// Paper 002, Figs. 5 and 6.
         Mesh = "mesh", "Mesh", "The triangles of the file, where it has some, and the points between them";
+        /// Paper 000 §VI.
         Voxel = "voxel", "Voxels", "Cubes of the octree's cells, as fine as the picture needs";
         Point = "point", "Points", "Squares or disks that face the screen; plain ones are the fastest";
     }

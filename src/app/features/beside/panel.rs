@@ -87,7 +87,15 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
     ui.label("Frames by");
     let mut by = companion.paired_by();
     ui.selectable_value(&mut by, PairBy::Index, "Index")
-        .on_hover_text("Frames of the same number belong together");
+        .on_hover_text("Frames at the same place belong together: the first with the first");
+    let number = Button::selectable(by == PairBy::Number, "Number");
+    let number = ui
+        .add_enabled(companion.numbers().is_some(), number)
+        .on_hover_text("Frames with the same number in their names belong together; where one is lost there is none")
+        .on_disabled_hover_text("Not all names of both have a number, or none is the same");
+    if number.clicked() {
+        by = PairBy::Number;
+    }
     let tooltip = match companion.times() {
         Some(times) if times.counts_from_first() => {
             "The frames taken at the same time belong together, counted from the first frame of each: their clocks \

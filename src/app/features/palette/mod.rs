@@ -1,40 +1,63 @@
-//! Commands by their names.
+//! All that a person can ask for, found by its name: commands, values of settings, presets, benchmarks and panels.
+//!
+//! **How it works.** Each word of the query has to be in the name of an entry, letter after letter, or as it is in what
+//! the entry does; a word that other programs use for the same thing (*screenshot*) is there where ours is (*picture*).
+//! Entries that have the words as they are in their names come first.
 
+mod entry;
 pub(in crate::app) mod panel;
 
-use crate::app::command::{BINDINGS, Command};
-use crate::app::open_panels::PanelId;
-use egui::ThemePreference;
+pub(in crate::app) use entry::{Action, Entry};
 
-/// Commands that have no key.
-const WITHOUT_KEYS: &[(&str, Command)] = &[
-    ("Open a folder", Command::OpenFolder),
-    ("Open the demo", Command::OpenDemo),
-    ("Compare with a folder", Command::CompareFolder),
-    ("Close comparison", Command::CloseComparison),
-    ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),
-    ("Make thumbnails anew", Command::RedoThumbnails),
-    ("Show or hide the legend", Command::TogglePanel(PanelId::LEGEND)),
-    ("Show or hide the scale bar", Command::ToggleScaleBar),
-    ("Theme of the system", Command::Theme(ThemePreference::System)),
-    ("Light theme", Command::Theme(ThemePreference::Light)),
-    ("Dark theme", Command::Theme(ThemePreference::Dark)),
-    ("Save a picture as a file of a name", Command::SaveScreenshotAs),
-    ("Export the camera path", Command::ExportPath),
-    ("New camera path", Command::NewPath),
-    ("Open a camera path", Command::OpenPath),
-    ("Save the camera path", Command::SavePath),
-    ("Save the camera path as a file of a name", Command::SavePathAs),
+use crate::app::command::Command;
+
+/// Words of other programs, and ours for the same.
+const SYNONYMS: &[(&str, &str)] = &[
+    ("screenshot", "picture"),
+    ("image", "picture"),
+    ("snapshot", "picture"),
+    ("gif", "video"),
+    ("mp4", "video"),
+    ("movie", "video"),
+    ("animation", "video"),
+    ("record", "video"),
+    ("render", "export"),
+    ("speed", "slower"),
+    ("speed", "faster"),
+    ("rewind", "reverse"),
+    ("repeat", "loop"),
+    ("bookmark", "marker"),
+    ("trim", "point"),
+    ("ruler", "measure"),
+    ("distance", "measure"),
+    ("load", "open"),
+    ("import", "open"),
+    ("exit", "quit"),
+    ("shortcuts", "keys"),
+    ("hotkeys", "keys"),
+    ("dark mode", "dark"),
+    ("sky", "background"),
+    ("colour", "color"),
+    ("color", "colour"),
+    ("splats", "surfels"),
+    ("cubes", "voxels"),
+    ("octree", "cells"),
+    ("shadow", "shadows"),
+    ("edl", "eye-dome"),
+    ("ssao", "occlusion"),
+    ("ao", "occlusion"),
+    ("perspective", "orthographic"),
+    ("parallel", "orthographic"),
+    ("zoom", "frame everything"),
+    ("fit", "frame everything"),
+    ("home", "reset view"),
+    ("preferences", "settings"),
+    ("options", "settings"),
+    ("fps", "statistics"),
+    ("performance", "benchmark"),
+    ("split", "compare"),
+    ("diff", "compare"),
 ];
-
-/// What the palette offers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) struct CommandEntry {
-    pub(in crate::app) text: &'static str,
-    /// As a person reads them; empty without any.
-    pub(in crate::app) keys: &'static str,
-    pub(in crate::app) command: Command,
-}
 
 /// An open palette.
 #[derive(Debug, Clone, Default)]
@@ -44,33 +67,39 @@ pub struct Palette {
     pub(in crate::app) chosen: usize,
 }
 
-/// The commands that `query` finds, `more` among them: each of its words is there in the command's text, letter after
-/// letter. Those that have the words as they are come first.
-pub(in crate::app) fn find(query: &str, more: &[CommandEntry]) -> Vec<CommandEntry> {
+/// What `query` finds, `presets` of this person and `more` among it.
+pub(in crate::app) fn find(query: &str, presets: &[String], more: &[Entry]) -> Vec<Entry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
-    let with_keys = BINDINGS.iter().map(|binding| CommandEntry {
-        text: binding.text,
-        keys: binding.keys,
-        command: binding.command,
-    });
-    let without = WITHOUT_KEYS.iter().map(|&(text, command)| CommandEntry {
-        text,
-        keys: "",
-        command,
-    });
-    let mut found: Vec<(usize, CommandEntry)> = with_keys
-        .chain(without)
-        .chain(more.iter().copied())
-        .filter(|entry| entry.command != Command::TogglePalette)
+    let all = entry::entries(presets).into_iter().chain(more.iter().cloned());
+    let mut found: Vec<(usize, Entry)> = all
+        .filter(|entry| !matches!(entry.action, Action::Run(Command::TogglePalette)))
         .filter_map(|entry| {
-            let text = entry.text.to_lowercase();
-            let is_there = words.iter().all(|word| is_subsequence(word, &text));
-            let scattered = words.iter().filter(|&word| !text.contains(word)).count();
-            is_there.then_some((scattered, entry))
+            let (text, hint) = (entry.text.to_lowercase(), entry.hint.to_lowercase());
+            let distances = words.iter().map(|word| distance(word, &text, &hint));
+            let distance = distances.sum::<Option<usize>>()?;
+            Some((distance, entry))
         })
         .collect();
-    found.sort_by_key(|&(scattered, _)| scattered);
+    found.sort_by_key(|&(distance, _)| distance);
     found.into_iter().map(|(_, entry)| entry).collect()
+}
+
+/// How far a word is from a name and what the thing of that name does; `None` if it is in neither.
+fn distance(word: &str, text: &str, hint: &str) -> Option<usize> {
+    // A few letters may begin anything.
+    let is_begun = |theirs: &str| word.len() >= 3 && theirs.starts_with(word) || theirs == word;
+    let mut synonyms = SYNONYMS.iter().filter(|(theirs, _)| is_begun(theirs));
+    if text.contains(word) {
+        Some(0)
+    } else if synonyms.any(|(_, ours)| text.contains(ours)) {
+        Some(1)
+    } else if is_subsequence(word, text) {
+        Some(2)
+    } else if word.len() >= 3 && hint.contains(word) {
+        Some(3)
+    } else {
+        None
+    }
 }
 
 /// Whether the letters of `word` are in `text` in their order.
@@ -82,6 +111,13 @@ fn is_subsequence(word: &str, text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Style;
+    use crate::scene::describe::Values;
+
+    fn texts(query: &str) -> Vec<String> {
+        let found = find(query, &["Mine".to_owned()], &[]);
+        found.into_iter().map(|entry| entry.text.into_owned()).collect()
+    }
 
     #[test]
     fn words_are_found_by_their_letters() {
@@ -89,13 +125,51 @@ mod tests {
         assert!(is_subsequence("ogc", "orthographic"));
         assert!(!is_subsequence("gog", "orthographic"));
         assert!(is_subsequence("", ""));
-        let texts = |query: &str| -> Vec<&str> { find(query, &[]).into_iter().map(|entry| entry.text).collect() };
-        assert_eq!(texts("next mark"), ["Next marker"]);
-        assert_eq!(texts("MARK next"), ["Next marker"]);
-        assert_eq!(texts("frme nxt"), ["Next frame"]);
+        assert_eq!(texts("next mark")[0], "Next marker");
+        assert_eq!(texts("MARK next")[0], "Next marker");
+        assert_eq!(texts("frme nxt")[0], "Next frame");
         assert_eq!(texts("no such thing at all"), [""; 0]);
         // As they are before letters scattered over the text.
         assert_eq!(texts("left")[0], "Left");
-        assert_eq!(texts("").len(), BINDINGS.len() - 1 + WITHOUT_KEYS.len());
+    }
+
+    #[test]
+    fn words_of_other_programs_find_ours() {
+        for (query, expected) in [
+            ("screenshot", "Save a picture"),
+            ("speed", "Slower"),
+            ("gif", "Export a picture or a video"),
+            ("movie", "Export a picture or a video"),
+            ("voxels", "Primitive: Voxels"),
+            ("mine", "Preset: Mine"),
+            ("shortc", "Show or hide this list"),
+        ] {
+            let found = texts(query);
+            assert!(found.iter().take(4).any(|text| text == expected), "{query}: {found:?}");
+        }
+        assert!(texts("background").iter().any(|text| text.starts_with("Background")));
+        assert!(texts("benchmark").len() >= crate::bench::suites::all().count());
+    }
+
+    #[test]
+    fn every_value_of_every_setting_is_found_by_its_name() {
+        for (described, _) in Style::default().settings() {
+            let names: Vec<&str> = match &described.values {
+                Values::Words(words) => words.list.iter().map(|word| word.title).collect(),
+                Values::Kinds(kinds) => kinds.iter().map(|kind| kind.title).collect(),
+                Values::Switch(_) => vec!["on", "off"],
+                _ => vec![""],
+            };
+            for name in names {
+                let found = texts(&format!("{} {name}", described.title));
+                let is_it = |text: &String| text.starts_with(described.title) && text.ends_with(name);
+                let is_field = |text: &String| name.is_empty() && text.starts_with(described.title);
+                assert!(
+                    found.iter().any(|text| is_it(text) || is_field(text)),
+                    "{} {name}",
+                    described.title
+                );
+            }
+        }
     }
 }

@@ -1,14 +1,18 @@
-//! The window that finds commands by their names.
+//! The window that finds what there is by its name.
 
-use super::{CommandEntry, Palette, find};
-use crate::app::command::Command;
+use super::{Action, Entry, Palette, find};
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to run.
-pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>, more: &[CommandEntry]) -> Option<Command> {
+/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns what to do.
+pub(in crate::app) fn palette_ui(
+    ui: &Ui,
+    open: &mut Option<Palette>,
+    presets: &[String],
+    more: &[Entry],
+) -> Option<Action> {
     let palette = open.as_mut()?;
     let ctx = ui.ctx();
     // Taken before the field sees them: it would move its cursor or lose its focus by them.
@@ -37,13 +41,13 @@ pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>, more: &[Co
                 palette.chosen = 0;
             }
             field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
-            let found = find(&palette.query, more);
+            let found = find(&palette.query, presets, more);
             let last = found.len().saturating_sub(1);
             let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
             palette.chosen = place.min(last);
-            chosen = found.get(palette.chosen).map(|entry| entry.command);
+            chosen = found.get(palette.chosen).map(|entry| entry.action);
             if found.is_empty() {
-                ui.weak("No command has these words");
+                ui.weak("Nothing has these words");
             }
             ScrollArea::vertical().max_height(SIZE[1]).show(ui, |ui| {
                 for (place, entry) in found.iter().enumerate() {
@@ -53,22 +57,27 @@ pub(in crate::app) fn palette_ui(ui: &Ui, open: &mut Option<Palette>, more: &[Co
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {
-                        clicked = Some(entry.command);
+                        clicked = Some(entry.action);
                     }
                 }
             });
         });
-    let command = clicked.or(chosen.filter(|_| is_run));
-    if is_closed || command.is_some() {
+    let action = clicked.or(chosen.filter(|_| is_run));
+    if is_closed || action.is_some() {
         *open = None;
     }
-    command
+    action
 }
 
-/// One command.
-fn row(ui: &mut Ui, entry: &CommandEntry, is_chosen: bool) -> Response {
-    let button = Button::selectable(is_chosen, entry.text)
+/// One of those that are found.
+fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
+    let button = Button::selectable(is_chosen, entry.text.as_ref())
         .shortcut_text(entry.keys)
         .min_size([ui.available_width(), 0.0].into());
-    ui.add(button)
+    let response = ui.add(button);
+    if entry.hint.is_empty() {
+        response
+    } else {
+        response.on_hover_text(entry.hint)
+    }
 }

@@ -10,26 +10,54 @@ use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::{Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use std::time::Duration;
 
+/// A window that is narrower has the row in two parts, points.
+const ONE_ROW_WIDTH: f32 = 860.0;
+
+/// Room from which on the name of the file is worth showing, points.
+const LEAST_NAME_WIDTH: f32 = 60.0;
+
+/// A window that is lower has no row for the pace, points.
+const LEAST_PACE_HEIGHT: f32 = 280.0;
+
+/// A row that is narrower has one button, points.
+const ALL_BUTTONS_WIDTH: f32 = 240.0;
+
 /// Size of a transport icon, points.
 const ICON_SIZE: f32 = 13.0;
 
-/// Transport and place from the left, pace from the right.
+/// Transport and place from the left, pace from the right; in a narrow window one below the other.
 pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<Command> {
     let mut command = None;
+    if ui.available_width() < ONE_ROW_WIDTH {
+        ui.horizontal(|ui| command = transport_and_place(ui, context));
+        // The menu Playback has it as well.
+        if ui.ctx().content_rect().height() >= LEAST_PACE_HEIGHT {
+            ui.horizontal_wrapped(|ui| {
+                curve_choice(ui, context.timeline);
+                pace(ui, context);
+            });
+        }
+        return command;
+    }
     ui.horizontal(|ui| {
         // From the right, so that a narrow window cuts the name of the file and nothing else.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             pace(ui, context);
             curve_choice(ui, context.timeline);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                command = transport(ui, context.player.as_deref());
-                ui.add_space(6.0);
-                if let Some(player) = &context.player {
-                    place(ui, player);
-                }
+                command = transport_and_place(ui, context);
             });
         });
     });
+    command
+}
+
+fn transport_and_place(ui: &mut Ui, context: &TimelineContext<'_>) -> Option<Command> {
+    let command = transport(ui, context.player.as_deref());
+    ui.add_space(6.0);
+    if let Some(player) = &context.player {
+        place(ui, player);
+    }
     command
 }
 
@@ -55,6 +83,7 @@ fn curve_choice(ui: &mut Ui, timeline: &mut Timeline) {
 
 fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
     let mut clicked = None;
+    let has_all_buttons = ui.available_width() >= ALL_BUTTONS_WIDTH;
     let playing = player.is_some_and(Player::is_playing);
     let (play_icon, play_text) = if playing {
         (Icon::Pause, "Pause")
@@ -68,7 +97,8 @@ fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
         (Icon::Forward, "Next frame", Command::Step(1)),
         (Icon::Last, "Last frame", Command::Last),
     ] {
-        if icon_button(ui, icon, text, command, player.is_some()).clicked() {
+        let is_there = has_all_buttons || command == Command::TogglePlay;
+        if is_there && icon_button(ui, icon, text, command, player.is_some()).clicked() {
             clicked = Some(command);
         }
     }
@@ -125,7 +155,7 @@ fn place(ui: &mut Ui, player: &Player) {
                 grouped(frame.frame.points_in_file() as u64),
             ));
     }
-    if !sequence.is_empty() {
+    if !sequence.is_empty() && ui.available_width() > LEAST_NAME_WIDTH {
         let entry = sequence.entry(frame);
         ui.add(Label::new(&entry.name).truncate())
             .on_hover_text(entry.path.display().to_string());
