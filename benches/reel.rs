@@ -4,7 +4,8 @@
 //! that most cells are occupied; the torus with normals and colours at the sampling density, and lossless; and, where
 //! the folder is there, the walking man of `../shared/data/sequences`. Encoding begins with clouds as they were decoded
 //! and ends with bytes; decoding begins with bytes and ends with a cloud. Not measured: reading and writing of disks,
-//! validation of frames. Beside it stands what G-PCC's reference coder tmc13 needs for the first.
+//! validation of frames. Both codings are measured. Beside them stands what G-PCC's reference coder tmc13 needs for the
+//! first.
 //!
 //! `cargo bench --bench reel [THREADS]`
 
@@ -19,7 +20,7 @@ mod shapes;
 use glam::Vec3;
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::progress::Progress;
-use pointreel::reel::{NewFrame, Precision, ReelDecoder, ReelFile, ReelOptions, ReelWriter, StreamKind};
+use pointreel::reel::{Coding, NewFrame, Precision, ReelDecoder, ReelFile, ReelOptions, ReelWriter, StreamKind};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -62,7 +63,18 @@ fn voxelised(mut cloud: RawCloud, bits: u32) -> RawCloud {
     cloud
 }
 
+/// The compact coding, and the fast one.
 fn measure(title: &str, clouds: &[RawCloud], options: &ReelOptions) {
+    for (coding, word) in [(Coding::Compact, "compact"), (Coding::Fast, "fast")] {
+        let options = ReelOptions {
+            coding,
+            ..options.clone()
+        };
+        measure_coding(&format!("{title}, {word}"), clouds, &options);
+    }
+}
+
+fn measure_coding(title: &str, clouds: &[RawCloud], options: &ReelOptions) {
     let names: Vec<String> = (0..clouds.len()).map(|index| index.to_string()).collect();
     let frames: Vec<NewFrame<'_>> = clouds
         .iter()

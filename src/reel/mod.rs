@@ -6,14 +6,16 @@
 //! means of attributes for the nodes of every level, each stream for itself. So the first sections of a frame are a
 //! coarser frame. Where it is asked for, coordinates follow below the cells, to any precision or to the last bit.
 //! Everything is coded by an adaptive binary range coder; what a bit is expected to be comes from the nodes around that
-//! are known already.
+//! are known already ([`Coding::Compact`]). Or by tables that stand ahead, which takes a fraction of the time
+//! ([`Coding::Fast`]).
 //!
 //! ```text
 //! clouds ── frame::prepare ─► levels of whole numbers ── tree, attributes ─► streams ── file ─► chunks
 //!                                                    ◄── the same functions backwards ──
 //! ```
 //!
-//! Encoder and decoder are one set of functions, generic over the direction (`coder::BitCoder`); models compute in
+//! Encoder and decoder are one set of functions, generic over the direction (`coder::BitCoder`,
+//! `coder::SymbolCoder`); models compute in
 //! integers. So the same clouds make the same bytes on every machine and for any number of threads.
 //!
 //! `docs/reel.md` describes the format for those who want to read it elsewhere.
@@ -23,6 +25,7 @@ mod coder;
 mod decoder;
 mod encode;
 mod error;
+mod fast;
 mod file;
 mod frame;
 mod options;
@@ -37,7 +40,7 @@ pub use encode::{EncodedGroup, NewFrame, encode_group};
 pub use error::ReelError;
 pub use file::ReadAt;
 pub use frame::StreamKind;
-pub use options::{Precision, ReelOptions};
+pub use options::{Coding, Precision, ReelOptions};
 pub use reader::{FrameInfo, ReelFile};
 pub use writer::ReelWriter;
 

@@ -17,11 +17,22 @@ pub enum Precision {
     Lossless,
 }
 
+/// How what is kept is coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coding {
+    /// In as few bits as the nodes around can save: models that learn, bit by bit.
+    Compact,
+    /// For machines that have little time: several times as fast to decode, at more bits.
+    Fast,
+}
+
 /// What of a sequence is kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReelOptions {
     /// Of positions.
     pub precision: Precision,
+    /// Time against bits.
+    pub coding: Coding,
     /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for the numbers as they are, where
     /// points are kept one by one.
     pub normal_bits: u8,
@@ -48,6 +59,7 @@ impl Default for ReelOptions {
     fn default() -> Self {
         Self {
             precision: Precision::SamplingDensity,
+            coding: Coding::Compact,
             normal_bits: 13,
             estimates_normals: false,
             color_error: 2,

@@ -80,6 +80,7 @@ impl<W: Write> ReelWriter<W> {
                     concat!("pointreel ", env!("CARGO_PKG_VERSION")).into(),
                 ),
                 ("precision".into(), format!("{:?}", options.precision)),
+                ("coding".into(), format!("{:?}", options.coding).to_lowercase()),
                 ("normal bits".into(), options.normal_bits.to_string()),
                 ("colour error".into(), options.color_error.to_string()),
                 ("scalar bits".into(), options.scalar_bits.to_string()),

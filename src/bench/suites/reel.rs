@@ -14,7 +14,7 @@ use crate::cloud::RawCloud;
 use crate::math::Aabb;
 use crate::measure::GeometryError;
 use crate::progress::Progress;
-use crate::reel::{NewFrame, Precision, ReelDecoder, ReelError, ReelFile, ReelOptions, ReelWriter, StreamKind};
+use crate::reel::{Coding, NewFrame, Precision, ReelDecoder, ReelError, ReelFile, ReelOptions, ReelWriter, StreamKind};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -76,8 +76,13 @@ fn ways() -> Vec<(&'static str, ReelOptions)> {
         precision: Precision::Bits(bits),
         ..ReelOptions::default()
     };
+    let fast = |options: ReelOptions| ReelOptions {
+        coding: Coding::Fast,
+        ..options
+    };
     vec![
         ("sampling density", ReelOptions::default()),
+        ("sampling density, fast", fast(ReelOptions::default())),
         (
             "sampling density, each frame by itself",
             ReelOptions {
@@ -86,6 +91,7 @@ fn ways() -> Vec<(&'static str, ReelOptions)> {
             },
         ),
         ("10 bits", voxels(10)),
+        ("10 bits, fast", fast(voxels(10))),
         ("lossless", ReelOptions::lossless()),
     ]
 }

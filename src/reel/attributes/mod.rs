@@ -8,4 +8,4 @@ mod offsets;
 pub(super) use channels::{ChannelModels, code_channels};
 pub(super) use normal_grid::{MISSING, NormalGrid};
 pub(super) use normals::{NormalModels, code_normals};
-pub(super) use offsets::{OffsetModels, code_offsets, offset_edges, offset_of};
+pub(super) use offsets::{OffsetModels, code_offsets, offset_class, offset_edges, offset_of};

@@ -19,11 +19,9 @@ pub(in crate::reel) struct NormalGrid {
     half: i32,
     /// The place of each index, in thirds of a cell from the middle.
     places: Vec<[i16; 2]>,
-    /// The index of each place: cells row by row, and their halves.
-    indices: Vec<u32>,
-    /// The direction of each index, in 1024ths.
+    /// The unit vector of each place, cells row by row and their halves; and the same in 1024ths.
+    units: Vec<glam::Vec3>,
     directions: Vec<[i16; 3]>,
-    bits: u32,
 }
 
 impl NormalGrid {
@@ -40,23 +38,21 @@ impl NormalGrid {
         let mut grid = Self {
             half,
             places: Vec::with_capacity(1 << bits),
-            indices: vec![0; 8 * (half * half) as usize],
-            directions: quantised_normals(bits)
-                .iter()
-                .map(|direction| direction.to_array().map(|along| (along * 1024.0).round() as i16))
-                .collect(),
-            bits,
+            units: vec![glam::Vec3::ZERO; 8 * (half * half) as usize],
+            directions: Vec::new(),
         };
         for index in 0..1u32 << bits {
             let place = place_of(index, level);
             let cell = grid.cell_of(place);
             grid.places.push(place);
-            grid.indices[cell] = index;
+            grid.units[cell] = quantised_normals(bits)[index as usize];
         }
+        let in_1024ths = |unit: &glam::Vec3| unit.to_array().map(|along| (along * 1024.0).round() as i16);
+        grid.directions = grid.units.iter().map(in_1024ths).collect();
         grid
     }
 
-    /// Which of [`NormalGrid::indices`] is at a place.
+    /// Which of [`NormalGrid::units`] is at a place.
     fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
         let [u, v] = [x, y].map(|along| (i32::from(along).div_euclid(3) + self.half) as usize);
         let is_upper = i32::from(x).rem_euclid(3) == 2;
@@ -68,19 +64,14 @@ impl NormalGrid {
         self.places[index as usize]
     }
 
-    /// The index at a place that there is.
-    pub(in crate::reel) fn index(&self, place: [i16; 2]) -> u32 {
-        self.indices[self.cell_of(place)]
-    }
-
     /// The direction at a place, in 1024ths.
     pub(in crate::reel) fn direction(&self, place: [i16; 2]) -> [i16; 3] {
-        self.directions[self.index(place) as usize]
+        self.directions[self.cell_of(place)]
     }
 
     /// The unit vector at a place.
     pub(in crate::reel) fn unit(&self, place: [i16; 2]) -> glam::Vec3 {
-        quantised_normals(self.bits)[self.index(place) as usize]
+        self.units[self.cell_of(place)]
     }
 
     /// Cells along half the square.
@@ -124,8 +115,11 @@ mod tests {
     fn every_index_has_a_place_of_its_own() {
         for bits in [13, 15, 17] {
             let grid = NormalGrid::of(bits);
-            for index in 0..1 << bits {
-                assert_eq!(grid.index(grid.place(index)), index);
+            let cells: std::collections::BTreeSet<usize> =
+                (0..1 << bits).map(|index| grid.cell_of(grid.place(index))).collect();
+            assert_eq!(cells.len(), 1 << bits);
+            for (index, &unit) in (0..).zip(quantised_normals(u32::from(bits))) {
+                assert_eq!(grid.unit(grid.place(index)), unit);
             }
         }
     }

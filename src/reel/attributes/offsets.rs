@@ -72,20 +72,40 @@ fn class_of(grid: &NormalGrid, bits: u8, known: &Known, normal: [i16; 2], offset
     if normal == MISSING || known.beside[0] == NONE {
         return CLASSES - 1;
     }
+    let beside = known.beside.iter().zip(known.directions);
+    let beside = beside.take_while(|&(&neighbour, _)| neighbour != NONE);
+    offset_class(
+        grid,
+        bits,
+        normal,
+        beside.map(|(&neighbour, step)| {
+            let step = i32::from(step);
+            (
+                offsets[neighbour as usize],
+                [step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1],
+            )
+        }),
+    )
+}
+
+/// The class, below 32, of the offset that nodes beside a node foretell: their codes, and the ways to them in cells.
+/// Precondition: there is one of them, and the node has a normal.
+#[inline(always)]
+pub(in crate::reel) fn offset_class(
+    grid: &NormalGrid,
+    bits: u8,
+    normal: [i16; 2],
+    beside: impl Iterator<Item = (u8, [i32; 3])>,
+) -> usize {
     let direction = grid.direction(normal);
     let (mut sum, mut count) = (0, 0);
-    for (&neighbour, &step) in known.beside.iter().zip(&known.directions) {
-        if neighbour == NONE {
-            break;
-        }
-        let step = i32::from(step);
-        let way = [step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1];
+    for (code, way) in beside {
         let along: i32 = way
             .iter()
             .zip(direction)
             .map(|(way, along)| way * i32::from(along))
             .sum();
-        sum += offset_of_code(offsets[neighbour as usize], bits) + along;
+        sum += offset_of_code(code, bits) + along;
         count += 1;
     }
     let predicted = divided(sum, count).clamp(-LARGEST, LARGEST - 1);

@@ -2,15 +2,21 @@
 //!
 //! Encoder and decoder are two types of one trait, [`BitCoder`], so what is modelled is written once: a function that
 //! codes a level takes the bits that are there and gives back the bits that a decoder will see.
+//!
+//! Beside it static coding of symbols, [`SymbolCoder`], of which encoder and decoder are two types as well.
 
 mod bit_model;
+mod clusters;
+mod frequencies;
 mod mixer;
 mod number;
 mod range;
 mod reciprocal;
+mod symbols;
 
 pub(super) use bit_model::BitModel;
 pub(super) use mixer::Mixer;
 pub(super) use number::{MagnitudeModel, RestModels};
 pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};
 pub(super) use reciprocal::divided;
+pub(super) use symbols::{LANES, SymbolCoder, SymbolDecoder, SymbolEncoder};

@@ -26,6 +26,7 @@ pub(super) fn schema(cloud: &RawCloud, group: &[&RawCloud], kept: Kept, options:
     };
     let is_sampled = options.precision == Precision::SamplingDensity;
     Schema {
+        coding: options.coding,
         is_double: matches!(cloud.positions, Positions::F64(_)),
         kept,
         has_order: options.keep_order,

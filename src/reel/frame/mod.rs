@@ -2,19 +2,25 @@
 
 mod code;
 mod columns;
+mod compact;
 mod describe;
+mod exact;
+mod fast;
+mod fast_values;
 mod grid;
 mod levels;
 mod output;
 mod points;
 mod prepare;
 mod schema;
+mod sections;
 mod summaries;
 
-pub(super) use code::{CodedSection, Wanted, decode_pose, encode_pose};
+pub(super) use code::{Wanted, decode_pose, encode_pose};
 pub(super) use grid::Grid;
 pub(super) use levels::Pose;
 pub(super) use output::cloud_of;
 pub(super) use prepare::{GroupPlan, prepare};
 pub(super) use schema::Schema;
 pub use schema::StreamKind;
+pub(super) use sections::CodedSection;

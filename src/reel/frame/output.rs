@@ -30,19 +30,31 @@ fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets
     let is_coarse = level < depth;
     let values = &of_level.values;
     let edge = grid.edge(level);
-    let place = |(node, &cell): (usize, &u64)| {
-        let middle = grid.middle(level, morton::decode(cell));
-        match (values.offsets.get(node), values.normals.get(node)) {
-            (Some(&code), Some(&normal)) if normal != MISSING => {
-                let unit = NormalGrid::of(schema.normal_bits).unit(normal).as_dvec3();
-                middle + unit * (offset_edges(code, schema.offset_bits) * edge)
-            }
-            _ => middle,
+    let mut cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
+    fill(schema, grid, values, &mut cloud, offsets);
+    let middles = of_level
+        .cells
+        .iter()
+        .map(|&cell| grid.middle(level, morton::decode(cell)));
+    let normals = cloud
+        .attributes
+        .normals
+        .as_deref()
+        .filter(|_| !values.offsets.is_empty());
+    cloud.positions = match normals {
+        None => positions(schema, middles),
+        // A node without a normal has that of no length.
+        Some(normals) => {
+            let lengths: [f64; 16] = std::array::from_fn(|code| offset_edges(code as u8, schema.offset_bits) * edge);
+            let moved = middles
+                .zip(normals)
+                .zip(&values.offsets)
+                .map(|((middle, &normal), &code)| {
+                    middle + Vec3::from_array(normal).as_dvec3() * lengths[usize::from(code) & 15]
+                });
+            positions(schema, moved)
         }
     };
-    let places = of_level.cells.iter().enumerate().map(place);
-    let mut cloud = RawCloud::from_positions(positions(schema, places));
-    fill(schema, grid, values, &mut cloud, offsets);
     if is_coarse || schema.kept != Kept::Merged {
         cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; of_level.cells.len()]);
     }

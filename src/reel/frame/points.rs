@@ -95,21 +95,9 @@ pub(super) fn bits_of(positions: &Positions, order: &[u32]) -> Vec<[u64; 3]> {
     order.iter().map(of_point).collect()
 }
 
-/// Number of columns of floats that are kept as they are.
-pub(super) fn column_count(schema: &Schema) -> usize {
-    3 * usize::from(schema.has_exact_normals)
-        + usize::from(schema.radii == Values::Exact)
-        + 4 * usize::from(schema.has_ellipses)
-        + if schema.has_exact_scalars {
-            schema.scalars.len()
-        } else {
-            0
-        }
-}
-
 /// Normals, radii, ellipses and scalars as they are, in this order.
 pub(super) fn columns(schema: &Schema, attributes: &Attributes, order: &[u32]) -> Vec<Vec<u32>> {
-    let mut columns = Vec::with_capacity(column_count(schema));
+    let mut columns = Vec::new();
     let mut add = |value: &dyn Fn(usize) -> f32| {
         columns.push(order.iter().map(|&point| value(point as usize).to_bits()).collect());
     };

@@ -2,6 +2,7 @@
 
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
+use crate::reel::options::Coding;
 
 /// What a stream is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -133,6 +134,7 @@ impl ScalarSchema {
 #[expect(clippy::struct_excessive_bools, reason = "each is a bit of the file")]
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Schema {
+    pub(in crate::reel) coding: Coding,
     /// Whether coordinates are of double precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) kept: Kept,
@@ -164,6 +166,7 @@ impl Schema {
             self.radii == Values::Exact,
             self.has_ellipses,
             self.has_exact_scalars,
+            self.coding == Coding::Fast,
         ];
         let bits = flags
             .iter()
@@ -190,7 +193,7 @@ impl Schema {
 
     pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
         let bits = reader.number()?;
-        if bits >= 1 << 9 {
+        if bits >= 1 << 10 {
             return Err(Fault::new(format!("attributes of unknown kinds ({bits:#b})")));
         }
         let flag = |bit: u32| bits >> bit & 1 != 0;
@@ -223,6 +226,7 @@ impl Schema {
             scalars.push(scalar);
         }
         Ok(Self {
+            coding: if flag(9) { Coding::Fast } else { Coding::Compact },
             is_double: flag(0),
             kept,
             has_order: flag(1),

@@ -3,7 +3,7 @@
 use super::clouds::{MEMORY, PATH, decoder, file_of, open, surface};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
-use crate::reel::{NewFrame, ReelDecoder, ReelError, ReelFile, ReelOptions, ReelWriter};
+use crate::reel::{Coding, NewFrame, ReelDecoder, ReelError, ReelFile, ReelOptions, ReelWriter};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
@@ -166,8 +166,11 @@ fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
 proptest! {
     #[test]
     fn changed_bytes_are_no_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
-        mend: bool, near_start: bool, lossless: bool) {
-        let options = if lossless { ReelOptions::lossless() } else { ReelOptions::default() };
+        mend: bool, near_start: bool, lossless: bool, fast: bool) {
+        let options = ReelOptions {
+            coding: if fast { Coding::Fast } else { Coding::Compact },
+            ..if lossless { ReelOptions::lossless() } else { ReelOptions::default() }
+        };
         let mut bytes = file_of(&[surface(100, 0.0), surface(81, 0.1)], &options);
         let reach = if near_start { bytes.len().min(400) } else { bytes.len() };
         for (place, value) in changes {

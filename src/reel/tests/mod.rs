@@ -1,6 +1,7 @@
 //! Whole files: what is written is read, and what is damaged is said.
 
 mod clouds;
+mod codings;
 mod damage;
 mod round_trip;
 mod vector;

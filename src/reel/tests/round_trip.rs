@@ -3,7 +3,7 @@
 use super::clouds::{clouds, decoded, decoder, file_of, open, surface, with_attributes};
 use crate::cloud::{Frame, Positions, RawCloud, largest_normal_error};
 use crate::progress::Progress;
-use crate::reel::{NewFrame, Precision, ReelOptions, ReelWriter, encode_group};
+use crate::reel::{Coding, NewFrame, Precision, ReelOptions, ReelWriter, encode_group};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::path::Path;
@@ -74,10 +74,14 @@ fn rounding(cloud: &RawCloud) -> f64 {
     }
 }
 
+fn coding() -> impl Strategy<Value = Coding> {
+    prop::sample::select(vec![Coding::Compact, Coding::Fast])
+}
+
 proptest! {
     #[test]
-    fn lossless_is_bit_equal(clouds in prop::collection::vec(clouds(), 1..4), keep_order: bool) {
-        let options = ReelOptions { keep_order, ..ReelOptions::lossless() };
+    fn lossless_is_bit_equal(clouds in prop::collection::vec(clouds(), 1..4), keep_order: bool, coding in coding()) {
+        let options = ReelOptions { coding, keep_order, ..ReelOptions::lossless() };
         let bytes = file_of(&clouds, &options);
         for (index, cloud) in clouds.iter().enumerate() {
             let frame = decoded(&bytes, index, usize::MAX);
@@ -92,10 +96,11 @@ proptest! {
     }
 
     #[test]
-    fn a_length_bounds_every_coordinate(cloud in clouds(), exponent in -12i32..4) {
+    fn a_length_bounds_every_coordinate(cloud in clouds(), exponent in -12i32..4, coding in coding()) {
         let length = 2f64.powi(exponent);
         let options = ReelOptions {
             precision: Precision::Length(length),
+            coding,
             keep_order: true,
             color_error: 3,
             ..ReelOptions::default()
@@ -113,12 +118,13 @@ proptest! {
     }
 
     #[test]
-    fn voxels_are_the_occupied_cells(points in prop::collection::vec(prop::array::uniform3(0u16..1024), 1..200)) {
+    fn voxels_are_the_occupied_cells(points in prop::collection::vec(prop::array::uniform3(0u16..1024), 1..200),
+        coding in coding()) {
         let mut cells = points.clone();
         cells.extend([[0; 3], [1023; 3]]);
         let positions = cells.iter().map(|cell| cell.map(f32::from)).collect();
         let cloud = RawCloud::from_positions(Positions::F32(positions));
-        let options = ReelOptions { precision: Precision::Bits(10), ..ReelOptions::default() };
+        let options = ReelOptions { precision: Precision::Bits(10), coding, ..ReelOptions::default() };
         let frame = decoded(&file_of(&[cloud], &options), 0, usize::MAX);
         let Positions::F32(read) = frame.cloud.positions else { panic!("other positions") };
         let mut read: Vec<[u16; 3]> = read.iter().map(|point| point.map(|along| along as u16)).collect();
@@ -200,7 +206,11 @@ fn nothing_and_one_point_are_frames_too() {
     let empty = RawCloud::from_positions(Positions::F64(Vec::new()));
     let one = with_attributes(Positions::F32(vec![[1.0, 2.0, 3.0]]), 255);
     let clouds = [empty, one];
-    for options in [ReelOptions::default(), ReelOptions::lossless()] {
+    let fast = ReelOptions {
+        coding: Coding::Fast,
+        ..ReelOptions::default()
+    };
+    for options in [ReelOptions::default(), ReelOptions::lossless(), fast] {
         let bytes = file_of(&clouds, &options);
         assert_eq!(decoded(&bytes, 0, usize::MAX).cloud.positions, clouds[0].positions);
         let frame = decoded(&bytes, 1, usize::MAX);

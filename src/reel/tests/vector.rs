@@ -1,10 +1,13 @@
-//! The example of `docs/reel.md`: what was written once is read as it was, and written again as the same bytes.
+//! The examples of `docs/reel.md`: what was written once is read as it was, and written again as the same bytes.
 
 use super::clouds::{decoded, file_of};
 use crate::cloud::{Positions, RawCloud};
-use crate::reel::{Precision, ReelOptions};
+use crate::reel::{Coding, Precision, ReelOptions};
 
-const VECTOR: &[u8] = include_bytes!("vector.reel");
+const VECTORS: [(Coding, &[u8]); 2] = [
+    (Coding::Compact, include_bytes!("vector.reel")),
+    (Coding::Fast, include_bytes!("vector_fast.reel")),
+];
 
 /// Seven corners of a cube, and its middle.
 fn cloud() -> RawCloud {
@@ -16,17 +19,24 @@ fn cloud() -> RawCloud {
     cloud
 }
 
-fn options() -> ReelOptions {
+fn options(coding: Coding) -> ReelOptions {
     ReelOptions {
         precision: Precision::Bits(3),
+        coding,
         color_error: 0,
         ..ReelOptions::default()
     }
 }
 
 #[test]
-fn the_example_is_read() {
-    let frame = decoded(VECTOR, 0, usize::MAX).cloud;
+fn the_examples_are_read() {
+    for (_, bytes) in VECTORS {
+        is_read(bytes);
+    }
+}
+
+fn is_read(bytes: &[u8]) {
+    let frame = decoded(bytes, 0, usize::MAX).cloud;
     let Positions::F32(positions) = frame.positions else {
         panic!("other positions")
     };
@@ -56,11 +66,13 @@ fn the_example_is_read() {
 
 /// What is behind the head, which names the version of the program.
 #[test]
-fn the_example_is_written_as_it_was() {
+fn the_examples_are_written_as_they_were() {
     let group_of = |bytes: &[u8]| {
         let start = bytes.windows(8).position(|at| at == b"\xf1rlcGRUP").unwrap();
         let end = bytes.windows(8).position(|at| at == b"\xf1rlcINDX").unwrap();
         bytes[start..end].to_vec()
     };
-    assert_eq!(group_of(&file_of(&[cloud()], &options())), group_of(VECTOR));
+    for (coding, bytes) in VECTORS {
+        assert_eq!(group_of(&file_of(&[cloud()], &options(coding))), group_of(bytes));
+    }
 }

@@ -1,5 +1,7 @@
 //! Masks from cells, and cells from masks.
 
+use fearless_simd::{Level, dispatch};
+
 /// The masks of all levels above `depth` over its cells: Morton codes of `3 · depth` bits, ascending, no two alike.
 /// `masks[l]` has a byte for each node of level `l`, none of them 0.
 pub(in crate::reel) fn masks_of_cells(cells: &[u64], depth: u32) -> Vec<Vec<u8>> {
@@ -25,17 +27,47 @@ pub(in crate::reel) fn masks_of_cells(cells: &[u64], depth: u32) -> Vec<Vec<u8>>
     masks
 }
 
+/// `OCTANTS[m]`: the octants of a mask, one after the other, then any.
+static OCTANTS: [[u8; 8]; 256] = octants();
+
+const fn octants() -> [[u8; 8]; 256] {
+    let mut table = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let mut octants: usize = mask;
+        let mut place = 0;
+        while octants != 0 {
+            table[mask][place] = octants.trailing_zeros() as u8;
+            octants &= octants - 1;
+            place += 1;
+        }
+        mask += 1;
+    }
+    table
+}
+
 /// The Morton codes of the children of nodes.
 pub(in crate::reel) fn cells_below(cells: &[u64], masks: &[u8]) -> Vec<u64> {
-    let count = masks.iter().map(|mask| mask.count_ones() as usize).sum();
-    let mut below = Vec::with_capacity(count);
+    // Bits are counted, and lanes moved, by instructions that not every processor has.
+    dispatch!(Level::new(), _simd => below(cells, masks))
+}
+
+#[inline(always)]
+fn below(cells: &[u64], masks: &[u8]) -> Vec<u64> {
+    let count: usize = masks.iter().map(|mask| mask.count_ones() as usize).sum();
+    // Eight at a time, however many there are: nobody can guess that.
+    let mut below = vec![0; count + 8];
+    let mut next = 0;
     for (cell, &mask) in cells.iter().zip(masks) {
-        let mut octants = mask;
-        while octants != 0 {
-            below.push(cell << 3 | u64::from(octants.trailing_zeros()));
-            octants &= octants - 1;
+        let Some(children) = below.get_mut(next..next + 8) else {
+            break;
+        };
+        for (child, &octant) in children.iter_mut().zip(&OCTANTS[usize::from(mask)]) {
+            *child = cell << 3 | u64::from(octant);
         }
+        next += mask.count_ones() as usize;
     }
+    below.truncate(count);
     below
 }
 

@@ -1,0 +1,59 @@
+//! Frames as sections of streams, and streams as parts.
+
+use super::schema::StreamKind;
+use crate::reel::error::Fault;
+use crate::reel::file::{ByteReader, ByteWriter};
+use std::ops::Range;
+
+/// Levels of at most so many nodes are one section.
+const NODES_OF_FIRST_SECTION: usize = 1 << 10;
+
+/// A part of a frame that is read as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::reel) struct CodedSection {
+    /// Levels that it adds; none if it adds the points.
+    pub(in crate::reel) levels: Range<usize>,
+    pub(in crate::reel) streams: Vec<(StreamKind, Vec<u8>)>,
+}
+
+impl CodedSection {
+    /// The bytes of a kind; none if there is no such stream.
+    pub(super) fn stream(&self, kind: StreamKind) -> &[u8] {
+        let stream = self.streams.iter().find(|(other, _)| *other == kind);
+        stream.map_or(&[], |(_, bytes)| bytes.as_slice())
+    }
+}
+
+/// Levels that belong to one section each, by the number of nodes of every level.
+pub(super) fn sections_of(counts: &[usize]) -> Vec<Range<usize>> {
+    let first = counts
+        .iter()
+        .position(|&count| count > NODES_OF_FIRST_SECTION)
+        .unwrap_or(counts.len())
+        .max(1);
+    std::iter::once(0..first)
+        .chain((first..counts.len()).map(|level| level..level + 1))
+        .collect()
+}
+
+/// One stream of parts: how long each but the last is, and their bytes.
+pub(super) fn joined(parts: &[Vec<u8>]) -> Vec<u8> {
+    let mut writer = ByteWriter::default();
+    for part in &parts[..parts.len().saturating_sub(1)] {
+        writer.number(part.len() as u64);
+    }
+    writer.bytes.extend(parts.concat());
+    writer.bytes
+}
+
+/// The parts that a stream is joined of.
+pub(super) fn parted(stream: &[u8], parts: usize) -> Result<Vec<&[u8]>, Fault> {
+    let mut reader = ByteReader::new(stream);
+    let lengths: Vec<u64> = (1..parts).map(|_| reader.number()).collect::<Result<_, _>>()?;
+    let mut parts = Vec::with_capacity(parts);
+    for length in lengths {
+        parts.push(reader.take(length as usize)?);
+    }
+    parts.push(reader.take(reader.left())?);
+    Ok(parts)
+}

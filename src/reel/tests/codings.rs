@@ -1,0 +1,147 @@
+//! Both codings keep the same.
+
+use super::clouds::{clouds, decoded, decoder, file_of, open, surface};
+use crate::cloud::{Positions, RawCloud};
+use crate::progress::Progress;
+use crate::reel::{Coding, NewFrame, Precision, ReelOptions, encode_group};
+use proptest::prelude::*;
+
+/// Options without loss in what a coding decides, but for a precision.
+fn options(precision: Precision) -> ReelOptions {
+    ReelOptions {
+        precision,
+        color_error: 0,
+        ..ReelOptions::default()
+    }
+}
+
+fn fast(options: &ReelOptions) -> ReelOptions {
+    ReelOptions {
+        coding: Coding::Fast,
+        ..options.clone()
+    }
+}
+
+fn precision() -> impl Strategy<Value = Precision> {
+    prop_oneof![
+        Just(Precision::SamplingDensity),
+        (1u8..12).prop_map(Precision::Bits),
+        (-10i32..3).prop_map(|exponent| Precision::Length(2f64.powi(exponent))),
+        Just(Precision::Lossless),
+    ]
+}
+
+/// NaNs are alike if their bits are.
+fn text(cloud: &RawCloud) -> String {
+    format!("{cloud:?}")
+}
+
+proptest! {
+    /// Every attribute of every cloud, on every level.
+    #[test]
+    fn fast_files_have_what_compact_ones_have(cloud in clouds(), precision in precision(), bits in 0u8..3,
+        scalar_bits in prop::sample::select(vec![0u8, 2, 8, 16])) {
+        let options = ReelOptions { normal_bits: 13 + 2 * bits, scalar_bits, ..options(precision) };
+        let compact = file_of(std::slice::from_ref(&cloud), &options);
+        let fast = file_of(&[cloud], &fast(&options));
+        let levels = open(&compact).unwrap().frame(0).unwrap().level_points.to_vec();
+        for most in levels.into_iter().chain([usize::MAX]) {
+            let (compact, fast) = (decoded(&compact, 0, most), decoded(&fast, 0, most));
+            prop_assert_eq!(text(&compact.cloud), text(&fast.cloud));
+            prop_assert_eq!((compact.levels, compact.is_whole), (fast.levels, fast.is_whole));
+        }
+    }
+}
+
+/// Enough points for sections of their own, states that take turns and several tables.
+#[test]
+fn large_frames_are_alike_on_every_level() {
+    let cloud = surface(40_000, 0.3);
+    for precision in [Precision::SamplingDensity, Precision::Bits(9), Precision::Lossless] {
+        let options = options(precision);
+        let [mut compact, mut fast] =
+            [&options, &fast(&options)].map(|options| decoder(&file_of(std::slice::from_ref(&cloud), options)));
+        let levels = compact.file().frame(0).unwrap().level_points.to_vec();
+        for most in levels {
+            let [compact, fast] =
+                [&mut compact, &mut fast].map(|decoder| decoder.decode(0, most, &Progress::default()).unwrap().cloud);
+            assert!(compact == fast, "{precision:?}, {most} points");
+        }
+    }
+}
+
+/// Colours are off by no more than they may be, on both.
+#[test]
+fn colors_of_fast_files_are_within_their_bound() {
+    let cloud = surface(10_000, 0.0);
+    let voxels = options(Precision::Bits(8));
+    let exact = decoded(&file_of(std::slice::from_ref(&cloud), &voxels), 0, usize::MAX).cloud;
+    for color_error in [1, 2, 7, 100] {
+        let options = ReelOptions {
+            color_error,
+            ..fast(&voxels)
+        };
+        let found = decoded(&file_of(std::slice::from_ref(&cloud), &options), 0, usize::MAX).cloud;
+        let colors = |cloud: &RawCloud| cloud.attributes.colors.clone().unwrap();
+        let (exact, found) = (colors(&exact), colors(&found));
+        assert_eq!(exact.len(), found.len());
+        let off = exact.iter().flatten().zip(found.iter().flatten());
+        let most = off.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+        assert!(
+            most <= color_error && (most > 0 || color_error < 2),
+            "{most} of {color_error}"
+        );
+    }
+}
+
+/// A solid of one colour takes hardly a bit, and is no bomb.
+#[test]
+fn what_is_all_alike_is_read_back() {
+    let cells = (0..64u32 * 64 * 64).map(|cell| [cell & 63, cell >> 6 & 63, cell >> 12].map(|along| along as f32));
+    let mut cloud = RawCloud::from_positions(Positions::F32(cells.collect()));
+    cloud.attributes.colors = Some(vec![[9, 8, 7, 255]; cloud.positions.len()]);
+    let bytes = file_of(&[cloud], &fast(&options(Precision::Bits(6))));
+    assert!(bytes.len() < 2000, "{}", bytes.len());
+    let frame = decoded(&bytes, 0, usize::MAX);
+    assert_eq!(frame.cloud.positions.len(), 64 * 64 * 64);
+    assert!(
+        frame
+            .cloud
+            .attributes
+            .colors
+            .unwrap()
+            .iter()
+            .all(|color| *color == [9, 8, 7, 255])
+    );
+}
+
+/// Any number of threads makes the same bytes.
+#[test]
+fn threads_change_nothing_of_fast_files() {
+    let clouds: Vec<RawCloud> = (0..3).map(|frame| surface(20_000, 0.05 * frame as f32)).collect();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| file_of(&clouds, &fast(&ReelOptions::default())))
+    };
+    assert_eq!(with(1), with(4));
+}
+
+/// Each frame says how it is coded: groups of both are in one file.
+#[test]
+fn one_file_may_have_both() {
+    let clouds = [surface(900, 0.0), surface(1600, 0.1)];
+    let options = options(Precision::SamplingDensity);
+    let mut writer =
+        crate::reel::ReelWriter::new(Vec::new(), std::path::Path::new(super::clouds::PATH), options.clone()).unwrap();
+    for (cloud, options) in clouds.iter().zip([&options, &fast(&options)]) {
+        let frame = NewFrame {
+            cloud,
+            name: "frame",
+            time: None,
+        };
+        writer.write_encoded(&encode_group(&[frame], options).unwrap()).unwrap();
+    }
+    let bytes = writer.finish().unwrap();
+    let alone = |index: usize| decoded(&file_of(&clouds[index..=index], &options), 0, usize::MAX).cloud;
+    assert!((0..2).all(|index| decoded(&bytes, index, usize::MAX).cloud == alone(index)));
+}
