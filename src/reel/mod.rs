@@ -25,6 +25,7 @@ mod encode;
 mod error;
 mod file;
 mod frame;
+mod memory;
 mod options;
 mod reader;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use encode::{EncodedGroup, NewFrame, encode_group};
 pub use error::ReelError;
 pub use file::ReadAt;
 pub use frame::StreamKind;
+pub use memory::write_to_memory;
 pub use options::{Precision, ReelOptions};
 pub use reader::{FrameInfo, ReelFile};
 pub use writer::ReelWriter;

@@ -66,7 +66,7 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
             ui.strong(format!("Suite {}", running.suite));
             bar(ui, &running.work, now);
             ui.label(running.label());
-            cancel_button(ui, running.work.progress());
+            cancel_button(ui, &running.work);
         }
         Benchmark::Cancelled => {
             ui.label("The benchmark was cancelled.");
