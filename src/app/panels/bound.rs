@@ -30,6 +30,7 @@ pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     match request {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
         Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.style),
+        Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
         None => {}
     }
 }
