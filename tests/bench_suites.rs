@@ -278,18 +278,25 @@ fn sequence_files_are_measured_by_stream() {
     let report = measure(&small(suites::REEL));
     assert_files_agree(&report);
     let bits = numbers(&report, "bits_per_point");
-    let [density, alone, voxels, lossless] = bits[..] else {
+    let [density, alone, voxels, lossless, of_draco @ ..] = &bits[..] else {
         panic!("a row for each choice of options: {bits:?}");
     };
+    let [positions, kd_tree, sequential] = of_draco else {
+        panic!("a row for each coder of Draco: {bits:?}");
+    };
+    assert!(positions < kd_tree && positions < sequential, "{bits:?}");
     assert!(voxels < lossless && density < lossless, "{bits:?}");
     // Frames of a group share a directory, and their coordinates one cube.
-    assert!(density < 1.05 * alone, "{bits:?}");
+    assert!(*density < 1.05 * alone, "{bits:?}");
     let streams = [
         "geometry", "position", "color", "normal", "offset", "radius", "scalar", "order",
     ];
-    let sums = streams.map(|stream| numbers(&report, &format!("{stream}_bits")));
-    for (row, bits) in bits.iter().enumerate() {
-        let sum: f64 = sums.iter().map(|stream| stream[row]).sum();
+    let of_stream = |row: usize, stream: &str| {
+        let cell = report.value(&report.rows[row], &format!("{stream}_bits"));
+        cell.and_then(Cell::number).unwrap()
+    };
+    for (row, bits) in bits[..4].iter().enumerate() {
+        let sum: f64 = streams.iter().map(|stream| of_stream(row, stream)).sum();
         assert!(sum > 0.8 * bits && sum < *bits, "{sum} of {bits}");
     }
     for key in ["encode_ms", "decode_ms"] {
@@ -299,6 +306,17 @@ fn sequence_files_are_measured_by_stream() {
     let psnr = |row: usize| report.value(&report.rows[row], "d1_psnr").and_then(Cell::number);
     assert!(psnr(2).unwrap() > 60.0);
     assert_eq!(psnr(3), None);
+    // Draco is given the same cells, and loses nothing of them.
+    for row in 4..7 {
+        assert_eq!(psnr(row), psnr(2));
+    }
+    let flip = |row: usize| report.value(&report.rows[row], "flip").and_then(Cell::number);
+    assert!(
+        flip(3) == Some(0.0) && flip(2) > Some(0.0) && flip(4).is_none(),
+        "no colours, no picture"
+    );
+    let colors = |row: usize| report.value(&report.rows[row], "color_psnr").and_then(Cell::number);
+    assert!(colors(0) < colors(2), "merging points mixes colours");
 }
 
 #[test]
@@ -709,7 +727,11 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
     let measured = RefCell::new(Vec::new());
     let watch = |step: Step| measured.borrow_mut().extend(step.measured);
     let report = run(&[sphere], &options, None, &watch, &Progress::default()).unwrap();
-    let said: Vec<String> = measured.into_inner().iter().map(|point| point.label.clone()).collect();
+    let said: Vec<String> = measured
+        .into_inner()
+        .iter()
+        .map(|point| point.label().to_owned())
+        .collect();
     let labels: Vec<String> = report.points.iter().map(|point| point.label.clone()).collect();
     assert_eq!(said, labels, "each is shown once it is measured");
     report

@@ -38,6 +38,8 @@ mod notices;
 mod points;
 #[path = "panels/reading.rs"]
 mod reading;
+#[path = "panels/save.rs"]
+mod save;
 #[path = "panels/settings.rs"]
 mod settings;
 #[path = "panels/sizes.rs"]

@@ -56,6 +56,7 @@ pub use features::inspection::measuring::{Gauge, Measurement};
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};
+pub use features::save::{Estimated, Estimates, PrecisionKind, Save, SaveEnded, SaveFormat};
 pub use features::temporal::{ChangeMap, ComposedFrame, OnionSkin, Temporal};
 pub use features::thumbnails::{Delivery, Thumbnails};
 pub use features::timeline::{Marker, Markers, Quantity, Timeline};

@@ -22,6 +22,8 @@ impl PanelId {
     pub const CAMERA_PATH: Self = Self("camera path");
     /// What is exported.
     pub const EXPORT: Self = Self("export");
+    /// As what the sequence is saved.
+    pub const SAVE: Self = Self("save");
 
     /// Its name.
     pub(super) fn name(self) -> &'static str {

@@ -50,6 +50,15 @@ pub enum BenchError {
     /// A sequence file that cannot be written or read back.
     #[error(transparent)]
     Reel(#[from] crate::reel::ReelError),
+    /// Draco cannot write or read a cloud.
+    #[error("Draco: {0}")]
+    Draco(String),
+    /// Points that are no frame.
+    #[error(transparent)]
+    Cloud(#[from] crate::cloud::CloudError),
+    /// Clouds that cannot be compared.
+    #[error(transparent)]
+    Compared(#[from] crate::measure::CloudMismatch),
     /// The thread to build octrees on does not start.
     #[error(transparent)]
     Thread(#[from] rayon::ThreadPoolBuildError),

@@ -2,6 +2,7 @@
 
 use super::lab::LabPoint;
 use super::modes::Modes;
+use super::rate::RatePoint;
 use super::suite::{Defaults, OptionGroup, Suite};
 use crate::kept;
 use crate::sequence::{Sequence, Shape};
@@ -19,6 +20,8 @@ pub struct BenchOptions {
     pub viewpoints: usize,
     /// Frames of each sequence, spread evenly; at least 1. For suites that play how many are shown, turn after turn.
     pub frames: usize,
+    /// The frame that is chosen first, by suites that take it.
+    pub first_frame: usize,
     /// Memory for prepared frames of suites that play, bytes; the loader's default if `None`.
     pub budget_bytes: Option<usize>,
     /// Rounds over all viewpoints before the clocks count.
@@ -47,6 +50,7 @@ impl BenchOptions {
             viewport_px,
             viewpoints,
             frames,
+            first_frame: 0,
             budget_bytes: None,
             warmup: 1,
             repeat: 3,
@@ -97,6 +101,37 @@ pub struct Step {
     pub total: usize,
     /// What is being measured now.
     pub label: String,
-    /// A way to draw that has just been measured, if this is said because of it.
-    pub measured: Option<Arc<LabPoint>>,
+    /// What has just been measured, if this is said because of it.
+    pub measured: Option<Measured>,
+}
+
+/// What can be seen before a run is over.
+#[derive(Debug, Clone)]
+pub enum Measured {
+    /// A way to draw by time and error.
+    Way(Arc<LabPoint>),
+    /// A way to keep a frame by rate and distortion.
+    Rate(Arc<RatePoint>),
+}
+
+impl Measured {
+    /// The way in a few words.
+    pub fn label(&self) -> &str {
+        match self {
+            Self::Way(point) => &point.label,
+            Self::Rate(point) => &point.label,
+        }
+    }
+}
+
+impl From<LabPoint> for Measured {
+    fn from(point: LabPoint) -> Self {
+        Self::Way(Arc::new(point))
+    }
+}
+
+impl From<RatePoint> for Measured {
+    fn from(point: RatePoint) -> Self {
+        Self::Rate(Arc::new(point))
+    }
 }

@@ -6,7 +6,7 @@ use super::runner::Runner;
 use super::scenario::{self, Coverage, Viewpoint};
 use super::statistics::mean;
 use super::subject::{Subject, mean_position};
-use super::{BenchError, BenchOptions, Environment, Input, LabPoint, Report, Step};
+use super::{BenchError, BenchOptions, Environment, Input, LabPoint, Measured, RatePoint, Report, Step};
 use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
@@ -63,7 +63,8 @@ impl<'a> Run<'a> {
         let wanted = self.options.frames;
         let mut subjects = Vec::new();
         for Input { name, sequence, shape } in self.inputs {
-            let chosen = spread(sequence.len(), wanted);
+            let first = self.options.first_frame;
+            let chosen = spread(sequence.len(), first, wanted);
             if chosen.is_empty() {
                 return Err(BenchError::Nothing(format!("{name} has no frames")));
             }
@@ -102,12 +103,13 @@ impl<'a> Run<'a> {
     }
 
     /// Shows what was measured before the run is over.
-    pub(super) fn say_measured(&self, point: LabPoint) {
+    pub(super) fn say_measured(&self, measured: impl Into<Measured>) {
+        let measured = measured.into();
         (self.say)(Step {
             done: self.steps_done,
             total: self.steps_total,
-            label: point.label.clone(),
-            measured: Some(Arc::new(point)),
+            label: measured.label().to_owned(),
+            measured: Some(measured),
         });
     }
 
@@ -242,16 +244,23 @@ impl<'a> Run<'a> {
         self.report.rows.extend(rows);
     }
 
+    /// Adds a way to keep a frame by rate and distortion.
+    pub(super) fn add_rate(&mut self, point: RatePoint) {
+        self.report.rates.push(point);
+    }
+
     /// Adds ways to draw by time and error.
     pub(super) fn add_points(&mut self, points: impl IntoIterator<Item = LabPoint>) {
         self.report.points.extend(points);
     }
 }
 
-/// `wanted` of `count` indices, evenly spread from the first; all of them if there are not more.
-fn spread(count: usize, wanted: usize) -> Vec<usize> {
+/// `wanted` of `count` indices, evenly spread from `first` on and around the end; all of them if there are not more.
+fn spread(count: usize, first: usize, wanted: usize) -> Vec<usize> {
     let chosen = wanted.min(count);
-    (0..chosen).map(|index| index * count / chosen).collect()
+    (0..chosen)
+        .map(|index| (first + index * count / chosen) % count)
+        .collect()
 }
 
 #[cfg(test)]
@@ -260,9 +269,10 @@ mod tests {
 
     #[test]
     fn frames_are_spread_evenly() {
-        assert_eq!(spread(24, 4), [0, 6, 12, 18]);
-        assert_eq!(spread(3, 8), [0, 1, 2]);
-        assert_eq!(spread(10, 1), [0]);
-        assert_eq!(spread(0, 4), [0usize; 0]);
+        assert_eq!(spread(24, 0, 4), [0, 6, 12, 18]);
+        assert_eq!(spread(3, 0, 8), [0, 1, 2]);
+        assert_eq!(spread(10, 0, 1), [0]);
+        assert_eq!(spread(10, 7, 2), [7, 2]);
+        assert_eq!(spread(0, 3, 4), [0usize; 0]);
     }
 }

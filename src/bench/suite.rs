@@ -70,6 +70,8 @@ pub enum OptionGroup {
     Window,
     /// Of how many points the clouds are that it makes itself.
     Clouds,
+    /// Which frame is measured first; in the window it is the shown one.
+    FirstFrame,
 }
 
 impl Suite {

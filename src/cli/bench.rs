@@ -62,6 +62,12 @@ pub(super) struct BenchArgs {
     ))]
     frames: Option<usize>,
 
+    #[arg(long, value_name = "N", help = format!(
+        "Frame that {} begins with, counted from 0 [default: 0]",
+        names(OptionGroup::FirstFrame)
+    ))]
+    first_frame: Option<usize>,
+
     #[arg(long, value_name = "FPS", value_parser = frame_rate, help = format!(
         "Frames a second at which {} play, in place of those of the sequence",
         names(OptionGroup::Playing)
@@ -158,6 +164,11 @@ fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
         ),
         (OptionGroup::Clouds, "--points", arguments.points.is_some()),
         (
+            OptionGroup::FirstFrame,
+            "--first-frame",
+            arguments.first_frame.is_some(),
+        ),
+        (
             OptionGroup::Window,
             "--present and --renderer",
             arguments.present.is_some() || arguments.renderer.is_some(),
@@ -186,6 +197,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         viewport_px: arguments.size.unwrap_or(default.viewport_px),
         viewpoints: arguments.viewpoints.unwrap_or(default.viewpoints),
         frames: arguments.frames.unwrap_or(default.frames),
+        first_frame: arguments.first_frame.unwrap_or(default.first_frame),
         repeat: arguments.repeat,
         budget_bytes: arguments.budget.map(|bytes| bytes as usize),
         truth_folder: BenchOptions::truth_folder_of_person(),

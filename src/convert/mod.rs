@@ -7,17 +7,22 @@
 //! ([`Record`]), and a folder that holds a conversion with others is refused. Shards take every n-th frame, whoever
 //! runs them.
 //!
-//! Or all frames go into one sequence file (`convert::reel`).
+//! Or all frames go into one sequence file (`convert::reel`). What either comes to is estimated beforehand, by a few
+//! frames (`convert::estimate`), and looked for where it would be written ([`Place`]).
 
 mod conversion;
 mod edit;
 mod error;
+mod estimate;
+mod place;
 mod record;
 mod reel;
 
 pub use conversion::{Conversion, Converted, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
+pub use estimate::{Estimate, EstimatedErrors, SampleEstimate, SampleFrame, Target, source_bytes};
+pub use place::Place;
 pub use record::Record;
 pub use reel::join;
 

@@ -33,14 +33,17 @@ impl Record {
         }
     }
 
+    /// What a conversion has left in `folder`.
+    pub(super) fn read(folder: &Path) -> Option<Self> {
+        let bytes = std::fs::read(folder.join(FILE_NAME)).ok()?;
+        serde_json::from_slice(&bytes).ok()
+    }
+
     /// Leaves itself in `folder`, unless another one is there and is not to be overwritten. Several shards may do so at
     /// once: they write the same.
     pub(super) fn keep_in(&self, folder: &Path, overwrites: bool) -> Result<(), ConvertError> {
         let path = folder.join(FILE_NAME);
-        let known = std::fs::read(&path)
-            .ok()
-            .and_then(|bytes| serde_json::from_slice::<Self>(&bytes).ok());
-        match known {
+        match Self::read(folder) {
             Some(known) if known == *self => return Ok(()),
             Some(known) if !overwrites => {
                 return Err(ConvertError::OtherConversion {

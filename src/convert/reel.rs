@@ -56,12 +56,22 @@ impl Unfinished {
         crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
     }
 
-    /// What is there, if it was made with `record` and none of its `sources` has changed since.
-    fn ledger(&self, record: &Record, sources: &[Arc<FrameEntry>]) -> Option<Ledger> {
+    /// What is there, if it was made with `record`.
+    fn ledger_of(&self, record: &Record) -> Option<Ledger> {
         let ledger: Ledger = serde_json::from_slice(&fs::read(&self.ledger).ok()?).ok()?;
-        let is_current = ledger.record == *record && sources.iter().all(|entry| is_finished(&self.file, entry));
-        is_current.then_some(ledger)
+        (ledger.record == *record && self.file.is_file()).then_some(ledger)
     }
+
+    /// The same, if none of its `sources` has changed since.
+    fn ledger(&self, record: &Record, sources: &[Arc<FrameEntry>]) -> Option<Ledger> {
+        let is_current = |_: &Ledger| sources.iter().all(|entry| is_finished(&self.file, entry));
+        self.ledger_of(record).filter(is_current)
+    }
+}
+
+/// Whether an interrupted conversion with this record into `output` would go on.
+pub(super) fn is_interrupted(output: &Path, record: &Record) -> bool {
+    Unfinished::of(output).ledger_of(record).is_some()
 }
 
 fn write_error(path: &Path) -> impl Fn(std::io::Error) -> ConvertError + Copy {

@@ -9,6 +9,7 @@
 //! | [`PixelDifference`] | two pictures | pixels; steps of a channel, 0 to 255 | – |
 //! | [`SurfaceError`] | depths of two views | pixels; shares 0 to 1 | – |
 //! | [`GeometryError`] | two clouds | scene units (squared: means); decibels | Tian et al. 2017, D1 and D2 of MPEG's `pc_error` |
+//! | [`CloudError`] | two clouds with colours and normals | the same; degrees | colours and normals of nearest points |
 //! | [`Change`] | two poses | scene units | D1 one way, point by point |
 //! | [`AngularError`] | two sets of normals | degrees, 0 to 90 or 180 | – |
 //!
@@ -28,7 +29,7 @@ mod surface;
 pub use change::Change;
 pub use difference::PixelDifference;
 pub use flip::{ErrorMap, PIXELS_PER_DEGREE, Perceived, flip};
-pub use geometry::{CloudMismatch, Distances, GeometryError, OneWay, Side};
+pub use geometry::{CloudError, CloudMismatch, Distances, GeometryError, OneWay, ReferenceCloud, Side};
 pub use normals::{AngularError, Orientation, angle_deg};
 pub use psnr::{mean_squared_error, psnr_db};
 pub use ssim::{SSIM_WINDOW_PX, SsimError, ssim};

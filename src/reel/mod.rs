@@ -28,6 +28,7 @@ mod error;
 mod fast;
 mod file;
 mod frame;
+mod memory;
 mod options;
 mod reader;
 #[cfg(test)]
@@ -40,6 +41,7 @@ pub use encode::{EncodedGroup, NewFrame, encode_group};
 pub use error::ReelError;
 pub use file::ReadAt;
 pub use frame::StreamKind;
+pub use memory::write_to_memory;
 pub use options::{Coding, Precision, ReelOptions};
 pub use reader::{FrameInfo, ReelFile};
 pub use writer::ReelWriter;

@@ -8,6 +8,7 @@
 //! To add a source: a type that implements [`Source`] and its [`Decoder`], and where a person names it: a file format
 //! in [`crate::io`], or a word of [`Generated`].
 
+mod as_reel;
 mod demo;
 mod entry;
 mod error;
@@ -21,6 +22,7 @@ mod shapes;
 mod spin;
 mod traits;
 
+pub use as_reel::AsReel;
 pub use demo::demo;
 pub use entry::{FrameBytes, FrameEntry};
 pub use error::SequenceError;

@@ -1,11 +1,14 @@
 //! The window of a benchmark.
 
-use super::{click, window};
+use super::{click, window, window_on};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
-use pointreel::bench::Step;
-use pointreel::bench::{LabPoint, Quality, Table};
+use pointreel::bench::{LabPoint, Quality, RatePoint, Sweep, Table};
+use pointreel::bench::{Measured, Step};
+use pointreel::cloud::{Positions, RawCloud};
+use pointreel::measure::ReferenceCloud;
+use pointreel::reel::{Precision, ReelOptions};
 use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Style};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
@@ -160,7 +163,7 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
     let job: BenchmarkJob = Box::new(move |report, _| {
         for measured in &points()[..2] {
             report(Step {
-                measured: Some(Arc::clone(measured)),
+                measured: Some(Measured::Way(Arc::clone(measured))),
                 ..Step::default()
             });
         }
@@ -210,4 +213,95 @@ fn a_slider_leads_from_fast_to_exact() {
     harness.run();
     assert_eq!(harness.state().style.primitive, Primitive::Voxel);
     assert!(harness.query_by_label_contains("8.0 ms, FLIP 0.200").is_some());
+}
+
+/// Eight corners and one point near to one of them.
+fn corners() -> RawCloud {
+    let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32));
+    let near = std::iter::once([0.01, 0.0, 0.0]);
+    RawCloud::from_positions(Positions::F32(corners.chain(near).collect()))
+}
+
+/// A way to keep the corners in so many bits of their positions.
+fn rate(bits: u8) -> Arc<RatePoint> {
+    let mut moved = corners();
+    let Positions::F32(positions) = &mut moved.positions else {
+        panic!("of single precision");
+    };
+    positions[8][0] += 0.1 / f32::from(bits);
+    Arc::new(RatePoint {
+        sequence: "walk".to_owned(),
+        sweep: Sweep::Positions,
+        label: format!("{bits} bits"),
+        options: ReelOptions {
+            precision: Precision::Bits(bits),
+            ..ReelOptions::default()
+        },
+        bits_per_point: f64::from(bits) * 1.5,
+        error: ReferenceCloud::new(&corners()).unwrap().compare(&moved).unwrap(),
+        flip: 0.5 / f64::from(bits),
+        picture: image::RgbaImage::new(24, 16),
+        error_map: image::RgbaImage::new(24, 16),
+    })
+}
+
+#[test]
+fn rates_appear_while_they_are_measured_and_a_click_shows_the_frame_beside_the_original() {
+    let entries = (0..super::FRAMES).map(|_| pointreel::sequence::FrameEntry::file("/scans/walk/corners.ply"));
+    let sequence = pointreel::sequence::Sequence::with_decoder(entries.collect(), |_| Ok(corners()));
+    let mut harness = window_on(Arc::new(sequence), super::options());
+    let (go_on, gate) = sync_channel::<()>(0);
+    let (reached, half_way) = sync_channel::<()>(0);
+    let job: BenchmarkJob = Box::new(move |report, _| {
+        report(Step {
+            measured: Some(Measured::Rate(rate(2))),
+            ..Step::default()
+        });
+        reached.send(()).unwrap();
+        gate.recv().unwrap();
+        Ok(BenchmarkTable {
+            suite: "rate".to_owned(),
+            rates: vec![rate(2), rate(8)],
+            ..BenchmarkTable::default()
+        })
+    });
+    start(&mut harness, job);
+    half_way.recv().unwrap();
+    harness.run();
+    let label = |harness: &Harness<'_, State>, ending: &str| {
+        let node = harness.query_by_label_contains(ending)?;
+        egui_kittest::kittest::NodeT::accesskit_node(&node).label()
+    };
+    let first = label(&harness, "FLIP 0.2500: 2 bits").expect("the point that was measured");
+    assert!(first.starts_with("3.00 bits, D1 "), "{first}");
+    assert!(harness.query_by_label_contains(": 8 bits").is_none());
+    click(&mut harness, &first);
+    let begin = Instant::now();
+    while harness
+        .state()
+        .beside
+        .as_ref()
+        .is_none_or(|beside| beside.companion.shown().is_none())
+    {
+        assert!(begin.elapsed() < Duration::from_secs(20), "no frame beside");
+        harness.state_mut().update(Duration::ZERO);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let beside = harness.state().beside.as_ref().unwrap();
+    assert!(beside.name.ends_with(", 2 bits"), "{}", beside.name);
+    assert_eq!(
+        beside.companion.shown().unwrap().frame.len(),
+        8,
+        "two points share a cell"
+    );
+    go_on.send(()).unwrap();
+    finish(&mut harness);
+    for loss in ["D1", "D2", "Colours", "FLIP"] {
+        harness
+            .get_by_role_and_label(egui::accesskit::Role::Button, loss)
+            .click();
+        harness.run();
+    }
+    assert!(harness.query_by_label_contains(": 8 bits").is_some());
+    assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 }

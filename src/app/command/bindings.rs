@@ -159,6 +159,7 @@ pub const BINDINGS: &[Binding] = bindings! {
     "File and window" {
         "Ctrl+O" [ctrl O] => Command::OpenFiles, "Open files";
         "Ctrl+Shift+O" [ctrl_shift O] => Command::CompareFiles, "Compare with files";
+        "Ctrl+Shift+S" [ctrl_shift S] => Command::ToggleSave, "Save the sequence as a file or a folder";
         "P" [plain P] => Command::Screenshot, "Save a picture";
         "Shift+P" [shift P] => Command::ToggleExport, "Export a picture or a video";
         "Ctrl+Z" [ctrl Z] => Command::Undo, "Undo the last change of settings or path";

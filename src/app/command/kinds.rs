@@ -86,6 +86,8 @@ pub enum Command {
     ToggleExport,
     /// Choose how to export the camera path.
     ExportPath,
+    /// Choose as what the sequence is saved, or close that.
+    ToggleSave,
     /// Set a keyframe of what is shown.
     AddKeyframe,
     /// Play the camera path, or stop that.

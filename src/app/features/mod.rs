@@ -13,6 +13,7 @@ pub(super) mod export;
 pub(super) mod inspection;
 pub(super) mod palette;
 pub(super) mod quality;
+pub(super) mod save;
 pub(super) mod temporal;
 pub(super) mod thumbnails;
 pub(super) mod timeline;

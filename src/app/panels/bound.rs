@@ -12,6 +12,7 @@ use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
 use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::palette::{Action, Entry};
+use crate::app::features::save::panel::{SaveRequest, save_ui};
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::features::trails::panel::trail_ui;
@@ -30,6 +31,7 @@ pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     match request {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
         Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.style),
+        Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
         None => {}
     }
 }
@@ -92,6 +94,23 @@ pub(super) fn export(ui: &mut Ui, state: &mut State) {
     match request {
         Some(ExportRequest::ChoosePlace) => state.ask_for_place(),
         Some(ExportRequest::Start) => state.start_export(),
+        None => {}
+    }
+}
+
+pub(super) fn save(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(PanelId::SAVE) {
+        return;
+    }
+    let of = state.savable();
+    let top = state.viewport.rect.center_top();
+    let mut is_open = true;
+    let request = save_ui(ui, &mut is_open, (&mut state.save, &state.estimates), &of, top);
+    state.panels.set(PanelId::SAVE, is_open);
+    match request {
+        Some(SaveRequest::ChoosePlace) => state.ask_for_save_place(),
+        Some(SaveRequest::Compare) => state.compare_with_saved(),
+        Some(SaveRequest::Start) => state.start_save(),
         None => {}
     }
 }

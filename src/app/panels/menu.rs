@@ -84,6 +84,10 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
     topic_menu(ui, state, Side::A);
     item(ui, state, "Demo", Command::OpenDemo);
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        let tooltip = "One sequence file, or a folder of files; sizes and errors are shown before";
+        run_by(ui, state, Button::new("Save as…"), Command::ToggleSave, tooltip);
+    });
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         ui.menu_button("Compare with…", |ui| compare_menu(ui, state));

@@ -59,6 +59,7 @@ pub(super) const PANELS: &[PanelRow] = &[
         show: bound::camera_path,
     },
     window(PanelId::EXPORT, bound::export),
+    window(PanelId::SAVE, bound::save),
     by_itself(notices_ui),
     window(PanelId::HELP, help_ui),
     window(PanelId::BENCHMARK, bound::benchmark),

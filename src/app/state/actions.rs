@@ -80,6 +80,7 @@ impl State {
             }
             Command::ToggleExport => self.toggle_export(None),
             Command::ExportPath => self.toggle_export(Some(ExportSubject::Path)),
+            Command::ToggleSave => self.toggle_save(),
             Command::AddKeyframe => self.add_keyframe(),
             Command::TogglePreview => self.toggle_preview(),
             Command::NewPath => self.ask_or_do(Question::New),
@@ -147,6 +148,7 @@ impl State {
             || self.stop_preview()
             || self.path.question.take().is_some()
             || self.panels.close(PanelId::EXPORT)
+            || self.panels.close(PanelId::SAVE)
             || self.panels.close(PanelId::HELP)
             || (!running && self.panels.close(PanelId::BENCHMARK))
             || self.inspection.escape();

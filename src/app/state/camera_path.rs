@@ -126,9 +126,14 @@ impl State {
     pub(in crate::app) fn losses(&self) -> Vec<&'static str> {
         let path = self.path.is_unsaved();
         let export = self.works.has(WorkKind::Export);
+        let save = self.works.has(WorkKind::Save);
         [
             (path, "The camera path is not saved."),
             (export, "An export is under way: it would be cancelled."),
+            (
+                save,
+                "The sequence is being saved: saving it again would go on from there.",
+            ),
         ]
         .into_iter()
         .filter_map(|(is_so, text)| is_so.then_some(text))

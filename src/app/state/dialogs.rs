@@ -30,6 +30,10 @@ pub enum DialogKind {
     ExportTo(&'static str),
     /// The folder of an export of many files.
     ExportFolder,
+    /// The sequence file to save to.
+    SaveReel,
+    /// The folder to save frames to.
+    SaveFolder,
     /// Where to write the benchmark.
     SaveReport(ReportFormat),
 }
@@ -99,6 +103,8 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::SavePath => "Save the camera path",
         DialogKind::ExportTo(_) => "Export to",
         DialogKind::ExportFolder => "Folder of the pictures",
+        DialogKind::SaveReel => "Save the sequence",
+        DialogKind::SaveFolder => "Folder of the frames",
         DialogKind::SaveReport(_) => "Save the benchmark",
     };
     dialog = dialog.set_title(title);
@@ -110,7 +116,10 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             )
             .add_filter("All files", &["*"])
             .pick_files(),
-        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder => one(dialog.pick_folder()),
+        DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder | DialogKind::SaveFolder => {
+            one(dialog.pick_folder())
+        }
+        DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
         DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),

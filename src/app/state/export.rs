@@ -144,11 +144,14 @@ impl State {
         }
     }
 
-    /// Cancels exports as the program ends, and waits a moment until what is not whole is removed.
+    /// Cancels exports and saving as the program ends, and waits a moment until what is not whole is removed.
     pub(in crate::app) fn end_exports(&mut self) {
         let begun = Instant::now();
-        self.works.cancel(WorkKind::Export);
-        while self.works.has(WorkKind::Export) && begun.elapsed() < LAST_WAIT {
+        let kinds = [WorkKind::Export, WorkKind::Save];
+        for kind in kinds {
+            self.works.cancel(kind);
+        }
+        while kinds.iter().any(|&kind| self.works.has(kind)) && begun.elapsed() < LAST_WAIT {
             thread::sleep(Duration::from_millis(5));
             self.works.look(self.now, self.now);
         }

@@ -42,6 +42,7 @@ impl State {
                 let is_folder = dialog == DialogKind::ExportFolder;
                 self.export.take_place(is_folder, &first);
             }
+            DialogKind::SaveReel | DialogKind::SaveFolder => self.save.take_place(&first),
             DialogKind::SaveReport(format) => {
                 let Benchmark::Done(table) = &self.benchmark else {
                     return;

@@ -19,6 +19,8 @@ impl State {
             }
             Outcome::Path(path) => self.take_path_file(path),
             Outcome::Exported(ended) => self.export_has_ended(ended),
+            Outcome::SequenceSaved(ended) => self.save_has_ended(ended),
+            Outcome::Estimated(estimated) => self.estimates.take_in(*estimated),
             Outcome::Benchmark(ended) => {
                 self.benchmark.finish(ended);
                 self.learn_quality();

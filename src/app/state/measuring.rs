@@ -16,8 +16,9 @@ impl State {
             player.toggle(self.now);
         }
         let sequence = Arc::clone(player.sequence());
+        let shown = player.shown().map_or(0, |frame| frame.index);
         let name = self.sequence_name().unwrap_or_default();
-        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence));
+        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence, shown));
     }
 
     /// Shows the benchmark window and runs `job` in it.

@@ -18,6 +18,7 @@ mod outcome;
 mod parts;
 mod pictures;
 mod reading;
+mod save;
 mod steering;
 mod timeline;
 
@@ -39,6 +40,7 @@ use crate::app::features::export::Export;
 use crate::app::features::inspection::Inspection;
 use crate::app::features::palette::Palette;
 use crate::app::features::quality::MeasuredQuality;
+use crate::app::features::save::{Estimates, Save};
 use crate::app::features::temporal::Temporal;
 use crate::app::features::thumbnails::Thumbnails;
 use crate::app::features::timeline::Timeline;
@@ -109,6 +111,10 @@ pub struct State {
     pub path: PathEditor,
     /// What a person would export.
     pub export: Export,
+    /// As what a person would save the sequence.
+    pub save: Save,
+    /// What that comes to.
+    pub estimates: Estimates,
     /// What other poses add to the picture.
     pub temporal: Temporal,
     /// Small pictures of the frames.
@@ -157,6 +163,8 @@ impl State {
             graphics: GraphicsInfo::default(),
             path: PathEditor::default(),
             export: Export::default(),
+            save: Save::default(),
+            estimates: Estimates::default(),
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
             trails: Trails::default(),
@@ -223,6 +231,7 @@ impl State {
         }
         visible |= self.notices.expire(now);
         visible |= self.look_for_quality();
+        self.follow_save();
         visible |= self.move_camera_on();
         if self.pictures_mut().is_some_and(|pair| pair.is_due(now)) {
             self.requests.push(WindowRequest::Compare);
@@ -353,6 +362,7 @@ impl State {
             pictures,
             camera,
             held,
+            self.estimates.next_deadline(),
             self.main.drawing.next_deadline(),
             self.beside.as_ref().and_then(|beside| beside.drawing.next_deadline()),
         ]

@@ -8,6 +8,7 @@ use crate::app::features::beside::FrameDistances;
 use crate::app::features::camera_path::PathFile;
 use crate::app::features::comparison::PictureDifference;
 use crate::app::features::export::ExportEnded;
+use crate::app::features::save::{Estimated, SaveEnded};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::features::thumbnails::Delivery;
 use crate::app::features::trails::Traced;
@@ -58,6 +59,10 @@ outcomes! {
     Path(PathFile),
     /// An export ended.
     Exported(ExportEnded),
+    /// A sequence was saved, or not.
+    SequenceSaved(SaveEnded),
+    /// A frame was judged as it would be saved.
+    Estimated(Box<Estimated>),
     /// Two pictures were compared.
     Compared(PictureDifference),
     /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.

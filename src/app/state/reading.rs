@@ -145,6 +145,8 @@ impl State {
         self.inspection.forget_points();
         self.timeline.forget_playhead();
         self.quality.forget();
+        self.save.forget_sequence();
+        self.estimates.stop();
     }
 }
 

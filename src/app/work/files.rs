@@ -97,6 +97,15 @@ pub(in crate::app) fn picture_folder() -> PathBuf {
         .unwrap_or_default()
 }
 
+/// The person's folder of documents if the system has one, else where the program was started.
+pub(in crate::app) fn document_folder() -> PathBuf {
+    directories::UserDirs::new()
+        .and_then(|folders| folders.document_dir().map(PathBuf::from))
+        .filter(|folder| folder.is_dir())
+        .or_else(|| std::env::current_dir().ok())
+        .unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Bars of the long work that is under way, below the notices.
 
-use super::works::{Progress, Work, WorkKind};
+use super::works::{Work, WorkKind};
 use crate::app::work::works::left_text;
 use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
 use std::time::Duration;
@@ -11,7 +11,7 @@ pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f3
         ui.set_width(width);
         ui.label(&work.name);
         bar(ui, work, now);
-        cancel_button(ui, work.progress());
+        cancel_button(ui, work);
     });
 }
 
@@ -31,6 +31,7 @@ pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
         WorkKind::Open => format!("files {done} of {of}"),
         WorkKind::Read => format!("{:.0} %", (100.0 * share).floor()),
         WorkKind::Export => format!("pictures {done} of {of}"),
+        WorkKind::Save => format!("frames {done} of {of}"),
         WorkKind::Benchmark => format!("{done} of {of}"),
     };
     let text = format!("{so_far}, {}", left_text(work.time_left(now)));
@@ -39,14 +40,15 @@ pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
 }
 
 /// Stops the work.
-pub(in crate::app) fn cancel_button(ui: &mut Ui, progress: &Progress) {
+pub(in crate::app) fn cancel_button(ui: &mut Ui, work: &Work) {
+    let progress = work.progress();
+    let tooltip = match work.kind {
+        WorkKind::Save => "Stops this; saving the same again goes on from here",
+        _ => "Stops this; what is not whole is removed",
+    };
     if progress.is_cancelled() {
         ui.weak("Stopping…");
-    } else if ui
-        .button("Cancel")
-        .on_hover_text("Stops this; what is not whole is removed")
-        .clicked()
-    {
+    } else if ui.button("Cancel").on_hover_text(tooltip).clicked() {
         progress.cancel();
     }
 }

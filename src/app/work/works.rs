@@ -24,6 +24,8 @@ pub enum WorkKind {
     Read,
     /// A picture or a video is being written.
     Export,
+    /// A sequence is being saved.
+    Save,
     /// A benchmark is running.
     Benchmark,
 }
@@ -119,7 +121,7 @@ impl Work {
         self.begun
             + match self.kind {
                 WorkKind::Read => UNSEEN_READING,
-                WorkKind::Open | WorkKind::Export | WorkKind::Benchmark => UNSEEN,
+                WorkKind::Open | WorkKind::Export | WorkKind::Save | WorkKind::Benchmark => UNSEEN,
             }
     }
 }

@@ -8,7 +8,7 @@ mod text;
 pub use columns::{Cell, Column, Row};
 
 use super::scenario::Coverage;
-use super::{BenchOptions, Environment, LabPoint, Suite};
+use super::{BenchOptions, Environment, LabPoint, RatePoint, Suite};
 use serde::ser::{Serialize, SerializeMap, SerializeStruct, Serializer};
 
 /// Rows of one kind, as people see them.
@@ -52,6 +52,8 @@ pub struct Report {
     pub notes: Vec<String>,
     /// The ways to draw that were compared, one a row; empty for suites that compare none.
     pub points: Vec<LabPoint>,
+    /// The ways to keep frames that were compared, one a row; empty for suites that compare none.
+    pub rates: Vec<RatePoint>,
 }
 
 impl Report {
@@ -63,6 +65,7 @@ impl Report {
             rows: Vec::new(),
             notes: Vec::new(),
             points: Vec::new(),
+            rates: Vec::new(),
         }
     }
 

@@ -25,7 +25,7 @@ pub use lod::LOD;
 pub use octree::OCTREE;
 pub use play::PLAY;
 pub use primitives::PRIMITIVES;
-pub use reel::REEL;
+pub use reel::{RATE, REEL};
 pub use render::RENDER;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
@@ -49,6 +49,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (LOD, lod::measure),
     (PRIMITIVES, primitives::measure),
     (REEL, reel::measure),
+    (RATE, reel::measure_rates),
 ];
 
 /// Every suite.
@@ -92,7 +93,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives or reel"
+             primitives, reel or rate"
         );
     }
 

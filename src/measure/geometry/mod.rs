@@ -13,6 +13,10 @@
 //!
 //! Ways are computed and added up in f64, in pieces of fixed size: any number of threads gives the same bits.
 
+mod reference;
+
+pub use reference::{CloudError, ReferenceCloud};
+
 use crate::analysis::NearestPoint;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -124,23 +128,14 @@ impl GeometryError {
     pub fn of(reference: &[Vec3], normals: Option<&[Vec3]>, test: &[Vec3]) -> Result<Self, CloudMismatch> {
         check(Side::Reference, reference)?;
         check(Side::Test, test)?;
+        let [of_reference, of_test] = [reference, test].map(NearestPoint::new);
         let ways = Ways {
             reference,
             test,
-            from_reference: nearest_of_each(reference, test),
-            from_test: nearest_of_each(test, reference),
+            from_reference: nearest_of_each(reference, &of_test),
+            from_test: nearest_of_each(test, &of_reference),
         };
-        let point_to_plane = normals.map(|normals| match normals.len() {
-            count if count == reference.len() => Ok(ways.point_to_plane(normals)),
-            count => Err(CloudMismatch::NormalCount {
-                points: reference.len(),
-                normals: count,
-            }),
-        });
-        Ok(Self {
-            point_to_point: ways.distances(|_, way| way.length_squared()),
-            point_to_plane: point_to_plane.transpose()?,
-        })
+        ways.error(normals)
     }
 }
 
@@ -155,8 +150,7 @@ fn check(side: Side, positions: &[Vec3]) -> Result<(), CloudMismatch> {
 }
 
 /// For each of `places` the index of the nearest of `cloud`, which is not empty.
-fn nearest_of_each(places: &[Vec3], cloud: &[Vec3]) -> Vec<u32> {
-    let cloud = NearestPoint::new(cloud);
+fn nearest_of_each(places: &[Vec3], cloud: &NearestPoint) -> Vec<u32> {
     let nearest = places.par_iter().with_min_len(1 << 8);
     nearest.filter_map(|&place| cloud.of(place)).collect()
 }
@@ -177,6 +171,20 @@ enum TargetPoint {
 }
 
 impl Ways<'_> {
+    fn error(&self, normals: Option<&[Vec3]>) -> Result<GeometryError, CloudMismatch> {
+        let point_to_plane = normals.map(|normals| match normals.len() {
+            count if count == self.reference.len() => Ok(self.point_to_plane(normals)),
+            count => Err(CloudMismatch::NormalCount {
+                points: self.reference.len(),
+                normals: count,
+            }),
+        });
+        Ok(GeometryError {
+            point_to_point: self.distances(|_, way| way.length_squared()),
+            point_to_plane: point_to_plane.transpose()?,
+        })
+    }
+
     /// `squared_error` of all ways.
     fn distances(&self, squared_error: impl Fn(TargetPoint, DVec3) -> f64 + Sync) -> Distances {
         let [reference, test] = [self.reference, self.test];

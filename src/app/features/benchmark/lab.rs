@@ -1,16 +1,17 @@
 //! Ways to draw by time and error: a plot that grows while they are measured. A click on a point draws as it does.
 
+use super::hit::hit;
+use super::pictures::pictures_ui;
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::LabPoint;
 use crate::scene::{Primitive, RendererChoice};
-use egui::{Color32, ColorImage, Pos2, RichText, ScrollArea, TextureHandle, TextureOptions, Ui};
-use egui_plot::{GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points};
+use egui::{Color32, ScrollArea, Ui};
+use egui_plot::{GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
 use std::sync::Arc;
 
-/// How near to a point a click must be, points of the screen.
-const REACH: f32 = 14.0;
-
 const PLOT_HEIGHT: f32 = 300.0;
+
+const LIST_HEIGHT: f32 = 170.0;
 
 /// The plot, the chosen way and the ways that no other beats; returns a way that was chosen now.
 pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Arc<LabPoint>> {
@@ -22,7 +23,8 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
     }
     ui.horizontal_top(|ui| {
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
-            ui.vertical(|ui| pictures(ui, point));
+            let images = [&point.picture, &point.error_map];
+            ui.vertical(|ui| pictures_ui(ui, &point.label, point.draw_ms.to_bits(), images));
         }
         ui.vertical(|ui| {
             ui.weak("Nothing beats these in both; a click draws as they do:");
@@ -32,7 +34,9 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
             front.sort_by(|&a, &b| points[a].draw_ms.total_cmp(&points[b].draw_ms));
             ScrollArea::vertical()
                 .id_salt("front")
-                .max_height(170.0)
+                .max_height(LIST_HEIGHT)
+                // The window scrolls as well, and would leave it less.
+                .min_scrolled_height(LIST_HEIGHT)
                 .show(ui, |ui| {
                     for index in front {
                         if ui
@@ -119,19 +123,8 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
             plot.points(ring.radius(8.0).filled(false).color(Color32::WHITE));
         }
     });
-    let on_screen = |point: &LabPoint| {
-        let [x, y] = place(point);
-        response.transform.position_from_point(&PlotPoint::new(x, y))
-    };
-    let nearest = |pointer: Pos2| {
-        let distances = points.iter().map(|point| on_screen(point).distance(pointer));
-        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest
-            .filter(|(_, distance)| *distance <= REACH)
-            .map(|(index, _)| index)
-    };
-    let hovered = response.response.hover_pos().and_then(nearest);
-    let clicked = response.response.clicked().then_some(hovered).flatten();
+    let places: Vec<[f64; 2]> = points.iter().map(|point| place(point)).collect();
+    let (hovered, clicked) = hit(&response, &places);
     if let Some(index) = hovered {
         response.response.on_hover_text_at_pointer(words(&points[index]));
     }
@@ -155,35 +148,6 @@ fn milliseconds(power: f64) -> String {
     let value = 10f64.powf(power);
     let decimals = (-power.floor()).clamp(0.0, 3.0) as usize;
     format!("{value:.decimals$}")
-}
-
-/// The picture of a way and its errors.
-fn pictures(ui: &mut Ui, point: &Arc<LabPoint>) {
-    ui.label(RichText::new(&point.label).strong());
-    ui.horizontal(|ui| {
-        for (what, image) in [("picture", &point.picture), ("error map", &point.error_map)] {
-            let texture = texture(ui, point, what, image);
-            let size = texture.size_vec2();
-            ui.add(egui::Image::new((texture.id(), size)).alt_text(what))
-                .on_hover_text(match what {
-                    "picture" => "The first view as it was drawn",
-                    _ => "Its FLIP error: black where there is none, pale where it is largest",
-                });
-        }
-    });
-}
-
-/// The texture of a picture, made when it is first shown.
-fn texture(ui: &Ui, point: &Arc<LabPoint>, what: &str, image: &image::RgbaImage) -> TextureHandle {
-    let id = egui::Id::unique((&point.label, point.draw_ms.to_bits(), what));
-    if let Some(texture) = ui.data(|data| data.get_temp::<TextureHandle>(id)) {
-        return texture;
-    }
-    let size = [image.width() as usize, image.height() as usize];
-    let pixels = ColorImage::from_rgba_unmultiplied(size, image);
-    let texture = ui.ctx().load_texture(what, pixels, TextureOptions::LINEAR);
-    ui.data_mut(|data| data.insert_temp(id, texture.clone()));
-    texture
 }
 
 #[cfg(test)]

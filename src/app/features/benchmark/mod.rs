@@ -1,14 +1,17 @@
 //! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
 
+mod hit;
 mod lab;
 pub(in crate::app) mod panel;
+mod pictures;
+mod rates;
 mod task;
 
 pub(in crate::app) use task::benchmark_job;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks, Wake};
 use crate::app::work::works::{Work, WorkKind};
-use crate::bench::{self, LabPoint, Step};
+use crate::bench::{self, LabPoint, Measured, RatePoint, Step};
 use crate::locks::lock;
 use crate::progress::Progress;
 use std::sync::{Arc, Mutex};
@@ -68,6 +71,8 @@ pub struct BenchmarkTable {
     pub html: String,
     /// Ways to draw by time and error; most suites have none.
     pub points: Vec<Arc<LabPoint>>,
+    /// Ways to keep a frame by rate and distortion; most suites have none.
+    pub rates: Vec<Arc<RatePoint>>,
 }
 
 /// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
@@ -102,6 +107,7 @@ pub struct RunningBenchmark {
     pub work: Work,
     label: Arc<Mutex<String>>,
     points: Arc<Mutex<Vec<Arc<LabPoint>>>>,
+    rates: Arc<Mutex<Vec<Arc<RatePoint>>>>,
 }
 
 impl RunningBenchmark {
@@ -114,6 +120,11 @@ impl RunningBenchmark {
     pub fn points(&self) -> Vec<Arc<LabPoint>> {
         lock(&self.points).clone()
     }
+
+    /// The ways to keep a frame whose rate and distortion are known.
+    pub fn rates(&self) -> Vec<Arc<RatePoint>> {
+        lock(&self.rates).clone()
+    }
 }
 
 impl Benchmark {
@@ -122,6 +133,15 @@ impl Benchmark {
         match self {
             Self::Running(running) => running.points(),
             Self::Done(table) => table.points.clone(),
+            Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
+        }
+    }
+
+    /// The ways to keep a frame whose rate and distortion are known.
+    pub fn rates(&self) -> Vec<Arc<RatePoint>> {
+        match self {
+            Self::Running(running) => running.rates(),
+            Self::Done(table) => table.rates.clone(),
             Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
         }
     }
@@ -143,9 +163,15 @@ impl Benchmark {
         let points = Arc::new(Mutex::new(Vec::new()));
         let reported_label = Arc::clone(&label);
         let reported_points = Arc::clone(&points);
+        let rates = Arc::new(Mutex::new(Vec::new()));
+        let reported_rates = Arc::clone(&rates);
         tasks.start("benchmark", move || {
             let report = |step: Step| {
-                lock(&reported_points).extend(step.measured);
+                match step.measured {
+                    Some(Measured::Way(point)) => lock(&reported_points).push(point),
+                    Some(Measured::Rate(point)) => lock(&reported_rates).push(point),
+                    None => {}
+                }
                 *lock(&reported_label) = step.label;
                 progress.set(step.done, step.total);
                 wake();
@@ -157,6 +183,7 @@ impl Benchmark {
             work,
             label,
             points,
+            rates,
         });
     }
 
@@ -197,6 +224,7 @@ impl BenchmarkTable {
                 measured.to_html()
             },
             points: measured.points.into_iter().map(Arc::new).collect(),
+            rates: measured.rates.into_iter().map(Arc::new).collect(),
         }
     }
 }

@@ -1,10 +1,11 @@
 //! The benchmark window: progress and cancel while it runs, then the table and a bar chart.
 
 use super::lab::lab_ui;
+use super::rates::rates_ui;
 use super::{Benchmark, BenchmarkTable, ReportFormat};
 use crate::app::theme::ACCENT;
 use crate::app::work::panel::{bar, cancel_button};
-use crate::bench::{LabPoint, Table};
+use crate::bench::{LabPoint, RatePoint, Table};
 use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
 use egui_plot::{Bar, BarChart, Plot};
 use std::sync::Arc;
@@ -23,6 +24,8 @@ pub(in crate::app) enum BenchmarkRequest {
     Save(ReportFormat),
     /// Draw as this way does.
     DrawAs(Arc<LabPoint>),
+    /// Show the frame as it is when it is kept so.
+    ShowKept(Arc<RatePoint>),
 }
 
 /// The window while it is open.
@@ -66,7 +69,7 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
             ui.strong(format!("Suite {}", running.suite));
             bar(ui, &running.work, now);
             ui.label(running.label());
-            cancel_button(ui, running.work.progress());
+            cancel_button(ui, &running.work);
         }
         Benchmark::Cancelled => {
             ui.label("The benchmark was cancelled.");
@@ -82,6 +85,11 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
     if !points.is_empty() {
         ui.separator();
         request = lab_ui(ui, &points).map(BenchmarkRequest::DrawAs).or(request);
+    }
+    let rates = benchmark.rates();
+    if !rates.is_empty() {
+        ui.separator();
+        request = rates_ui(ui, &rates).map(BenchmarkRequest::ShowKept).or(request);
     }
     request
 }
@@ -102,8 +110,8 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
     for note in &table.notes {
         ui.label(RichText::new(note).color(ui.visuals().warn_fg_color));
     }
-    // Ways by time and error have a plot of their own.
-    if !table.bars.is_empty() && table.points.is_empty() {
+    // Ways by time and error, and by rate, have a plot of their own.
+    if !table.bars.is_empty() && table.points.is_empty() && table.rates.is_empty() {
         ui.add_space(8.0);
         ui.label(&table.bars_title);
         chart(ui, table);

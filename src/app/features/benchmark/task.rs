@@ -19,6 +19,7 @@ pub(in crate::app) fn benchmark_job(
     suite: &'static bench::Suite,
     name: String,
     sequence: Arc<Sequence>,
+    shown_frame: usize,
 ) -> BenchmarkJob {
     if suite.takes(bench::OptionGroup::Window) {
         return Box::new(move |report, progress| {
@@ -39,6 +40,11 @@ pub(in crate::app) fn benchmark_job(
                 bench::Modes::default()
             },
             truth_folder: bench::BenchOptions::truth_folder_of_person(),
+            first_frame: if suite.takes(bench::OptionGroup::FirstFrame) {
+                shown_frame
+            } else {
+                0
+            },
             ..bench::BenchOptions::new(suite)
         };
         let input = bench::Input {

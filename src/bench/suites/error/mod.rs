@@ -16,6 +16,7 @@ use crate::bench::lab::{LabPoint, mark_front};
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::{Runner, milliseconds_since};
+use crate::bench::small_picture::small;
 use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
@@ -30,7 +31,6 @@ use crate::scene::describe::When;
 use crate::scene::{Background, Primitive, RendererChoice, Scene, ScenePacket, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use image::RgbaImage;
-use image::imageops::{FilterType, resize};
 use std::sync::Arc;
 use std::time::Instant;
 use view::{DrawnWay, PictureError, View};
@@ -95,9 +95,6 @@ pub const ERROR: &Suite = &Suite {
     bars_title: "FLIP of the object, 0 to 1",
     bar_labels: 2,
 };
-
-/// Width of the small pictures of a report, pixels.
-const THUMBNAIL_WIDTH_PX: u32 = 240;
 
 /// What was measured of one way on one sequence.
 #[derive(Default)]
@@ -293,14 +290,6 @@ fn depths(renderer: &mut CpuRenderer, packet: &ScenePacket) -> Result<Option<cra
     }
     renderer.prepare(packet)?;
     Ok(Some(renderer.draw_depths()?))
-}
-
-/// A picture as small as a report shows it.
-fn small(image: &RgbaImage) -> RgbaImage {
-    let (width, height) = image.dimensions();
-    let small_width = THUMBNAIL_WIDTH_PX.min(width);
-    let small_height = (u64::from(height) * u64::from(small_width) / u64::from(width.max(1))).max(1);
-    resize(image, small_width, small_height as u32, FilterType::Triangle)
 }
 
 impl ErrorSamples {

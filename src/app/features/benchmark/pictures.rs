@@ -1,0 +1,37 @@
+//! The picture of what was measured, and its errors.
+
+use egui::{ColorImage, RichText, TextureHandle, TextureOptions, Ui};
+use image::RgbaImage;
+
+/// Shows both under `label`, which with `number` tells them from all others.
+pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error_map]: [&RgbaImage; 2]) {
+    ui.label(RichText::new(label).strong());
+    ui.horizontal(|ui| {
+        for (what, image, tooltip) in [
+            ("picture", picture, "The first view as it was drawn"),
+            (
+                "error map",
+                error_map,
+                "Its FLIP error: black where there is none, pale where it is largest",
+            ),
+        ] {
+            let texture = texture(ui, (label, number, what), image);
+            let size = texture.size_vec2();
+            ui.add(egui::Image::new((texture.id(), size)).alt_text(what))
+                .on_hover_text(tooltip);
+        }
+    });
+}
+
+/// The texture of a picture, made when it is first shown.
+fn texture(ui: &Ui, key: (&str, u64, &'static str), image: &RgbaImage) -> TextureHandle {
+    let id = egui::Id::unique(key);
+    if let Some(texture) = ui.data(|data| data.get_temp::<TextureHandle>(id)) {
+        return texture;
+    }
+    let size = [image.width() as usize, image.height() as usize];
+    let pixels = ColorImage::from_rgba_unmultiplied(size, image);
+    let texture = ui.ctx().load_texture(key.2, pixels, TextureOptions::LINEAR);
+    ui.data_mut(|data| data.insert_temp(id, texture.clone()));
+    texture
+}

@@ -1,0 +1,198 @@
+//! What a person chose about the files.
+
+use crate::convert::{Place, Target};
+use crate::io::WriteFormat;
+use crate::reel::{Precision, ReelOptions};
+use std::path::PathBuf;
+
+/// As what the sequence is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SaveFormat {
+    /// One sequence file.
+    Reel,
+    /// A folder with a file a frame.
+    Files(WriteFormat),
+}
+
+/// How precisely positions are kept in a sequence file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrecisionKind {
+    /// Cells about as large as points are far apart.
+    SamplingDensity,
+    /// Cells of so many bits.
+    Bits,
+    /// No coordinate is off by more than a length.
+    Length,
+    /// Every bit.
+    Lossless,
+}
+
+impl PrecisionKind {
+    /// Whether points are kept one by one, so that they can have an order and numbers as they are.
+    pub(super) fn keeps_points(self) -> bool {
+        matches!(self, Self::Length | Self::Lossless)
+    }
+}
+
+/// What a person chose.
+#[derive(Debug, Clone)]
+pub struct Save {
+    /// As what it is written.
+    pub format: SaveFormat,
+    /// Of positions.
+    pub precision: PrecisionKind,
+    /// For [`PrecisionKind::Bits`].
+    pub bits: u8,
+    /// For [`PrecisionKind::Length`], in the unit of the file.
+    pub length: f64,
+    /// Bits of a normal; 0 keeps the numbers, where points are kept one by one.
+    pub normal_bits: u8,
+    /// Most that a channel of a colour is off by.
+    pub color_error: u8,
+    /// Points keep the order of the file, where they are kept one by one.
+    pub keeps_order: bool,
+    /// Only frames from in to out point are written.
+    pub is_of_range: bool,
+    /// The folder of the file, or of the folder.
+    pub folder: String,
+    /// Its name without extension; made from the sequence if `None`.
+    pub name: Option<String>,
+    /// What was there when a place was looked at last.
+    pub(in crate::app) found: Option<(PathBuf, Target, Place)>,
+}
+
+impl Default for Save {
+    fn default() -> Self {
+        let options = ReelOptions::default();
+        Self {
+            format: SaveFormat::Reel,
+            precision: PrecisionKind::SamplingDensity,
+            bits: 10,
+            length: 0.0,
+            normal_bits: options.normal_bits,
+            color_error: options.color_error,
+            keeps_order: false,
+            is_of_range: false,
+            folder: String::new(),
+            name: None,
+            found: None,
+        }
+    }
+}
+
+impl Save {
+    /// Chooses how precisely positions are kept. What is lossless is so in everything at first.
+    pub fn choose_precision(&mut self, precision: PrecisionKind) {
+        let options = match precision {
+            PrecisionKind::Lossless => ReelOptions::lossless(),
+            _ => ReelOptions::default(),
+        };
+        let was_lossless = self.precision == PrecisionKind::Lossless;
+        if was_lossless != (precision == PrecisionKind::Lossless) {
+            (self.normal_bits, self.color_error) = (options.normal_bits, options.color_error);
+        }
+        if self.normal_bits == 0 && !precision.keeps_points() {
+            self.normal_bits = options.normal_bits;
+        }
+        self.precision = precision;
+    }
+
+    /// What frames are written as, of a sequence of so many frames a second.
+    pub fn target(&self, fps: f64) -> Target {
+        match self.format {
+            SaveFormat::Reel => Target::Reel(self.reel_options(fps)),
+            SaveFormat::Files(format) => Target::Files(format),
+        }
+    }
+
+    fn reel_options(&self, fps: f64) -> ReelOptions {
+        let (precision, usual) = match self.precision {
+            PrecisionKind::SamplingDensity => (Precision::SamplingDensity, ReelOptions::default()),
+            PrecisionKind::Bits => (Precision::Bits(self.bits), ReelOptions::default()),
+            PrecisionKind::Length => (Precision::Length(self.length), ReelOptions::default()),
+            PrecisionKind::Lossless => (Precision::Lossless, ReelOptions::lossless()),
+        };
+        ReelOptions {
+            precision,
+            normal_bits: self.normal_bits,
+            color_error: self.color_error,
+            keep_order: self.keeps_order && self.precision.keeps_points(),
+            fps: Some(fps),
+            ..usual
+        }
+    }
+}
+
+/// A round length that is about a ten-thousandth of `extent`: 1, 2 or 5 times a power of ten.
+pub(super) fn usual_length(extent: f64) -> f64 {
+    let wanted = extent * 1e-4;
+    if !(wanted > 0.0 && wanted.is_finite()) {
+        return 0.001;
+    }
+    let power = 10f64.powi(wanted.log10().floor() as i32);
+    let steps = [5.0, 2.0, 1.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step <= wanted).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(save: &Save) -> ReelOptions {
+        match save.target(24.0) {
+            Target::Reel(options) => options,
+            Target::Files(format) => panic!("{format}"),
+        }
+    }
+
+    #[test]
+    fn what_is_lossless_is_so_in_everything_until_it_is_chosen_otherwise() {
+        let mut save = Save::default();
+        let usual = ReelOptions {
+            fps: Some(24.0),
+            ..ReelOptions::default()
+        };
+        assert_eq!(options(&save), usual);
+        save.choose_precision(PrecisionKind::Lossless);
+        let lossless = ReelOptions {
+            fps: Some(24.0),
+            ..ReelOptions::lossless()
+        };
+        assert_eq!(options(&save), lossless);
+        save.color_error = 4;
+        save.choose_precision(PrecisionKind::Lossless);
+        assert_eq!(options(&save).color_error, 4, "what was chosen stays");
+        save.choose_precision(PrecisionKind::Bits);
+        assert_eq!((save.normal_bits, save.color_error), (13, 2));
+        assert_eq!(options(&save).precision, Precision::Bits(10));
+    }
+
+    #[test]
+    fn every_choice_can_be_written() {
+        for precision in [
+            PrecisionKind::SamplingDensity,
+            PrecisionKind::Bits,
+            PrecisionKind::Length,
+            PrecisionKind::Lossless,
+        ] {
+            let mut save = Save {
+                length: 0.01,
+                keeps_order: true,
+                ..Save::default()
+            };
+            save.choose_precision(PrecisionKind::Length);
+            save.normal_bits = 0;
+            save.choose_precision(precision);
+            options(&save).check().unwrap();
+            assert_eq!(options(&save).keep_order, precision.keeps_points());
+        }
+    }
+
+    #[test]
+    fn lengths_are_round() {
+        for (extent, length) in [(1.0, 1e-4), (3.0, 2e-4), (0.9, 5e-5), (70_000.0, 5.0), (0.0, 0.001)] {
+            assert!((usual_length(extent) / length - 1.0).abs() < 1e-9, "{extent}");
+        }
+        assert_eq!(usual_length(f64::NAN), 0.001);
+    }
+}

@@ -1,0 +1,292 @@
+//! What the choices come to, judged on a thread while they are made.
+//!
+//! **How it works.** The shown frame and some others are judged one after the other ([`SampleFrame`]), so that the first
+//! numbers are there soon. A change of the choices cancels what is under way; nothing begins before they have rested
+//! for a moment. Decoded frames are kept for the next choices as long as they are small. The numbers of the choices
+//! before stay to be seen until there are new ones.
+
+use super::choices::Save;
+use super::plan::Savable;
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::app::work::works::Progress;
+use crate::convert::{Estimate, SampleEstimate, SampleFrame, Target, source_bytes};
+use crate::priority;
+use crate::sequence::Sequence;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Choices rest for so long before they are judged.
+const REST: Duration = Duration::from_millis(250);
+
+/// Frames that are judged, the shown one among them.
+const FRAMES: usize = 5;
+
+/// Decoded frames that take no more than this together are kept while the dialog is open.
+const KEPT_BYTES: usize = 256 << 20;
+
+/// What is judged.
+#[derive(Debug, Clone, PartialEq)]
+struct Question {
+    /// Its address tells sequences apart.
+    sequence: usize,
+    target: Target,
+    frames: RangeInclusive<usize>,
+    shown: usize,
+}
+
+/// What the choices come to, as far as it is known.
+#[derive(Debug, Default)]
+pub struct Estimates {
+    question: Option<Question>,
+    /// Frames that are not judged yet, the next one last.
+    waiting: Vec<usize>,
+    judged: Vec<SampleEstimate>,
+    /// Why a frame cannot be judged, the first of them.
+    problem: Option<String>,
+    /// What is under way, and the work on it.
+    running: Option<Progress>,
+    /// When the next frame may begin.
+    due: Duration,
+    /// Of the choices before.
+    before: Option<Estimate>,
+    kept: Vec<Arc<SampleFrame>>,
+    /// Bytes of the files that the frames are in, if anybody knows.
+    source: Option<(usize, RangeInclusive<usize>, Option<u64>)>,
+    pool: Option<rayon::ThreadPool>,
+}
+
+/// Bytes of the files that frames are in, if anybody knows.
+#[derive(Debug, Clone, Copy)]
+struct SourceBytes(Option<u64>);
+
+/// What became of a frame.
+#[derive(Debug)]
+pub struct Estimated {
+    question: Question,
+    sample: Option<Arc<SampleFrame>>,
+    /// `None` once nobody waits for it.
+    judged: Option<Result<SampleEstimate, String>>,
+    /// `None` if it was known before.
+    source: Option<SourceBytes>,
+}
+
+impl Estimates {
+    /// What is known of the present choices; else of those before, and then the second is true.
+    pub fn estimate(&self) -> Option<(Estimate, bool)> {
+        let present = Estimate::of(&self.judged).map(|estimate| (estimate, false));
+        present.or_else(|| self.before.clone().map(|estimate| (estimate, true)))
+    }
+
+    /// Whether more frames are going to be judged.
+    pub fn is_busy(&self) -> bool {
+        !self.waiting.is_empty() || self.running.is_some()
+    }
+
+    /// Why no frame can be judged, or some.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// Bytes of the files that the frames are in, if anybody knows.
+    pub fn source_bytes(&self) -> Option<u64> {
+        self.source.as_ref()?.2
+    }
+
+    /// Begins with the next frame where there is one, and time for it.
+    pub(in crate::app) fn follow<T: TaskOutcome + From<Box<Estimated>>>(
+        &mut self,
+        save: &Save,
+        of: &Savable,
+        tasks: &Tasks<T>,
+        now: Duration,
+    ) {
+        let Some(sequence) = of.sequence.as_ref().filter(|sequence| !sequence.source().is_live()) else {
+            return self.stop();
+        };
+        let address = Arc::as_ptr(sequence).addr();
+        // While it plays, the frame that was shown before is as good as any.
+        let before = self
+            .question
+            .as_ref()
+            .filter(|before| of.is_playing && before.sequence == address);
+        let question = Question {
+            sequence: address,
+            target: save.target(sequence.fps()),
+            frames: save.frames(of),
+            shown: before.map_or(of.shown, |before| before.shown),
+        };
+        if self.question.as_ref() != Some(&question) {
+            self.ask(question, now);
+        }
+        if self.running.is_none() && now >= self.due {
+            self.begin_next(sequence, tasks);
+        }
+    }
+
+    fn ask(&mut self, question: Question, now: Duration) {
+        if let Some(progress) = &self.running {
+            progress.cancel();
+        }
+        let of_same = |before: &Question| before.sequence == question.sequence;
+        if self.question.as_ref().is_some_and(of_same) {
+            self.before = Estimate::of(&self.judged).or(self.before.take());
+        } else {
+            self.before = None;
+            self.kept.clear();
+        }
+        self.judged.clear();
+        self.problem = None;
+        self.waiting = spread(&question.frames, question.shown);
+        self.waiting.reverse();
+        // The first choices are judged at once.
+        self.due = if self.question.is_some() { now + REST } else { now };
+        self.question = Some(question);
+    }
+
+    fn begin_next<T: TaskOutcome + From<Box<Estimated>>>(&mut self, sequence: &Arc<Sequence>, tasks: &Tasks<T>) {
+        let Some((question, index)) = self.question.clone().zip(self.waiting.pop()) else {
+            return;
+        };
+        if self.pool.is_none() {
+            self.pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .thread_name(|_| "estimate".to_owned())
+                .start_handler(|_| priority::go_behind_drawing())
+                .build()
+                .inspect_err(|reason| log::warn!("no thread for estimates: {reason}"))
+                .ok();
+        }
+        let Some(pool) = &self.pool else {
+            self.waiting.clear();
+            self.problem = Some("No thread could be started for estimates: close other programs".to_owned());
+            return;
+        };
+        let progress = Progress::default();
+        self.running = Some(progress.clone());
+        let kept = self.kept.iter().find(|sample| sample.index == index).cloned();
+        let (of, frames, _) = self.source.as_ref().map_or((0, 0..=0, None), Clone::clone);
+        let knows_source = of == question.sequence && frames == question.frames;
+        let sequence = Arc::clone(sequence);
+        tasks.start_in(pool, move || {
+            Box::new(judge(&sequence, question, index, kept, knows_source, &progress))
+        });
+    }
+
+    /// Takes what became of a frame.
+    pub(in crate::app) fn take_in(&mut self, estimated: Estimated) {
+        self.running = None;
+        let Estimated {
+            question,
+            sample,
+            judged,
+            source,
+        } = estimated;
+        let is_of_same = |asked: &Question| asked.sequence == question.sequence;
+        if !self.question.as_ref().is_some_and(is_of_same) {
+            return;
+        }
+        if let Some(sample) = sample {
+            self.keep(sample);
+        }
+        if let Some(SourceBytes(bytes)) = source {
+            self.source = Some((question.sequence, question.frames.clone(), bytes));
+        }
+        if self.question.as_ref() != Some(&question) {
+            return;
+        }
+        match judged {
+            Some(Ok(judged)) => self.judged.push(judged),
+            Some(Err(problem)) => {
+                self.problem.get_or_insert(problem);
+            }
+            None => {}
+        }
+    }
+
+    fn keep(&mut self, sample: Arc<SampleFrame>) {
+        let kept: usize = self.kept.iter().map(|sample| sample.byte_size()).sum();
+        let is_new = self.kept.iter().all(|known| known.index != sample.index);
+        if is_new && kept + sample.byte_size() <= KEPT_BYTES {
+            self.kept.push(sample);
+        }
+    }
+
+    /// Forgets everything: the dialog was closed.
+    pub(in crate::app) fn stop(&mut self) {
+        if let Some(progress) = &self.running {
+            progress.cancel();
+        }
+        if self.question.is_some() {
+            *self = Self {
+                // What is under way says so when it ends.
+                running: self.running.take(),
+                pool: self.pool.take(),
+                ..Self::default()
+            };
+        }
+    }
+
+    /// When the next frame may begin.
+    pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
+        (!self.waiting.is_empty() && self.running.is_none()).then_some(self.due)
+    }
+}
+
+fn judge(
+    sequence: &Sequence,
+    question: Question,
+    index: usize,
+    kept: Option<Arc<SampleFrame>>,
+    knows_source: bool,
+    progress: &Progress,
+) -> Estimated {
+    let source = (!knows_source).then(|| SourceBytes(source_bytes(sequence, &question.frames)));
+    let sample = match kept {
+        Some(sample) => Ok(sample),
+        None => SampleFrame::read(sequence, index).map(Arc::new),
+    };
+    let judged = match &sample {
+        Ok(sample) => sample.judge(&question.target, progress).transpose(),
+        Err(_) => None,
+    };
+    let judged = judged.map(|judged| judged.map_err(|error| error.to_string()));
+    let (sample, judged) = match sample {
+        Ok(sample) => (Some(sample), judged),
+        Err(error) => (None, Some(Err(error.to_string()))),
+    };
+    Estimated {
+        question,
+        sample,
+        judged,
+        source,
+    }
+}
+
+/// The shown frame first, if it is among `frames`, then others spread over them.
+fn spread(frames: &RangeInclusive<usize>, shown: usize) -> Vec<usize> {
+    let (first, count) = (*frames.start(), frames.clone().count());
+    let mut chosen: Vec<usize> = frames.contains(&shown).then_some(shown).into_iter().collect();
+    let places = FRAMES.min(count);
+    for place in 0..places {
+        let frame = first + (2 * place + 1) * count / (2 * places);
+        if chosen.len() < places && !chosen.contains(&frame) {
+            chosen.push(frame);
+        }
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shown_frame_is_judged_first_and_none_twice() {
+        assert_eq!(spread(&(0..=99), 99), [99, 10, 30, 50, 70]);
+        assert_eq!(spread(&(0..=99), 50), [50, 10, 30, 70, 90]);
+        assert_eq!(spread(&(5..=7), 6), [6, 5, 7]);
+        assert_eq!(spread(&(5..=7), 0), [5, 6, 7]);
+        assert_eq!(spread(&(3..=3), 3), [3]);
+    }
+}

@@ -1,0 +1,32 @@
+//! Writing, on threads of its own.
+
+use crate::app::work::works::Progress;
+use crate::convert::{Conversion, ConvertError, Converted, convert};
+use crate::priority;
+use crate::sequence::Sequence;
+use std::sync::Arc;
+
+/// What writing came to.
+#[derive(Debug)]
+pub struct SaveEnded {
+    pub(in crate::app) conversion: Conversion,
+    pub(in crate::app) result: Result<Converted, ConvertError>,
+}
+
+/// Writes `conversion`, tells `progress` of each frame, and stops soon after that was cancelled.
+pub(in crate::app) fn run(sequence: &Arc<Sequence>, conversion: Conversion, progress: &Progress) -> SaveEnded {
+    let write = || convert(sequence, &conversion, progress);
+    // Its threads go behind those that draw and play.
+    let threads = rayon::ThreadPoolBuilder::new()
+        .thread_name(|number| format!("save {number}"))
+        .start_handler(|_| priority::go_behind_drawing())
+        .build();
+    let result = match threads {
+        Ok(threads) => threads.install(write),
+        Err(reason) => {
+            log::warn!("a sequence is saved on the threads that draw: {reason}");
+            write()
+        }
+    };
+    SaveEnded { conversion, result }
+}

@@ -1,0 +1,297 @@
+//! As what the sequence is written, what that comes to, and where to.
+
+use super::choices::{PrecisionKind, Save, SaveFormat};
+use super::estimates::Estimates;
+use super::plan::Savable;
+use super::summary::lines;
+use crate::app::widgets::rows::{choice, row, rows};
+use crate::app::widgets::settle::settle;
+use crate::convert::Place;
+use crate::io::WriteFormat;
+use egui::{Align2, Button, Checkbox, DragValue, Grid, Label, Pos2, RichText, Slider, TextEdit, Ui, Window, vec2};
+
+/// Width of the fields for folder and name, points.
+const FIELD_WIDTH: f32 = 300.0;
+
+/// Width of the window's contents, points: numbers that come and go below do not move it.
+const WIDTH: f32 = 470.0;
+
+/// What the names of numbers take of it.
+const VALUE_INDENT: f32 = 110.0;
+
+/// Colour errors that are offered; others are for the command line.
+const MOST_COLOR_ERROR: u8 = 32;
+
+/// What the panel asks of the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum SaveRequest {
+    /// Choose folder and name with a dialog.
+    ChoosePlace,
+    /// Show what would be written beside what is open.
+    Compare,
+    /// Begin.
+    Start,
+}
+
+/// The window while it is open, below `top`.
+pub(in crate::app) fn save_ui(
+    ui: &mut Ui,
+    is_open: &mut bool,
+    (save, estimates): (&mut Save, &Estimates),
+    of: &Savable,
+    top: Pos2,
+) -> Option<SaveRequest> {
+    let mut request = None;
+    let shown = Window::new("Save as")
+        .open(is_open)
+        .collapsible(false)
+        .resizable(false)
+        .pivot(Align2::CENTER_TOP)
+        .default_pos(top + vec2(0.0, 40.0))
+        .show(ui, |ui| {
+            ui.set_width(WIDTH);
+            rows(ui, "save", |ui| {
+                format(ui, save);
+                if save.format == SaveFormat::Reel {
+                    precision(ui, save, of);
+                    attributes(ui, save, of);
+                }
+                row(
+                    ui,
+                    "Frames",
+                    "Only the frames between in and out point, which the timeline shows; all of them otherwise",
+                    Checkbox::new(&mut save.is_of_range, "From in to out point"),
+                );
+                request = place(ui, save, of);
+            });
+            ui.separator();
+            request = numbers(ui, save, estimates, of).or(request);
+            ui.separator();
+            request = start(ui, save, of).or(request);
+        });
+    settle(ui, "Save as", shown);
+    request
+}
+
+fn format(ui: &mut Ui, save: &mut Save) {
+    let hint = "One file for the whole sequence: small, plays at once, and can be watched over the web";
+    let names: Vec<String> = WriteFormat::all().map(|format| format!("Files: {format}")).collect();
+    let mut choices = vec![("Sequence file (.reel)", SaveFormat::Reel, hint)];
+    let files = WriteFormat::all().zip(&names);
+    choices.extend(files.map(|(format, name)| {
+        let hint = "A folder with a file a frame, for other programs";
+        (name.as_str(), SaveFormat::Files(format), hint)
+    }));
+    let before = save.format;
+    choice(
+        ui,
+        "Format",
+        "As what the frames are written",
+        &mut save.format,
+        &choices,
+    );
+    if save.format != before {
+        save.found = None;
+    }
+}
+
+fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
+    let mut precision = save.precision;
+    choice(
+        ui,
+        "Positions",
+        "How precisely positions are kept",
+        &mut precision,
+        &[
+            (
+                "Sampling density",
+                PrecisionKind::SamplingDensity,
+                "Cells about as large as points are far apart; the points in a cell become one",
+            ),
+            (
+                "Bits",
+                PrecisionKind::Bits,
+                "Cells of so many bits along the longest side; the points in a cell become one",
+            ),
+            (
+                "Length",
+                PrecisionKind::Length,
+                "Every point, and no coordinate off by more than a length",
+            ),
+            (
+                "Lossless",
+                PrecisionKind::Lossless,
+                "Every point, and every bit of its coordinates",
+            ),
+        ],
+    );
+    if precision != save.precision {
+        save.choose_precision(precision);
+    }
+    match save.precision {
+        PrecisionKind::Bits => {
+            let tooltip = "The longest side of the cloud has 2 to the power of this many cells";
+            row(ui, "Bits", tooltip, Slider::new(&mut save.bits, 4..=21));
+        }
+        PrecisionKind::Length => {
+            let speed = (save.length * 0.02).max(1e-12);
+            let drag = DragValue::new(&mut save.length)
+                .speed(speed)
+                .max_decimals(9)
+                .suffix(format!(" {}", of.unit));
+            let tooltip = "The largest error of a coordinate, in the unit of the files";
+            row(ui, "Length", tooltip, drag.range(1e-12..=1e12));
+        }
+        PrecisionKind::SamplingDensity | PrecisionKind::Lossless => {}
+    }
+}
+
+fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
+    let keeps_points = save.precision.keeps_points();
+    if of.has_normals {
+        let mut choices = vec![
+            ("13 bits", 13, "Off by at most 2.5°"),
+            ("15 bits", 15, "Off by at most 1.3°"),
+            ("17 bits", 17, "Off by at most 0.7°"),
+        ];
+        if keeps_points {
+            choices.push(("As they are", 0, "The numbers of the file"));
+        }
+        choice(ui, "Normals", "Bits of a normal", &mut save.normal_bits, &choices);
+    }
+    if of.has_colors {
+        row(
+            ui,
+            "Colour error",
+            "Most that red, green or blue of a point is off by, of 255; 0 keeps colours as they are",
+            Slider::new(&mut save.color_error, 0..=MOST_COLOR_ERROR).clamping(egui::SliderClamping::Edits),
+        );
+    }
+    if keeps_points {
+        row(
+            ui,
+            "Order",
+            "Points stay in the order of the file, as trails and changes from frame to frame need it",
+            Checkbox::new(&mut save.keeps_order, "Kept"),
+        );
+    }
+}
+
+fn place(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
+    let mut request = None;
+    let tooltip = "The folder that it is written to";
+    let label = ui.label("Folder").on_hover_text(tooltip);
+    ui.horizontal(|ui| {
+        let field = TextEdit::singleline(&mut save.folder).desired_width(FIELD_WIDTH);
+        ui.add(field).labelled_by(label.id).on_hover_text(tooltip);
+        let browse = ui.button("Browse…");
+        if browse.on_hover_text("Chooses folder and name with a dialog").clicked() {
+            request = Some(SaveRequest::ChoosePlace);
+        }
+    });
+    ui.end_row();
+    let tooltip = match save.format {
+        SaveFormat::Reel => "The name of the file",
+        SaveFormat::Files(_) => "The name of the folder, which is made",
+    };
+    let label = ui.label("Name").on_hover_text(tooltip);
+    ui.horizontal(|ui| {
+        let mut name = save.file_stem(&of.stem);
+        let field = TextEdit::singleline(&mut name).desired_width(FIELD_WIDTH);
+        let field = ui.add(field).labelled_by(label.id);
+        if field.on_hover_text(tooltip).changed() {
+            save.name = Some(name);
+        }
+        ui.weak(save.suffix());
+    });
+    ui.end_row();
+    request
+}
+
+/// Sizes and errors, before anything is written.
+fn numbers(ui: &mut Ui, save: &Save, estimates: &Estimates, of: &Savable) -> Option<SaveRequest> {
+    let frames = save.frames(of).count();
+    let estimate = estimates.estimate();
+    let judged = estimate
+        .as_ref()
+        .map_or(0, |(estimate, is_old)| if *is_old { 0 } else { estimate.frames });
+    let heading = match (judged, estimates.is_busy()) {
+        (0, true) => "Estimate: encoding the shown frame…".to_owned(),
+        (0, false) => "Estimate".to_owned(),
+        (1, true) => "Estimate by the shown frame, others follow…".to_owned(),
+        (1, false) => format!("Estimate by 1 frame of {frames}"),
+        (judged, true) => format!("Estimate by {judged} frames of {frames}, others follow…"),
+        (judged, false) => format!("Estimate by {judged} frames of {frames}"),
+    };
+    let mut request = None;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(heading).strong());
+        if save.format == SaveFormat::Reel && of.sequence.is_some() {
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let compare = ui.button("Compare");
+                let tooltip = "Shows what would be written beside what is open, in the same view";
+                if compare.on_hover_text(tooltip).clicked() {
+                    request = Some(SaveRequest::Compare);
+                }
+            });
+        }
+    });
+    if let Some(problem) = estimates.problem() {
+        let text = format!("A frame could not be judged: {problem}");
+        ui.add(Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
+    }
+    let Some((estimate, is_old)) = estimate else {
+        return request;
+    };
+    // What belongs to the choices before is pale.
+    let text = |ui: &Ui, text: String| {
+        let text = RichText::new(text);
+        if is_old {
+            text.weak()
+        } else {
+            text.color(ui.visuals().text_color())
+        }
+    };
+    Grid::new("estimate")
+        .num_columns(2)
+        .min_col_width(96.0)
+        .spacing([10.0, 4.0])
+        .show(ui, |ui| {
+            for (what, value, tooltip) in lines(&estimate, frames, estimates.source_bytes(), of) {
+                let value = text(ui, value);
+                ui.weak(what).on_hover_text(tooltip);
+                ui.scope(|ui| {
+                    ui.set_max_width(WIDTH - VALUE_INDENT);
+                    ui.add(Label::new(value).wrap()).on_hover_text(tooltip);
+                });
+                ui.end_row();
+            }
+        });
+    request
+}
+
+fn start(ui: &mut Ui, save: &mut Save, of: &Savable) -> Option<SaveRequest> {
+    let problem = save.problem(of);
+    let mut word = "Save";
+    if let Some(problem) = &problem {
+        ui.label(RichText::new(problem).color(ui.visuals().error_fg_color));
+    } else {
+        match save.place(of) {
+            Place::Taken => {
+                word = "Replace";
+                let text = "A file of this name is there: it is replaced";
+                ui.label(RichText::new(text).color(ui.visuals().warn_fg_color));
+            }
+            Place::Interrupted => {
+                word = "Go on";
+                ui.weak("A part of it is there: it goes on from that, unless frames have changed since");
+            }
+            _ => {
+                ui.weak("It is written meanwhile, and can be cancelled and gone on with");
+            }
+        }
+    }
+    let button = ui.add_enabled(problem.is_none(), Button::new(word));
+    let tooltip = "Begins it, with everything as it is now; the window stays free";
+    button.on_hover_text(tooltip).clicked().then_some(SaveRequest::Start)
+}

@@ -1,0 +1,182 @@
+//! An estimate in words: a line of what, and how much.
+
+use super::plan::Savable;
+use crate::app::widgets::numbers::{bytes, grouped, rounded_to};
+use crate::convert::{Estimate, EstimatedErrors};
+
+/// A line: what, how much, and what is meant by it.
+pub(super) type Line = (&'static str, String, &'static str);
+
+/// What files of `frames` frames come to, beside a source of so many bytes.
+pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64>, of: &Savable) -> Vec<Line> {
+    let whole = estimate.frame_bytes * frames as f64;
+    let mut lines = vec![(
+        "Size",
+        format!("about {}{}", bytes(whole as u64), beside(whole, source_bytes)),
+        "Of all frames, by those that were encoded",
+    )];
+    let kept = 100.0 * estimate.kept_points / estimate.points.max(1.0);
+    let [points, kept_points] = [estimate.points, estimate.kept_points].map(|points| grouped(points.round() as u64));
+    let of_points = if points == kept_points {
+        format!("{points} a frame, all of them")
+    } else {
+        format!("{kept_points} of {points} a frame ({kept:.0} %)")
+    };
+    lines.push(("Points", of_points, "Points in one cell become one"));
+    lines.push((
+        "Bits a point",
+        rounded_to(estimate.bits_per_point(), 3),
+        "All bytes of a frame, over the points that are left",
+    ));
+    lines.extend(streams(estimate).map(|streams| ("By stream", streams, "Bits a point of each stream of the file")));
+    if let Some(errors) = &estimate.errors {
+        lines.extend(error_lines(errors, of));
+    }
+    lines
+}
+
+/// Bits of each stream, the largest first.
+fn streams(estimate: &Estimate) -> Option<String> {
+    let mut streams = estimate.bits_by_stream();
+    streams.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let words = streams.iter().map(|(kind, bits)| format!("{} {bits:.2}", kind.name()));
+    (!streams.is_empty()).then(|| words.collect::<Vec<_>>().join(", "))
+}
+
+fn beside(whole: f64, source_bytes: Option<u64>) -> String {
+    let Some(source) = source_bytes.filter(|&source| source > 0) else {
+        return String::new();
+    };
+    let times = source as f64 / whole.max(1.0);
+    let share = if times >= 1.0 {
+        format!("1/{}", rounded_to(times, 2))
+    } else {
+        format!("{} times as much", rounded_to(1.0 / times, 2))
+    };
+    format!(", the source has {} ({share})", bytes(source))
+}
+
+fn error_lines(errors: &EstimatedErrors, of: &Savable) -> Vec<Line> {
+    let length = |length: f64| format!("{} {}", rounded_to(length, 3), of.unit).trim_end().to_owned();
+    let mut lines = vec![(
+        "Position error",
+        if errors.largest == 0.0 {
+            "none".to_owned()
+        } else {
+            format!("largest {}, RMS {}", length(errors.largest), length(errors.rms))
+        },
+        "Distance of a point to the nearest of the other cloud, from both",
+    )];
+    lines.extend(errors.d1_psnr_db.map(|psnr| {
+        let what = "PSNR from point to point, in relation to the longest edge of the cloud's box";
+        ("D1", decibels(psnr), what)
+    }));
+    lines.extend(errors.color_psnr_db.map(|psnr| {
+        let what = "PSNR of red, green and blue of nearest points";
+        ("Colours", decibels(psnr), what)
+    }));
+    lines.extend(errors.normals_deg.map(|[mean, largest]| {
+        let text = if largest < 1e-3 {
+            "none".to_owned()
+        } else {
+            format!("mean {mean:.2}°, largest {largest:.1}°")
+        };
+        ("Angle of normals", text, "To the normals of nearest points")
+    }));
+    lines
+}
+
+fn decibels(psnr_db: f64) -> String {
+    if psnr_db.is_finite() {
+        format!("{psnr_db:.1} dB")
+    } else {
+        "no error".to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reel::StreamKind;
+
+    fn savable(unit: &'static str) -> Savable {
+        Savable {
+            sequence: None,
+            stem: String::new(),
+            range: 0..1,
+            shown: 0,
+            is_playing: false,
+            extent: 1.0,
+            unit,
+            has_colors: true,
+            has_normals: true,
+            is_busy: false,
+        }
+    }
+
+    fn estimate() -> Estimate {
+        let mut bytes_by_stream = [0.0; StreamKind::ALL.len()];
+        bytes_by_stream[0] = 500.0;
+        bytes_by_stream[2] = 700.0;
+        Estimate {
+            frames: 5,
+            points: 2000.0,
+            kept_points: 1000.0,
+            frame_bytes: 1250.0,
+            bytes_by_stream: Some(bytes_by_stream),
+            errors: Some(EstimatedErrors {
+                largest: 0.012_34,
+                rms: 0.001,
+                d1_psnr_db: Some(71.25),
+                color_psnr_db: Some(f64::INFINITY),
+                normals_deg: Some([0.5, 2.0]),
+            }),
+        }
+    }
+
+    fn texts(lines: Vec<Line>) -> Vec<String> {
+        lines
+            .into_iter()
+            .map(|(what, text, _)| format!("{what}: {text}"))
+            .collect()
+    }
+
+    #[test]
+    fn an_estimate_is_told_in_the_units_of_the_file() {
+        let told = texts(lines(&estimate(), 1024, Some(25_600_000), &savable("mm")));
+        assert_eq!(
+            told,
+            [
+                "Size: about 1.2 MiB, the source has 24.4 MiB (1/20)",
+                "Points: 1,000 of 2,000 a frame (50 %)",
+                "Bits a point: 10",
+                "By stream: color 5.60, geometry 4.00",
+                "Position error: largest 0.0123 mm, RMS 0.001 mm",
+                "D1: 71.2 dB",
+                "Colours: no error",
+                "Angle of normals: mean 0.50°, largest 2.0°",
+            ]
+        );
+    }
+
+    #[test]
+    fn what_nobody_knows_is_not_told() {
+        let bare = Estimate {
+            kept_points: 2000.0,
+            bytes_by_stream: None,
+            errors: None,
+            ..estimate()
+        };
+        let told = texts(lines(&bare, 1, None, &savable("")));
+        assert_eq!(
+            told,
+            [
+                "Size: about 1.2 KiB",
+                "Points: 2,000 a frame, all of them",
+                "Bits a point: 5"
+            ]
+        );
+        assert_eq!(streams(&bare), None);
+        assert!(beside(100.0, Some(50)).contains("2 times as much"));
+    }
+}

@@ -1,0 +1,472 @@
+//! What a conversion would write, judged by a few frames: sizes and errors before anything is written.
+//!
+//! How it works: a frame is encoded in memory as the conversion would do it, and read back. In a sequence file it
+//! follows the frame before it in one group, as most frames do; what that one takes stands for the few that begin a
+//! group. Bytes of directories are shared out.
+
+use super::error::ConvertError;
+use crate::cloud::{Positions, RawCloud};
+use crate::io::{self, WriteFormat};
+use crate::measure::{CloudError, ReferenceCloud};
+use crate::progress::Progress;
+use crate::reel::{NewFrame, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
+use crate::sequence::{FrameEntry, Sequence};
+use crate::source::FrameBytes;
+use std::collections::HashSet;
+use std::io::Cursor;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A cloud that takes more memory is judged alone, without the one before it.
+const MOST_BYTES_OF_TWO: usize = 128 << 20;
+
+/// As what frames are written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Target {
+    /// One sequence file.
+    Reel(ReelOptions),
+    /// A file a frame.
+    Files(WriteFormat),
+}
+
+/// A frame that conversions are judged by.
+#[derive(Debug)]
+pub struct SampleFrame {
+    /// Its index.
+    pub index: usize,
+    /// The one before it, if there is one, and the frame.
+    clouds: Vec<(RawCloud, Arc<FrameEntry>)>,
+    /// Frames of the sequence.
+    frame_count: usize,
+    /// `None` of a frame without points.
+    reference: Option<ReferenceCloud>,
+}
+
+/// What becomes of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleEstimate {
+    /// Which frame.
+    pub index: usize,
+    /// Points that it has.
+    pub points: usize,
+    /// Points that are left.
+    pub kept_points: usize,
+    /// Bytes of such a frame in a long file.
+    pub bytes: f64,
+    /// The same of each kind of stream, in the order of [`StreamKind::ALL`]; `None` of files without streams.
+    pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
+    /// How far what is left is from the original; `None` of a frame without points.
+    pub error: Option<CloudError>,
+}
+
+impl SampleFrame {
+    /// Decodes frame `index`.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    pub fn read(sequence: &Sequence, index: usize) -> Result<Self, ConvertError> {
+        let cloud = sequence.decode(index)?;
+        let is_small = cloud.byte_size() <= MOST_BYTES_OF_TWO;
+        let reference = ReferenceCloud::new(&cloud).ok();
+        let mut clouds = vec![(cloud, sequence.entry(index))];
+        if is_small
+            && let Some(before) = index.checked_sub(1)
+            && let Ok(cloud) = sequence.decode(before)
+        {
+            clouds.insert(0, (cloud, sequence.entry(before)));
+        }
+        Ok(Self {
+            index,
+            clouds,
+            frame_count: sequence.len(),
+            reference,
+        })
+    }
+
+    /// Memory that it takes.
+    pub fn byte_size(&self) -> usize {
+        let clouds: usize = self.clouds.iter().map(|(cloud, _)| cloud.byte_size()).sum();
+        // The reference holds positions, colours and normals once more, and sorted positions.
+        2 * clouds
+    }
+
+    /// What `target` makes of it; `None` once `progress` is cancelled.
+    ///
+    /// # Errors
+    /// Options that cannot be meant, and what a format cannot hold.
+    pub fn judge(&self, target: &Target, progress: &Progress) -> Result<Option<SampleEstimate>, ConvertError> {
+        let Some((cloud, entry)) = self.clouds.last() else {
+            return Ok(None);
+        };
+        let mut estimate = SampleEstimate {
+            index: self.index,
+            points: cloud.positions.len(),
+            kept_points: 0,
+            bytes: 0.0,
+            bytes_by_stream: None,
+            error: None,
+        };
+        let kept = match target {
+            Target::Reel(options) => {
+                let (file, bytes) = self.as_reel(options)?;
+                estimate.bytes = bytes.iter().sum::<f64>() + shared_bytes(&file, options, self.frame_count)?;
+                estimate.bytes_by_stream = Some(bytes);
+                if progress.is_cancelled() {
+                    return Ok(None);
+                }
+                let last = file.frame_count().saturating_sub(1);
+                let mut decoder = ReelDecoder::new(Arc::new(file), u64::MAX);
+                decoder.decode(last, usize::MAX, progress)?.cloud
+            }
+            Target::Files(format) => {
+                let write_error = |reason| ConvertError::Write {
+                    path: entry.path.clone(),
+                    reason,
+                };
+                let mut file = Cursor::new(Vec::new());
+                io::write(&mut file, *format, cloud).map_err(write_error)?;
+                let bytes = file.into_inner();
+                estimate.bytes = bytes.len() as f64;
+                if progress.is_cancelled() {
+                    return Ok(None);
+                }
+                let name = format!("frame.{}", format.extension());
+                let read = io::read_bytes(Path::new(&name), &bytes);
+                read.map_err(|reason| write_error(std::io::Error::other(reason)))?
+            }
+        };
+        if progress.is_cancelled() {
+            return Ok(None);
+        }
+        estimate.kept_points = kept.positions.len();
+        estimate.error = self
+            .reference
+            .as_ref()
+            .and_then(|reference| reference.compare(&kept).ok());
+        Ok((!progress.is_cancelled()).then_some(estimate))
+    }
+
+    /// The frames as a sequence file, and the bytes of each kind of stream that a frame of such a file takes.
+    fn as_reel(&self, options: &ReelOptions) -> Result<(ReelFile, [f64; StreamKind::ALL.len()]), ConvertError> {
+        let group = (options.keyframes as usize).clamp(1, self.frame_count.max(1));
+        let alone = self.clouds.len() - group.min(self.clouds.len());
+        let new = self.clouds.iter().skip(alone).map(|(cloud, entry)| NewFrame {
+            cloud,
+            name: &entry.name,
+            time: entry.time,
+        });
+        let new: Vec<NewFrame<'_>> = new.collect();
+        let file = ReelFile::of_bytes(write_to_memory(&new, options)?)?;
+        let of = |index: usize| {
+            let frame = file.frame(index);
+            frame.map(|frame| frame.bytes_by_stream.map(|bytes| bytes as f64))
+        };
+        let first = of(0).unwrap_or_default();
+        let second = of(1).unwrap_or(first);
+        let of_first = 1.0 / group as f64;
+        let bytes = std::array::from_fn(|kind| of_first * first[kind] + (1.0 - of_first) * second[kind]);
+        Ok((file, bytes))
+    }
+}
+
+/// What a file takes beside its streams.
+fn other_bytes(file: &ReelFile) -> f64 {
+    let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
+    let of_streams: u64 = frames.flat_map(|frame| frame.bytes_by_stream).sum();
+    file.byte_size().saturating_sub(of_streams) as f64
+}
+
+/// What a frame takes beside its streams: its own part of directory and index, and its share of what groups and files
+/// have once. Those are found by small files of none, one and two frames.
+fn shared_bytes(file: &ReelFile, options: &ReelOptions, frame_count: usize) -> Result<f64, ConvertError> {
+    let point = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
+    let frame = NewFrame {
+        cloud: &point,
+        name: "",
+        time: None,
+    };
+    let together = ReelOptions {
+        keyframes: 2,
+        ..options.clone()
+    };
+    let of_frames = |frames: &[NewFrame<'_>]| -> Result<f64, ConvertError> {
+        let file = ReelFile::of_bytes(write_to_memory(frames, &together)?)?;
+        Ok(other_bytes(&file))
+    };
+    let [none, one, two] = [&[][..], &[frame], &[frame, frame]].map(of_frames);
+    let (of_file, one, two) = (none?, one?, two?);
+    let of_group = (2.0 * one - two - of_file).max(0.0);
+    let of_frame = (other_bytes(file) - of_file - of_group) / file.frame_count().max(1) as f64;
+    let frame_count = frame_count.max(1);
+    let group = (options.keyframes as usize).clamp(1, frame_count);
+    Ok(of_frame.max(0.0) + of_group / group as f64 + of_file / frame_count as f64)
+}
+
+/// What becomes of a sequence, by some of its frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Frames that it is judged by.
+    pub frames: usize,
+    /// Mean points of a frame.
+    pub points: f64,
+    /// Mean points of a frame that are left.
+    pub kept_points: f64,
+    /// Mean bytes of a frame.
+    pub frame_bytes: f64,
+    /// The same of each kind of stream.
+    pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
+    /// Errors, where a frame has points.
+    pub errors: Option<EstimatedErrors>,
+}
+
+/// Errors of the frames of an [`Estimate`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EstimatedErrors {
+    /// Largest distance of a point from the other cloud, in the unit of the file.
+    pub largest: f64,
+    /// Root of the mean square of distances.
+    pub rms: f64,
+    /// PSNR of distances from point to point; infinite without an error.
+    pub d1_psnr_db: Option<f64>,
+    /// PSNR of colours; infinite without an error. `None` without colours.
+    pub color_psnr_db: Option<f64>,
+    /// Mean and largest angle of normals; `None` without normals.
+    pub normals_deg: Option<[f64; 2]>,
+}
+
+impl Estimate {
+    /// By these frames; `None` without any.
+    pub fn of(samples: &[SampleEstimate]) -> Option<Self> {
+        let first = samples.first()?;
+        let mean =
+            |value: &dyn Fn(&SampleEstimate) -> f64| samples.iter().map(value).sum::<f64>() / samples.len() as f64;
+        let of_kind = |kind: usize| mean(&|sample| sample.bytes_by_stream.map_or(0.0, |bytes| bytes[kind]));
+        let errors: Vec<CloudError> = samples.iter().filter_map(|sample| sample.error).collect();
+        Some(Self {
+            frames: samples.len(),
+            points: mean(&|sample| sample.points as f64),
+            kept_points: mean(&|sample| sample.kept_points as f64),
+            frame_bytes: mean(&|sample| sample.bytes),
+            bytes_by_stream: first.bytes_by_stream.map(|_| std::array::from_fn(of_kind)),
+            errors: EstimatedErrors::of(&errors),
+        })
+    }
+
+    /// Bits of a point that is left.
+    pub fn bits_per_point(&self) -> f64 {
+        self.bits(self.frame_bytes)
+    }
+
+    /// The same of each kind of stream that takes any.
+    pub fn bits_by_stream(&self) -> Vec<(StreamKind, f64)> {
+        let bytes = self.bytes_by_stream.unwrap_or_default();
+        let kinds = StreamKind::ALL.into_iter().zip(bytes);
+        kinds
+            .filter(|(_, bytes)| *bytes > 0.0)
+            .map(|(kind, bytes)| (kind, self.bits(bytes)))
+            .collect()
+    }
+
+    fn bits(&self, bytes: f64) -> f64 {
+        8.0 * bytes / self.kept_points.max(1.0)
+    }
+}
+
+impl EstimatedErrors {
+    fn of(errors: &[CloudError]) -> Option<Self> {
+        let count = errors.len() as f64;
+        let largest = |value: &dyn Fn(&CloudError) -> f64| errors.iter().map(value).reduce(f64::max);
+        let mean = |value: &dyn Fn(&CloudError) -> f64| errors.iter().map(value).sum::<f64>() / count;
+        let has_colors = errors.iter().all(|error| error.color_squared.is_some());
+        let has_normals = errors.iter().all(|error| error.normals.is_some());
+        // Of means of squares, in relation to the size of each frame.
+        let relative = mean(&|error| error.geometry.point_to_point.mean_squared() / error.peak.powi(2));
+        Some(Self {
+            largest: largest(&|error| error.geometry.point_to_point.hausdorff())?,
+            rms: mean(&|error| error.geometry.point_to_point.mean_squared()).sqrt(),
+            d1_psnr_db: relative.is_finite().then(|| 10.0 * (3.0 / relative).log10()),
+            color_psnr_db: has_colors
+                .then(|| crate::measure::psnr_db(mean(&|error| error.color_squared.unwrap_or(0.0)))),
+            normals_deg: largest(&|error| error.normals.map_or(0.0, |normals| normals.max_deg))
+                .filter(|_| has_normals)
+                .map(|largest| {
+                    [
+                        mean(&|error| error.normals.map_or(0.0, |normals| normals.mean_deg)),
+                        largest,
+                    ]
+                }),
+        })
+    }
+}
+
+/// Bytes of the files that some frames of a sequence are in; `None` where nobody knows.
+pub fn source_bytes(sequence: &Sequence, frames: &RangeInclusive<usize>) -> Option<u64> {
+    if let Some(reel) = sequence.source().reel() {
+        return Some(reel.byte_size());
+    }
+    let mut files: HashSet<PathBuf> = HashSet::new();
+    let mut sum = 0;
+    for index in frames.clone().filter(|index| sequence.frames().contains(index)) {
+        let entry = sequence.entry(index);
+        if let FrameBytes::Embedded(bytes) = entry.content {
+            sum += bytes.len() as u64;
+            continue;
+        }
+        for path in std::iter::once(&entry.path).chain(&entry.normals) {
+            if !files.contains(path) {
+                sum += std::fs::metadata(path).ok()?.len();
+                files.insert(path.clone());
+            }
+        }
+    }
+    Some(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::Attributes;
+    use crate::reel::Precision;
+    use std::fs;
+
+    /// Four frames of a wave of 1,600 points, coloured and with normals; the last one is empty.
+    fn sequence() -> Sequence {
+        let entries = (0..4).map(|number| FrameEntry {
+            number: Some(number),
+            ..FrameEntry::file(format!("nowhere/{number}.ply"))
+        });
+        Sequence::with_decoder(entries.collect(), |entry| {
+            let phase = entry.number.unwrap_or(0) as f32;
+            let count = if entry.number == Some(3) { 0 } else { 1600 };
+            let places = (0..count).map(|index| {
+                let [x, y] = [index % 40, index / 40].map(|place| place as f32 * 0.1);
+                [x, y, (x + phase).sin()]
+            });
+            let positions = Positions::F32(places.collect());
+            let attributes = Attributes {
+                colors: Some((0..count).map(|index| [(index % 40 * 6) as u8, 99, 9, 255]).collect()),
+                normals: Some(vec![[0.0, 0.6, 0.8]; count]),
+                ..Attributes::default()
+            };
+            Ok(RawCloud {
+                attributes,
+                ..RawCloud::from_positions(positions)
+            })
+        })
+    }
+
+    fn judged(index: usize, target: &Target) -> SampleEstimate {
+        let sample = SampleFrame::read(&sequence(), index).unwrap();
+        sample.judge(target, &Progress::default()).unwrap().unwrap()
+    }
+
+    #[test]
+    fn an_estimate_is_what_a_file_comes_to() {
+        let sequence = sequence();
+        for options in [ReelOptions::default(), ReelOptions::lossless()] {
+            let options = ReelOptions {
+                keyframes: 3,
+                ..options
+            };
+            let target = Target::Reel(options.clone());
+            let samples = [0, 1, 2].map(|index| judged(index, &target));
+            let estimate = Estimate::of(&samples).unwrap();
+            let clouds = [0, 1, 2].map(|index| sequence.decode(index).unwrap());
+            let frames = clouds.each_ref().map(|cloud| NewFrame {
+                cloud,
+                name: "frame.ply",
+                time: None,
+            });
+            let written = write_to_memory(&frames, &options).unwrap().len() as f64;
+            let expected = 3.0 * estimate.frame_bytes;
+            assert!(
+                (written / expected - 1.0).abs() < 0.06,
+                "{written} bytes for {expected}"
+            );
+            let of_streams: f64 = estimate.bits_by_stream().iter().map(|(_, bits)| bits).sum();
+            assert!(of_streams < estimate.bits_per_point() && of_streams > 0.7 * estimate.bits_per_point());
+        }
+    }
+
+    #[test]
+    fn lossless_has_no_error_and_a_length_keeps_its_bound() {
+        let lossless = judged(0, &Target::Reel(ReelOptions::lossless()));
+        let errors = Estimate::of(&[lossless]).unwrap().errors.unwrap();
+        assert_eq!((errors.largest, errors.rms), (0.0, 0.0));
+        assert_eq!(errors.d1_psnr_db, Some(f64::INFINITY));
+        assert_eq!(errors.color_psnr_db, Some(f64::INFINITY));
+        assert!(errors.normals_deg.unwrap()[1] < 1e-6);
+        let of_length = judged(
+            0,
+            &Target::Reel(ReelOptions {
+                precision: Precision::Length(0.01),
+                ..ReelOptions::default()
+            }),
+        );
+        assert_eq!(of_length.kept_points, 1600);
+        let errors = Estimate::of(&[of_length]).unwrap().errors.unwrap();
+        assert!(
+            errors.largest > 0.0 && errors.largest <= 0.01 * 3f64.sqrt() * 1.001,
+            "{errors:?}"
+        );
+        assert!(
+            errors.rms <= errors.largest && errors.d1_psnr_db.unwrap() > 40.0,
+            "{errors:?}"
+        );
+    }
+
+    #[test]
+    fn a_mean_is_over_frames_and_the_largest_error_is_that_of_the_worst() {
+        let target = Target::Reel(ReelOptions::default());
+        let samples = [0, 2, 3].map(|index| judged(index, &target));
+        assert_eq!((samples[2].points, samples[2].error), (0, None));
+        let estimate = Estimate::of(&samples).unwrap();
+        assert_eq!((estimate.frames, estimate.points), (3, 3200.0 / 3.0));
+        let largest = samples.iter().filter_map(|sample| sample.error);
+        let largest = largest
+            .map(|error| error.geometry.point_to_point.hausdorff())
+            .fold(0.0, f64::max);
+        assert_eq!(estimate.errors.unwrap().largest, largest);
+        assert_eq!(Estimate::of(&[]), None);
+    }
+
+    #[test]
+    fn files_are_judged_by_what_a_reader_finds_in_them() {
+        let sequence = sequence();
+        let ply = judged(0, &Target::Files(WriteFormat::default()));
+        let mut file = Cursor::new(Vec::new());
+        io::write(&mut file, WriteFormat::default(), &sequence.decode(0).unwrap()).unwrap();
+        assert_eq!(ply.bytes, file.into_inner().len() as f64);
+        assert_eq!((ply.kept_points, ply.bytes_by_stream), (1600, None));
+        assert_eq!(ply.error.unwrap().geometry.point_to_point.hausdorff(), 0.0);
+        // LAS keeps whole multiples of a length.
+        let las = judged(0, &Target::Files("las".parse().unwrap()));
+        let error = las.error.unwrap().geometry.point_to_point.hausdorff();
+        assert!(error > 0.0 && error < 0.01, "{error}");
+    }
+
+    #[test]
+    fn a_cancelled_frame_is_not_judged() {
+        let sample = SampleFrame::read(&sequence(), 0).unwrap();
+        let progress = Progress::default();
+        progress.cancel();
+        let target = Target::Files(WriteFormat::default());
+        assert_eq!(sample.judge(&target, &progress).unwrap(), None);
+    }
+
+    #[test]
+    fn files_of_a_source_are_counted_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let [one, two] = ["one.ply", "two.ply"].map(|name| folder.path().join(name));
+        fs::write(&one, [0; 100]).unwrap();
+        fs::write(&two, [0; 30]).unwrap();
+        let entries = [&one, &two, &two].map(FrameEntry::file);
+        let sequence = Sequence::with_decoder(entries.to_vec(), |_| Err("not read".into()));
+        assert_eq!(source_bytes(&sequence, &(0..=2)), Some(130));
+        assert_eq!(source_bytes(&sequence, &(1..=9)), Some(30));
+        fs::remove_file(&two).unwrap();
+        assert_eq!(source_bytes(&sequence, &(0..=2)), None);
+        assert!(source_bytes(&Sequence::demo(), &(0..=23)).unwrap() > 10_000);
+    }
+}
