@@ -9,6 +9,7 @@ use crate::app::work::works::WorkKind;
 use crate::convert::{Converted, Output, Place, Target};
 use crate::playback::Player;
 use crate::reel::ReelOptions;
+use crate::scene::Primitive;
 use crate::sequence::Sequence;
 use crate::source::AsReel;
 use std::path::PathBuf;
@@ -23,9 +24,9 @@ impl State {
         let is_open = !self.panels.has(PanelId::SAVE);
         self.panels.set(PanelId::SAVE, is_open);
         if is_open {
-            let extent = self.savable().extent;
+            let of = self.savable();
             let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
-            self.save.begin(|| beside.unwrap_or_else(document_folder), extent);
+            self.save.begin(|| beside.unwrap_or_else(document_folder), &of);
         }
     }
 
@@ -45,6 +46,9 @@ impl State {
             unit: frame.and_then(|frame| frame.unit()).map_or("", |unit| unit.symbol()),
             has_colors: frame.is_some_and(|frame| frame.colors().is_some()),
             has_normals: frame.is_some_and(|frame| frame.normals().is_some()),
+            samples_surface: self
+                .first_look()
+                .is_some_and(|look| look.primitive == Primitive::Surfel),
             is_busy: self.works.has(WorkKind::Save),
         }
     }
@@ -58,7 +62,7 @@ impl State {
     pub(super) fn follow_save(&mut self) {
         if self.panels.has(PanelId::SAVE) {
             let of = self.savable();
-            self.save.fit(of.extent);
+            self.save.fit(&of);
             self.estimates.follow(&self.save, &of, &self.tasks, self.now);
         } else {
             self.estimates.stop();

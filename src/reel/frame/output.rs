@@ -55,7 +55,9 @@ fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets
             positions(schema, moved)
         }
     };
-    if is_coarse || schema.kept != Kept::Merged {
+    // Whoever draws disks needs no neighbours for their radii.
+    let lacks_radii = cloud.attributes.normals.is_some() && cloud.attributes.radii.is_none();
+    if is_coarse || schema.kept != Kept::Merged || lacks_radii {
         cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; of_level.cells.len()]);
     }
     cloud

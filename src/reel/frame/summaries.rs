@@ -4,7 +4,7 @@
 use super::StreamKind;
 use super::grid::Grid;
 use super::levels::LevelValues;
-use super::schema::Schema;
+use super::schema::{Kept, Schema};
 use crate::cloud::{RawCloud, coarser_normal, quantise_normal};
 use crate::math::morton;
 use crate::reel::attributes::{MISSING, NormalGrid, offset_of};
@@ -39,6 +39,7 @@ pub(super) struct PointValues<'a> {
     schema: &'a Schema,
     cloud: &'a RawCloud,
     edge: f64,
+    grid: Grid,
 }
 
 /// Means of some nodes.
@@ -86,6 +87,7 @@ impl<'a> PointValues<'a> {
             schema,
             cloud,
             edge: grid.cell,
+            grid: *grid,
         }
     }
 
@@ -159,7 +161,7 @@ impl<'a> PointValues<'a> {
                         .iter()
                         .map(|&point| self.single(single, point as usize)),
                 );
-                if is_radius && range.len() > 1 {
+                if is_radius && (range.len() > 1 || self.schema.kept == Kept::Merged) {
                     return [self.covering_radius(&order[range.clone()])];
                 }
                 single_mean(&mut codes, is_label)
@@ -174,14 +176,25 @@ impl<'a> PointValues<'a> {
         single >= first_scalar && self.schema.scalars[single - first_scalar].is_label
     }
 
-    /// The code of the radius that covers, from their middle, all disks of points in one cell.
+    /// The code of the radius that covers, from the middle of a cell, all disks of its points: these are drawn there,
+    /// or beside it along the normal. Disks of single points would leave gaps, as they move apart.
     fn covering_radius(&self, points: &[u32]) -> u16 {
         let Some(radii) = &self.cloud.attributes.radii else {
             return 0;
         };
-        let position = |point: &u32| self.cloud.positions.get(*point as usize);
-        let middle = points.iter().map(position).sum::<DVec3>() / points.len() as f64;
-        let reach = |point: &u32| position(point).distance(middle) + f64::from(radii[*point as usize]).max(0.0);
+        let cell = |position: DVec3| [0, 1, 2].map(|axis| self.grid.index(axis, position[axis]) as u32);
+        let reach = |&point: &u32| {
+            let point = point as usize;
+            let radius = f64::from(radii[point]);
+            if radius <= 0.0 {
+                return 0.0;
+            }
+            let position = self.cloud.positions.get(point);
+            let away = position - self.grid.middle(self.grid.depth, cell(position));
+            let normals = self.cloud.attributes.normals.as_ref();
+            let normal = normals.and_then(|normals| Vec3::from_array(normals[point]).as_dvec3().try_normalize());
+            away.reject_from_normalized(normal.unwrap_or(DVec3::ZERO)).length() + radius
+        };
         radius_code(points.iter().map(reach).fold(0.0, f64::max) / self.edge)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::convert::{Place, Target};
 use crate::io::WriteFormat;
-use crate::reel::{Precision, ReelOptions};
+use crate::reel::{Coding, Precision, ReelOptions};
 use std::path::PathBuf;
 
 /// As what the sequence is written.
@@ -45,6 +45,10 @@ pub struct Save {
     pub bits: u8,
     /// For [`PrecisionKind::Length`], in the unit of the file.
     pub length: f64,
+    /// Time against bits.
+    pub coding: Coding,
+    /// Normals are estimated where the files have none and points that are merged sample a surface.
+    pub estimates_normals: bool,
     /// Bits of a normal; 0 keeps the numbers, where points are kept one by one.
     pub normal_bits: u8,
     /// Most that a channel of a colour is off by.
@@ -57,6 +61,8 @@ pub struct Save {
     pub folder: String,
     /// Its name without extension; made from the sequence if `None`.
     pub name: Option<String>,
+    /// Points of the open sequence sample a surface.
+    pub(in crate::app) samples_surface: bool,
     /// What was there when a place was looked at last.
     pub(in crate::app) found: Option<(PathBuf, Target, Place)>,
 }
@@ -69,12 +75,15 @@ impl Default for Save {
             precision: PrecisionKind::SamplingDensity,
             bits: 10,
             length: 0.0,
+            coding: options.coding,
+            estimates_normals: true,
             normal_bits: options.normal_bits,
             color_error: options.color_error,
             keeps_order: false,
             is_of_range: false,
             folder: String::new(),
             name: None,
+            samples_surface: false,
             found: None,
         }
     }
@@ -114,6 +123,10 @@ impl Save {
         };
         ReelOptions {
             precision,
+            coding: self.coding,
+            estimates_normals: self.estimates_normals
+                && self.samples_surface
+                && precision == Precision::SamplingDensity,
             normal_bits: self.normal_bits,
             color_error: self.color_error,
             keep_order: self.keeps_order && self.precision.keeps_points(),

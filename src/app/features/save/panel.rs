@@ -8,6 +8,7 @@ use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
 use crate::convert::Place;
 use crate::io::WriteFormat;
+use crate::reel::Coding;
 use egui::{Align2, Button, Checkbox, DragValue, Grid, Label, Pos2, RichText, Slider, TextEdit, Ui, Window, vec2};
 
 /// Width of the fields for folder and name, points.
@@ -148,7 +149,26 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
 
 fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
     let keeps_points = save.precision.keeps_points();
-    if of.has_normals {
+    let tooltip = "Time against bits";
+    let codings = [
+        ("Compact", Coding::Compact, "As few bits as there can be"),
+        (
+            "Fast",
+            Coding::Fast,
+            "For weak machines: decoded several times as fast, at 1.1 to 1.5 times the bits",
+        ),
+    ];
+    choice(ui, "Coding", tooltip, &mut save.coding, &codings);
+    let can_estimate = !of.has_normals && of.samples_surface && save.precision == PrecisionKind::SamplingDensity;
+    if can_estimate {
+        row(
+            ui,
+            "Missing normals",
+            "Normals of the surface, which the files have not: those of merged points are worse",
+            Checkbox::new(&mut save.estimates_normals, "Estimated"),
+        );
+    }
+    if of.has_normals || can_estimate && save.estimates_normals {
         let mut choices = vec![
             ("13 bits", 13, "Off by at most 2.5°"),
             ("15 bits", 15, "Off by at most 1.3°"),

@@ -27,24 +27,27 @@ pub(in crate::app) struct Savable {
     pub(in crate::app) unit: &'static str,
     pub(in crate::app) has_colors: bool,
     pub(in crate::app) has_normals: bool,
+    /// Its points sample a surface.
+    pub(in crate::app) samples_surface: bool,
     /// Another sequence is being written.
     pub(in crate::app) is_busy: bool,
 }
 
 impl Save {
     /// Begins to choose. Files are looked for anew.
-    pub(in crate::app) fn begin(&mut self, folder: impl FnOnce() -> PathBuf, extent: f64) {
+    pub(in crate::app) fn begin(&mut self, folder: impl FnOnce() -> PathBuf, of: &Savable) {
         self.found = None;
         if self.folder.is_empty() {
             self.folder = folder().display().to_string();
         }
-        self.fit(extent);
+        self.fit(of);
     }
 
-    /// Chooses a length for a cloud of this extent, unless there is one.
-    pub(in crate::app) fn fit(&mut self, extent: f64) {
-        if self.length == 0.0 && extent > 0.0 {
-            self.length = usual_length(extent);
+    /// Takes what the cloud tells: its kind, and a length for its extent, unless there is one.
+    pub(in crate::app) fn fit(&mut self, of: &Savable) {
+        self.samples_surface = of.samples_surface;
+        if self.length == 0.0 && of.extent > 0.0 {
+            self.length = usual_length(of.extent);
         }
     }
 
@@ -169,6 +172,7 @@ mod tests {
             unit: "",
             has_colors: true,
             has_normals: true,
+            samples_surface: true,
             is_busy: false,
             sequence: Some(Arc::new(sequence)),
         }
@@ -179,7 +183,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut of = savable(Sequence::demo());
         let mut save = Save::default();
-        save.begin(|| folder.path().to_owned(), of.extent);
+        save.begin(|| folder.path().to_owned(), &of);
         assert_eq!(save.problem(&of), None);
         assert_eq!(save.output("walk"), folder.path().join("walk.reel"));
         save.name = Some("a/b".to_owned());

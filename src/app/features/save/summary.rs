@@ -110,6 +110,7 @@ mod tests {
             unit,
             has_colors: true,
             has_normals: true,
+            samples_surface: true,
             is_busy: false,
         }
     }
