@@ -13,6 +13,7 @@ mod play;
 mod primitives;
 mod reel;
 mod render;
+mod rgbd;
 mod torus_mesh;
 mod traversals;
 mod turning;
@@ -27,6 +28,7 @@ pub use play::PLAY;
 pub use primitives::PRIMITIVES;
 pub use reel::REEL;
 pub use render::RENDER;
+pub use rgbd::RGBD;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
 use super::error::BenchError;
@@ -49,6 +51,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (LOD, lod::measure),
     (PRIMITIVES, primitives::measure),
     (REEL, reel::measure),
+    (RGBD, rgbd::measure),
 ];
 
 /// Every suite.
@@ -92,7 +95,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives or reel"
+             primitives, reel or rgbd"
         );
     }
 
