@@ -11,6 +11,7 @@
 //! | `messages` | which messages are of one kind |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
+//! | [`rgbd`] | depth images: cameras, points, colours, filters |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
@@ -53,6 +54,7 @@ mod priority;
 pub mod progress;
 pub mod reel;
 pub mod render;
+pub mod rgbd;
 pub mod scene;
 pub mod sequence;
 pub mod serve;

@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&[&str]] = &[
     &["math", "memory", "kept", "locks", "messages", "priority", "progress"],
     &["cloud"],
+    &["rgbd"],
     &["io", "analysis"],
     &["measure"],
     &["levels"],

@@ -575,6 +575,30 @@ fn progress_reaches_its_total() {
 }
 
 #[test]
+fn filters_of_depth_images_are_measured_one_by_one() {
+    let report = measure(&small(suites::RGBD));
+    assert_files_agree(&report);
+    let rows = report.rows.len();
+    // The demo has no images: no decoding, five filters, and all of them.
+    assert_eq!(rows, 6);
+    for key in ["one_thread_ms_median", "all_threads_ms_median", "mpixels_per_s"] {
+        let values = numbers(&report, key);
+        assert!(
+            values.len() == rows && values.iter().all(|&value| value > 0.0),
+            "{key}: {values:?}"
+        );
+    }
+    let kept = numbers(&report, "valid_after");
+    let measured = numbers(&report, "valid");
+    // Median and bilateral filter neither drop nor fill.
+    assert_eq!((kept[1], kept[2]), (measured[1], measured[2]));
+    assert!(
+        kept.iter().zip(&measured).all(|(kept, measured)| kept <= measured),
+        "{kept:?} of {measured:?}"
+    );
+}
+
+#[test]
 fn a_cancelled_run_stops_at_the_next_step() {
     // A window measures itself, and is cancelled by being closed.
     for suite in suites::all().filter(|&suite| suite != suites::WINDOW) {

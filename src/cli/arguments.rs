@@ -1,15 +1,18 @@
 //! Arguments that several verbs share.
 
 use super::colors::ColorArgs;
+use super::rgbd_arguments::RgbdArgs;
 use super::style_arguments::StyleArgs;
+use super::values::number_in;
+pub(super) use super::values::{FrameRange, positive_f64};
 use super::warnings;
 use crate::io::ReadOptions;
+use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use clap::Args;
 use glam::DVec3;
 use std::num::NonZeroUsize;
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -64,17 +67,21 @@ pub(super) struct ReadArgs {
     /// Read a sequence file on the web (http://) with at most so many Mbit a second
     #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
     bandwidth: Option<f64>,
+
+    #[command(flatten)]
+    rgbd: RgbdArgs,
 }
 
 /// Points on the surface of a mesh where pictures are made and nobody said how many.
 const MESH_POINTS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(99_999);
 
 impl ReadArgs {
-    /// [`Self::open_options`] for pictures: meshes are shown by their surface.
+    /// [`Self::open_options`] for pictures: meshes are shown by their surface, depth images are filtered.
     pub(super) fn picture_options(&self) -> OpenOptions {
         let options = self.open_options();
         OpenOptions {
             read: options.read.with_mesh_sample_count(Some(MESH_POINTS)),
+            rgbd: self.rgbd.options(Filters::USUAL),
             ..options
         }
     }
@@ -91,6 +98,7 @@ impl ReadArgs {
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
             most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
+            rgbd: self.rgbd.options(Filters::NONE),
         }
     }
 }
@@ -181,24 +189,6 @@ pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 1280x720".to_owned())
 }
 
-fn number_in<T>(text: &str, is_valid: impl Fn(&T) -> bool, expected: &str) -> Result<T, String>
-where
-    T: std::str::FromStr,
-{
-    text.parse()
-        .ok()
-        .filter(is_valid)
-        .ok_or_else(|| format!("expected {expected}"))
-}
-
-pub(super) fn positive_f64(text: &str) -> Result<f64, String> {
-    number_in(
-        text,
-        |value: &f64| value.is_finite() && *value > 0.0,
-        "a number above 0",
-    )
-}
-
 pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
     number_in(
         text,
@@ -229,36 +219,6 @@ fn clip_box(text: &str) -> Result<ClipShape, String> {
         .ok_or_else(|| {
             "expected six numbers, the smallest x,y,z and then the largest, such as 0,0,0,1.5,2,1".to_owned()
         })
-}
-
-/// Frames `first` to `last`, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct FrameRange {
-    pub(super) first: usize,
-    pub(super) last: usize,
-}
-
-impl FrameRange {
-    /// Both ends included.
-    pub(super) fn bounds(&self) -> RangeInclusive<usize> {
-        self.first..=self.last
-    }
-}
-
-impl FromStr for FrameRange {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parse = |number: &str| number.parse::<usize>().ok();
-        let range = match text.split_once("..") {
-            Some((first, last)) => parse(first).zip(parse(last)),
-            None => parse(text).map(|frame| (frame, frame)),
-        };
-        match range {
-            Some((first, last)) if first <= last => Ok(Self { first, last }),
-            _ => Err("expected a frame such as 0, or a range such as 0..23 with both ends included".to_owned()),
-        }
-    }
 }
 
 /// Frames a second that a clock takes.
@@ -309,15 +269,6 @@ mod tests {
         assert_eq!(byte_count("64kib"), Ok(65536));
         for wrong in ["", "GB", "-1GB", "nan", "inf", "1e40", "5%", "0"] {
             assert!(byte_count(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn ranges_include_both_ends() {
-        assert_eq!("7".parse(), Ok(FrameRange { first: 7, last: 7 }));
-        assert_eq!("2..5".parse(), Ok(FrameRange { first: 2, last: 5 }));
-        for wrong in ["", "a", "5..2", "1..", "..3", "-1", "1...3"] {
-            assert!(wrong.parse::<FrameRange>().is_err(), "{wrong}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
 use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::camera_info::CameraInfo;
 use super::output::answer;
 use super::reel_info::ReelInfo;
 use super::warnings;
@@ -46,6 +47,9 @@ struct Info {
     /// Of a sequence file alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     reel: Option<ReelInfo>,
+    /// Of depth images alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    cameras: Vec<CameraInfo>,
 }
 
 /// How `view` and `render` show the sequence first, with the reasons.
@@ -162,6 +166,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         fps: sequence.fps(),
         recordings: sequence.source().recordings().iter().map(recording_info).collect(),
         reel: sequence.source().reel().map(|file| ReelInfo::of(&file)),
+        cameras: CameraInfo::of(&sequence),
     };
     if arguments.json {
         answer(&serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?);
@@ -256,6 +261,7 @@ fn table(info: &Info) -> String {
         .chain(findings.map(|finding| finding.message))
         .chain(info.recordings.iter().map(recording_line))
         .chain(info.reel.as_ref().map(ReelInfo::line))
+        .chain(info.cameras.iter().map(CameraInfo::line))
         .chain(info.guess.as_ref().map(guess_line));
     for line in lines {
         text.push_str(&line);

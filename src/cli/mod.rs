@@ -4,6 +4,7 @@
 mod arguments;
 mod bench;
 mod camera_arguments;
+mod camera_info;
 mod check;
 mod colors;
 mod compare;
@@ -18,8 +19,10 @@ mod reel_arguments;
 mod reel_info;
 mod render;
 mod render_arguments;
+mod rgbd_arguments;
 mod serve;
 mod style_arguments;
+mod values;
 mod video;
 mod video_arguments;
 mod view;

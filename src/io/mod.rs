@@ -38,6 +38,7 @@ mod pcd;
 mod picture;
 mod ply;
 mod ptx;
+pub(crate) mod raster;
 mod read;
 mod recording;
 mod rows;

@@ -63,6 +63,9 @@ pub enum SequenceError {
     /// A sequence file that cannot be opened.
     #[error(transparent)]
     Reel(Box<crate::reel::ReelError>),
+    /// A recording of depth images that cannot be opened.
+    #[error(transparent)]
+    Rgbd(Box<super::rgbd::RgbdError>),
     /// A sequence file among other inputs.
     #[error(
         "{} holds a whole sequence: open it alone, or join it with others by pointreel convert --join",

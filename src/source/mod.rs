@@ -1,5 +1,5 @@
-//! Where frames come from: files and recordings, sequence files, shapes with a formula, the demo, streams that nobody
-//! can rewind.
+//! Where frames come from: files and recordings, depth images, sequence files, shapes with a formula, the demo, streams
+//! that nobody can rewind.
 //!
 //! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
 //! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and
@@ -18,6 +18,7 @@ mod http;
 mod list;
 mod options;
 mod reel;
+mod rgbd;
 mod shapes;
 mod spin;
 mod traits;
@@ -31,6 +32,7 @@ pub use generated::Generated;
 pub use list::FrameList;
 pub use options::OpenOptions;
 pub use reel::Reel;
+pub use rgbd::{MergedFrames, RgbdError, RgbdFolder, RgbdOptions};
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
@@ -40,8 +42,9 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], a sequence file ([`Reel`]), else files, folders and
-/// patterns. `progress` counts the files that were looked at, and may be cancelled.
+/// The source that `inputs` name: one that is [`Generated`], a sequence file ([`Reel`]), a recording of depth images
+/// ([`RgbdFolder`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
+/// cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
@@ -53,6 +56,9 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             [_] => Ok(Arc::new(Reel::open(reel, options)?)),
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),
         };
+    }
+    if let Some(recording) = rgbd::open(inputs, options)? {
+        return Ok(recording);
     }
     Ok(Arc::new(Files::open(inputs, options, progress)?))
 }

@@ -1,5 +1,6 @@
 //! How inputs are opened.
 
+use super::rgbd::RgbdOptions;
 use crate::io::ReadOptions;
 use std::sync::Arc;
 
@@ -16,4 +17,6 @@ pub struct OpenOptions {
     pub topic: Option<Arc<str>>,
     /// Bits a second that are read from the web, at most.
     pub most_bits_per_s: Option<f64>,
+    /// How recordings of depth images are read.
+    pub rgbd: RgbdOptions,
 }

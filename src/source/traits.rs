@@ -7,6 +7,7 @@ use crate::cloud::RawCloud;
 use crate::io::Topic;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
+use crate::rgbd::Sensor;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -114,6 +115,12 @@ pub trait Source: Send + Sync {
 
     /// The sequence file that was opened, as it is now.
     fn reel(&self) -> Option<Arc<ReelFile>> {
+        None
+    }
+
+    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
+    /// anybody knows.
+    fn sensor(&self, _index: usize) -> Option<Sensor> {
         None
     }
 

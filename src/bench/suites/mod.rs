@@ -13,6 +13,7 @@ mod play;
 mod primitives;
 mod reel;
 mod render;
+mod rgbd;
 mod torus_mesh;
 mod traversals;
 mod turning;
@@ -27,6 +28,7 @@ pub use play::PLAY;
 pub use primitives::PRIMITIVES;
 pub use reel::{RATE, REEL};
 pub use render::RENDER;
+pub use rgbd::RGBD;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
 use super::error::BenchError;
@@ -50,6 +52,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (PRIMITIVES, primitives::measure),
     (REEL, reel::measure),
     (RATE, reel::measure_rates),
+    (RGBD, rgbd::measure),
 ];
 
 /// Every suite.
@@ -93,7 +96,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives, reel or rate"
+             primitives, reel, rate or rgbd"
         );
     }
 

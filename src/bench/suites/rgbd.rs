@@ -1,0 +1,267 @@
+//! Depth images: decoding and each filter, on one thread and on all.
+//!
+//! How it works: the frames of a recording are decoded as they are played, without filters. Each filter is then applied
+//! to the image that those before it made, as often as asked for; the two numbers of threads take turns, so that what
+//! slows the machine down slows both. Sequences that are no depth images are measured by an image that is made here: a
+//! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor.
+
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::milliseconds_since;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, Suite};
+use crate::bench::{BenchError, Quantiles};
+use crate::cloud::RawCloud;
+use crate::rgbd::{DepthImage, Filters, TemporalFilter};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::hint::black_box;
+use std::time::Instant;
+
+/// In the order in which [`Stage::row`] fills them.
+const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("image", "image"),
+    Column::text("stage", "stage"),
+    Column::number("pixels", "pixels", 0),
+    Column::number("valid", "measured", 0),
+    Column::number("valid_after", "kept", 0),
+    Column::number("one_thread_ms_median", "ms, 1 thread", 3),
+    Column::number("one_thread_ms_q3", "75 %", 3).hidden(),
+    Column::number("all_threads_ms_median", "ms, all threads", 3),
+    Column::number("all_threads_ms_q3", "75 %", 3).hidden(),
+    Column::number("mpixels_per_s", "M pixels/s, 1 thread", 1),
+    Column::number("threads", "threads", 0).hidden(),
+];
+
+/// Decoding and filters of depth images.
+pub const RGBD: &Suite = &Suite {
+    name: "rgbd",
+    brief: "depth images",
+    title: "Depth images",
+    hint: "Times of decoding depth images and of each of their filters",
+    description: "decoding recordings of depth images, and their filters one by one",
+    measured: "files in the cache of the system to a cloud (decode); each filter of the image that those before it \
+        made, from memory to memory; medians of all frames",
+    not_measured: "disks, normals, drawing",
+    covered_by: "points",
+    defaults: Defaults {
+        viewport_px: [1280, 720],
+        viewpoints: 1,
+        frames: 3,
+    },
+    takes: &[],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "one_thread_ms_median",
+    bars_title: "Time on one thread, median ms",
+    bar_labels: 3,
+};
+
+/// Size of the image that is made: that of most depth cameras.
+const MADE_PX: [u32; 2] = [640, 480];
+
+/// Decoding, each filter, and the usual filters together.
+const STEPS_PER_FRAME: usize = 2 + Filters::NAMES.len();
+
+/// What was measured of one stage.
+struct Stage {
+    name: &'static str,
+    frames: usize,
+    pixels: usize,
+    valid: usize,
+    valid_after: usize,
+    one_thread_ms: Vec<f64>,
+    all_threads_ms: Vec<f64>,
+}
+
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
+    for subject in run.subjects(STEPS_PER_FRAME)? {
+        let mut stages: Vec<Stage> = Vec::new();
+        let (mut image_kind, mut pixels) = ("made", Vec::new());
+        for &index in &subject.chosen {
+            let label = |stage: &str| format!("{} frame {index}: {stage}", subject.name);
+            run.begin_step(label("decode"))?;
+            let recorded = subject.sequence.decode(index).ok().and_then(|cloud| depth_of(&cloud));
+            if let Some(image) = &recorded {
+                image_kind = "recorded";
+                decode(run, &subject, index, image, &one_thread, &mut stages)?;
+            }
+            let Some(image) = recorded.or_else(made) else {
+                continue;
+            };
+            pixels.push(image.metres().len() as f64);
+            filter(run, image, &label, &one_thread, &mut stages)?;
+        }
+        let rows: Vec<Row> = stages.iter().map(|stage| stage.row(subject.name, image_kind)).collect();
+        run.finish(&subject, &pixels, &[], rows);
+    }
+    Ok(())
+}
+
+/// The depths of an organised cloud in the frame of a camera.
+fn depth_of(cloud: &RawCloud) -> Option<DepthImage> {
+    let grid = cloud.grid?;
+    let depths = (0..cloud.positions.len()).map(|index| cloud.positions.get(index).z as f32);
+    let image = DepthImage::new([grid.width(), grid.height()], depths.collect())?;
+    (image.valid_count() > 0).then_some(image)
+}
+
+fn decode(
+    run: &Run<'_>,
+    subject: &Subject<'_>,
+    index: usize,
+    image: &DepthImage,
+    one_thread: &ThreadPool,
+    stages: &mut Vec<Stage>,
+) -> Result<(), BenchError> {
+    let stage = stage_of(stages, "decode", image);
+    stage.valid_after += image.valid_count();
+    time(run, stage, one_thread, || {
+        drop(black_box(subject.sequence.decode(index)));
+    })
+}
+
+/// Each filter after those before it, then all of them together.
+fn filter(
+    run: &mut Run<'_>,
+    mut image: DepthImage,
+    label: &dyn Fn(&str) -> String,
+    one_thread: &ThreadPool,
+    stages: &mut Vec<Stage>,
+) -> Result<(), BenchError> {
+    let raw = image.clone();
+    for name in Filters::NAMES {
+        run.begin_step(label(name))?;
+        let filters: Filters = name.parse().unwrap_or_default();
+        let apply = |image: &DepthImage| match filters.temporal {
+            // The second of two images: the first has nothing before it.
+            Some(temporal) => {
+                let mut filter = TemporalFilter::new(temporal);
+                filter.next(image.clone());
+                filter.next(image.clone())
+            }
+            None => filters.apply(image.clone()),
+        };
+        let filtered = apply(&image);
+        let stage = stage_of(stages, name, &image);
+        stage.valid_after += filtered.valid_count();
+        time(run, stage, one_thread, || drop(black_box(apply(&image))))?;
+        image = filtered;
+    }
+    let all = "usual filters";
+    run.begin_step(label(all))?;
+    let apply = || Filters::USUAL.apply(raw.clone());
+    let stage = stage_of(stages, all, &raw);
+    stage.valid_after += apply().valid_count();
+    time(run, stage, one_thread, || drop(black_box(apply())))
+}
+
+/// The stage of this name, to which `image` is given.
+fn stage_of<'a>(stages: &'a mut Vec<Stage>, name: &'static str, image: &DepthImage) -> &'a mut Stage {
+    let place = stages.iter().position(|stage| stage.name == name).unwrap_or_else(|| {
+        stages.push(Stage {
+            name,
+            frames: 0,
+            pixels: 0,
+            valid: 0,
+            valid_after: 0,
+            one_thread_ms: Vec::new(),
+            all_threads_ms: Vec::new(),
+        });
+        stages.len() - 1
+    });
+    let stage = &mut stages[place];
+    stage.frames += 1;
+    stage.pixels += image.metres().len();
+    stage.valid += image.valid_count();
+    stage
+}
+
+fn time(
+    run: &Run<'_>,
+    stage: &mut Stage,
+    one_thread: &ThreadPool,
+    work: impl Fn() + Send + Sync,
+) -> Result<(), BenchError> {
+    for round in 0..run.options.warmup + run.options.repeat {
+        run.check_cancelled()?;
+        let start = Instant::now();
+        one_thread.install(&work);
+        let one_thread_ms = milliseconds_since(start);
+        let start = Instant::now();
+        work();
+        let all_threads_ms = milliseconds_since(start);
+        if round >= run.options.warmup {
+            stage.one_thread_ms.push(one_thread_ms);
+            stage.all_threads_ms.push(all_threads_ms);
+        }
+    }
+    Ok(())
+}
+
+/// A ball of half a metre before a wall, seen from two metres.
+fn made() -> Option<DepthImage> {
+    let [width, height] = MADE_PX;
+    let pixel = |at: u32| {
+        let [u, v] = [at % width, at / width].map(f64::from);
+        let [x, y] = [(u - 319.5) / 525.0, (v - 239.5) / 525.0];
+        // |t·ray − (0, 0, 1.5)|² = 0.5².
+        let square = x * x + y * y + 1.0;
+        let under_root = 1.5_f64.powi(2) - square * (1.5_f64.powi(2) - 0.25);
+        let z = if under_root > 0.0 {
+            (1.5 - under_root.sqrt()) / square
+        } else {
+            2.0 + 0.3 * x
+        };
+        let random = |turn: u32| f64::from(at.wrapping_mul(2_654_435_761).rotate_left(turn) >> 8) / f64::from(1 << 24);
+        let noise = (0.0012 + 0.0019 * (z - 0.4).powi(2)) * (random(0) + random(7) + random(13) - 1.5) * 2.0;
+        match random(19) {
+            share if share < 0.08 => 0.0,
+            share if share < 0.085 => (z + 0.5) as f32,
+            _ => (((z + noise) * 1000.0).round() / 1000.0) as f32,
+        }
+    };
+    let metres = (0..width * height).map(pixel).collect();
+    DepthImage::new(MADE_PX, metres)
+}
+
+impl Stage {
+    fn row(&self, sequence: &str, image: &str) -> Row {
+        let one = Quantiles::of(&self.one_thread_ms);
+        let all = Quantiles::of(&self.all_threads_ms);
+        // Frames add up in counts; a time is that of one.
+        let frames = self.frames.max(1) as f64;
+        let pixels = self.pixels as f64 / frames;
+        Row::new(vec![
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(image.to_owned()),
+            Cell::Text(self.name.to_owned()),
+            Cell::Number(pixels),
+            Cell::Number(self.valid as f64 / frames),
+            Cell::Number(self.valid_after as f64 / frames),
+            Cell::maybe(one.map(|times| times.median)),
+            Cell::maybe(one.map(|times| times.q3)),
+            Cell::maybe(all.map(|times| times.median)),
+            Cell::maybe(all.map(|times| times.q3)),
+            Cell::maybe(one.map(|times| pixels / (1e3 * times.median))),
+            Cell::Number(rayon::current_num_threads() as f64),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_image_that_is_made_has_what_a_sensor_has() {
+        let image = made().unwrap();
+        let valid = image.valid_count() as f64 / image.metres().len() as f64;
+        assert!((0.90..0.94).contains(&valid), "{valid}");
+        let middle = image.metres()[640 * 240 + 322];
+        assert!(middle == 0.0 || (0.95..1.6).contains(&middle), "{middle}");
+        assert_eq!(Some(image), made());
+    }
+}

@@ -1,0 +1,55 @@
+//! Options of recordings of depth images.
+
+use super::values::{FrameRange, positive_f64};
+use crate::rgbd::Filters;
+use crate::source::RgbdOptions;
+use clap::Args;
+use std::path::PathBuf;
+
+/// What nobody says is found in the folder of the recording.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Depth images (RGB-D)")]
+pub(super) struct RgbdArgs {
+    /// Pattern of the names of depth images in the folder that is the INPUT, such as 'depth/*.png'
+    #[arg(long, value_name = "PATTERN")]
+    depth_images: Option<String>,
+
+    /// Pattern of the names of their colour images
+    #[arg(long, value_name = "PATTERN", requires = "depth_images")]
+    color_images: Option<String>,
+
+    /// The camera: fx,fy,cx,cy in pixels, or a file (a matrix, JSON of Open3D or of `info --json`, XML of PCL)
+    #[arg(long, value_name = "FILE|fx,fy,cx,cy")]
+    intrinsics: Option<String>,
+
+    /// Units of the depth images that are a metre, such as 1000 or 5000
+    #[arg(long, value_name = "N", value_parser = positive_f64)]
+    depth_scale: Option<f64>,
+
+    /// Where the camera was: a trajectory of TUM, Redwood or Open3D, or lines of a matrix, camera to world
+    #[arg(long, value_name = "FILE")]
+    poses: Option<PathBuf>,
+
+    /// Frames A to B, both included, as one cloud, by their poses
+    #[arg(long, value_name = "A..B")]
+    merge_frames: Option<FrameRange>,
+
+    /// Filters of depth images: near,median,bilateral,flying,temporal or none (in pictures usually the first four)
+    #[arg(long, value_name = "NAMES")]
+    rgbd_filters: Option<Filters>,
+}
+
+impl RgbdArgs {
+    /// What was given; `usual` are the filters where none were.
+    pub(super) fn options(&self, usual: Filters) -> RgbdOptions {
+        RgbdOptions {
+            filters: self.rgbd_filters.unwrap_or(usual),
+            depth: self.depth_images.clone(),
+            color: self.color_images.clone(),
+            intrinsics: self.intrinsics.clone(),
+            depth_scale: self.depth_scale,
+            poses: self.poses.clone(),
+            merge: self.merge_frames.map(|range| (range.first, range.last)),
+        }
+    }
+}

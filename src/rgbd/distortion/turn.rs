@@ -1,0 +1,26 @@
+//! Where a polynomial of a lens turns back.
+
+/// Tangent of 89 degrees: depth along the axis says nothing of what is further aside.
+pub(super) const WIDEST: f64 = 57.289_961_630_759_42;
+
+/// How near to the turn of its polynomial a lens is used: there the inverse loses all digits.
+pub(super) const BEFORE_TURN: f64 = 0.999;
+
+/// The first `value` between 0 and `end` at which `is_beyond` is true, by steps and then by halves; `end` where there
+/// is none.
+pub(super) fn first_beyond(end: f64, steps: u32, is_beyond: impl Fn(f64) -> bool) -> f64 {
+    let at = |step: u32| end * f64::from(step) / f64::from(steps);
+    let Some(step) = (1..=steps).find(|&step| is_beyond(at(step))) else {
+        return end;
+    };
+    let (mut within, mut beyond) = (at(step - 1), at(step));
+    for _ in 0..60 {
+        let middle = f64::midpoint(within, beyond);
+        if is_beyond(middle) {
+            beyond = middle;
+        } else {
+            within = middle;
+        }
+    }
+    within
+}

@@ -1,0 +1,140 @@
+//! Flying pixels: what a sensor invents between a surface and what is behind it.
+//!
+//! A pixel is kept if enough of its eight neighbours are at its depth. That is tested on the image as it came, for all
+//! pixels at once: what one of them loses changes nothing for the next.
+
+use super::padded::{LANES, Padded, by_blocks, load};
+use crate::rgbd::DepthImage;
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+
+/// A depth that no pixel is near.
+const NOWHERE_M: f32 = 1e9;
+
+/// Around a pixel, line by line: columns and rows from the one to the left and above.
+const AROUND: [[usize; 2]; 8] = [[0, 0], [1, 0], [2, 0], [0, 1], [2, 1], [0, 2], [1, 2], [2, 2]];
+
+/// Pixels of a row that are around eight neighbours.
+const SPAN: usize = LANES + 2;
+
+/// Parameters of the filter; see the module's text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlyingPixels {
+    /// Difference in depth that neighbours may have, in metres.
+    pub most_m: f32,
+    /// The same as a share of the depth: the larger of both counts.
+    pub most_share: f32,
+    /// Neighbours that have to be as near.
+    pub least_neighbours: u8,
+    /// So many pixels more are taken off along every edge.
+    pub erosion_px: u8,
+}
+
+impl FlyingPixels {
+    /// Half of the neighbours, no erosion.
+    pub const USUAL: Self = Self {
+        most_m: 0.01,
+        most_share: 0.02,
+        least_neighbours: 4,
+        erosion_px: 0,
+    };
+
+    /// `depth` without flying pixels.
+    #[must_use]
+    pub fn apply(&self, depth: &DepthImage) -> DepthImage {
+        let mut kept = self.keep(depth, self.least_neighbours);
+        for _ in 0..self.erosion_px {
+            kept = self.keep(&kept, AROUND.len() as u8);
+        }
+        kept
+    }
+
+    /// The pixels of `depth` that have at least so many neighbours at their depth.
+    fn keep(&self, depth: &DepthImage, least: u8) -> DepthImage {
+        let padded = Padded::of(depth, 1, NOWHERE_M);
+        let least = f32::from(least);
+        dispatch!(Level::new(), simd => {
+            by_blocks(simd, depth, #[inline(always)] |at| self.kept_at(simd, &padded, least, at))
+        })
+    }
+
+    #[inline(always)]
+    fn kept_at<S: Simd>(&self, simd: S, padded: &Padded, least: f32, at: [usize; 2]) -> f32x8<S> {
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let (none, one) = (splat(0.0), splat(1.0));
+        let rows = [0, 1, 2].map(|down| padded.around::<SPAN>(at, down));
+        let middle = load(simd, rows[1], 1);
+        let most = (middle * self.most_share).max(splat(self.most_m));
+        let mut neighbours = none;
+        for [right, down] in AROUND {
+            let is_near = (load(simd, rows[down], right) - middle).abs().simd_le(most);
+            neighbours += simd.select_f32x8(is_near, one, none);
+        }
+        let kept = simd.select_f32x8(neighbours.simd_ge(splat(least)), middle, none);
+        simd.select_f32x8(middle.simd_lt(splat(0.5 * NOWHERE_M)), kept, none)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rgbd::filters::test_images::noise;
+
+    fn by_definition(depth: &DepthImage, filter: &FlyingPixels) -> Vec<f32> {
+        let (width, height) = (depth.width() as isize, depth.height() as isize);
+        let pixel = |x: isize, y: isize| {
+            let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+            if is_inside {
+                depth.metres()[(y * width + x) as usize]
+            } else {
+                0.0
+            }
+        };
+        let at = |x: isize, y: isize| {
+            let middle = pixel(x, y);
+            let most = filter.most_m.max(filter.most_share * middle);
+            let is_near = |[right, down]: &[usize; 2]| {
+                let z = pixel(x + *right as isize - 1, y + *down as isize - 1);
+                z > 0.0 && (z - middle).abs() <= most
+            };
+            let near = AROUND.iter().filter(|offset| is_near(offset)).count();
+            if near >= usize::from(filter.least_neighbours) {
+                middle
+            } else {
+                0.0
+            }
+        };
+        (0..height).flat_map(|y| (0..width).map(move |x| at(x, y))).collect()
+    }
+
+    #[test]
+    fn it_is_what_its_definition_says() {
+        for hole_share in [0.0, 0.2, 0.6] {
+            let image = noise([45, 27], hole_share);
+            let filter = FlyingPixels::USUAL;
+            assert_eq!(filter.apply(&image).metres(), by_definition(&image, &filter));
+        }
+    }
+
+    /// Near on the left, far on the right, and between them the column that a sensor invents.
+    #[test]
+    fn what_flies_between_two_surfaces_is_dropped() {
+        let depth = |at: u32| match at % 32 {
+            0..16 => 1.0,
+            16 => 1.4,
+            _ => 2.0,
+        };
+        let image = DepthImage::new([32, 20], (0..32 * 20).map(depth).collect()).unwrap();
+        let row = |filter: FlyingPixels| filter.apply(&image).metres()[32 * 10..32 * 11].to_vec();
+        let kept = |filter| row(filter).iter().map(|&z| z > 0.0).collect::<Vec<bool>>();
+        let columns = |dropped: std::ops::Range<usize>| (0..32).map(|x| !dropped.contains(&x)).collect::<Vec<bool>>();
+        assert_eq!(kept(FlyingPixels::USUAL), columns(16..17));
+        let eroded = FlyingPixels {
+            erosion_px: 1,
+            ..FlyingPixels::USUAL
+        };
+        let mut expected = columns(15..18);
+        // The border of the image is an edge too.
+        (expected[0], expected[31]) = (false, false);
+        assert_eq!(kept(eroded), expected);
+    }
+}

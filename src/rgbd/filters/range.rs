@@ -1,0 +1,30 @@
+//! Distances at which the sensor says something.
+
+use crate::rgbd::DepthImage;
+use rayon::prelude::*;
+
+/// Distances that are kept, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    /// The nearest, in metres.
+    pub near_m: f32,
+    /// The furthest, in metres.
+    pub far_m: f32,
+}
+
+impl DepthRange {
+    /// What depth cameras measure: nearer is glass and dust, further is steps of decimetres.
+    pub const USUAL: Self = Self {
+        near_m: 0.1,
+        far_m: 10.0,
+    };
+
+    /// Drops what is nearer or further.
+    pub fn apply(&self, depth: &mut DepthImage) {
+        depth.metres_mut().par_iter_mut().for_each(|depth| {
+            if !(self.near_m..=self.far_m).contains(depth) {
+                *depth = 0.0;
+            }
+        });
+    }
+}

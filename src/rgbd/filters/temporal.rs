@@ -1,0 +1,133 @@
+//! The mean with the images before: a running one, which begins anew where something moved.
+
+use crate::rgbd::DepthImage;
+use rayon::prelude::*;
+
+/// Parameters of the filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Temporal {
+    /// Share of the newest image, above 0 and up to 1.
+    pub share: f32,
+    /// Difference in depth above which a pixel begins anew, in metres.
+    pub most_m: f32,
+    /// For how many images a hole is filled with what was measured there last.
+    pub fill_frames: u8,
+}
+
+impl Temporal {
+    /// A camera at rest; holes stay.
+    pub const USUAL: Self = Self {
+        share: 0.4,
+        most_m: 0.02,
+        fill_frames: 0,
+    };
+
+    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`].
+    pub const LEAD_FRAMES: usize = 8;
+}
+
+/// The filter with what it knows of the images before.
+#[derive(Debug, Clone)]
+pub struct TemporalFilter {
+    temporal: Temporal,
+    before: Option<DepthImage>,
+    /// For how many images each pixel was a hole.
+    ages: Vec<u8>,
+}
+
+impl TemporalFilter {
+    /// Before the first image.
+    pub fn new(temporal: Temporal) -> Self {
+        Self {
+            temporal,
+            before: None,
+            ages: Vec::new(),
+        }
+    }
+
+    /// The next image, filtered. One of another size begins anew.
+    pub fn next(&mut self, depth: DepthImage) -> DepthImage {
+        let Temporal {
+            share,
+            most_m,
+            fill_frames,
+        } = self.temporal;
+        let next = match self.before.take() {
+            Some(mut before) if before.size_px() == depth.size_px() => {
+                let pixels = before.metres_mut().par_iter_mut().zip(&mut self.ages);
+                pixels.zip(depth.metres()).for_each(|((before, age), &now)| {
+                    if now > 0.0 {
+                        let is_same = *before > 0.0 && (now - *before).abs() <= most_m;
+                        *before = if is_same {
+                            *before + share * (now - *before)
+                        } else {
+                            now
+                        };
+                        *age = 0;
+                    } else if *age < fill_frames {
+                        *age += 1;
+                    } else {
+                        *before = 0.0;
+                    }
+                });
+                before
+            }
+            _ => {
+                self.ages = vec![0; depth.metres().len()];
+                depth
+            }
+        };
+        self.before = Some(next.clone());
+        next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(metres: [f32; 4]) -> DepthImage {
+        DepthImage::new([2, 2], metres.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn what_rests_is_averaged_and_what_moves_begins_anew() {
+        let mut filter = TemporalFilter::new(Temporal::USUAL);
+        assert_eq!(filter.next(image([1.0, 1.0, 1.0, 0.0])), image([1.0, 1.0, 1.0, 0.0]));
+        let second = filter.next(image([1.01, 1.5, 0.0, 2.0]));
+        assert!((second.metres()[0] - 1.004).abs() < 1e-6, "{second:?}");
+        assert_eq!(second.metres()[1..], [1.5, 0.0, 2.0]);
+        let third = filter.next(image([1.01, 1.5, 1.2, 2.01]));
+        assert!((third.metres()[0] - 1.0064).abs() < 1e-6, "{third:?}");
+        assert_eq!(third.metres()[2], 1.2);
+    }
+
+    #[test]
+    fn holes_are_filled_for_so_many_images() {
+        let mut filter = TemporalFilter::new(Temporal {
+            fill_frames: 2,
+            ..Temporal::USUAL
+        });
+        let hole = || image([0.0; 4]);
+        let full = filter.next(image([1.0; 4]));
+        for expected in [full.clone(), full, hole(), hole()] {
+            assert_eq!(filter.next(hole()), expected);
+        }
+    }
+
+    /// What `LEAD_FRAMES` says: two filters that began differently agree after as many images.
+    #[test]
+    fn the_past_is_forgotten() {
+        let mut filters = [1.0, 1.02].map(|first| {
+            let mut filter = TemporalFilter::new(Temporal::USUAL);
+            filter.next(image([first; 4]));
+            filter
+        });
+        let mut difference = 0.02;
+        for _ in 0..Temporal::LEAD_FRAMES {
+            let [a, b] = &mut filters;
+            difference = (a.next(image([1.01; 4])).metres()[0] - b.next(image([1.01; 4])).metres()[0]).abs();
+        }
+        assert!(difference < 0.02 / 58.0, "{difference}");
+    }
+}

@@ -1,0 +1,25 @@
+//! Depth images: the cameras that took them, their points, their colours and their filters.
+//!
+//! A depth image is filtered first, while neighbours are still next to each other ([`Filters`]); then each pixel
+//! becomes a point on its ray ([`RayTable`], [`cloud`]), with the colour that the colour camera has at its place
+//! ([`ColorCamera::colors`]). Nothing here reads files: see `source/rgbd` for recordings.
+//!
+//! Coordinates are those of a camera: x to the right, y down, z forward, in metres; centres of pixels are at integers.
+
+mod camera;
+mod cloud;
+mod distortion;
+mod filters;
+mod images;
+mod rays;
+mod registration;
+mod rig;
+
+pub use camera::{Camera, CameraError};
+pub use cloud::cloud;
+pub use distortion::Distortion;
+pub use filters::{Bilateral, DepthRange, Filters, FlyingPixels, ParseFiltersError, Temporal, TemporalFilter, median};
+pub use images::{ColorImage, DepthImage};
+pub use rays::RayTable;
+pub use registration::{ColorCamera, UNSEEN_COLOR};
+pub use rig::{Rig, Sensor};

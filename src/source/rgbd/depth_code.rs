@@ -1,0 +1,147 @@
+//! What the numbers of a depth image mean.
+
+use super::error::RgbdError;
+use crate::io::raster::{Raster, Samples};
+use crate::rgbd::{DepthImage, RayTable};
+use std::path::Path;
+
+/// What the numbers of a depth image mean. 0 and 65535 are no measurements in any of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DepthCode {
+    bits: Bits,
+    /// How many of them are a metre; of floats only where somebody says it.
+    units_per_metre: f64,
+    is_told: bool,
+    /// Whether they are lengths of rays, not depths along the axis.
+    is_ray_length: bool,
+}
+
+/// What is done to 16 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bits {
+    Plain,
+    /// The three lowest are at the top.
+    Rotated,
+    /// Bytes are swapped, and the rest is the code of a Kinect.
+    Kinect,
+}
+
+/// A code of a Kinect d is 351.3 / (1092.5 − d) metres.
+const KINECT: [f64; 2] = [351.3, 1092.5];
+
+impl DepthCode {
+    /// So many units are a metre.
+    pub(super) fn per_metre(units_per_metre: f64) -> Self {
+        Self {
+            bits: Bits::Plain,
+            units_per_metre,
+            is_told: false,
+            is_ray_length: false,
+        }
+    }
+
+    /// Metres along rays.
+    pub(super) fn ray_length() -> Self {
+        Self {
+            is_ray_length: true,
+            ..Self::per_metre(1.0)
+        }
+    }
+
+    /// Millimetres, of which the three lowest bits are at the top.
+    pub(super) fn rotated() -> Self {
+        Self {
+            bits: Bits::Rotated,
+            ..Self::per_metre(1000.0)
+        }
+    }
+
+    /// Codes of a Kinect with their bytes swapped.
+    pub(super) fn nyu() -> Self {
+        Self {
+            bits: Bits::Kinect,
+            ..Self::per_metre(1.0)
+        }
+    }
+
+    /// The same in other units, which hold for floats too.
+    pub(super) fn told(self, units_per_metre: f64) -> Self {
+        Self {
+            units_per_metre,
+            is_told: true,
+            ..self
+        }
+    }
+
+    /// The same where a file beside the images says the units of whole numbers.
+    pub(super) fn with_units(self, units_per_metre: f64) -> Self {
+        Self {
+            units_per_metre,
+            ..self
+        }
+    }
+
+    /// The depths in `raster`, which is from the file at `path`. Precondition: `rays` are of its size.
+    pub(super) fn depth_image(&self, path: &Path, raster: Raster, rays: &RayTable) -> Result<DepthImage, RgbdError> {
+        let mut metres = match raster.samples {
+            Samples::Gray16(samples) => samples.iter().map(|&sample| self.metres(sample)).collect(),
+            Samples::GrayF32(samples) if self.is_told => {
+                let scaled = samples
+                    .iter()
+                    .map(|&sample| (f64::from(sample) / self.units_per_metre) as f32);
+                scaled.collect()
+            }
+            Samples::GrayF32(samples) => samples,
+            other => {
+                return Err(RgbdError::NotDepth {
+                    path: path.to_owned(),
+                    found: other.name(),
+                });
+            }
+        };
+        if self.is_ray_length {
+            for (depth, &[x, y]) in metres.iter_mut().zip(rays.rays()) {
+                let ray = f64::from(x).hypot(f64::from(y)).hypot(1.0);
+                *depth = (f64::from(*depth) / ray) as f32;
+            }
+        }
+        DepthImage::new(raster.size_px, metres).ok_or_else(|| RgbdError::Image {
+            path: path.to_owned(),
+            reason: "it has not as many pixels as it claims".to_owned(),
+        })
+    }
+
+    fn metres(&self, sample: u16) -> f32 {
+        if sample == 0 || sample == u16::MAX {
+            return 0.0;
+        }
+        let units = match self.bits {
+            Bits::Plain => f64::from(sample),
+            Bits::Rotated => f64::from(sample.rotate_right(3)),
+            Bits::Kinect => {
+                let [scale, end] = KINECT;
+                scale / (end - f64::from(sample.swap_bytes()))
+            }
+        };
+        (units / self.units_per_metre) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_metres() {
+        assert_eq!(DepthCode::per_metre(5000.0).metres(5000), 1.0);
+        assert_eq!(DepthCode::per_metre(1000.0).told(5000.0).metres(2500), 0.5);
+        assert_eq!(DepthCode::rotated().metres(1234_u16.rotate_left(3)), 1.234);
+        let kinect = DepthCode::nyu().metres(800_u16.swap_bytes());
+        assert!((kinect - 351.3 / 292.5).abs() < 1e-6);
+        // A Kinect's code for nothing lies beyond the end.
+        assert!(DepthCode::nyu().metres(2047_u16.swap_bytes()) < 0.0);
+        for code in [DepthCode::per_metre(1.0), DepthCode::rotated(), DepthCode::nyu()] {
+            assert_eq!([code.metres(0), code.metres(65535)], [0.0, 0.0]);
+        }
+    }
+}

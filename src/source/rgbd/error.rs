@@ -1,0 +1,136 @@
+//! What can be wrong with a recording of depth images.
+
+use std::path::PathBuf;
+
+/// Why a recording of depth images, or a frame of it, cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RgbdError {
+    /// The system could not read a file or a folder.
+    #[error("{} cannot be read ({reason}): check that it exists and its permissions", path.display())]
+    Unreadable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// A file that is larger than a frame may be.
+    #[error("{} has {bytes} bytes, and {most_bytes} are read: raise --max-memory if that is right", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// What is read at most.
+        most_bytes: u64,
+    },
+    /// An image that cannot be decoded.
+    #[error(
+        "{} is no image that can be read: {reason}. Copy the file again, or remove it to go on without it",
+        path.display()
+    )]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// An image of something else than depths.
+    #[error(
+        "{} holds {found}, and depths are grey of 16 bits or in single floats: check that it is the depth image, and \
+         not a picture of it",
+        path.display()
+    )]
+    NotDepth {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        found: &'static str,
+    },
+    /// An image of another size than its camera's.
+    #[error(
+        "{} has {} × {} pixels, and its camera {} × {} ({because}): remove it, or name the camera by --intrinsics",
+        path.display(), found[0], found[1], expected[0], expected[1]
+    )]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        found: [u32; 2],
+        /// That of the camera.
+        expected: [u32; 2],
+        /// Where that is from.
+        because: String,
+    },
+    /// A file of a camera that says none.
+    #[error(
+        "{} does not tell a camera ({reason}): expected fx,fy,cx,cy, a matrix of 3 × 3 numbers, the JSON of Open3D or \
+         of `pointreel info --json`, or the XML of PCL",
+        path.display()
+    )]
+    Calibration {
+        /// The file, or the text as given.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A list or a trajectory with a line that is none.
+    #[error("{}, line {line}: {reason}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A trajectory that is none.
+    #[error(
+        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw), blocks of Redwood (.log), \
+         matrices of 3 × 4 or 4 × 4 numbers, or the JSON of Open3D",
+        path.display()
+    )]
+    Trajectory {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Options that do not fit the input.
+    #[error("{reason}")]
+    Options {
+        /// What to do.
+        reason: String,
+    },
+    /// A folder of depth images without one.
+    #[error(
+        "{} has no depth image ({looked_for}): name the folder of the recording, or --depth-images PATTERN",
+        path.display()
+    )]
+    NoDepth {
+        /// The folder.
+        path: PathBuf,
+        /// What was looked for.
+        looked_for: String,
+    },
+    /// A recording of OpenNI.
+    #[error(
+        "{} is a recording of OpenNI, whose frames are packed by codecs that only OpenNI itself has: export it as \
+         images with a tool of OpenNI, and open their folder",
+        path.display()
+    )]
+    Oni {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Frames that are to be merged without anybody knowing where they were taken.
+    #[error("frames {first} to {last} cannot be merged: {reason}")]
+    NotMerged {
+        /// The first.
+        first: usize,
+        /// The last.
+        last: usize,
+        /// Why not.
+        reason: String,
+    },
+}

@@ -1,0 +1,96 @@
+//! What is in a folder, by names alone.
+
+use super::error::RgbdError;
+use crate::io::{Format, natural_order};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Extensions of images that may hold depths or colours.
+const IMAGES: &[&str] = &[
+    "png", "tif", "tiff", "pgm", "ppm", "pnm", "jpg", "jpeg", "webp", "bmp", "pclzf",
+];
+
+/// A folder: its files and folders in natural order, hidden ones left out.
+#[derive(Debug)]
+pub(super) struct Folder {
+    pub(super) path: PathBuf,
+    files: Vec<String>,
+    folders: Vec<String>,
+}
+
+impl Folder {
+    /// The folder at `path`.
+    pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
+        let unreadable = |reason| RgbdError::Unreadable {
+            path: path.to_owned(),
+            reason,
+        };
+        let (mut files, mut folders) = (Vec::new(), Vec::new());
+        for entry in fs::read_dir(path).map_err(unreadable)? {
+            let entry = entry.map_err(unreadable)?;
+            // Names that are not Unicode are those of no layout.
+            let Ok(name) = entry.file_name().into_string() else {
+                continue;
+            };
+            if name.starts_with('.') {
+                continue;
+            }
+            let kind = entry.file_type().map_err(unreadable)?;
+            let is_folder = kind.is_dir() || (kind.is_symlink() && entry.path().is_dir());
+            if is_folder { &mut folders } else { &mut files }.push(name);
+        }
+        for names in [&mut files, &mut folders] {
+            names.sort_by(|left, right| natural_order(Path::new(left), Path::new(right)));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            files,
+            folders,
+        })
+    }
+
+    pub(super) fn has_file(&self, name: &str) -> bool {
+        self.files.iter().any(|file| file == name)
+    }
+
+    /// The first folder in it that has one of these names, in any case.
+    pub(super) fn sub(&self, names: &[&str]) -> Option<PathBuf> {
+        let found = |name: &&str| self.folders.iter().find(|folder| folder.eq_ignore_ascii_case(name));
+        names.iter().find_map(found).map(|folder| self.path.join(folder))
+    }
+
+    /// Its files with names that `is_meant` chooses.
+    pub(super) fn files(&self, is_meant: impl Fn(&str) -> bool) -> Vec<PathBuf> {
+        let meant = self.files.iter().filter(|name| is_meant(name));
+        meant.map(|name| self.path.join(name)).collect()
+    }
+
+    /// Its images.
+    pub(super) fn images(&self) -> Vec<PathBuf> {
+        self.files(is_image)
+    }
+
+    /// Whether there are point clouds in it, by their extensions; text may be anything.
+    pub(super) fn has_clouds(&self) -> bool {
+        let is_text = |name: &str| has_extension(name, &["txt", "csv", "asc", "log"]);
+        self.files
+            .iter()
+            .any(|name| !is_text(name) && Format::of_extension(Path::new(name)).is_some())
+    }
+}
+
+/// Whether `name` is that of an image.
+pub(super) fn is_image(name: &str) -> bool {
+    has_extension(name, IMAGES)
+}
+
+/// Whether `name` ends with one of these extensions, in any case.
+pub(super) fn has_extension(name: &str, extensions: &[&str]) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension);
+    extension.is_some_and(|found| extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)))
+}
+
+/// The name of the file at `path`.
+pub(super) fn name_of(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+}

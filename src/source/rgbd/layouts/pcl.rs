@@ -1,0 +1,90 @@
+//! The grabbers of PCL: `frame_20121214T142255.814212_depth.tiff` or `.pclzf`, `…_rgb` beside it, and XML with the
+//! camera, in the same folder or the one around it.
+
+use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError};
+use crate::io::timestamps::times_of_names;
+use crate::source::rgbd::folder::{has_extension, name_of};
+use crate::source::rgbd::pairs::by_key;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub(super) const LAYOUT: Layout = Layout { name: "PCL", find };
+
+const CAMERA: [f64; 4] = [525.0, 525.0, 320.0, 240.0];
+
+/// What the names of depth and of colour images end with, before their extensions.
+const DEPTH: &[&str] = &["_depth"];
+const COLOR: &[&str] = &["_rgb", "_color", "_yuv422"];
+
+/// The part of `name` before one of `ends` and the extension.
+fn moment<'a>(name: &'a str, ends: &[&str]) -> Option<&'a str> {
+    let (stem, _) = name
+        .rsplit_once('.')
+        .filter(|_| has_extension(name, &["tiff", "tif", "pclzf"]))?;
+    ends.iter().find_map(|end| stem.strip_suffix(end))
+}
+
+fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+    let depths = folder.files(|name| moment(name, DEPTH).is_some());
+    if depths.is_empty() {
+        return Ok(None);
+    }
+    let colors = folder.files(|name| moment(name, COLOR).is_some());
+    let both = [DEPTH, COLOR].concat();
+    let pairs = by_key(&depths, &colors, |name| moment(name, &both).map(str::to_owned));
+    let moments: Vec<String> = depths
+        .iter()
+        .filter_map(|path| moment(name_of(path), DEPTH).map(str::to_owned))
+        .collect();
+    let usual = Calibration::usual(CAMERA, "PCL's grabbers");
+    let mut found = Found::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
+    // A time is told by the whole name: `_depth` would be its end.
+    let names: Vec<String> = moments.iter().map(|moment| format!("{moment}.pcd")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut cameras = Cameras::of(folder);
+    for ((frame, moment), time) in found.frames.iter_mut().zip(&moments).zip(times_of_names(&names)) {
+        frame.time = time;
+        if let Some(camera) = cameras.of_moment(moment)? {
+            frame.calibration = camera;
+        }
+    }
+    Ok(Some(found))
+}
+
+/// The files with cameras, and those that were read.
+struct Cameras {
+    folders: Vec<PathBuf>,
+    /// One for each camera, however many files say it.
+    known: Vec<Arc<Calibration>>,
+}
+
+impl Cameras {
+    fn of(folder: &Folder) -> Self {
+        let own = folder.path.clone();
+        let around = folder.path.join("..");
+        Self {
+            folders: vec![own, around],
+            known: Vec::new(),
+        }
+    }
+
+    fn of_moment(&mut self, moment: &str) -> Result<Option<Arc<Calibration>>, RgbdError> {
+        let file = format!("{moment}.xml");
+        let path = self
+            .folders
+            .iter()
+            .map(|folder| folder.join(&file))
+            .find(|path| Path::is_file(path));
+        let Some(path) = path else { return Ok(None) };
+        let read = Calibration::read(&path)?;
+        let is_same = |known: &&Arc<Calibration>| {
+            known.depth == read.depth && known.color == read.color && known.units_per_metre == read.units_per_metre
+        };
+        if let Some(known) = self.known.iter().find(is_same) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let read = Arc::new(read);
+        self.known.push(Arc::clone(&read));
+        Ok(Some(read))
+    }
+}

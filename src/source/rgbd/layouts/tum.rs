@@ -1,0 +1,71 @@
+//! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
+
+use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError, Trajectory};
+use crate::io::timestamps::times_of_lines;
+use crate::source::rgbd::pairs::by_time;
+use crate::source::rgbd::text::read;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+pub(super) const LAYOUT: Layout = Layout { name: "TUM", find };
+
+/// 5000 units are a metre.
+const UNITS_PER_METRE: f64 = 5000.0;
+
+const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
+
+fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+    if !folder.has_file("depth.txt") || folder.has_clouds() {
+        return Ok(None);
+    }
+    let depths = stamped(folder, "depth.txt")?;
+    let colors = if folder.has_file("rgb.txt") {
+        stamped(folder, "rgb.txt")?
+    } else {
+        Vec::new()
+    };
+    let pairs = by_time(&depths, &colors);
+    let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
+    let code = DepthCode::per_metre(UNITS_PER_METRE);
+    let mut found = Found::of_pairs(paths, pairs, Calibration::usual(CAMERA, "TUM"), code);
+    for (frame, time) in found.frames.iter_mut().zip(times) {
+        frame.time = Some(time);
+    }
+    if folder.has_file("groundtruth.txt") {
+        found.take_poses(&Trajectory::read(&folder.path.join("groundtruth.txt"))?);
+    }
+    Ok(Some(found))
+}
+
+/// Lines of a time and the name of a file within the folder.
+fn stamped(folder: &Folder, list: &str) -> Result<Vec<(Duration, PathBuf)>, RgbdError> {
+    let path = folder.path.join(list);
+    let text = read(&path)?;
+    let mut images = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let wrong = |reason: &str| RgbdError::Line {
+            path: path.clone(),
+            line: index + 1,
+            reason: reason.to_owned(),
+        };
+        let (time, name) = line
+            .split_once(char::is_whitespace)
+            .ok_or_else(|| wrong("expected a time and the name of an image"))?;
+        let time = times_of_lines(time).and_then(|times| times.first().copied());
+        let time = time.ok_or_else(|| wrong("the time is no number of seconds from 0 up"))?;
+        let name = Path::new(name.trim());
+        if !name
+            .components()
+            .all(|part| matches!(part, std::path::Component::Normal(_)))
+        {
+            return Err(wrong("expected the name of an image within this folder"));
+        }
+        images.push((time, folder.path.join(name)));
+    }
+    images.sort_by_key(|(time, _)| *time);
+    Ok(images)
+}

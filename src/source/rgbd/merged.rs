@@ -1,0 +1,171 @@
+//! Frames that became one cloud, by where they were taken.
+
+use super::error::RgbdError;
+use super::recording::RgbdFolder;
+use crate::cloud::{LengthUnit, Positions, RawCloud};
+use crate::progress::Progress;
+use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
+use std::ops::{Range, RangeInclusive};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// One frame: the points of several, in the frame of the world, without holes.
+#[derive(Debug)]
+pub struct MergedFrames {
+    recording: Arc<RgbdFolder>,
+    range: RangeInclusive<usize>,
+    entry: Arc<FrameEntry>,
+    notes: Vec<String>,
+}
+
+impl MergedFrames {
+    /// Frames `first` to `last` of `recording`, those without a pose left out.
+    ///
+    /// # Errors
+    /// [`RgbdError::NotMerged`] if there is no such frame, and if none has a pose.
+    pub fn of(recording: RgbdFolder, (first, last): (usize, usize)) -> Result<Self, RgbdError> {
+        let count = recording.entries.len();
+        let wrong = |reason: String| RgbdError::NotMerged { first, last, reason };
+        if first > last || last >= count {
+            return Err(wrong(format!("the recording has {count} frames, counted from 0")));
+        }
+        let has_pose = |index: &usize| recording.recorded.pose(*index).is_some();
+        let posed = (first..=last).filter(has_pose).count();
+        if posed == 0 {
+            return Err(wrong(
+                "nothing says where they were taken: name a trajectory by --poses".to_owned(),
+            ));
+        }
+        let bytes = posed as u64 * recording.recorded.frame_bytes();
+        let most_bytes = recording.recorded.max_memory_bytes;
+        if bytes > most_bytes {
+            return Err(wrong(format!(
+                "they would take about {bytes} bytes of memory, and may take {most_bytes}: name fewer, or raise \
+                 --max-memory if the machine has it"
+            )));
+        }
+        let mut notes = recording.notes.clone();
+        if posed < last - first + 1 {
+            notes.push(format!(
+                "{} of frames {first} to {last} have no pose and are left out",
+                last - first + 1 - posed
+            ));
+        }
+        let entry = &recording.entries[first];
+        let entry = FrameEntry {
+            name: format!("{}: frames {first} to {last}", entry.name),
+            ..FrameEntry::clone(entry)
+        };
+        Ok(Self {
+            recording: Arc::new(recording),
+            range: first..=last,
+            entry: Arc::new(entry),
+            notes,
+        })
+    }
+}
+
+impl Source for MergedFrames {
+    fn frames(&self) -> Range<usize> {
+        0..1
+    }
+
+    fn entry(&self, _index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&self.entry)
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(MergingDecoder {
+            recording: Arc::clone(&self.recording),
+            range: self.range.clone(),
+        })
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        self.recording.inputs()
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+struct MergingDecoder {
+    recording: Arc<RgbdFolder>,
+    range: RangeInclusive<usize>,
+}
+
+impl Decoder for MergingDecoder {
+    fn decode(
+        &mut self,
+        _index: usize,
+        _entry: &FrameEntry,
+        _most_points: usize,
+        progress: &Progress,
+    ) -> Result<DecodedFrame, DecodeFailure> {
+        let mut decoder = self.recording.decoder();
+        let mut merged = Merged::default();
+        let mut failure = None;
+        let count = self.range.clone().count();
+        for (done, index) in self.range.clone().enumerate() {
+            if progress.is_cancelled() {
+                break;
+            }
+            let Some(pose) = self.recording.recorded.pose(index) else {
+                continue;
+            };
+            let entry = self.recording.entry(index);
+            match decoder.decode(index, &entry, usize::MAX, &Progress::default()) {
+                Ok(frame) => merged.take(frame.cloud, pose),
+                Err(error) => {
+                    let reason = format!("frame {index} is left out: {error}");
+                    merged.warnings.push(reason);
+                    failure.get_or_insert(error);
+                }
+            }
+            progress.set(done + 1, count);
+        }
+        match failure {
+            Some(failure) if merged.positions.is_empty() => Err(failure),
+            _ => Ok(merged.cloud().into()),
+        }
+    }
+}
+
+#[derive(Default)]
+struct Merged {
+    positions: Vec<[f64; 3]>,
+    /// As many, unless a frame had none.
+    colors: Vec<[u8; 4]>,
+    lacks_colors: bool,
+    warnings: Vec<String>,
+}
+
+impl Merged {
+    fn take(&mut self, mut cloud: RawCloud, world_from_camera: glam::DAffine3) {
+        let measured: Vec<u32> = (0..cloud.positions.len() as u32)
+            .filter(|&index| cloud.positions.get(index as usize).is_finite())
+            .collect();
+        cloud.keep(&measured);
+        let points = (0..measured.len()).map(|index| cloud.positions.get(index));
+        let points = points.map(|point| world_from_camera.transform_point3(point).to_array());
+        self.positions.extend(points);
+        match cloud.attributes.colors {
+            Some(colors) => self.colors.extend(colors),
+            None => self.lacks_colors = true,
+        }
+        self.warnings.append(&mut cloud.warnings);
+    }
+
+    fn cloud(mut self) -> RawCloud {
+        let mut cloud = RawCloud::from_positions(Positions::F64(self.positions));
+        if self.lacks_colors && !self.colors.is_empty() {
+            self.warnings
+                .push("some of the merged frames have no colours, so their cloud has none".to_owned());
+        }
+        cloud.attributes.colors = (!self.lacks_colors).then_some(self.colors);
+        cloud.unit = Some(LengthUnit::Metre);
+        cloud.warnings = self.warnings;
+        cloud
+    }
+}

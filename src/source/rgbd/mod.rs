@@ -1,0 +1,54 @@
+//! Recordings of depth images: folders as sensors, programs and data sets write them.
+//!
+//! A frame is an ordinary cloud, one point a pixel, in the frame of its camera. So all that works with clouds works
+//! with them; whoever wants more asks [`Source::sensor`] for cameras and pose. Which files a recording has is found
+//! once ([`layouts`]), by names and small files of text. A decoder reads an image, filters it and gives its pixels
+//! their colours ([`crate::rgbd`]).
+
+mod calibration;
+mod decoder;
+mod depth_code;
+mod error;
+mod folder;
+mod layouts;
+mod merged;
+mod options;
+mod pairs;
+mod recording;
+mod sizes;
+mod text;
+mod trajectory;
+
+pub use error::RgbdError;
+pub use merged::MergedFrames;
+pub use options::RgbdOptions;
+pub use recording::RgbdFolder;
+
+use super::{OpenOptions, SequenceError, Source};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The recording that `inputs` are; `None` for inputs of another kind.
+///
+/// # Errors
+/// [`SequenceError::Rgbd`], once something says that it is a recording.
+pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    let found = RgbdFolder::open(inputs, options).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
+    let Some(recording) = found else {
+        return match options.rgbd.merge {
+            Some(range) => Err(SequenceError::Rgbd(Box::new(RgbdError::NotMerged {
+                first: range.0,
+                last: range.1,
+                reason: "the input is no recording of depth images, so nothing says where they were taken".to_owned(),
+            }))),
+            None => Ok(None),
+        };
+    };
+    match options.rgbd.merge {
+        None => Ok(Some(Arc::new(recording))),
+        Some(range) => {
+            let merged = MergedFrames::of(recording, range).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
+            Ok(Some(Arc::new(merged)))
+        }
+    }
+}

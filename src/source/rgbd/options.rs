@@ -1,0 +1,23 @@
+//! How recordings of depth images are opened.
+
+use crate::rgbd::Filters;
+use std::path::PathBuf;
+
+/// What a person says of a recording of depth images; what nobody says is found in its folder.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RgbdOptions {
+    /// Filters of the depth images.
+    pub filters: Filters,
+    /// Pattern of the names of depth images, within the folder that is opened.
+    pub depth: Option<String>,
+    /// Pattern of the names of colour images.
+    pub color: Option<String>,
+    /// `fx,fy,cx,cy` in pixels, or a file that says them.
+    pub intrinsics: Option<String>,
+    /// Units of the depth images that are a metre.
+    pub depth_scale: Option<f64>,
+    /// A file with the poses of the camera.
+    pub poses: Option<PathBuf>,
+    /// Frames, both ends included, that become one cloud by their poses.
+    pub merge: Option<(usize, usize)>,
+}

@@ -1,0 +1,152 @@
+//! The frames of a folder of depth images.
+
+use super::calibration::Calibration;
+use super::decoder::{GROUP_FRAMES, ImageDecoder, Recorded};
+use super::error::RgbdError;
+use super::folder::{Folder, has_extension, name_of};
+use super::layouts::{self, Found};
+use super::sizes::Sizes;
+use super::trajectory::Trajectory;
+use crate::rgbd::Sensor;
+use crate::source::files::number;
+use crate::source::{Decoder, FrameEntry, OpenOptions, Source};
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Frames a second where nothing says it: most depth cameras have it.
+const USUAL_FPS: f64 = 30.0;
+
+/// The frames of a recording of depth images.
+#[derive(Debug)]
+pub struct RgbdFolder {
+    pub(super) recorded: Arc<Recorded>,
+    pub(super) entries: Vec<Arc<FrameEntry>>,
+    inputs: Vec<PathBuf>,
+    pub(super) notes: Vec<String>,
+    layout: &'static str,
+}
+
+impl RgbdFolder {
+    /// The recording in the folder that is the one input; `None` if it is none.
+    ///
+    /// # Errors
+    /// [`RgbdError`].
+    pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Self>, RgbdError> {
+        if let Some(oni) = inputs.iter().find(|input| has_extension(name_of(input), &["oni"])) {
+            return Err(RgbdError::Oni { path: oni.clone() });
+        }
+        let rgbd = &options.rgbd;
+        let (layout, mut found) = match (inputs, &rgbd.depth) {
+            ([folder], Some(depth)) if folder.is_dir() => ("patterns", layouts::by_pattern(folder, depth, rgbd)?),
+            (_, Some(depth)) => {
+                return Err(RgbdError::Options {
+                    reason: format!(
+                        "--depth-images {depth} is looked for in one folder: name that folder as the input"
+                    ),
+                });
+            }
+            ([folder], None) if folder.is_dir() => match layouts::find(&Folder::read(folder)?)? {
+                Some(found) => found,
+                None => return Ok(None),
+            },
+            _ => return Ok(None),
+        };
+        let input = &inputs[0];
+        if found.frames.is_empty() {
+            return Err(RgbdError::NoDepth {
+                path: input.clone(),
+                looked_for: format!("its layout is that of {layout}"),
+            });
+        }
+        take_options(&mut found, options)?;
+        let sizes = Sizes::learn(&mut found, options.read.max_memory_bytes);
+        let mut entries: Vec<FrameEntry> = found
+            .frames
+            .iter()
+            .map(|frame| FrameEntry {
+                time: frame.time,
+                ..FrameEntry::file(&frame.depth)
+            })
+            .collect();
+        number(&mut entries);
+        Ok(Some(Self {
+            entries: entries.into_iter().map(Arc::new).collect(),
+            inputs: inputs.to_vec(),
+            notes: std::mem::take(&mut found.notes),
+            recorded: Arc::new(Recorded::new(found, sizes, options)),
+            layout,
+        }))
+    }
+
+    /// Whose layout it has, for people.
+    pub fn layout(&self) -> &'static str {
+        self.layout
+    }
+}
+
+/// What a person says holds for every frame.
+fn take_options(found: &mut Found, options: &OpenOptions) -> Result<(), RgbdError> {
+    let rgbd = &options.rgbd;
+    if let Some(intrinsics) = &rgbd.intrinsics {
+        let calibration = Arc::new(Calibration::of_option(intrinsics)?);
+        for frame in &mut found.frames {
+            frame.calibration = Arc::clone(&calibration);
+        }
+    }
+    if let Some(scale) = rgbd.depth_scale {
+        found.code = found.code.told(scale);
+    } else if let Some(units) = found.frames[0].calibration.units_per_metre {
+        found.code = found.code.with_units(units);
+    }
+    if let Some(poses) = &rgbd.poses {
+        let trajectory = Trajectory::read(poses)?;
+        found.take_poses(&trajectory);
+        if found.frames.iter().all(|frame| frame.world_from_camera.is_none()) {
+            found.notes.push(format!(
+                "{} has no pose for any of the {} frames: times have to be within 20 ms, numbers count from 0",
+                poses.display(),
+                found.frames.len()
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Source for RgbdFolder {
+    fn frames(&self) -> Range<usize> {
+        0..self.entries.len()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&self.entries[index])
+    }
+
+    fn group(&self, index: usize) -> Range<usize> {
+        if self.recorded.filters.temporal.is_none() {
+            return index..index + 1;
+        }
+        let first = index / GROUP_FRAMES * GROUP_FRAMES;
+        first..(first + GROUP_FRAMES).min(self.entries.len())
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(ImageDecoder::new(Arc::clone(&self.recorded)))
+    }
+
+    fn fps(&self) -> Option<f64> {
+        Some(USUAL_FPS)
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn sensor(&self, index: usize) -> Option<Sensor> {
+        self.recorded.sensor(index)
+    }
+}

@@ -1,0 +1,41 @@
+//! Sizes of images before they are decoded.
+
+use super::calibration::Calibration;
+use super::layouts::Found;
+use super::text;
+use crate::io::raster;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Sizes of the first images, as far as they can be read; what cannot is said when it is decoded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sizes {
+    pub(super) depth_px: Option<[u32; 2]>,
+    pub(super) color_px: Option<[u32; 2]>,
+}
+
+impl Sizes {
+    /// Looks at the first images of `found`. Cameras that do not say for which size they are get these.
+    pub(super) fn learn(found: &mut Found, most_bytes: u64) -> Self {
+        let size_of = |path: &Path| raster::size_px(&text::read_bytes(path, most_bytes).ok()?).ok();
+        let first = Arc::clone(&found.frames[0].calibration);
+        let color = found.frames.iter().find_map(|frame| frame.color.as_deref());
+        let sizes = Self {
+            // Text does not say it.
+            depth_px: size_of(&found.frames[0].depth).or(first.depth.for_size_px),
+            color_px: color.filter(|_| first.color.is_some()).and_then(size_of),
+        };
+        let mut learned = Calibration::clone(&first);
+        learned.depth.for_size_px = learned.depth.for_size_px.or(sizes.depth_px);
+        if let Some((color, _)) = &mut learned.color {
+            color.for_size_px = color.for_size_px.or(sizes.color_px);
+        }
+        let learned = Arc::new(learned);
+        for frame in &mut found.frames {
+            if Arc::ptr_eq(&frame.calibration, &first) {
+                frame.calibration = Arc::clone(&learned);
+            }
+        }
+        sizes
+    }
+}

@@ -1,0 +1,70 @@
+//! Small files of text: lists, poses, cameras.
+
+use super::error::RgbdError;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+/// A trajectory of a day has fewer bytes.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The text of the file at `path`; bytes that are not UTF-8 are replaced.
+pub(super) fn read(path: &Path) -> Result<String, RgbdError> {
+    Ok(String::from_utf8_lossy(&read_bytes(path, MOST_BYTES)?).into_owned())
+}
+
+/// The bytes of the file at `path`, no more than `most_bytes`.
+pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdError> {
+    let unreadable = |reason| RgbdError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    let metadata = file.metadata().map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err(unreadable(std::io::Error::other("it is no regular file")));
+    }
+    let bytes = metadata.len();
+    let most_bytes = most_bytes.min(isize::MAX as u64);
+    if bytes > most_bytes {
+        return Err(RgbdError::TooLarge {
+            path: path.to_owned(),
+            bytes,
+            most_bytes,
+        });
+    }
+    let mut read = Vec::new();
+    read.try_reserve_exact(bytes as usize)
+        .map_err(|reason| unreadable(std::io::Error::other(reason)))?;
+    file.take(most_bytes).read_to_end(&mut read).map_err(unreadable)?;
+    Ok(read)
+}
+
+/// The numbers of each line that has any, with the number of the line from 1. Commas and semicolons are spaces; what
+/// follows a `#` is a comment.
+///
+/// # Errors
+/// The first line with something else.
+pub(super) fn number_lines(path: &Path, text: &str) -> Result<Vec<(usize, Vec<f64>)>, RgbdError> {
+    let mut lines = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let content = line.split('#').next().unwrap_or_default();
+        let words = content.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
+        let numbers: Result<Vec<f64>, &str> = words
+            .filter(|word| !word.is_empty())
+            .map(|word| word.parse().map_err(|_| word))
+            .collect();
+        match numbers {
+            Ok(numbers) if numbers.is_empty() => {}
+            Ok(numbers) => lines.push((index + 1, numbers)),
+            Err(word) => {
+                return Err(RgbdError::Line {
+                    path: path.to_owned(),
+                    line: index + 1,
+                    reason: format!("`{}` is no number", word.escape_default()),
+                });
+            }
+        }
+    }
+    Ok(lines)
+}
