@@ -3,41 +3,12 @@
 use super::exact::columns_of;
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
-use super::schema::{Schema, StreamKind};
-use super::sections::{CodedSection, sections_of};
+use super::schema::Schema;
+use super::sections::{CodedSection, Sizes, Wanted, sections_of};
 use super::{compact, fast};
 use crate::reel::error::Fault;
 use crate::reel::options::Coding;
 use std::ops::Range;
-
-/// How much of a frame is to be decoded, and what is known of it.
-#[derive(Debug, Clone)]
-pub(in crate::reel) struct Wanted<'a> {
-    pub(in crate::reel) schema: &'a Schema,
-    pub(in crate::reel) grid: &'a Grid,
-    /// Nodes of each level that there is.
-    pub(in crate::reel) counts: &'a [usize],
-    /// Points that are kept one by one, in cells and outside.
-    pub(in crate::reel) points: [usize; 2],
-}
-
-/// How many nodes each level has, and which levels each section adds.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sizes<'a> {
-    pub(super) counts: &'a [usize],
-    pub(super) ranges: &'a [Range<usize>],
-}
-
-impl Sizes<'_> {
-    /// The section of a level.
-    pub(super) fn section_of(self, level: usize) -> usize {
-        let section = self.ranges.iter().position(|range| range.contains(&level));
-        section.unwrap_or(0)
-    }
-}
-
-/// Streams by their kind, each with its bytes in each section.
-pub(super) type CodedStreams = Vec<(StreamKind, Vec<Vec<u8>>)>;
 
 /// The frame as sections; the pose becomes what a decoder makes of them.
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {

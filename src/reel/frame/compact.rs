@@ -3,13 +3,12 @@
 //! Streams of different kinds know nothing of each other but the tree, and normals for the offsets; so they are coded
 //! at the same time. A section has a coder of its own for each stream: a prefix of sections is a coarser frame.
 
-use super::code::{CodedStreams, Sizes, Wanted};
 use super::columns::code_order;
 use super::exact::{code_columns, code_positions, columns_by_kind};
 use super::grid::Grid;
 use super::levels::{Level, Pose, PosePoints};
 use super::schema::{Schema, StreamKind};
-use super::sections::{CodedSection, joined, parted};
+use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted};
 use crate::reel::attributes::{
     ChannelModels, NormalGrid, NormalModels, OffsetModels, code_channels, code_normals, code_offsets,
 };

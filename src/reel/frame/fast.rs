@@ -3,15 +3,15 @@
 //! A stream of several scalars, or of values in steps and as they are, has a part for each. Positions below cells,
 //! numbers as they are and the order of the file are bits, as in the compact coding.
 
-use super::code::{CodedStreams, Sizes, Wanted};
 use super::columns::code_order;
 use super::exact::{code_columns, code_positions, columns_by_kind, columns_of};
 use super::fast_values::code_values;
 use super::grid::Grid;
 use super::levels::{Level, Pose};
+use super::parts::{Direction, Part};
 use super::schema::{Schema, StreamKind};
-use super::sections::{CodedSection, joined, parted};
-use crate::reel::coder::{BitCoder, LANES, RangeDecoder, RangeEncoder, SymbolCoder, SymbolDecoder, SymbolEncoder};
+use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted};
+use crate::reel::coder::{BitCoder, LANES, RangeDecoder, RangeEncoder, SymbolDecoder, SymbolEncoder};
 use crate::reel::error::Fault;
 use crate::reel::fast::{
     ABOVE_ROOT, MASK_CONTEXTS, NORMAL_CONTEXTS, NORMAL_LANES, OFFSET_CONTEXTS, channel_contexts, channel_lanes,
@@ -66,53 +66,6 @@ fn bit_parts(schema: &Schema) -> Vec<StreamKind> {
 /// How many of some parts are of a stream.
 fn count_of(kind: StreamKind, parts: &[SymbolPart]) -> usize {
     parts.iter().filter(|part| part.kind == kind).count()
-}
-
-/// Where coders of symbols come from, and what becomes of them.
-pub(super) trait Direction: Sync {
-    type Coder: SymbolCoder;
-
-    /// That of a part in a section.
-    fn open(&self, part: usize, section: usize) -> Result<Self::Coder, Fault>;
-
-    /// The bytes that it wrote, if it did.
-    fn close(&self, part: usize, coder: Self::Coder) -> Result<Vec<u8>, Fault>;
-}
-
-/// A part of a frame, section after section: tables of no more than one of them are in memory.
-pub(super) struct Part<'a, D: Direction> {
-    direction: &'a D,
-    number: usize,
-    coder: D::Coder,
-    /// Of the sections before this one.
-    bytes: Vec<Vec<u8>>,
-}
-
-impl<'a, D: Direction> Part<'a, D> {
-    pub(super) fn open(direction: &'a D, part: usize) -> Result<Self, Fault> {
-        Ok(Self {
-            direction,
-            number: part,
-            coder: direction.open(part, 0)?,
-            bytes: Vec::new(),
-        })
-    }
-
-    /// Its coder in a section, none before the last one asked for.
-    pub(super) fn at(&mut self, section: usize) -> Result<&mut D::Coder, Fault> {
-        while self.bytes.len() < section {
-            let next = self.direction.open(self.number, self.bytes.len() + 1)?;
-            let coder = std::mem::replace(&mut self.coder, next);
-            self.bytes.push(self.direction.close(self.number, coder)?);
-        }
-        Ok(&mut self.coder)
-    }
-
-    /// What was written in each section.
-    pub(super) fn close(mut self) -> Result<Vec<Vec<u8>>, Fault> {
-        self.bytes.push(self.direction.close(self.number, self.coder)?);
-        Ok(self.bytes)
-    }
 }
 
 /// Writes.

@@ -1,9 +1,9 @@
 //! Attributes of a frame in the fast coding: level after level, then those of points.
 
-use super::code::Sizes;
-use super::fast::{Direction, Part};
 use super::levels::{Level, LevelValues, Pose};
+use super::parts::{Direction, Part};
 use super::schema::Schema;
+use super::sections::Sizes;
 use crate::reel::attributes::NormalGrid;
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;

@@ -1,6 +1,7 @@
 //! Frames as sections of streams, and streams as parts.
 
-use super::schema::StreamKind;
+use super::grid::Grid;
+use super::schema::{Schema, StreamKind};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 use std::ops::Range;
@@ -35,6 +36,35 @@ pub(super) fn sections_of(counts: &[usize]) -> Vec<Range<usize>> {
         .chain((first..counts.len()).map(|level| level..level + 1))
         .collect()
 }
+
+/// How much of a frame is to be decoded, and what is known of it.
+#[derive(Debug, Clone)]
+pub(in crate::reel) struct Wanted<'a> {
+    pub(in crate::reel) schema: &'a Schema,
+    pub(in crate::reel) grid: &'a Grid,
+    /// Nodes of each level that there is.
+    pub(in crate::reel) counts: &'a [usize],
+    /// Points that are kept one by one, in cells and outside.
+    pub(in crate::reel) points: [usize; 2],
+}
+
+/// How many nodes each level has, and which levels each section adds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sizes<'a> {
+    pub(super) counts: &'a [usize],
+    pub(super) ranges: &'a [Range<usize>],
+}
+
+impl Sizes<'_> {
+    /// The section of a level.
+    pub(super) fn section_of(self, level: usize) -> usize {
+        let section = self.ranges.iter().position(|range| range.contains(&level));
+        section.unwrap_or(0)
+    }
+}
+
+/// Streams by their kind, each with its bytes in each section.
+pub(super) type CodedStreams = Vec<(StreamKind, Vec<Vec<u8>>)>;
 
 /// One stream of parts: how long each but the last is, and their bytes.
 pub(super) fn joined(parts: &[Vec<u8>]) -> Vec<u8> {
