@@ -222,7 +222,7 @@ mod tests {
                 25..31 => assert!(r > 190 && b < 10, "bar at {column}: {color:?}"),
                 // The bar is 2.5 pixels further left in its place than the wall behind it.
                 _ if *color == UNSEEN_COLOR => {
-                    assert!((20..24).contains(&column) || column < 3, "no colour at {column}")
+                    assert!((20..24).contains(&column) || column < 3, "no colour at {column}");
                 }
                 _ => assert!(r < 80, "wall at {column}: {color:?}"),
             }

@@ -78,7 +78,7 @@ fn check_frame(name: &str, recording: &Recording, frame: usize, sequence: &point
     if let (Some(time), Some(first)) = (time, sequence.entry(0).time) {
         let expected = Duration::from_micros(recording.times_us[frame] - recording.times_us[0]);
         assert!(
-            (time - first).abs_diff(expected) < Duration::from_micros(1),
+            time.abs_diff(first).abs_diff(expected) < Duration::from_micros(1),
             "{name}: {time:?}"
         );
     }

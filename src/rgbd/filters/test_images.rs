@@ -27,7 +27,7 @@ pub(super) fn noise([width, height]: [u32; 2], hole_share: f32) -> DepthImage {
 pub(super) fn plane_with_holes([width, height]: [u32; 2], depth_m: f32) -> DepthImage {
     let is_hole = |x: u32, y: u32| {
         let is_block = (10..17).contains(&x) && (5..14).contains(&y);
-        is_block || (x * 7 + y * 13) % 31 == 0 || x + y < 6 || x == width - 1
+        is_block || (x * 7 + y * 13).is_multiple_of(31) || x + y < 6 || x == width - 1
     };
     let metres = (0..height).flat_map(|y| (0..width).map(move |x| if is_hole(x, y) { 0.0 } else { depth_m }));
     DepthImage::new([width, height], metres.collect()).unwrap()
