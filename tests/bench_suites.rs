@@ -277,46 +277,62 @@ fn assert_passes_are_timed(report: &Report) {
 fn sequence_files_are_measured_by_stream() {
     let report = measure(&small(suites::REEL));
     assert_files_agree(&report);
-    let bits = numbers(&report, "bits_per_point");
-    let [density, alone, voxels, lossless, of_draco @ ..] = &bits[..] else {
-        panic!("a row for each choice of options: {bits:?}");
+    let number = |options: &str, key: &str| {
+        let of = |row: &&Row| report.value(row, "options") == Some(&Cell::Text(options.to_owned()));
+        let row = report.rows.iter().find(of);
+        let row = row.unwrap_or_else(|| panic!("no row of {options}"));
+        report.value(row, key).and_then(Cell::number)
     };
-    let [positions, kd_tree, sequential] = of_draco else {
-        panic!("a row for each coder of Draco: {bits:?}");
-    };
-    assert!(positions < kd_tree && positions < sequential, "{bits:?}");
-    assert!(voxels < lossless && density < lossless, "{bits:?}");
+    let of_reel = [
+        "sampling density",
+        "sampling density, fast",
+        "sampling density, each frame by itself",
+        "10 bits",
+        "10 bits, fast",
+        "lossless",
+    ];
+    let of_draco = [
+        "Draco, 10 bits, positions alone",
+        "Draco, 10 bits",
+        "Draco, 10 bits, sequential",
+    ];
+    assert_eq!(report.rows.len(), of_reel.len() + of_draco.len());
+    let bits = |options| number(options, "bits_per_point").unwrap();
+    let [density, _, alone, voxels, _, lossless] = of_reel.map(bits);
+    assert!(voxels < lossless && density < lossless);
     // Frames of a group share a directory, and their coordinates one cube.
-    assert!(*density < 1.05 * alone, "{bits:?}");
+    assert!(density < 1.05 * alone, "{density} {alone}");
     let streams = [
         "geometry", "position", "color", "normal", "offset", "radius", "scalar", "order",
     ];
-    let of_stream = |row: usize, stream: &str| {
-        let cell = report.value(&report.rows[row], &format!("{stream}_bits"));
-        cell.and_then(Cell::number).unwrap()
-    };
-    for (row, bits) in bits[..4].iter().enumerate() {
-        let sum: f64 = streams.iter().map(|stream| of_stream(row, stream)).sum();
-        assert!(sum > 0.8 * bits && sum < *bits, "{sum} of {bits}");
+    for options in of_reel {
+        let of_streams = streams.map(|stream| number(options, &format!("{stream}_bits")).unwrap());
+        let (sum, bits) = (of_streams.iter().sum::<f64>(), bits(options));
+        assert!(sum > 0.8 * bits && sum < bits, "{options}: {sum} of {bits}");
     }
     for key in ["encode_ms", "decode_ms"] {
         assert!(numbers(&report, key).iter().all(|&ms| ms > 0.0));
     }
     // Ten bits keep a tenth of a percent of the longest side; without loss there is no error, and so no ratio to it.
-    let psnr = |row: usize| report.value(&report.rows[row], "d1_psnr").and_then(Cell::number);
-    assert!(psnr(2).unwrap() > 60.0);
-    assert_eq!(psnr(3), None);
-    // Draco is given the same cells, and loses nothing of them.
-    for row in 4..7 {
-        assert_eq!(psnr(row), psnr(2));
-    }
-    let flip = |row: usize| report.value(&report.rows[row], "flip").and_then(Cell::number);
+    let psnr = number("10 bits", "d1_psnr").unwrap();
+    assert!(psnr > 60.0);
+    assert_eq!(number("lossless", "d1_psnr"), None);
+    assert_eq!(number("lossless", "flip"), Some(0.0));
+    assert!(number("10 bits", "flip") > Some(0.0));
+    let colors = |options| number(options, "color_psnr").unwrap();
     assert!(
-        flip(3) == Some(0.0) && flip(2) > Some(0.0) && flip(4).is_none(),
-        "no colours, no picture"
+        colors("sampling density") < colors("10 bits"),
+        "merging points mixes colours"
     );
-    let colors = |row: usize| report.value(&report.rows[row], "color_psnr").and_then(Cell::number);
-    assert!(colors(0) < colors(2), "merging points mixes colours");
+    // Draco is given the same cells, and loses nothing of them; places are rounded once more on their way back.
+    let [positions, kd_tree, sequential] = of_draco.map(bits);
+    assert!(positions < kd_tree && positions < sequential);
+    for options in of_draco {
+        let of_draco = number(options, "d1_psnr").unwrap();
+        assert!((of_draco - psnr).abs() < 1e-3, "{options}: {of_draco} beside {psnr}");
+    }
+    let without_colors = number("Draco, 10 bits, positions alone", "flip");
+    assert_eq!(without_colors, None, "no colours, no picture");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the choices come to, judged on a thread while they are made.
 //!
-//! **How it works.** The shown frame and some others are judged one after the other ([`SampleFrame`]), so that the first
+//! **How it works.** The shown frame and some others are judged one after the other ([`SampleFrame`]), so the first
 //! numbers are there soon. A change of the choices cancels what is under way; nothing begins before they have rested
 //! for a moment. Decoded frames are kept for the next choices as long as they are small. The numbers of the choices
 //! before stay to be seen until there are new ones.

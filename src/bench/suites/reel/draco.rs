@@ -1,9 +1,9 @@
 //! Draco beside sequence files: the same cells, by its kd-tree and its sequential coder.
 //!
 //! How it works: Draco is given what the sequence file of ten bits gives back, so that both keep the same points, each
-//! once. Cells are whole numbers, which it keeps as they are. Normals are three numbers of eight bits each there, as its
-//! own tool has them; colours are lossless, which ours are only on request. Its compression level is 7, the usual one
-//! of its tool.
+//! once. Cells are whole numbers, which it keeps as they are. Normals are three numbers of eight bits each there, as
+//! its own tool has them; colours are lossless, which ours are only on request. Its compression level is 7, the usual
+//! one of its tool.
 
 use super::samples::{KeptSamples, Measured};
 use crate::bench::BenchError;
