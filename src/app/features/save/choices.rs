@@ -36,6 +36,7 @@ impl PrecisionKind {
 
 /// What a person chose.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct Save {
     /// As what it is written.
     pub format: SaveFormat,
