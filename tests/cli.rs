@@ -490,7 +490,8 @@ fn bench_names_its_suites() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output).contains(
-            "expected surfels, octree, voxels, accuracy, render, play, window, error, lod, primitives or reel"
+            "expected surfels, octree, voxels, accuracy, render, play, window, error, lod, primitives, reel, rate or \
+             rgbd"
         ),
         "{}",
         stderr(&output)

@@ -165,7 +165,7 @@ pub const BINDINGS: &[Binding] = bindings! {
         "Ctrl+Z" [ctrl Z] => Command::Undo, "Undo the last change of settings or path";
         "Ctrl+Y, Ctrl+Shift+Z" [ctrl Y, ctrl_shift Z] => Command::Redo, "Redo it";
         "Ctrl+P" [ctrl P] => Command::TogglePalette, "Find a command by its name";
-        "F1" [plain F1] => Command::TogglePanel(PanelId::HELP), "This list";
+        "F1" [plain F1] => Command::TogglePanel(PanelId::HELP), "This list of keys";
         "Esc" [plain Escape] => Command::Escape, "Stop, close this list, clear points, leave full screen";
         "Ctrl+Q" [ctrl Q] => Command::Quit, "Quit";
     }

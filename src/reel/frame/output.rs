@@ -55,9 +55,8 @@ fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets
             positions(schema, moved)
         }
     };
-    // Whoever draws disks needs no neighbours for their radii.
-    let lacks_radii = cloud.attributes.normals.is_some() && cloud.attributes.radii.is_none();
-    if is_coarse || schema.kept != Kept::Merged || lacks_radii {
+    // The cells of a whole frame are as fine as its densest part: disks of their size would leave gaps in others.
+    if is_coarse || schema.kept != Kept::Merged {
         cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; of_level.cells.len()]);
     }
     cloud

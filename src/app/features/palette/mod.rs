@@ -33,9 +33,9 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("load", "open"),
     ("import", "open"),
     ("exit", "quit"),
-    ("shortcuts", "keys"),
-    ("hotkeys", "keys"),
-    ("dark mode", "dark"),
+    ("shortcuts", "list of keys"),
+    ("hotkeys", "list of keys"),
+    ("help", "list of keys"),
     ("sky", "background"),
     ("colour", "color"),
     ("color", "colour"),
@@ -142,7 +142,7 @@ mod tests {
             ("movie", "Export a picture or a video"),
             ("voxels", "Primitive: Voxels"),
             ("mine", "Preset: Mine"),
-            ("shortc", "Show or hide this list"),
+            ("shortc", "This list of keys"),
         ] {
             let found = texts(query);
             assert!(found.iter().take(4).any(|text| text == expected), "{query}: {found:?}");
