@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Depth images (RGB-D)")]
 pub(super) struct RgbdArgs {
-    /// Pattern of the names of depth images in the folder INPUT, such as 'depth/*.png'
+    /// Names of depth images in the folder INPUT, such as 'depth/*.png'
     #[arg(long, value_name = "PATTERN")]
     depth_images: Option<String>,
 
@@ -18,7 +18,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "PATTERN", requires = "depth_images")]
     color_images: Option<String>,
 
-    /// The camera: fx,fy,cx,cy in pixels, or a file (a matrix, JSON of Open3D or `info`, XML of PCL)
+    /// fx,fy,cx,cy (pixels) or a file: a matrix, JSON of Open3D, XML of PCL
     #[arg(long, value_name = "FILE|fx,fy,cx,cy")]
     intrinsics: Option<String>,
 
@@ -26,7 +26,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "N", value_parser = positive_f64)]
     depth_scale: Option<f64>,
 
-    /// Where the camera was: a trajectory of TUM, Redwood or Open3D, or matrices, camera to world
+    /// A trajectory (TUM, Redwood, Open3D) or matrices, camera to world
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
 
@@ -34,7 +34,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
 
-    /// Filters: near,median,bilateral,flying,temporal or none (in pictures usually the first four)
+    /// near,median,bilateral,flying,temporal or none (pictures: the first 4)
     #[arg(long, value_name = "NAMES")]
     rgbd_filters: Option<Filters>,
 }

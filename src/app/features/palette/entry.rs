@@ -5,8 +5,8 @@ use crate::app::open_panels::PanelId;
 use crate::app::presets::built_in;
 use crate::bench::Suite;
 use crate::bench::suites;
-use crate::scene::Style;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
+use crate::scene::{Background, Style};
 use egui::ThemePreference;
 use std::borrow::Cow;
 
@@ -136,7 +136,15 @@ fn values_of(described: &'static Described) -> Vec<Entry> {
                 })
                 .collect()
         }
-        Values::Number(_) | Values::Background | Values::Colors | Values::Environment => {
+        // Its title is one of a list of backgrounds in a section of the panel.
+        Values::Background => Background::PRESETS
+            .iter()
+            .map(|&(_, title, preset)| {
+                let text = format!("Background: {title}");
+                Entry::new(text, "What is behind the cloud", set(Value::Background(preset)))
+            })
+            .collect(),
+        Values::Number(_) | Values::Colors | Values::Environment => {
             vec![Entry::new(
                 named("…").replace(": …", "…"),
                 described.hint,
