@@ -1,6 +1,6 @@
 //! What of a sequence a sequence file is to keep.
 
-use crate::cloud::{Frame, LengthUnit};
+use crate::cloud::LengthUnit;
 use crate::reel::{Coding, Precision, ReelOptions};
 use crate::scene::{FirstLook, Primitive};
 use crate::sequence::Sequence;
@@ -94,9 +94,8 @@ impl ReelArgs {
 
 /// Whether the points of the first frame that can be read sample a surface, so that normals mean something.
 fn is_surface(sequence: &Sequence) -> bool {
-    let first = sequence.frames().find_map(|index| sequence.decode(index).ok());
-    let frame = first.and_then(|cloud| Frame::from_raw(cloud, sequence.origin()).ok());
-    frame.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).primitive == Primitive::Surfel)
+    let first = sequence.frames().find_map(|index| sequence.frame(index).ok());
+    first.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).primitive == Primitive::Surfel)
 }
 
 /// The unit of the first frame that can be read.

@@ -6,6 +6,8 @@
 //! Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each
 //! counts from its first frame. The offset is in frames of B: by time and by number, a frame is the median spacing.
 
+use std::cmp::Ordering;
+use std::ops::Sub;
 use std::time::Duration;
 
 /// A frame belongs to a moment up to so many median spacings away: more than half of one, as frames do not come evenly,
@@ -65,9 +67,7 @@ impl PairNumbers {
         if !b.iter().any(|number| a.binary_search(number).is_ok()) {
             return None;
         }
-        let mut spacings: Vec<u64> = b.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        spacings.sort_unstable();
-        let b_spacing = spacings.get(spacings.len() / 2).copied().unwrap_or(1);
+        let b_spacing = median_spacing(&b).unwrap_or(1);
         Some(Self { a, b, b_spacing })
     }
 
@@ -77,8 +77,7 @@ impl PairNumbers {
         let wanted = i128::from(self.a[index.min(last)]) + i128::from(offset) * i128::from(self.b_spacing);
         let away = |frame: usize| (i128::from(self.b[frame]) - wanted).unsigned_abs();
         let after = self.b.partition_point(|&number| i128::from(number) < wanted);
-        let candidates = after.saturating_sub(1)..(after + 1).min(self.b.len());
-        let nearest = candidates.min_by_key(|&frame| away(frame)).unwrap_or(0);
+        let nearest = nearest_of(self.b.len(), after, away);
         Pair {
             nearest,
             is_there: away(nearest) == 0,
@@ -138,8 +137,7 @@ impl PairTimes {
         let at_secs = self.a_secs[index.min(last)] + offset as f64 * self.b_spacing_secs;
         let after = self.b_secs.partition_point(|&secs| secs < at_secs);
         let away = |frame: usize| (self.b_secs[frame] - at_secs).abs();
-        let candidates = after.saturating_sub(1)..(after + 1).min(self.b_secs.len());
-        let nearest = candidates.min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(0);
+        let nearest = nearest_of(self.b_secs.len(), after, away);
         Pair {
             nearest,
             is_there: away(nearest) <= REACH_IN_SPACINGS * self.b_spacing_secs,
@@ -162,10 +160,21 @@ fn secs_since(begin: Duration, times: &[Duration]) -> Vec<f64> {
     times.iter().map(since).collect()
 }
 
-fn median_spacing(secs: &[f64]) -> Option<f64> {
-    let mut spacings: Vec<f64> = secs.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    spacings.sort_by(f64::total_cmp);
+fn median_spacing<T: Copy + PartialOrd + Sub<Output = T>>(growing: &[T]) -> Option<T> {
+    let mut spacings: Vec<T> = growing.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    spacings.sort_by(order);
     spacings.get(spacings.len() / 2).copied()
+}
+
+/// Of so many frames the nearest to a place in their order, `after` being the first that is not before it.
+fn nearest_of<T: PartialOrd>(frame_count: usize, after: usize, away: impl Fn(usize) -> T) -> usize {
+    let candidates = after.saturating_sub(1)..(after + 1).min(frame_count);
+    candidates.min_by(|&a, &b| order(&away(a), &away(b))).unwrap_or(0)
+}
+
+/// Of numbers that are some.
+fn order<T: PartialOrd>(a: &T, b: &T) -> Ordering {
+    a.partial_cmp(b).unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]

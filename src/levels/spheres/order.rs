@@ -16,7 +16,7 @@ pub(super) struct Order {
 
 /// A number that is the smaller the larger a radius is, and of equal ones the smaller the place is, which are its lower
 /// 32 bits. Precondition: a radius is not negative, so that its bits are in its order.
-pub(super) fn descending_key(radius: f32, place: u32) -> u64 {
+fn descending_key(radius: f32, place: u32) -> u64 {
     u64::from(!radius.to_bits()) << 32 | u64::from(place)
 }
 
