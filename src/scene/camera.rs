@@ -208,12 +208,14 @@ impl Camera {
             return self.frame_bounds(&bounds, origin);
         }
         let center = bounds.center().as_dvec3();
-        let half_height = FRAMED_FRACTION * (0.5 * self.fov_deg).to_radians().tan();
+        let half_fov_tangent = (0.5 * self.fov_deg).to_radians().tan();
+        let half_height = FRAMED_FRACTION * half_fov_tangent;
         let tangents = [half_height * aspect, half_height];
-        // How much a point spreads the picture for being nearer.
+        // How much a point spreads the picture for being nearer: through the telephoto lens of orthographic views a
+        // little, which is seen where a cloud is much deeper than wide.
         let nearness = match self.projection {
             Projection::Perspective => 1.0,
-            Projection::Orthographic => 0.0,
+            Projection::Orthographic => 1.0 / (TELEPHOTO_FOCAL * half_fov_tangent),
         };
         let rotation = self.view_from_world_rotation();
         // Of each axis of the picture: the farthest point to its low and to its high side.

@@ -55,6 +55,22 @@ proptest! {
     }
 }
 
+/// Through the telephoto lens of orthographic views a deep cloud is wider in front.
+#[test]
+fn a_deep_cloud_fits_an_orthographic_picture() {
+    let points =
+        [[0.178_f32, -0.004, 0.711], [0.311, -0.004, -0.783]].map(|[x, y, z]| Vec3::new(2.67 * x, y, 1.575 * z));
+    let mut camera = Camera {
+        azimuth_deg: -79.0303,
+        elevation_deg: 81.4539,
+        projection: Projection::Orthographic,
+        ..Camera::framing(&Aabb::from_points(&points), DVec3::ZERO, UpAxis::Z)
+    };
+    camera.frame_points(&points, DVec3::ZERO, 1.0);
+    let out = farthest_out(&camera, &points, DVec3::ZERO, [1000, 1000]);
+    assert!(out.is_some_and(|out| (0.9..=0.951).contains(&out)), "{out:?}");
+}
+
 #[test]
 fn points_of_a_grid_are_as_far_apart_as_its_lines() {
     let frame_of = |positions: Vec<[f32; 3]>| {
