@@ -32,7 +32,7 @@ pub(super) struct ReelArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
     color_error: Option<u8>,
 
-    /// Frames of a group, which share a cube [default: 30]
+    /// Frames of a group: they share a cube, and may be told by one another [default: 10]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     keyframes: Option<u32>,
 

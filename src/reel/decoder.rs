@@ -2,7 +2,7 @@
 
 use super::error::{Fault, ReelError};
 use super::file::{Directory, FrameRecord, SectionRecord, checksum, is_right};
-use super::frame::{CodedSection, Wanted, cloud_of, decode_pose};
+use super::frame::{CodedSection, Followed, Pose, Wanted, cloud_of, cloud_of_followed, decode_moved, decode_pose};
 use super::reader::ReelFile;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -35,6 +35,7 @@ pub struct ReelDecoder {
     file: Arc<ReelFile>,
     max_memory_bytes: u64,
     group: Option<OpenGroup>,
+    last: Option<LastFrame>,
 }
 
 /// The group of the last frame.
@@ -46,6 +47,17 @@ struct OpenGroup {
     data: u64,
 }
 
+/// The last frame that was decoded, if the next one may be told by it.
+#[derive(Debug)]
+struct LastFrame {
+    group: usize,
+    /// Its place in the group.
+    place: usize,
+    /// How many of its sections were decoded.
+    sections: usize,
+    followed: Followed,
+}
+
 impl ReelDecoder {
     /// Of a file; a frame may take so many bytes of memory while it is decoded.
     pub fn new(file: Arc<ReelFile>, max_memory_bytes: u64) -> Self {
@@ -53,6 +65,7 @@ impl ReelDecoder {
             file,
             max_memory_bytes,
             group: None,
+            last: None,
         }
     }
 
@@ -62,12 +75,12 @@ impl ReelDecoder {
     }
 
     /// Frame `index` by its finest level of at most `most_points` points (by its root, if no level has so few;
-    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before.
+    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before, but the time does: a frame that
+    /// is told by others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
     pub fn decode(&mut self, index: usize, most_points: usize, progress: &Progress) -> Result<DecodedFrame, ReelError> {
-        let cancelled = |path: &std::path::Path| ReelError::Cancelled { path: path.to_owned() };
         let file = Arc::clone(&self.file);
         let Some(group) = file.group_of(index) else {
             return Err(ReelError::NoFrame {
@@ -76,45 +89,139 @@ impl ReelDecoder {
                 count: file.frame_count(),
             });
         };
-        let allowed = self.max_memory_bytes;
         let group = open_group(&mut self.group, &file, group)?;
-        let frame = &group.directory.frames[index - group.frames.start];
-        let choice = Choice::of(frame, most_points);
-        let schema = &group.directory.schemas[frame.schema];
-        let limits = Limits { frame: index, allowed };
-        limits.check(&file, frame, &choice, schema.bytes_per_point(), group.data)?;
-        if progress.is_cancelled() {
-            return Err(cancelled(file.path()));
-        }
-        let sections = read_sections(&file, &frame.sections[..choice.sections], group.data)?;
-        if progress.is_cancelled() {
-            return Err(cancelled(file.path()));
-        }
-        let grid = &group.directory.grid;
-        let wanted = Wanted {
-            schema,
-            grid,
-            counts: &frame.counts,
-            points: frame.points,
+        let place = index - group.frames.start;
+        let choice = Choice::of(&group.directory.frames[place], most_points);
+        let reading = Reading {
+            file: &file,
+            group,
+            choice,
+            allowed: self.max_memory_bytes,
+            progress,
         };
-        let first_byte = frame.sections.first().map_or(0, |section| section.offset);
-        let mut pose = decode_pose(&wanted, &sections).map_err(|Fault(problem)| {
-            let problem = format!("frame {index} ({}): {problem}", frame.name);
-            Fault(problem).at(file.path(), group.data + first_byte)
-        })?;
-        pose.levels.truncate(choice.levels);
-        let cloud = finished(
-            frame,
-            cloud_of(schema, grid, grid.depth, &pose, &frame.scalar_offsets),
-            choice.is_whole,
-        );
+        let cloud = reading.cloud(place, &mut self.last)?;
+        let frame = &group.directory.frames[place];
         Ok(DecodedFrame {
-            cloud,
+            cloud: finished(frame, cloud, choice.is_whole),
             points_in_frame: all_points(frame),
             levels: choice.levels as u8,
             is_whole: choice.is_whole,
-            cell_edge: grid.edge((choice.levels.max(1) - 1) as u32),
+            cell_edge: group.directory.grid.edge((choice.levels.max(1) - 1) as u32),
         })
+    }
+}
+
+/// What is read of a group.
+struct Reading<'a> {
+    file: &'a ReelFile,
+    group: &'a OpenGroup,
+    choice: Choice,
+    allowed: u64,
+    progress: &'a Progress,
+}
+
+impl Reading<'_> {
+    /// The cloud of a frame of the group; `last` is what was decoded before, and becomes what the next frame is told by.
+    fn cloud(&self, place: usize, last: &mut Option<LastFrame>) -> Result<RawCloud, ReelError> {
+        let Directory { grid, schemas, frames } = &self.group.directory;
+        let frame = &frames[place];
+        let schema = &schemas[frame.schema];
+        let key = (0..place)
+            .rev()
+            .find(|&place| !frames[place + 1].is_moved)
+            .map_or(0, |before| before + 1);
+        let Choice {
+            sections,
+            levels,
+            is_whole,
+        } = self.choice;
+        let known = last.take().filter(|last| {
+            last.group == self.group.index && last.sections == sections && (key..=place).contains(&last.place)
+        });
+        if key == place {
+            let mut pose = self.pose(place)?;
+            let is_followed = frames.get(place + 1).is_some_and(|next| next.is_moved);
+            let followed = is_followed.then(|| Followed::of(schema, grid, &pose)).flatten();
+            *last = followed.map(|followed| self.last(place, followed));
+            pose.levels.truncate(levels);
+            return Ok(cloud_of(schema, grid, grid.depth, &pose, &frame.scalar_offsets));
+        }
+        let (mut followed, from) = if let Some(last) = known {
+            (last.followed, last.place)
+        } else {
+            let followed = Followed::of(schema, grid, &self.pose(key)?);
+            let unfollowed = || self.fault(place, Fault::new("it moves a frame that keeps every bit"));
+            (followed.ok_or_else(unfollowed)?, key)
+        };
+        for next in from + 1..=place {
+            let sections = self.sections(next)?;
+            decode_moved(schema, &mut followed, &sections).map_err(|fault| self.fault(next, fault))?;
+        }
+        let level = if is_whole && has_points(frame) {
+            levels
+        } else {
+            levels - 1
+        };
+        let cloud = cloud_of_followed(schema, grid, &followed, level, &frame.scalar_offsets);
+        *last = Some(self.last(place, followed));
+        Ok(cloud)
+    }
+
+    /// A frame that stands alone, as whole numbers.
+    fn pose(&self, place: usize) -> Result<Pose, ReelError> {
+        let sections = self.sections(place)?;
+        let frame = &self.group.directory.frames[place];
+        let wanted = Wanted {
+            schema: &self.group.directory.schemas[frame.schema],
+            grid: &self.group.directory.grid,
+            counts: &frame.counts,
+            points: frame.points,
+        };
+        decode_pose(&wanted, &sections).map_err(|fault| self.fault(place, fault))
+    }
+
+    /// The chosen sections of a frame.
+    fn sections(&self, place: usize) -> Result<Vec<CodedSection>, ReelError> {
+        if self.progress.is_cancelled() {
+            return Err(ReelError::Cancelled {
+                path: self.file.path().to_owned(),
+            });
+        }
+        let frame = &self.group.directory.frames[place];
+        let limits = Limits {
+            frame: self.group.frames.start + place,
+            allowed: self.allowed,
+        };
+        let schema = &self.group.directory.schemas[frame.schema];
+        limits.check(
+            self.file,
+            frame,
+            &self.choice,
+            schema.bytes_per_point(),
+            self.group.data,
+        )?;
+        let count = self.choice.sections.min(frame.sections.len());
+        read_sections(self.file, &frame.sections[..count], self.group.data)
+    }
+
+    fn name(&self, place: usize) -> String {
+        let index = self.group.frames.start + place;
+        format!("{index} ({})", self.group.directory.frames[place].name)
+    }
+
+    fn fault(&self, place: usize, Fault(problem): Fault) -> ReelError {
+        let sections = &self.group.directory.frames[place].sections;
+        let first_byte = sections.first().map_or(0, |section| section.offset);
+        Fault(format!("frame {}: {problem}", self.name(place))).at(self.file.path(), self.group.data + first_byte)
+    }
+
+    fn last(&self, place: usize, followed: Followed) -> LastFrame {
+        LastFrame {
+            group: self.group.index,
+            place,
+            sections: self.choice.sections,
+            followed,
+        }
     }
 }
 

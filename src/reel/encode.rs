@@ -2,12 +2,13 @@
 
 use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
-use super::frame::{CodedSection, GroupPlan, Pose, Schema, encode_pose, prepare};
+use super::frame::{CodedSection, Followed, GroupPlan, Run, Schema, encode_moved, encode_pose, follows, prepare};
 use super::options::{Precision, ReelOptions};
 use crate::analysis::FileSurface;
 use crate::cloud::RawCloud;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::time::Duration;
 
 /// Most points of a frame: indices of 31 bits tell them apart.
@@ -57,30 +58,27 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
     let clouds: Vec<Cow<'_, RawCloud>> = clouds.collect::<Result<_, _>>()?;
     let clouds: Vec<&RawCloud> = clouds.iter().map(AsRef::as_ref).collect();
     let plan = GroupPlan::new(&clouds, options);
-    let coded: Vec<(Pose, Vec<CodedSection>)> = clouds
-        .par_iter()
-        .enumerate()
-        .map(|(index, cloud)| {
-            let mut pose = prepare(&plan, index, cloud);
-            let sections = encode_pose(&plan.schemas[index], &plan.grid, &mut pose);
-            (pose, sections)
-        })
+    let runs = runs_of(&plan, &clouds, options);
+    let coded: Vec<Vec<CodedFrame>> = runs
+        .into_par_iter()
+        .map(|run| encode_run(&plan, &clouds, run))
         .collect();
+    let coded = coded.concat();
     let mut schemas: Vec<Schema> = Vec::new();
     let mut records = Vec::new();
-    for (index, (frame, (pose, _))) in frames.iter().zip(&coded).enumerate() {
+    for (index, (frame, coded)) in frames.iter().zip(&coded).enumerate() {
         let schema = &plan.schemas[index];
         let place = schemas.iter().position(|other| other == schema).unwrap_or_else(|| {
             schemas.push(schema.clone());
             schemas.len() - 1
         });
-        records.push(record(frame, pose, place, schema));
+        records.push(record(frame, coded, place, schema));
     }
     let mut data = Vec::new();
     // The first sections of all frames stand together: they are read for scrubbing.
     for is_first in [true, false] {
-        for (record, (_, sections)) in records.iter_mut().zip(&coded) {
-            let (first, rest) = sections.split_at(sections.len().min(1));
+        for (record, coded) in records.iter_mut().zip(&coded) {
+            let (first, rest) = coded.sections.split_at(coded.sections.len().min(1));
             for section in if is_first { first } else { rest } {
                 record.sections.push(append(section, &mut data));
             }
@@ -96,6 +94,74 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
         directory,
         data,
     })
+}
+
+/// A frame as streams, and how many nodes and points these are.
+#[derive(Debug, Clone)]
+struct CodedFrame {
+    is_moved: bool,
+    counts: Vec<usize>,
+    points: [usize; 2],
+    sections: Vec<CodedSection>,
+}
+
+impl CodedFrame {
+    fn bytes(&self) -> usize {
+        let streams = self.sections.iter().flat_map(|section| &section.streams);
+        streams.map(|(_, bytes)| bytes.len()).sum()
+    }
+}
+
+/// Frames that may be told by the first of them, one after the other.
+fn runs_of(plan: &GroupPlan, clouds: &[&RawCloud], options: &ReelOptions) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for index in 0..clouds.len() {
+        match runs.last_mut() {
+            Some(run) if options.may_follow() && follows(plan, clouds, run.start, index) => run.end = index + 1,
+            _ => runs.push(index..index + 1),
+        }
+    }
+    runs
+}
+
+/// The frames of a run: the first stands alone, and each that would take more bytes told by the one before.
+fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<CodedFrame> {
+    let mut coded: Vec<CodedFrame> = Vec::with_capacity(run.len());
+    let mut key: Option<(Run<'_>, Followed, usize)> = None;
+    for index in run.clone() {
+        if let Some((of_key, followed, key_bytes)) = &mut key
+            && let Some(changes) = of_key.changes(clouds[index], followed)
+        {
+            let sections = encode_moved(&plan.schemas[index], followed, changes);
+            let before = &coded[coded.len() - 1];
+            let moved = CodedFrame {
+                is_moved: true,
+                counts: before.counts.clone(),
+                points: before.points,
+                sections,
+            };
+            if moved.bytes() < *key_bytes {
+                coded.push(moved);
+                continue;
+            }
+        }
+        let mut pose = prepare(plan, index, clouds[index]);
+        let sections = encode_pose(&plan.schemas[index], &plan.grid, &mut pose);
+        let points = pose.points.as_ref();
+        let frame = CodedFrame {
+            is_moved: false,
+            counts: pose.levels.iter().map(|level| level.cells.len()).collect(),
+            points: points.map_or([0; 2], |points| [points.below.len(), points.outside.len()]),
+            sections,
+        };
+        let followed = (index + 1 < run.end).then(|| Followed::of(&plan.schemas[index], &plan.grid, &pose));
+        key = followed.flatten().and_then(|followed| {
+            let of_key = Run::new(plan, index, clouds[index], &pose, &followed)?;
+            Some((of_key, followed, frame.bytes()))
+        });
+        coded.push(frame);
+    }
+    coded
 }
 
 /// The points of a frame with normals, if they are to be estimated.
@@ -126,16 +192,16 @@ fn check(frame: &NewFrame<'_>) -> Result<(), ReelError> {
     })
 }
 
-fn record(frame: &NewFrame<'_>, pose: &Pose, schema: usize, of_schema: &Schema) -> FrameRecord {
+fn record(frame: &NewFrame<'_>, coded: &CodedFrame, schema: usize, of_schema: &Schema) -> FrameRecord {
     let cloud = frame.cloud;
-    let points = pose.points.as_ref();
     FrameRecord {
         name: frame.name.to_owned(),
         time: frame.time,
+        is_moved: coded.is_moved,
         schema,
         points_written: cloud.positions.len() as u64,
-        points: points.map_or([0; 2], |points| [points.below.len(), points.outside.len()]),
-        counts: pose.levels.iter().map(|level| level.cells.len()).collect(),
+        points: coded.points,
+        counts: coded.counts.clone(),
         scalar_offsets: cloud.attributes.scalars.iter().map(|field| field.offset).collect(),
         sensor: cloud.sensor,
         convention: cloud.convention,

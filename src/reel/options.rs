@@ -6,7 +6,8 @@ use super::error::ReelError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Precision {
     /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell become one, with
-    /// the means of their attributes, and an offset along the normal where there are normals.
+    /// the means of their attributes, and an offset along the normal where there are normals. In frames that are told by
+    /// the one before, it moves as they do, and is off by another half of a cell at most.
     SamplingDensity,
     /// One point in each occupied cell of 2ᵇ along the longest side of the group's box: `Bits(10)` are voxels of 10
     /// bits. At most 21.
@@ -46,7 +47,9 @@ pub struct ReelOptions {
     pub scalar_bits: u8,
     /// Bits of the offset of a point along its normal at [`Precision::SamplingDensity`], at most 4; 0 for none.
     pub offset_bits: u8,
-    /// Frames of a group: they share a cube, and what is damaged costs no more than its group.
+    /// Frames of a group: they share a cube, and what is damaged costs no more than its group. Where points keep their
+    /// order from frame to frame, all but the first of a group may be told by the one before, so that any is decoded
+    /// after those before it.
     pub keyframes: u32,
     /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one:
     /// [`Precision::Length`] or [`Precision::Lossless`].
@@ -65,7 +68,7 @@ impl Default for ReelOptions {
             color_error: 2,
             scalar_bits: 8,
             offset_bits: 3,
-            keyframes: 30,
+            keyframes: 10,
             keep_order: false,
             fps: None,
         }
@@ -87,6 +90,11 @@ impl ReelOptions {
     /// Whether points are kept one by one.
     pub(super) fn keeps_points(&self) -> bool {
         matches!(self.precision, Precision::Length(_) | Precision::Lossless)
+    }
+
+    /// Whether a frame may be told by the one before: not where each is to have cells of its own, or every bit.
+    pub(super) fn may_follow(&self) -> bool {
+        matches!(self.precision, Precision::SamplingDensity | Precision::Length(_))
     }
 
     /// Says what cannot be meant.

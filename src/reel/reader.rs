@@ -284,6 +284,19 @@ impl ReelFile {
         })
     }
 
+    /// The frames that are told by one another, `index` among them: they are best decoded in their order. Precondition:
+    /// there is such a frame.
+    pub fn run_of(&self, index: usize) -> Range<usize> {
+        let is_moved = |frame: usize| self.index.frames[frame].bytes[StreamKind::Motion as usize] > 0;
+        let group = match self.group_of(index) {
+            Some(group) => self.index.groups[group].frames.clone(),
+            None => index..index + 1,
+        };
+        let start = (group.start..=index).rev().find(|&frame| !is_moved(frame));
+        let end = (index + 1..group.end).find(|&frame| !is_moved(frame));
+        start.unwrap_or(group.start)..end.unwrap_or(group.end)
+    }
+
     /// Frames a second, if the file says it.
     pub fn fps(&self) -> Option<f64> {
         self.head.fps

@@ -138,6 +138,10 @@ impl Source for Reel {
         Arc::clone(&read(&self.shared.opened).entries[index])
     }
 
+    fn group(&self, index: usize) -> Range<usize> {
+        self.file().run_of(index)
+    }
+
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(FileDecoder {
             decoder: ReelDecoder::new(self.file(), self.shared.max_memory_bytes),

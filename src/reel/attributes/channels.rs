@@ -11,12 +11,45 @@
 
 use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels, divided};
 use crate::reel::tree::{Known, NONE};
+use std::ops::RangeInclusive;
 
 /// Classes of how well what a value is predicted from agrees.
 const AGREEMENTS: usize = 8;
 
 /// Classes of what the channel before was off by.
 const BEFORE: usize = 4;
+
+/// A whole number that a node has: a value, or how it changed since the frame before.
+pub(in crate::reel) trait Channel: Copy {
+    fn get(self) -> i32;
+
+    /// Precondition: it fits.
+    fn of(value: i32) -> Self;
+}
+
+impl Channel for u16 {
+    #[inline(always)]
+    fn get(self) -> i32 {
+        i32::from(self)
+    }
+
+    #[inline(always)]
+    fn of(value: i32) -> Self {
+        value as Self
+    }
+}
+
+impl Channel for i32 {
+    #[inline(always)]
+    fn get(self) -> i32 {
+        self
+    }
+
+    #[inline(always)]
+    fn of(value: i32) -> Self {
+        value
+    }
+}
 
 /// What is known of what is not predicted.
 #[derive(Debug, Clone)]
@@ -36,16 +69,17 @@ impl ChannelModels {
 }
 
 /// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
-/// are decoded. Values are at most `most`; none is wrong by more than half of `step`, which is odd.
-pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
+/// are decoded. Values are within `range`; none is wrong by more than half of `step`, which is odd.
+pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
     coder: &mut C,
     models: &mut ChannelModels,
     plan: &[Known],
-    parents: &[[u16; N]],
-    values: &mut [[u16; N]],
-    (step, most): (u16, u16),
+    parents: &[[T; N]],
+    values: &mut [[T; N]],
+    (step, range): (u16, RangeInclusive<i32>),
 ) {
-    let (step, most) = (i32::from(step), i32::from(most));
+    let step = i32::from(step);
+    let within = |value: i32| value.clamp(*range.start(), *range.end());
     let mut sums = [0i32; N];
     let mut siblings = 0;
     let mut last_parent = NONE;
@@ -59,12 +93,12 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
         let left = i32::from(known.left);
         let mut off = 0;
         for channel in 0..N {
-            let mean = i32::from(parent[channel]);
+            let mean = parent[channel].get();
             // What the children left have on average.
-            let expected = divided((mean * (siblings + left) - sums[channel]) * 2 + left, 2 * left).clamp(0, most);
+            let expected = within(divided((mean * (siblings + left) - sums[channel]) * 2 + left, 2 * left));
             let (mut beside, mut count) = (0, 0);
             for &neighbour in known.beside.iter().take_while(|&&neighbour| neighbour != NONE) {
-                beside += i32::from(values[neighbour as usize][channel]);
+                beside += values[neighbour as usize][channel].get();
                 count += 1;
             }
             let (predicted, differing) = match (count, left) {
@@ -78,7 +112,7 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
                     )
                 }
             };
-            let predicted = (predicted + off).clamp(0, most);
+            let predicted = within(predicted + off);
             let agreement = class_of(divided(differing, step), AGREEMENTS);
             let before = class_of(divided(off.abs(), step), BEFORE);
             let kind = if left == 1 {
@@ -92,14 +126,14 @@ pub(in crate::reel) fn code_channels<C: BitCoder, const N: usize>(
             let steps = if C::DECODES {
                 0
             } else {
-                (i32::from(values[node][channel]) - predicted + step / 2).div_euclid(step)
+                (values[node][channel].get() - predicted + step / 2).div_euclid(step)
             };
             // What damaged bytes say may be any number.
             let steps = model
                 .code_signed(coder, &mut models.rest, i64::from(steps))
                 .clamp(-(1 << 17), 1 << 17) as i32;
-            let value = (predicted + steps * step).clamp(0, most);
-            values[node][channel] = value as u16;
+            let value = within(predicted + steps * step);
+            values[node][channel] = T::of(value);
             sums[channel] += value;
             off += value - predicted;
         }

@@ -7,5 +7,5 @@ mod offsets;
 
 pub(super) use channels::{ChannelModels, code_channels};
 pub(super) use normal_grid::{MISSING, NormalGrid};
-pub(super) use normals::{NormalModels, code_normals};
-pub(super) use offsets::{OffsetModels, code_offsets, offset_class, offset_edges, offset_of};
+pub(super) use normals::{NormalModels, Turned, code_normals, code_turned_normals};
+pub(super) use offsets::{OffsetModels, code_offsets, offset_class, offset_edges, offset_of, offset_parts};

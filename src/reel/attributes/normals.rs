@@ -29,6 +29,16 @@ impl Default for NormalModels {
     }
 }
 
+/// What is foreseen of a normal.
+struct Foreseen {
+    /// [`MISSING`] where nothing is.
+    place: [i16; 2],
+    /// Class of how far apart is what it was foreseen by.
+    spread: usize,
+    /// How likely it is that there is none: 0 if nothing is foreseen, else 1 or 2.
+    presence: usize,
+}
+
 /// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Those of the level above are
 /// `parents`.
 pub(in crate::reel) fn code_normals<C: BitCoder>(
@@ -41,19 +51,94 @@ pub(in crate::reel) fn code_normals<C: BitCoder>(
     places: &mut [[i16; 2]],
 ) {
     let half = grid.half();
-    for (node, known) in plan.iter().enumerate() {
+    let foresee = |node: usize, places: &[[i16; 2]]| {
+        let known = &plan[node];
         let parent = parents[known.parent as usize];
-        let (predicted, spread) = predict(half, known, parent, places);
-        if may_miss {
-            let around = if predicted == MISSING {
+        let (place, spread) = mean_around(half, known, parent, |neighbour| places[neighbour]);
+        Foreseen {
+            place,
+            spread,
+            presence: if place == MISSING {
                 0
             } else {
                 1 + usize::from(parent != MISSING)
+            },
+        }
+    };
+    code_places(coder, models, half, may_miss, places, foresee);
+}
+
+/// What is known of the nodes of a level that had normals in the frame before.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::reel) struct Turned<'a> {
+    pub(in crate::reel) plan: &'a [Known],
+    /// Normals of the level above, in the frame before and in this one.
+    pub(in crate::reel) parents: [&'a [[i16; 2]]; 2],
+    /// Normals of the frame before.
+    pub(in crate::reel) before: &'a [[i16; 2]],
+}
+
+/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did.
+pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
+    coder: &mut C,
+    models: &mut NormalModels,
+    grid: &NormalGrid,
+    may_miss: bool,
+    Turned { plan, parents, before }: Turned<'_>,
+    places: &mut [[i16; 2]],
+) {
+    let half = grid.half();
+    let foresee = |node: usize, places: &[[i16; 2]]| {
+        let known = &plan[node];
+        let parent = known.parent as usize;
+        let own = before[node];
+        if own == MISSING {
+            let (place, spread) = mean_around(half, known, parents[1][parent], |neighbour| places[neighbour]);
+            let presence = 0;
+            return Foreseen {
+                place,
+                spread,
+                presence,
             };
-            if coder.bit(&mut models.missing[around], places[node] == MISSING) {
-                places[node] = MISSING;
-                continue;
+        }
+        let step = |was: [i16; 2], is: [i16; 2]| {
+            if was == MISSING || is == MISSING {
+                MISSING
+            } else {
+                [0, 1].map(|axis| is[axis].wrapping_sub(was[axis]))
             }
+        };
+        let of_parent = step(parents[0][parent], parents[1][parent]);
+        let (turned, spread) = mean_around(half, known, of_parent, |neighbour| {
+            step(before[neighbour], places[neighbour])
+        });
+        let turned = if turned == MISSING { [0; 2] } else { turned };
+        Foreseen {
+            place: [0, 1].map(|axis| own[axis].wrapping_add(turned[axis])),
+            spread,
+            presence: 2,
+        }
+    };
+    code_places(coder, models, half, may_miss, places, foresee);
+}
+
+fn code_places<C: BitCoder>(
+    coder: &mut C,
+    models: &mut NormalModels,
+    half: i32,
+    may_miss: bool,
+    places: &mut [[i16; 2]],
+    foresee: impl Fn(usize, &[[i16; 2]]) -> Foreseen,
+) {
+    for node in 0..places.len() {
+        let Foreseen {
+            place: predicted,
+            spread,
+            presence,
+        } = foresee(node, places);
+        if may_miss && coder.bit(&mut models.missing[presence], places[node] == MISSING) {
+            places[node] = MISSING;
+            continue;
         }
         let predicted = if predicted == MISSING { [1, 1] } else { predicted };
         let cell = |along: i16| i32::from(along).div_euclid(3);
@@ -78,13 +163,13 @@ pub(in crate::reel) fn code_normals<C: BitCoder>(
     }
 }
 
-/// The mean of parent and nodes beside, and a class of how far apart they are.
+/// The mean of what the parent and the nodes beside have, and a class of how far apart that is.
 #[inline]
-fn predict(half: i32, known: &Known, parent: [i16; 2], places: &[[i16; 2]]) -> ([i16; 2], usize) {
+fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usize) -> [i16; 2]) -> ([i16; 2], usize) {
     let mut first = parent;
     let (mut sums, mut weights, mut spread) = ([0i32; 2], 0, 0u32);
     let beside = known.beside.iter().take_while(|&&neighbour| neighbour != NONE);
-    let around = beside.map(|&neighbour| (places[neighbour as usize], 2));
+    let around = beside.map(|&neighbour| (place_of(neighbour as usize), 2));
     for (place, weight) in std::iter::once((parent, 1)).chain(around) {
         if place == MISSING {
             continue;

@@ -39,6 +39,21 @@ pub(in crate::reel) fn offset_edges(code: u8, bits: u8) -> f64 {
     f64::from(offset_of_code(code, bits)) / 1024.0
 }
 
+/// The way from the middle of a cell that an offset along a normal stands for, in parts of the cell of which 2ᵇⁱᵗˢ are
+/// its edge.
+pub(in crate::reel) fn offset_parts(
+    grid: &NormalGrid,
+    normal: [i16; 2],
+    code: u8,
+    bits: u8,
+    part_bits: u32,
+) -> [i32; 3] {
+    let offset = i64::from(offset_of_code(code, bits));
+    // Both are in 1024ths.
+    grid.direction(normal)
+        .map(|along| ((((offset * i64::from(along)) << part_bits) + (1 << 19)) >> 20) as i32)
+}
+
 /// The code of an offset in edges of the cell.
 pub(in crate::reel) fn offset_of(edges: f64, bits: u8) -> u8 {
     let steps = f64::from(1u32 << bits);

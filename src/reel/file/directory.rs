@@ -8,7 +8,8 @@ use glam::DVec3;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Flags of a frame; bit 0 is kept for frames that depend on the one before.
+/// Flags of a frame.
+const MOVED: u8 = 1 << 0;
 const SENSOR: u8 = 1 << 1;
 const IMAGE: u8 = 1 << 2;
 
@@ -42,6 +43,8 @@ impl SectionRecord {
 pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) name: String,
     pub(in crate::reel) time: Option<Duration>,
+    /// Whether it is told by the frame before.
+    pub(in crate::reel) is_moved: bool,
     /// Which of the group's schemas.
     pub(in crate::reel) schema: usize,
     /// Points of the cloud that was written.
@@ -122,7 +125,9 @@ impl Directory {
         }
         let mut frames = Vec::new();
         for _ in 0..reader.count("frames")? {
-            frames.push(FrameRecord::read(&mut reader, &grid, &schemas)?);
+            let frame = FrameRecord::read(&mut reader, &grid, &schemas)?;
+            frame.check_before(frames.last())?;
+            frames.push(frame);
         }
         reader.end()?;
         Ok(Self { grid, schemas, frames })
@@ -136,7 +141,8 @@ impl FrameRecord {
         writer.number(self.time.map_or(0, nanos));
         let sensor = if self.sensor.is_some() { SENSOR } else { 0 };
         let image = if self.image.is_some() { IMAGE } else { 0 };
-        writer.byte(sensor | image);
+        let moved = if self.is_moved { MOVED } else { 0 };
+        writer.byte(moved | sensor | image);
         writer.number(self.schema as u64);
         writer.number(self.points_written);
         writer.number(self.points[0] as u64);
@@ -174,7 +180,7 @@ impl FrameRecord {
         let name = reader.text()?;
         let time = reader.number()?.checked_sub(1).map(Duration::from_nanos);
         let flags = reader.byte()?;
-        if flags & !(SENSOR | IMAGE) != 0 {
+        if flags & !(MOVED | SENSOR | IMAGE) != 0 {
             let problem = format!("frame {name} is coded in a way that only later versions know ({flags:#b})");
             return Err(Fault::new(problem));
         }
@@ -230,6 +236,7 @@ impl FrameRecord {
         Ok(Self {
             name,
             time,
+            is_moved: flags & MOVED != 0,
             schema,
             points_written,
             points: [placed as usize, outside as usize],
@@ -241,6 +248,18 @@ impl FrameRecord {
             image,
             sections,
         })
+    }
+
+    /// A frame that is told by the one before has its nodes.
+    fn check_before(&self, before: Option<&Self>) -> Result<(), Fault> {
+        let fits = before.is_some_and(|before| {
+            before.schema == self.schema && before.counts == self.counts && before.points == self.points
+        });
+        if self.is_moved && !fits {
+            let problem = format!("frame {} is told by a frame before that has other points", self.name);
+            return Err(Fault::new(problem));
+        }
+        Ok(())
     }
 
     /// Bytes of each kind of stream.

@@ -4,7 +4,7 @@ use super::exact::columns_of;
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::schema::Schema;
-use super::sections::{CodedSection, Sizes, Wanted, sections_of};
+use super::sections::{CodedSection, Sizes, Wanted, blank_sections, sections_of};
 use super::{compact, fast};
 use crate::reel::error::Fault;
 use crate::reel::options::Coding;
@@ -14,16 +14,7 @@ use std::ops::Range;
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {
     let counts: Vec<usize> = pose.levels.iter().map(|level| level.cells.len()).collect();
     let ranges = sections_of(&counts);
-    let of_points = pose.points.is_some().then_some(counts.len()..counts.len());
-    let mut sections: Vec<CodedSection> = ranges
-        .iter()
-        .cloned()
-        .chain(of_points)
-        .map(|levels| CodedSection {
-            levels,
-            streams: Vec::new(),
-        })
-        .collect();
+    let mut sections = blank_sections(&ranges, pose.points.is_some());
     let sizes = Sizes {
         counts: &counts,
         ranges: &ranges,

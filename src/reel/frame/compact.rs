@@ -148,7 +148,7 @@ fn code_tree<C: BitCoder + Send>(
 }
 
 /// What is known of points: their cell, and the point before in it. Points outside are put beside each other.
-fn plan_of_points(points: &PosePoints) -> Vec<Known> {
+pub(super) fn plan_of_points(points: &PosePoints) -> Vec<Known> {
     let mut plan: Vec<Known> = Vec::with_capacity(points.len());
     let known = |parent: u32, before: Option<usize>, left: u32| Known {
         parent,
@@ -217,8 +217,8 @@ fn code_values<C: BitCoder + Send>(
             let mut parents = vec![[128u16; 3]];
             if !of_colors.is_empty() {
                 for ((plan, values), &place) in plans.iter().zip(colors).zip(&places) {
-                    let step = (u16::from(schema.color_step), 255);
-                    code_channels(&mut of_colors[place], &mut models, plan, &parents, values, step);
+                    let steps = (u16::from(schema.color_step), 0..=255);
+                    code_channels(&mut of_colors[place], &mut models, plan, &parents, values, steps);
                     if !values.is_empty() {
                         parents.clone_from(values);
                     }
@@ -233,7 +233,8 @@ fn code_values<C: BitCoder + Send>(
                 let mut models = ChannelModels::new(1);
                 let mut parents = vec![[most / 2]];
                 for ((plan, values), &place) in plans.iter().zip(levels).zip(&places) {
-                    code_channels(&mut coders[place], &mut models, plan, &parents, values, (1, most));
+                    let steps = (1, 0..=i32::from(most));
+                    code_channels(&mut coders[place], &mut models, plan, &parents, values, steps);
                     if !values.is_empty() {
                         parents.clone_from(values);
                     }

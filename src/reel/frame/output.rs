@@ -22,44 +22,56 @@ pub(in crate::reel) fn cloud_of(schema: &Schema, grid: &Grid, depth: u32, pose: 
     }
 }
 
+/// Where points are, and what they have.
+pub(super) struct Places<'a, I> {
+    pub(super) values: &'a LevelValues,
+    pub(super) at: I,
+    /// Edge of the cells that disks have to close, where points have none of their own.
+    pub(super) closing_edge: Option<f64>,
+}
+
+/// A cloud of points with attributes in steps.
+pub(super) fn cloud_of_places(
+    schema: &Schema,
+    grid: &Grid,
+    points: Places<'_, impl Iterator<Item = DVec3>>,
+    offsets: &[f64],
+) -> RawCloud {
+    let mut cloud = RawCloud::from_positions(positions(schema, points.at));
+    fill(schema, grid, points.values, &mut cloud, offsets);
+    if let Some(edge) = points.closing_edge {
+        cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; cloud.positions.len()]);
+    }
+    cloud
+}
+
 fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets: &[f64]) -> RawCloud {
     let level = pose.levels.len().saturating_sub(1) as u32;
     let Some(of_level) = pose.levels.last() else {
         return RawCloud::from_positions(positions(schema, std::iter::empty()));
     };
-    let is_coarse = level < depth;
     let values = &of_level.values;
     let edge = grid.edge(level);
-    let mut cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
-    fill(schema, grid, values, &mut cloud, offsets);
+    let lengths: [f64; 16] = std::array::from_fn(|code| offset_edges(code as u8, schema.offset_bits) * edge);
+    let lifted = |node: usize| match (values.offsets.get(node), values.normals.get(node)) {
+        (Some(&code), Some(&normal)) if normal != MISSING => {
+            let normals = NormalGrid::of(schema.normal_bits);
+            normals.unit(normal).as_dvec3() * lengths[usize::from(code) & 15]
+        }
+        _ => DVec3::ZERO,
+    };
     let middles = of_level
         .cells
         .iter()
         .map(|&cell| grid.middle(level, morton::decode(cell)));
-    let normals = cloud
-        .attributes
-        .normals
-        .as_deref()
-        .filter(|_| !values.offsets.is_empty());
-    cloud.positions = match normals {
-        None => positions(schema, middles),
-        // A node without a normal has that of no length.
-        Some(normals) => {
-            let lengths: [f64; 16] = std::array::from_fn(|code| offset_edges(code as u8, schema.offset_bits) * edge);
-            let moved = middles
-                .zip(normals)
-                .zip(&values.offsets)
-                .map(|((middle, &normal), &code)| {
-                    middle + Vec3::from_array(normal).as_dvec3() * lengths[usize::from(code) & 15]
-                });
-            positions(schema, moved)
-        }
-    };
     // The cells of a whole frame are as fine as its densest part: disks of their size would leave gaps in others.
-    if is_coarse || schema.kept != Kept::Merged {
-        cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; of_level.cells.len()]);
-    }
-    cloud
+    let needs_closing = level < depth || schema.kept != Kept::Merged;
+    let places = Places {
+        values,
+        at: middles.enumerate().map(|(node, middle)| middle + lifted(node)),
+        closing_edge: needs_closing.then_some(edge),
+    };
+    cloud_of_places(schema, grid, places, offsets)
 }
 
 fn positions(schema: &Schema, places: impl Iterator<Item = DVec3>) -> Positions {
@@ -199,7 +211,7 @@ fn fill_exactly(schema: &Schema, columns: &[Vec<u32>], cloud: &mut RawCloud) {
 }
 
 /// Puts points where they were in the file. Places that damaged bytes say twice or beyond the end are left alone.
-fn in_file_order(order: &[u32], cloud: &mut RawCloud) {
+pub(super) fn in_file_order(order: &[u32], cloud: &mut RawCloud) {
     let mut places = vec![u32::MAX; order.len()];
     for (point, &place) in (0u32..).zip(order) {
         if let Some(of_place) = places.get_mut(place as usize) {

@@ -78,6 +78,27 @@ impl GroupPlan {
             finest: finest.grid.depth,
         }
     }
+
+    /// The deepest nodes of a frame, and which of its points are in each, in the order of [`GroupPlan::order`].
+    pub(in crate::reel) fn nodes(&self, frame: usize) -> (Vec<u64>, Vec<Range<usize>>) {
+        let codes = &self.cells[frame].codes;
+        let below = 3 * (self.finest - self.grid.depth);
+        let mut nodes = Vec::new();
+        let mut starts = Vec::new();
+        for (place, code) in codes.iter().map(|code| code >> below).enumerate() {
+            if nodes.last() != Some(&code) {
+                nodes.push(code);
+                starts.push(place);
+            }
+        }
+        starts.push(codes.len());
+        (nodes, starts.windows(2).map(|ends| ends[0]..ends[1]).collect())
+    }
+
+    /// The points of a frame that are in cells, in the order of these.
+    pub(in crate::reel) fn order(&self, frame: usize) -> &[u32] {
+        &self.cells[frame].order
+    }
 }
 
 fn is_placed(position: DVec3) -> bool {
@@ -218,16 +239,7 @@ pub(in crate::reel) fn prepare(plan: &GroupPlan, frame: usize, cloud: &RawCloud)
     let schema = &plan.schemas[frame];
     let cells = &plan.cells[frame];
     let depth = plan.grid.depth;
-    let below = 3 * (plan.finest - depth);
-    let mut leaves = Vec::new();
-    let mut starts = Vec::new();
-    for (place, code) in cells.codes.iter().map(|code| code >> below).enumerate() {
-        if leaves.last() != Some(&code) {
-            leaves.push(code);
-            starts.push(place);
-        }
-    }
-    starts.push(cells.codes.len());
+    let (leaves, ranges) = plan.nodes(frame);
     let masks = masks_of_cells(&leaves, depth);
     let mut levels: Vec<Level> = masks
         .into_iter()
@@ -246,7 +258,6 @@ pub(in crate::reel) fn prepare(plan: &GroupPlan, frame: usize, cloud: &RawCloud)
         levels[level].cells = above;
     }
     let of_points = PointValues::new(schema, &plan.grid, cloud);
-    let ranges: Vec<Range<usize>> = starts.windows(2).map(|ends| ends[0]..ends[1]).collect();
     let mut summaries = of_points.leaves(&ranges, &cells.order);
     if schema.offset_bits > 0 {
         levels[depth as usize].values.offsets = offsets(

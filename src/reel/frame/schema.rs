@@ -28,11 +28,13 @@ pub enum StreamKind {
     Ellipse,
     /// The order of the file.
     Order,
+    /// How far points moved since the frame before.
+    Motion,
 }
 
 impl StreamKind {
     /// Every kind, in the order in which streams stand.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Geometry,
         Self::Position,
         Self::Color,
@@ -43,6 +45,7 @@ impl StreamKind {
         Self::Scalar,
         Self::Ellipse,
         Self::Order,
+        Self::Motion,
     ];
 
     /// A word for it.
@@ -58,6 +61,7 @@ impl StreamKind {
             Self::Scalar => "scalar",
             Self::Ellipse => "ellipse",
             Self::Order => "order",
+            Self::Motion => "motion",
         }
     }
 }
@@ -263,6 +267,11 @@ impl Schema {
         single
             .checked_sub(before)
             .map_or(255, |scalar| self.scalars[scalar].most_code())
+    }
+
+    /// Which single number is the radius.
+    pub(in crate::reel) fn radius_single(&self) -> Option<usize> {
+        (self.radii != Values::None).then_some(usize::from(self.has_alpha))
     }
 
     /// Which stream a single number is in.

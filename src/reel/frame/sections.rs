@@ -37,6 +37,20 @@ pub(super) fn sections_of(counts: &[usize]) -> Vec<Range<usize>> {
         .collect()
 }
 
+/// Sections without streams: of these levels, and then of the points, if there are any.
+pub(super) fn blank_sections(ranges: &[Range<usize>], has_points: bool) -> Vec<CodedSection> {
+    let end = ranges.last().map_or(0, |range| range.end);
+    ranges
+        .iter()
+        .cloned()
+        .chain(has_points.then_some(end..end))
+        .map(|levels| CodedSection {
+            levels,
+            streams: Vec::new(),
+        })
+        .collect()
+}
+
 /// How much of a frame is to be decoded, and what is known of it.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct Wanted<'a> {
@@ -58,9 +72,13 @@ pub(super) struct Sizes<'a> {
 impl Sizes<'_> {
     /// The section of a level.
     pub(super) fn section_of(self, level: usize) -> usize {
-        let section = self.ranges.iter().position(|range| range.contains(&level));
-        section.unwrap_or(0)
+        section_of(self.ranges, level)
     }
+}
+
+/// The section of a level, by the levels of each.
+pub(super) fn section_of(ranges: &[Range<usize>], level: usize) -> usize {
+    ranges.iter().position(|range| range.contains(&level)).unwrap_or(0)
 }
 
 /// Streams by their kind, each with its bytes in each section.

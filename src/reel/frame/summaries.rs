@@ -171,6 +171,23 @@ impl<'a> PointValues<'a> {
         summaries
     }
 
+    /// The code of the largest radius among the points of each range.
+    pub(super) fn largest_radii(&self, ranges: &[Range<usize>], order: &[u32]) -> Vec<u16> {
+        let Some(radii) = &self.cloud.attributes.radii else {
+            return Vec::new();
+        };
+        let largest = |range: &Range<usize>| {
+            let points = order[range.clone()].iter();
+            radius_code(
+                points
+                    .map(|&point| f64::from(radii[point as usize]))
+                    .fold(0.0, f64::max)
+                    / self.edge,
+            )
+        };
+        ranges.iter().map(largest).collect()
+    }
+
     fn is_label(&self, single: usize) -> bool {
         let first_scalar = self.schema.singles() - self.schema.scalars.len();
         single >= first_scalar && self.schema.scalars[single - first_scalar].is_label
@@ -200,6 +217,11 @@ impl<'a> PointValues<'a> {
 }
 
 impl Summaries {
+    /// Puts other codes in place of those of a single number.
+    pub(super) fn set_single(&mut self, single: usize, codes: Vec<[u16; 1]>) {
+        self.singles[single] = codes;
+    }
+
     /// The means of the nodes above.
     pub(super) fn above(&self, schema: &Schema, masks: &[u8]) -> Self {
         let mut next = 0;

@@ -3,5 +3,6 @@
 mod clouds;
 mod codings;
 mod damage;
+mod moved;
 mod round_trip;
 mod vector;

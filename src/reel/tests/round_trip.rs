@@ -152,7 +152,7 @@ proptest! {
 }
 
 /// Attributes in steps, of points that stand in the same order.
-fn check_attributes(was: &RawCloud, is: &RawCloud, color_error: i32) -> Result<(), TestCaseError> {
+pub(super) fn check_attributes(was: &RawCloud, is: &RawCloud, color_error: i32) -> Result<(), TestCaseError> {
     let (was, is) = (&was.attributes, &is.attributes);
     if let (Some(was), Some(is)) = (&was.colors, &is.colors) {
         for (was, is) in was.iter().zip(is) {

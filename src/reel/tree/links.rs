@@ -1,6 +1,7 @@
 //! Which nodes of a level are beside each other, found from the level above: no search, no hash.
 
 use super::window::{CUBE_OF_27, DIRECTIONS, MIDDLE, OWNERS, PLACED, shift_of};
+use fearless_simd::{Level, dispatch};
 
 /// No node is there.
 pub(in crate::reel) const NONE: u32 = u32::MAX;
@@ -64,4 +65,24 @@ impl Links<'_> {
         }
         neighbours
     }
+}
+
+/// The neighbours of every child of the nodes of a level.
+pub(in crate::reel) fn neighbours_below(links: Links<'_>) -> Vec<Neighbours> {
+    // Bits are counted by instructions that not every processor has.
+    dispatch!(Level::new(), _simd => below(links))
+}
+
+#[inline(always)]
+fn below(links: Links<'_>) -> Vec<Neighbours> {
+    let mut below = Vec::with_capacity(links.first.last().map_or(0, |&end| end as usize));
+    for (node, &mask) in links.masks.iter().enumerate() {
+        let window = links.window(node);
+        let mut octants = mask;
+        while octants != 0 {
+            below.push(links.neighbours_of_child(node, window, octants.trailing_zeros() as usize));
+            octants &= octants - 1;
+        }
+    }
+    below
 }

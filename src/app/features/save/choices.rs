@@ -125,9 +125,7 @@ impl Save {
         ReelOptions {
             precision,
             coding: self.coding,
-            estimates_normals: self.estimates_normals
-                && self.samples_surface
-                && precision == Precision::SamplingDensity,
+            estimates_normals: self.estimates_normals && self.samples_surface,
             normal_bits: self.normal_bits,
             color_error: self.color_error,
             keep_order: self.keeps_order && self.precision.keeps_points(),

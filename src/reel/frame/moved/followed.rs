@@ -1,0 +1,214 @@
+//! What the next frame of a group is told by: where the nodes of every level are, and what they have.
+
+use super::super::compact::plan_of_points;
+use super::super::grid::Grid;
+use super::super::levels::{Level, LevelValues, Pose};
+use super::super::output::{Places, cloud_of_places, in_file_order};
+use super::super::schema::{Kept, Schema};
+use super::changes::Changes;
+use super::part_bits;
+use crate::cloud::{Positions, RawCloud};
+use crate::math::morton;
+use crate::reel::attributes::{MISSING, NormalGrid, offset_parts};
+use crate::reel::tree::{ALONE, Known, Links, Neighbours, first_children, neighbours_below, plan};
+use glam::DVec3;
+
+/// A frame that the next one is told by.
+#[derive(Debug, Clone)]
+pub(in crate::reel) struct Followed {
+    /// The nodes of each level that was decoded, from the root down; then the points, if they are kept one by one.
+    pub(super) levels: Vec<FollowedLevel>,
+    /// What each is predicted from.
+    pub(super) plans: Vec<Vec<Known>>,
+    /// Who is around the nodes of each level that has something below it, and what that is.
+    pub(super) families: Vec<Family>,
+    /// Whether the last of them are points.
+    pub(super) has_points: bool,
+    /// The index in the file of each point.
+    order: Vec<u32>,
+    part_bits: u32,
+    depth: u32,
+}
+
+/// The nodes of a level.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FollowedLevel {
+    /// In parts of the deepest cells, from the smallest corner of the cube on.
+    pub(super) positions: Vec<[i32; 3]>,
+    pub(super) values: LevelValues,
+}
+
+impl Followed {
+    /// A frame that stands alone, or its first levels, as a decoder has it; `None` of one that no frame is told by.
+    pub(in crate::reel) fn of(schema: &Schema, grid: &Grid, pose: &Pose) -> Option<Self> {
+        let part_bits = part_bits(schema, grid)?;
+        if pose.points.as_ref().is_some_and(|points| !points.outside.is_empty()) {
+            return None;
+        }
+        let still = |positions: Vec<[i32; 3]>, values: &LevelValues| FollowedLevel {
+            positions,
+            values: values.clone(),
+        };
+        let (mut plans, mut families) = plans_of(&pose.levels, pose.points.is_some());
+        let mut levels: Vec<FollowedLevel> = (0u32..)
+            .zip(&pose.levels)
+            .map(|(level, of_level)| {
+                let middle = |&cell: &u64| {
+                    morton::decode(cell).map(|along| ((2 * along as i32 + 1) << (part_bits + grid.depth - level)) >> 1)
+                };
+                let mut middles: Vec<[i32; 3]> = of_level.cells.iter().map(middle).collect();
+                lift(schema, part_bits, &of_level.values, &mut middles);
+                still(middles, &of_level.values)
+            })
+            .collect();
+        if let (Some(points), Some(deepest), Kept::Bits(bits)) = (&pose.points, pose.levels.last(), schema.kept) {
+            let bits = u32::from(bits);
+            let cells = deepest.cells.iter().zip(&points.counts);
+            let of_each = cells.flat_map(|(&cell, &count)| std::iter::repeat_n(morton::decode(cell), count as usize));
+            let placed = of_each.zip(&points.below).map(|(cell, below)| {
+                // The middle of what the bits below the cell tell apart.
+                [0, 1, 2].map(|axis| {
+                    (cell[axis] << part_bits) as i32 | ((2 * below[axis] as i32 + 1) << (part_bits - bits)) >> 1
+                })
+            });
+            levels.push(still(placed.collect(), &points.values));
+            plans.push(plan_of_points(points));
+            if let Some(family) = families.last_mut() {
+                let mut next = 0;
+                family.first = std::iter::once(0)
+                    .chain(points.counts.iter().map(|&count| {
+                        next += count;
+                        next
+                    }))
+                    .collect();
+            }
+        }
+        Some(Self {
+            levels,
+            plans,
+            families,
+            has_points: pose.points.is_some(),
+            order: pose
+                .points
+                .as_ref()
+                .map_or_else(Vec::new, |points| points.order.clone()),
+            part_bits,
+            depth: grid.depth,
+        })
+    }
+
+    /// Nodes of each level.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        let tree = self.levels.len() - usize::from(self.has_points);
+        self.levels[..tree].iter().map(|level| level.positions.len()).collect()
+    }
+
+    /// Edge of the cells of a level, in parts.
+    pub(super) fn edge_parts(&self, level: usize) -> f64 {
+        (f64::from(self.part_bits) + f64::from(self.depth) - level as f64).exp2()
+    }
+
+    /// Becomes the next frame.
+    pub(super) fn follow(&mut self, schema: &Schema, changes: Changes) {
+        for (level, changed) in self.levels.iter_mut().zip(changes.levels) {
+            for (position, step) in level.positions.iter_mut().zip(&changed.steps) {
+                // Damaged bytes may move a node on and on.
+                *position = [0, 1, 2].map(|axis| position[axis].saturating_add(step[axis]));
+            }
+            let values = &mut level.values;
+            add(&mut values.colors, &changed.colors, 255);
+            for (single, (codes, changes)) in values.singles.iter_mut().zip(&changed.singles).enumerate() {
+                add(codes, changes, schema.most_code(single));
+            }
+            values.normals = changed.normals;
+        }
+    }
+}
+
+fn add<const N: usize>(values: &mut [[u16; N]], changes: &[[i32; N]], most: u16) {
+    for (value, change) in values.iter_mut().zip(changes) {
+        for channel in 0..N {
+            value[channel] = (i32::from(value[channel]) + change[channel]).clamp(0, i32::from(most)) as u16;
+        }
+    }
+}
+
+/// Puts nodes from the middles of their cells to the surface, where it is told how far that is.
+fn lift(schema: &Schema, part_bits: u32, values: &LevelValues, middles: &mut [[i32; 3]]) {
+    if values.offsets.is_empty() || schema.normal_bits == 0 {
+        return;
+    }
+    let normals = NormalGrid::of(schema.normal_bits);
+    let nodes = middles.iter_mut().zip(&values.normals).zip(&values.offsets);
+    for ((middle, &normal), &offset) in nodes.filter(|((_, normal), _)| **normal != MISSING) {
+        let way = offset_parts(normals, normal, offset, schema.offset_bits, part_bits);
+        *middle = [0, 1, 2].map(|axis| middle[axis] + way[axis]);
+    }
+}
+
+/// The nodes of a level among each other.
+#[derive(Debug, Clone)]
+pub(super) struct Family {
+    /// For each node those around it.
+    pub(super) neighbours: Vec<Neighbours>,
+    /// For each node its first child, and the end.
+    pub(super) first: Vec<u32>,
+}
+
+/// What is known of the nodes of every level, and who is around them where something is below.
+fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>) {
+    let mut families = Vec::new();
+    let mut neighbours = vec![ALONE];
+    let mut above: &[u8] = &[1];
+    let mut plans = Vec::with_capacity(levels.len());
+    if levels.first().is_none_or(|root| root.cells.is_empty()) {
+        return (vec![Vec::new(); levels.len()], families);
+    }
+    for (place, level) in levels.iter().enumerate() {
+        let first = first_children(above);
+        let links = Links {
+            neighbours: &neighbours,
+            masks: above,
+            first: &first,
+        };
+        plans.push(plan(links));
+        let is_deepest = place + 1 == levels.len();
+        if !is_deepest || has_points {
+            neighbours = neighbours_below(links);
+            above = &level.masks;
+            families.push(Family {
+                neighbours: neighbours.clone(),
+                first: if is_deepest { Vec::new() } else { first_children(above) },
+            });
+        }
+    }
+    (plans, families)
+}
+
+/// The cloud of the nodes of a level, or of the points where they are kept one by one and `level` is behind the
+/// deepest. Scalars have the offsets given.
+pub(in crate::reel) fn cloud_of_followed(
+    schema: &Schema,
+    grid: &Grid,
+    followed: &Followed,
+    level: usize,
+    offsets: &[f64],
+) -> RawCloud {
+    let Some(of_level) = followed.levels.get(level) else {
+        return RawCloud::from_positions(Positions::F32(Vec::new()));
+    };
+    let part = grid.cell / f64::from(1u32 << followed.part_bits);
+    let place = |position: &[i32; 3]| grid.min + DVec3::from_array(position.map(f64::from)) * part;
+    let is_whole = level + 1 == followed.levels.len() && (followed.has_points || level == grid.depth as usize);
+    let places = Places {
+        values: &of_level.values,
+        at: of_level.positions.iter().map(place),
+        closing_edge: (!is_whole || !followed.has_points && schema.kept != Kept::Merged)
+            .then(|| grid.edge(level as u32)),
+    };
+    let mut cloud = cloud_of_places(schema, grid, places, offsets);
+    if followed.has_points && is_whole && schema.has_order {
+        in_file_order(&followed.order, &mut cloud);
+    }
+    cloud
+}

@@ -1,0 +1,83 @@
+//! Frames that are told by the one before: its nodes, moved and changed.
+//!
+//! How it works: where the points of a file keep their order from frame to frame, those of a cell of the key frame stay
+//! together, and the node that stands for them moves as their mean does. How far is one more attribute of the nodes of
+//! the key frame's octree, coded level by level by the predicting transform of colours: a node moves as its parent and
+//! the nodes beside it do, and at the pace that it had. Colours and single numbers are changes by the same transform;
+//! normals turn as those around them.
+//!
+//! When it wins: models that are animated, surfaces that are tracked. What a point has told once it need not tell
+//! again: of a textured body hardly anything is left but how it moves, and points keep their identity, so nothing
+//! flickers. Where every frame is sampled anew, no two points belong together, and frames stand alone.
+//!
+//! What it costs: a frame is decoded after those before it, back to the key frame. Coarse levels are decoded from
+//! coarse levels alone.
+
+mod changes;
+mod code;
+mod followed;
+mod motion;
+mod run;
+mod slope;
+
+pub(in crate::reel) use code::{decode, encode};
+pub(in crate::reel) use followed::{Followed, cloud_of_followed};
+pub(in crate::reel) use run::{Run, follows};
+
+use super::grid::Grid;
+use super::schema::{Kept, Schema, Values};
+
+/// Most that a node is told to move or change by, in parts of a cell or steps: within it, quotients are exact
+/// ([`crate::reel::coder::divided`]).
+const MOST_CHANGE: i32 = 1 << 13;
+
+/// Most bits of a position, so that it may leave the cube.
+const MOST_POSITION_BITS: u32 = 28;
+
+/// How precisely nodes move.
+#[derive(Debug, Clone, Copy)]
+struct MotionScale {
+    /// Bits of the parts of a deepest cell.
+    part_bits: u32,
+    /// The steps in which points or the finest nodes move, an odd number of parts, and the least of any level.
+    steps: [i32; 2],
+    /// An encoder leaves a node alone that is off by so many parts along an axis: what it was off by before would
+    /// otherwise be told as motion, again and again.
+    tolerance: f64,
+}
+
+impl MotionScale {
+    /// The step of a level by how many are below it.
+    fn step(self, below: usize) -> i32 {
+        let [finest, least] = self.steps;
+        ((finest >> below.min(16)) | 1).max(least)
+    }
+}
+
+/// How precisely the nodes of a frame move.
+fn motion_scale(schema: &Schema) -> MotionScale {
+    match schema.kept {
+        // Points that are kept one by one are off by half a cell at most: a tolerance, half a step, and rounding.
+        Kept::Bits(bits) => MotionScale {
+            part_bits: u32::from(bits) + 3,
+            steps: [3, 3],
+            tolerance: 1.9,
+        },
+        // Half a cell at most.
+        _ => MotionScale {
+            part_bits: 8,
+            steps: [129, 17],
+            tolerance: 64.0,
+        },
+    }
+}
+
+/// Bits of the parts of the deepest cells that positions of moved frames are in; `None` for frames that always stand
+/// alone, as they keep numbers to the last bit.
+pub(in crate::reel) fn part_bits(schema: &Schema, grid: &Grid) -> Option<u32> {
+    let is_exact =
+        schema.has_exact_normals || schema.has_exact_scalars || schema.has_ellipses || schema.radii == Values::Exact;
+    let bits = motion_scale(schema).part_bits;
+    let is_told = !is_exact && schema.kept != Kept::Exact;
+    (is_told && grid.depth + bits <= MOST_POSITION_BITS).then_some(bits)
+}

@@ -1,0 +1,108 @@
+//! How far the nodes of each level move, as bits and back.
+//!
+//! How it works: a node moves as its parent does and as the slope of motion around that says ([`super::slope`]), and
+//! what its sisters moved otherwise it makes up for, as the parent's step is their mean. Coarse levels are told in small
+//! steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth motion nothing
+//! is left to tell of them.
+
+use super::followed::Followed;
+use super::slope::Below;
+use super::{MOST_CHANGE, MotionScale};
+use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels, divided};
+use crate::reel::tree::{Known, NONE};
+
+/// Classes of what earlier axes, and nodes, were off by.
+const CLASSES: usize = 4;
+
+/// What is known of what is not predicted.
+struct MotionModels {
+    models: Vec<MagnitudeModel>,
+    rest: RestModels,
+}
+
+/// Codes the steps of all levels, `coders[places[level]]` those of a level.
+pub(super) fn code_motion<C: BitCoder>(
+    scale: MotionScale,
+    coders: &mut [Option<C>],
+    followed: &Followed,
+    places: &[usize],
+    levels: Vec<&mut Vec<[i32; 3]>>,
+) {
+    let mut models = MotionModels {
+        models: vec![MagnitudeModel::default(); 2 * 3 * CLASSES * CLASSES],
+        rest: RestModels::default(),
+    };
+    let count = levels.len();
+    let mut parents: &[[i32; 3]] = &[[0; 3]];
+    for (level, steps) in levels.into_iter().enumerate() {
+        let of_level = &followed.levels[level];
+        let differences = match level.checked_sub(1) {
+            None => vec![[0; 3]; steps.len()],
+            Some(above) => Below {
+                family: &followed.families[above],
+                steps: parents,
+                positions: &of_level.positions,
+                edge: followed.edge_parts(above),
+            }
+            .differences(),
+        };
+        if let Some(coder) = &mut coders[places[level]] {
+            let step = scale.step(count - 1 - level);
+            code_level(
+                coder,
+                &mut models,
+                &followed.plans[level],
+                (parents, &differences),
+                steps,
+                step,
+            );
+        }
+        parents = steps;
+    }
+}
+
+fn code_level<C: BitCoder>(
+    coder: &mut C,
+    models: &mut MotionModels,
+    plan: &[Known],
+    (parents, differences): (&[[i32; 3]], &[[i32; 3]]),
+    steps: &mut [[i32; 3]],
+    unit: i32,
+) {
+    let mut last_parent = NONE;
+    // What the sisters moved otherwise than was foreseen, and what the node before was off by.
+    let mut others = [0i32; 3];
+    let mut before = 0usize;
+    for (node, known) in plan.iter().enumerate() {
+        if known.parent != last_parent {
+            last_parent = known.parent;
+            others = [0; 3];
+        }
+        let parent = parents[known.parent as usize];
+        let left = i32::from(known.left);
+        let mut sum = 0u32;
+        for axis in 0..3 {
+            let made_up = divided(left - 2 * others[axis], 2 * left);
+            let foreseen = parent[axis] + differences[node][axis];
+            let predicted = (foreseen + made_up).clamp(-MOST_CHANGE, MOST_CHANGE);
+            let context = usize::from(left == 1) * 3 + axis;
+            let class = (32 - sum.leading_zeros() as usize).min(CLASSES - 1);
+            let model = &mut models.models[(context * CLASSES + class) * CLASSES + before];
+            let units = if C::DECODES {
+                0
+            } else {
+                (steps[node][axis] - predicted + unit / 2).div_euclid(unit)
+            };
+            // What damaged bytes say may be any number.
+            let most = i64::from(MOST_CHANGE);
+            let units = model
+                .code_signed(coder, &mut models.rest, i64::from(units))
+                .clamp(-most, most) as i32;
+            let step = (predicted + units * unit).clamp(-MOST_CHANGE, MOST_CHANGE);
+            steps[node][axis] = step;
+            others[axis] = (others[axis] + step - foreseen).clamp(-MOST_CHANGE, MOST_CHANGE);
+            sum += units.unsigned_abs();
+        }
+        before = (32 - sum.leading_zeros() as usize).min(CLASSES - 1);
+    }
+}

@@ -1,0 +1,230 @@
+//! What an encoder knows of frames that follow a key frame: which points belong to which node, and where they are now.
+
+use super::super::levels::{LevelValues, Pose};
+use super::super::prepare::GroupPlan;
+use super::super::schema::Schema;
+use super::super::summaries::PointValues;
+use super::changes::{Changes, LevelChanges};
+use super::followed::Followed;
+use super::{MOST_CHANGE, motion_scale, part_bits};
+use crate::cloud::RawCloud;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Frames that are told by a key frame.
+#[derive(Debug)]
+pub(in crate::reel) struct Run<'a> {
+    plan: &'a GroupPlan,
+    schema: &'a Schema,
+    /// The points of the key frame in the order of its nodes.
+    order: Vec<u32>,
+    /// Those of each node of the deepest level.
+    nodes: Vec<Range<usize>>,
+    masks: Vec<Vec<u8>>,
+    /// From the mean of the points of a node to where a decoder puts it in the key frame, in parts; of points that are
+    /// kept one by one there are none.
+    anchors: Vec<DVec3>,
+    /// Where the finest nodes should be in the frame that is followed, in parts.
+    truth: Vec<DVec3>,
+    /// Codes of radii that reach over the node, and over the largest disk in it.
+    radii: Option<(Vec<[u16; 1]>, Vec<u16>)>,
+    parts_per_unit: f64,
+}
+
+impl<'a> Run<'a> {
+    /// Behind frame `index` of a group, which is `cloud`, and of which a decoder makes `pose` and `followed`.
+    pub(in crate::reel) fn new(
+        plan: &'a GroupPlan,
+        index: usize,
+        cloud: &RawCloud,
+        pose: &Pose,
+        followed: &Followed,
+    ) -> Option<Self> {
+        let schema = &plan.schemas[index];
+        let part_bits = part_bits(schema, &plan.grid)?;
+        let (_, nodes) = plan.nodes(index);
+        let order = plan.order(index).to_vec();
+        let deepest = pose.levels.last()?;
+        let radii = schema.radius_single().map(|single| {
+            let largest = PointValues::new(schema, &plan.grid, cloud).largest_radii(&nodes, &order);
+            (deepest.values.singles[single].clone(), largest)
+        });
+        let mut run = Self {
+            plan,
+            schema,
+            order,
+            nodes,
+            masks: pose.levels.iter().map(|level| level.masks.clone()).collect(),
+            anchors: Vec::new(),
+            truth: Vec::new(),
+            radii,
+            parts_per_unit: f64::from(1u32 << part_bits) / plan.grid.cell,
+        };
+        if !followed.has_points {
+            let means = means(cloud, &run.nodes, &run.order);
+            let anchor = |(position, mean): (&[i32; 3], DVec3)| {
+                DVec3::from_array(position.map(f64::from)) - (mean - plan.grid.min) * run.parts_per_unit
+            };
+            run.anchors = followed
+                .levels
+                .last()?
+                .positions
+                .iter()
+                .zip(means)
+                .map(anchor)
+                .collect();
+        }
+        run.truth = run.truth_of(cloud);
+        Some(run)
+    }
+
+    /// How a frame differs from the one that is followed; `None` if its nodes move too far.
+    pub(in crate::reel) fn changes(&mut self, cloud: &RawCloud, followed: &Followed) -> Option<Changes> {
+        let depth = self.plan.grid.depth as usize;
+        let finest = followed.levels.last()?;
+        let truth = self.truth_of(cloud);
+        let is_near = |place: &DVec3| place.abs().max_element() < f64::from(1 << 28);
+        if !truth.iter().all(is_near) {
+            return None;
+        }
+        let tolerance = motion_scale(self.schema).tolerance;
+        let nodes = truth.iter().zip(&self.truth).zip(&finest.positions);
+        let step = |((&now, &before), &position): ((&DVec3, &DVec3), &[i32; 3])| {
+            let position = DVec3::from_array(position.map(f64::from));
+            let is_off = (position - before).abs().cmpgt(DVec3::splat(tolerance));
+            let from = DVec3::select(is_off, position, before);
+            (now - from).round().to_array().map(|along| along as i32)
+        };
+        let mut steps = vec![Vec::new(); followed.levels.len()];
+        *steps.last_mut()? = nodes.map(step).collect();
+        if followed.has_points {
+            steps[depth] = mean_steps(&steps[depth + 1], &self.nodes);
+        }
+        for level in (0..depth).rev() {
+            steps[level] = mean_steps(&steps[level + 1], &children(&self.masks[level]));
+        }
+        self.truth = truth;
+        let is_near = |along: &i32| along.abs() <= MOST_CHANGE;
+        if !steps.iter().flatten().flatten().all(is_near) {
+            return None;
+        }
+        let values = self.values(cloud, followed.has_points);
+        let levels = followed.levels.iter().zip(values).zip(steps);
+        let levels = levels.map(|((before, values), steps)| LevelChanges::between(&before.values, values, steps));
+        Some(Changes {
+            levels: levels.collect(),
+        })
+    }
+
+    /// Where the finest nodes should be, in parts: points that are kept one by one where the file puts them; a node that
+    /// stands for several as far from their mean as in the key frame.
+    fn truth_of(&self, cloud: &RawCloud) -> Vec<DVec3> {
+        let in_parts = |place: DVec3| (place - self.plan.grid.min) * self.parts_per_unit;
+        if self.anchors.is_empty() {
+            let place = |&point: &u32| in_parts(cloud.positions.get(point as usize));
+            return self.order.iter().map(place).collect();
+        }
+        let means = means(cloud, &self.nodes, &self.order);
+        means
+            .iter()
+            .zip(&self.anchors)
+            .map(|(&mean, &anchor)| in_parts(mean) + anchor)
+            .collect()
+    }
+
+    /// The values of all levels, and then of the points.
+    fn values(&self, cloud: &RawCloud, has_points: bool) -> Vec<LevelValues> {
+        let of_points = PointValues::new(self.schema, &self.plan.grid, cloud);
+        let mut summaries = of_points.leaves(&self.nodes, &self.order);
+        if let (Some((covering, largest)), Some(single)) = (&self.radii, self.schema.radius_single()) {
+            // A disk that reached over the points of a node does so while these stay together, however they turn.
+            let now = of_points.largest_radii(&self.nodes, &self.order);
+            let grown = covering
+                .iter()
+                .zip(largest)
+                .zip(now)
+                .map(|((&[code], &was), now)| match code {
+                    0 => [now],
+                    code => [(i32::from(code) + i32::from(now) - i32::from(was)).clamp(1, 255) as u16],
+                });
+            summaries.set_single(single, grown.collect());
+        }
+        let mut levels = vec![LevelValues::default(); self.masks.len()];
+        for level in (0..levels.len()).rev() {
+            levels[level].take(&summaries);
+            if level > 0 {
+                summaries = summaries.above(self.schema, &self.masks[level - 1]);
+            }
+        }
+        if has_points {
+            let each: Vec<Range<usize>> = (0..self.order.len()).map(|place| place..place + 1).collect();
+            let mut values = LevelValues::default();
+            values.take(&of_points.leaves(&each, &self.order));
+            levels.push(values);
+        }
+        levels
+    }
+}
+
+fn means(cloud: &RawCloud, nodes: &[Range<usize>], order: &[u32]) -> Vec<DVec3> {
+    let mean = |range: &Range<usize>| {
+        let points = order[range.clone()].iter();
+        let sum: DVec3 = points.map(|&point| cloud.positions.get(point as usize)).sum();
+        sum / range.len() as f64
+    };
+    nodes.iter().map(mean).collect()
+}
+
+/// The children of each node.
+fn children(masks: &[u8]) -> Vec<Range<usize>> {
+    let mut next = 0;
+    let of_node = |mask: &u8| {
+        let start = next;
+        next += mask.count_ones() as usize;
+        start..next
+    };
+    masks.iter().map(of_node).collect()
+}
+
+fn mean_steps(below: &[[i32; 3]], nodes: &[Range<usize>]) -> Vec<[i32; 3]> {
+    let mean = |range: &Range<usize>| {
+        let count = range.len().max(1) as f64;
+        [0, 1, 2].map(|axis| {
+            let sum: i64 = below[range.clone()].iter().map(|step| i64::from(step[axis])).sum();
+            (sum as f64 / count).round() as i32
+        })
+    };
+    nodes.iter().map(mean).collect()
+}
+
+/// Points whose distances are compared.
+const MOST_PAIRS: usize = 4096;
+
+/// How much farther apart points may be than in the key frame.
+const MOST_STRETCH: f64 = 2.0;
+
+/// Whether frame `other` of a group has the points of frame `key` in the same order, and those that were beside each
+/// other still are.
+pub(in crate::reel) fn follows(plan: &GroupPlan, clouds: &[&RawCloud], key: usize, other: usize) -> bool {
+    let order = plan.order(key);
+    let is_alike = plan.schemas[key] == plan.schemas[other]
+        && part_bits(&plan.schemas[key], &plan.grid).is_some()
+        && clouds[key].positions.len() == clouds[other].positions.len()
+        && order.len() == clouds[key].positions.len()
+        && plan.order(other).len() == order.len()
+        && order.len() > 1;
+    if !is_alike {
+        return false;
+    }
+    let stride = order.len().div_ceil(MOST_PAIRS);
+    let nearly_largest = |cloud: &RawCloud| {
+        let pairs = order.windows(2).step_by(stride);
+        let position = |point: u32| cloud.positions.get(point as usize);
+        let mut lengths: Vec<f64> = pairs
+            .map(|pair| position(pair[0]).distance(position(pair[1])))
+            .collect();
+        let place = lengths.len() * 19 / 20;
+        *lengths.select_nth_unstable_by(place, f64::total_cmp).1
+    };
+    nearly_largest(clouds[other]) <= MOST_STRETCH * nearly_largest(clouds[key]).max(plan.grid.cell)
+}
