@@ -35,7 +35,7 @@ pub enum Target {
 pub struct SampleFrame {
     /// Its index.
     pub index: usize,
-    /// The one before it, if there is one, and the frame.
+    /// One beside it, if there is one, and the frame.
     clouds: Vec<(RawCloud, Arc<FrameEntry>)>,
     /// Frames of the sequence.
     frame_count: usize,
@@ -70,8 +70,10 @@ impl SampleFrame {
         let is_small = cloud.byte_size() <= MOST_BYTES_OF_TWO;
         let reference = ReferenceCloud::new(&cloud).ok();
         let mut clouds = vec![(cloud, sequence.entry(index))];
+        // What the first frame takes behind another is told by the second one.
+        let before = index.checked_sub(1).unwrap_or(1);
         if is_small
-            && let Some(before) = index.checked_sub(1)
+            && before < sequence.len()
             && let Ok(cloud) = sequence.decode(before)
         {
             clouds.insert(0, (cloud, sequence.entry(before)));
