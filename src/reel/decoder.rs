@@ -75,8 +75,8 @@ impl ReelDecoder {
     }
 
     /// Frame `index` by its finest level of at most `most_points` points (by its root, if no level has so few;
-    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before, but the time does: a frame that
-    /// is told by others is decoded after them, unless the one before it was decoded last.
+    /// `usize::MAX` for all of it). The answer does not depend on what was decoded before, but the time does: a frame
+    /// that is told by others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.
@@ -121,7 +121,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The cloud of a frame of the group; `last` is what was decoded before, and becomes what the next frame is told by.
+    /// The cloud of a frame of the group; `last` is what was decoded before, and becomes what the next is told by.
     fn cloud(&self, place: usize, last: &mut Option<LastFrame>) -> Result<RawCloud, ReelError> {
         let Directory { grid, schemas, frames } = &self.group.directory;
         let frame = &frames[place];

@@ -6,8 +6,8 @@ use super::error::ReelError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Precision {
     /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell become one, with
-    /// the means of their attributes, and an offset along the normal where there are normals. In frames that are told by
-    /// the one before, it moves as they do, and is off by another half of a cell at most.
+    /// the means of their attributes, and an offset along the normal where there are normals. In frames that are told
+    /// by the one before, it moves as they do, and is off by another half of a cell at most.
     SamplingDensity,
     /// One point in each occupied cell of 2ᵇ along the longest side of the group's box: `Bits(10)` are voxels of 10
     /// bits. At most 21.

@@ -157,8 +157,13 @@ fn other_points_stand_alone() {
 proptest! {
     /// Points, one by one, in every frame: within the length, colours and normals within their errors.
     #[test]
-    fn bounds_hold_in_every_frame(cloud in clouds(), exponent in -9i32..-1, steps in prop::array::uniform4(prop::array::uniform3(-0.2f64..0.2)),
-        angle in -0.3f64..0.3, change in 0u8..3) {
+    fn bounds_hold_in_every_frame(
+        cloud in clouds(),
+        exponent in -9i32..-1,
+        steps in prop::array::uniform4(prop::array::uniform3(-0.2f64..0.2)),
+        angle in -0.3f64..0.3,
+        change in 0u8..3,
+    ) {
         let length = 2f64.powi(exponent);
         let options = ReelOptions {
             precision: Precision::Length(length),

@@ -38,9 +38,30 @@ impl Changes {
             levels: followed.levels.iter().map(of_level).collect(),
         }
     }
+
+    /// What is followed becomes the next frame.
+    pub(super) fn apply(self, schema: &Schema, followed: &mut Followed) {
+        for (changes, level) in self.levels.into_iter().zip(&mut followed.levels) {
+            changes.apply(schema, level);
+        }
+    }
 }
 
 impl LevelChanges {
+    /// Changes the nodes of a level.
+    fn apply(self, schema: &Schema, level: &mut FollowedLevel) {
+        for (position, step) in level.positions.iter_mut().zip(&self.steps) {
+            // Damaged bytes may move a node on and on.
+            *position = [0, 1, 2].map(|axis| position[axis].saturating_add(step[axis]));
+        }
+        let values = &mut level.values;
+        add(&mut values.colors, &self.colors, 255);
+        for (single, (codes, changes)) in values.singles.iter_mut().zip(&self.singles).enumerate() {
+            add(codes, changes, schema.most_code(single));
+        }
+        values.normals = self.normals;
+    }
+
     /// From the values that nodes had to those that they have.
     pub(super) fn between(before: &LevelValues, values: LevelValues, steps: Vec<[i32; 3]>) -> Self {
         let singles = before.singles.iter().zip(&values.singles);
@@ -72,4 +93,12 @@ fn differences<const N: usize>(before: &[[u16; N]], values: &[[u16; N]]) -> Vec<
         std::array::from_fn(|channel| i32::from(value[channel]) - i32::from(before[channel]))
     };
     before.iter().zip(values).map(of_node).collect()
+}
+
+fn add<const N: usize>(values: &mut [[u16; N]], changes: &[[i32; N]], most: u16) {
+    for (value, change) in values.iter_mut().zip(changes) {
+        for channel in 0..N {
+            value[channel] = (i32::from(value[channel]) + change[channel]).clamp(0, i32::from(most)) as u16;
+        }
+    }
 }

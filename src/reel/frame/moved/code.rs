@@ -69,12 +69,11 @@ pub(in crate::reel) fn encode(schema: &Schema, followed: &mut Followed, mut chan
             }
         }
     }
-    followed.follow(schema, changes);
+    changes.apply(schema, followed);
     sections
 }
 
-/// Reads the first sections of the frame behind `followed`, which becomes that frame. Precondition: it has the levels of
-/// these sections.
+/// Reads the first sections of the frame behind `followed`, which becomes that frame.
 pub(in crate::reel) fn decode(
     schema: &Schema,
     followed: &mut Followed,
@@ -104,7 +103,7 @@ pub(in crate::reel) fn decode(
             return Err(Fault::new(format!("the stream of {} ends too early", kind.name())));
         }
     }
-    followed.follow(schema, changes);
+    changes.apply(schema, followed);
     Ok(())
 }
 

@@ -5,7 +5,6 @@ use super::super::grid::Grid;
 use super::super::levels::{Level, LevelValues, Pose};
 use super::super::output::{Places, cloud_of_places, in_file_order};
 use super::super::schema::{Kept, Schema};
-use super::changes::Changes;
 use super::part_bits;
 use crate::cloud::{Positions, RawCloud};
 use crate::math::morton;
@@ -106,30 +105,6 @@ impl Followed {
     /// Edge of the cells of a level, in parts.
     pub(super) fn edge_parts(&self, level: usize) -> f64 {
         (f64::from(self.part_bits) + f64::from(self.depth) - level as f64).exp2()
-    }
-
-    /// Becomes the next frame.
-    pub(super) fn follow(&mut self, schema: &Schema, changes: Changes) {
-        for (level, changed) in self.levels.iter_mut().zip(changes.levels) {
-            for (position, step) in level.positions.iter_mut().zip(&changed.steps) {
-                // Damaged bytes may move a node on and on.
-                *position = [0, 1, 2].map(|axis| position[axis].saturating_add(step[axis]));
-            }
-            let values = &mut level.values;
-            add(&mut values.colors, &changed.colors, 255);
-            for (single, (codes, changes)) in values.singles.iter_mut().zip(&changed.singles).enumerate() {
-                add(codes, changes, schema.most_code(single));
-            }
-            values.normals = changed.normals;
-        }
-    }
-}
-
-fn add<const N: usize>(values: &mut [[u16; N]], changes: &[[i32; N]], most: u16) {
-    for (value, change) in values.iter_mut().zip(changes) {
-        for channel in 0..N {
-            value[channel] = (i32::from(value[channel]) + change[channel]).clamp(0, i32::from(most)) as u16;
-        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! How far the nodes of each level move, as bits and back.
 //!
 //! How it works: a node moves as its parent does and as the slope of motion around that says ([`super::slope`]), and
-//! what its sisters moved otherwise it makes up for, as the parent's step is their mean. Coarse levels are told in small
-//! steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth motion nothing
-//! is left to tell of them.
+//! what its sisters moved otherwise it makes up for, as the parent's step is their mean. Coarse levels are told in
+//! small steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth motion
+//! nothing is left to tell of them.
 
 use super::followed::Followed;
 use super::slope::Below;

@@ -116,8 +116,8 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Where the finest nodes should be, in parts: points that are kept one by one where the file puts them; a node that
-    /// stands for several as far from their mean as in the key frame.
+    /// Where the finest nodes should be, in parts: points that are kept one by one where the file puts them; a node
+    /// that stands for several as far from their mean as in the key frame.
     fn truth_of(&self, cloud: &RawCloud) -> Vec<DVec3> {
         let in_parts = |place: DVec3| (place - self.plan.grid.min) * self.parts_per_unit;
         if self.anchors.is_empty() {
