@@ -89,8 +89,8 @@ pub enum PathError {
 pub struct CameraPath {
     keyframes: Vec<Keyframe>,
     eases: bool,
-    /// Target x, y, z, logarithm of the distance, azimuth without jumps, elevation, logarithm of the field of view; then
-    /// roll without jumps, shift x, y, logarithm of the pixels' aspect.
+    /// Target x, y, z, logarithm of the distance, azimuth without jumps, elevation, logarithm of the field of view,
+    /// roll without jumps, shift x and y, logarithm of the aspect of pixels.
     curves: [Curve; 11],
 }
 
