@@ -17,7 +17,8 @@ cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuz
 # The extensions in the order of `Format`'s table: the first byte of a seed chooses among them.
 extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 zip tar tgz gz)
 lists=(zip tar tgz mcap bag db3 e57 glb)
-mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/reel
+cameras=(bag mcap db3)
+mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel
 cp src/reel/tests/*.reel fuzz/corpus/reel/
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
@@ -41,9 +42,11 @@ while IFS= read -r -d '' file; do
     [[ -n $place ]] && seed read "$place" "$file"
     place=$(place_of "$extension" "${lists[@]}")
     [[ -n $place ]] && seed list "$place" "$file"
+    place=$(place_of "$extension" "${cameras[@]}")
+    [[ -n $place ]] && seed cameras "$place" "$file"
 # Large files make slow seeds; what is in them is in small ones too.
 done < <(find tests/data "$@" -type f -size -64k -print0)
 
-for target in read list reel; do
+for target in read list cameras reel; do
     cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
 done

@@ -54,7 +54,9 @@ impl CameraChoice {
         camera.up = self.up.unwrap_or(camera.up);
         camera.azimuth_deg = self.azimuth_deg.unwrap_or(camera.azimuth_deg);
         camera.elevation_deg = self.elevation_deg.unwrap_or(camera.elevation_deg);
-        camera.fov_deg = self.fov_deg.unwrap_or(camera.fov_deg);
+        if let Some(fov_deg) = self.fov_deg {
+            camera.set_fov_deg(fov_deg);
+        }
         camera.projection = self.projection.unwrap_or(camera.projection);
         if self.view.is_none() {
             if self.frames_all {

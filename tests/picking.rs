@@ -11,8 +11,8 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Background, Camera, Content, Footprint, LevelStyle, Lighting, PointShape, PointStyle, Primitive, Projection,
-    RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
+    Background, Camera, Content, Footprint, LevelStyle, Lighting, PicturePlane, PointShape, PointStyle, Primitive,
+    Projection, RendererChoice, Scene, ScenePacket, Style, SurfelStyle, UpAxis, pick,
 };
 use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::collections::HashMap;
@@ -74,6 +74,7 @@ fn camera(projection: Projection) -> Camera {
         fov_deg: 50.0,
         up: UpAxis::Z,
         projection,
+        plane: PicturePlane::CENTERED,
     }
 }
 

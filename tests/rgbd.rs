@@ -8,10 +8,14 @@ mod broken;
 mod data;
 #[path = "rgbd/layouts.rs"]
 mod layouts;
+#[path = "rgbd/messages.rs"]
+mod messages;
 #[path = "rgbd/real.rs"]
 mod real;
 #[path = "rgbd/recording.rs"]
 mod recording;
+#[path = "rgbd/ros.rs"]
+mod ros;
 #[path = "rgbd/temporal.rs"]
 mod temporal;
 

@@ -14,20 +14,13 @@ fuzz_target!(init: pointreel_fuzz::let_caught_panics_pass(), |data: &[u8]| {
     };
     let extensions = ["zip", "tar", "tgz", "mcap", "bag", "db3", "e57", "glb"];
     let extension = extensions[usize::from(choice) % extensions.len()];
-    let name = format!("pointreel-fuzz-{}.{extension}", std::process::id());
-    // Memory that looks like a disk, where there is such.
-    let folder = std::path::Path::new("/dev/shm");
-    let folder = if folder.is_dir() { folder.to_owned() } else { std::env::temp_dir() };
-    let path = folder.join(name);
-    if std::fs::write(&path, bytes).is_err() {
-        return;
-    }
-    let options = ReadOptions::default();
-    if let Ok(entries) = io::list(&path, &options) {
-        for entry in entries.iter().take(READ) {
-            // A refusal is as good as a cloud.
-            let _ = io::read_part(&path, &entry.part, &options);
+    pointreel_fuzz::with_file(extension, bytes, |path| {
+        let options = ReadOptions::default();
+        if let Ok(entries) = io::list(path, &options) {
+            for entry in entries.iter().take(READ) {
+                // A refusal is as good as a cloud.
+                let _ = io::read_part(path, &entry.part, &options);
+            }
         }
-    }
-    let _ = std::fs::remove_file(&path);
+    });
 });

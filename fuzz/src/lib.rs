@@ -3,6 +3,8 @@
 
 #![allow(dead_code, reason = "the readers are made for the whole program")]
 
+use std::path::Path;
+
 pub mod cloud;
 
 #[path = "../../src/io/mod.rs"]
@@ -38,5 +40,47 @@ mod memory {
     /// The same on every machine, so that a finding is one everywhere.
     pub(crate) fn machine_bytes() -> Option<u64> {
         Some(1 << 30)
+    }
+}
+
+/// Hands a file of these bytes to `read`.
+pub fn with_file(extension: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
+    let name = format!("pointreel-fuzz-{}.{extension}", std::process::id());
+    // Memory that looks like a disk, where there is such.
+    let folder = Path::new("/dev/shm");
+    let folder = if folder.is_dir() { folder.to_owned() } else { std::env::temp_dir() };
+    let path = folder.join(name);
+    if std::fs::write(&path, bytes).is_ok() {
+        read(&path);
+    }
+    let _ = std::fs::remove_file(&path);
+}
+
+/// Reads the first messages of all topics of cameras in the recording at `path`. A refusal is as good as an image.
+pub fn read_cameras(path: &Path) {
+    use io::recording::camera::{CameraMessage, camera_info, extrinsics, links, number};
+    use io::recording::{read_image, read_parsed};
+    const READ: usize = 3;
+    let options = io::ReadOptions::default();
+    let Ok(topics) = io::cameras(path, true, &options) else {
+        return;
+    };
+    for topic in &topics.0 {
+        for (_, message) in topic.messages.iter().take(READ) {
+            match topic.kind {
+                CameraMessage::Image | CameraMessage::CompressedImage => {
+                    let _ = read_image(path, message, topic.kind, &options);
+                }
+                CameraMessage::CameraInfo => drop(read_parsed(path, message, &options, camera_info)),
+                CameraMessage::StaticTransforms => drop(read_parsed(path, message, &options, links)),
+                CameraMessage::Extrinsics => {
+                    let place = read_parsed(path, message, &options, extrinsics);
+                    assert!(place.is_none_or(|place| place.is_finite()));
+                }
+                CameraMessage::Number => {
+                    let _ = read_parsed(path, message, &options, number);
+                }
+            }
+        }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::arguments::{VIEW, elevation, field_of_view, finite, positive_f64};
 use crate::headless::CameraChoice;
-use crate::scene::{Camera, Projection, UpAxis};
+use crate::scene::{Camera, FirstLook, Projection, UpAxis};
+use crate::sequence::Sequence;
+use anyhow::Context as _;
 use clap::Args;
 
 /// Where the camera stands; what is not given frames the cloud.
@@ -40,10 +42,33 @@ pub(super) struct CameraArgs {
     /// Show all points, outliers and what is far away as well
     #[arg(long, conflicts_with = "view")]
     frame_all: bool,
+
+    /// Look from the depth camera; its image has the pixels of a picture of its size
+    #[arg(long, conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
+    from_sensor: bool,
 }
 
 impl CameraArgs {
-    pub(super) fn choice(&self) -> CameraChoice {
+    /// The camera for a picture of frame `index`.
+    pub(super) fn camera(
+        &self,
+        look: &FirstLook,
+        sequence: &Sequence,
+        index: usize,
+        size_px: [u32; 2],
+    ) -> anyhow::Result<Camera> {
+        let origin = sequence.origin();
+        if !self.from_sensor {
+            return Ok(self.choice().camera(look, origin, size_px));
+        }
+        let sensor = sequence.source().sensor(index).with_context(|| {
+            format!("nothing says which camera took frame {index}: --from-sensor is for recordings of depth images")
+        })?;
+        let look = self.up.map_or_else(|| look.clone(), |up| look.clone().with_up(up));
+        Ok(look.camera_of_sensor(&sensor, origin))
+    }
+
+    fn choice(&self) -> CameraChoice {
         CameraChoice {
             view: self.view,
             projection: self.orthographic.then_some(Projection::Orthographic),

@@ -129,10 +129,10 @@ fn render_frames(
                 continue;
             }
         };
-        let camera = camera.get_or_insert_with(|| {
-            let choice = arguments.camera.choice();
-            choice.camera(&look, sequence.origin(), arguments.size)
-        });
+        let camera = match &mut camera {
+            Some(camera) => camera,
+            none => none.insert(arguments.camera.camera(&look, &sequence, index, arguments.size)?),
+        };
         if style.primitive == Primitive::Mesh && !frame.frame.has_faces() {
             warnings::warn_of_frame(&format!("frame {index} has no triangles: its points are drawn"));
         }

@@ -117,8 +117,8 @@ fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(C
         None => 0.0,
     };
     let look = headless.first_look()?;
-    let camera = arguments.camera.choice();
-    let camera = camera.camera(&look, sequence.origin(), arguments.picture_size().size_px);
+    let size_px = arguments.picture_size().size_px;
+    let camera = arguments.camera.camera(&look, sequence, first, size_px)?;
     let path = CameraPath::turntable(
         camera,
         turns,

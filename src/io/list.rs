@@ -4,6 +4,7 @@ use super::contents::{Contents, Entry};
 use super::error::IoError;
 use super::format::{Format, Holding};
 use super::options::ReadOptions;
+use super::recording::camera::CameraTopics;
 use super::{archive, recording};
 use std::fs::File;
 use std::io::Read as _;
@@ -22,6 +23,15 @@ pub fn contents(path: &Path, topic: Option<&str>, options: &ReadOptions) -> Resu
 /// The frames of [`contents`], of the topic that has the most.
 pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     Ok(contents(path, None, options)?.entries)
+}
+
+/// What cameras have published in the recording at `path`: nothing where it is no recording, and where it has point
+/// clouds, unless cameras are asked for `beside_clouds`.
+pub(crate) fn cameras(path: &Path, beside_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
+    match Format::detect(path, &first_bytes(path)?) {
+        Some(format) if format.holds() == Holding::Messages => recording::cameras(path, format, beside_clouds, options),
+        _ => Ok(CameraTopics::default()),
+    }
 }
 
 /// What is in a file of `format`.

@@ -3,6 +3,7 @@
 //! Shaders must not see large coordinates: a frame's positions are f32 relative to the sequence origin, and the eye is
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
 
+use super::picture_plane::PicturePlane;
 use super::style::{ParseChoiceError, choices};
 use crate::levels::{LodMetric, SelectView};
 use crate::math::{Aabb, Frustum};
@@ -152,6 +153,8 @@ pub struct Camera {
     pub up: UpAxis,
     /// Whether what is farther away is smaller.
     pub projection: Projection,
+    /// Where its picture is on the view axis.
+    pub plane: PicturePlane,
 }
 
 /// Field of view of a new camera, degrees.
@@ -178,6 +181,7 @@ impl Camera {
             fov_deg: DEFAULT_FOV_DEG,
             up,
             projection: Projection::Perspective,
+            plane: PicturePlane::CENTERED,
         };
         camera.frame_bounds(bounds, origin);
         camera
@@ -185,6 +189,7 @@ impl Camera {
 
     /// Moves back or forth until the bounding sphere of `bounds` fits, keeping the direction.
     pub fn frame_bounds(&mut self, bounds: &Aabb, origin: DVec3) {
+        self.plane = self.plane.centered();
         self.target_in_world = origin + bounds.center().as_dvec3();
         let radius = f64::from(bounds.radius());
         let radius = if radius > 0.0 { radius } else { 0.5 };
@@ -207,6 +212,7 @@ impl Camera {
         if bounds.is_empty() || bounds.radius() == 0.0 {
             return self.frame_bounds(&bounds, origin);
         }
+        self.plane = self.plane.centered();
         let center = bounds.center().as_dvec3();
         let half_fov_tangent = (0.5 * self.fov_deg).to_radians().tan();
         let half_height = FRAMED_FRACTION * half_fov_tangent;
@@ -241,11 +247,12 @@ impl Camera {
         self.distance = distance;
     }
 
-    /// Looks along an axis; target and distance stay.
+    /// Looks along an axis, upright; target and distance stay.
     pub fn look_from(&mut self, preset: ViewPreset) {
         if let Some(&(_, _, azimuth, elevation)) = ViewPreset::ALL.iter().find(|(_, this, _, _)| *this == preset) {
             self.azimuth_deg = azimuth;
             self.elevation_deg = elevation;
+            self.plane = PicturePlane::CENTERED;
         }
     }
 
@@ -253,7 +260,7 @@ impl Camera {
     pub(crate) fn view_from_world_rotation(&self) -> DMat3 {
         let turn = DMat3::from_rotation_y(self.azimuth_deg.to_radians())
             * DMat3::from_rotation_x(-self.elevation_deg.to_radians());
-        (self.up.basis() * turn).transpose()
+        (self.up.basis() * turn * self.plane.rotation()).transpose()
     }
 
     /// Where the eye is that pictures are drawn from, in world space.
@@ -292,11 +299,6 @@ impl Camera {
         self.target_in_world += (before - after) * self.distance;
     }
 
-    /// Cotangent of half the vertical field of view that pictures are drawn with.
-    pub(crate) fn focal(&self) -> f64 {
-        self.lens().focal
-    }
-
     /// How pictures are drawn.
     pub(super) fn lens(&self) -> Lens {
         let focal = 1.0 / (0.5 * self.fov_deg.clamp(1e-3, 179.0)).to_radians().tan();
@@ -324,10 +326,13 @@ impl Camera {
             view_from_frame_rotation: rotation.as_mat3(),
             eye_high,
             eye_low: (eye - eye_high.as_dvec3()).as_vec3(),
-            focal: [(focal_y * height / width) as f32, focal_y as f32],
+            focal: [
+                (focal_y * self.plane.pixel_aspect * height / width) as f32,
+                focal_y as f32,
+            ],
             near: lens.near() as f32,
             pixels_per_unit_at_1: (focal_y * height * 0.5) as f32,
-            center_ndc: [0.0; 2],
+            center_ndc: self.plane.center_ndc([width, height]).as_vec2().to_array(),
             rows_of_whole: [0.0, 1.0],
             telephoto: (lens.distance / self.distance) as f32,
             up: self.up,
@@ -367,7 +372,7 @@ pub struct ViewTransform {
     /// A length `s` at distance `d` covers `s / d` times this many pixels.
     pub pixels_per_unit_at_1: f32,
     /// Where the view axis meets the picture, in normalised device coordinates: `[0, 0]`, but for a part of a larger
-    /// picture.
+    /// picture and where the [`PicturePlane`] says so.
     pub center_ndc: [f32; 2],
     /// Where the upper and the lower edge are in the whole picture, as shares of its height from the top: `[0, 1]`, but
     /// for a part.
@@ -395,12 +400,13 @@ impl ViewTransform {
     pub fn of_part(&self, whole_px: [u32; 2], start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));
         let to_middle_px = [0, 1].map(|axis| 0.5 * (whole[axis] - part[axis]) - start[axis]);
+        let of_whole_px = [0, 1].map(|axis| 0.5 * whole[axis] * f64::from(self.center_ndc[axis]));
         Self {
             focal: [0, 1].map(|axis| (f64::from(self.focal[axis]) * whole[axis] / part[axis]) as f32),
             // Rows are counted downwards.
             center_ndc: [
-                (2.0 * to_middle_px[0] / part[0]) as f32,
-                (-2.0 * to_middle_px[1] / part[1]) as f32,
+                (2.0 * (of_whole_px[0] + to_middle_px[0]) / part[0]) as f32,
+                (2.0 * (of_whole_px[1] - to_middle_px[1]) / part[1]) as f32,
             ],
             rows_of_whole: [start[1], start[1] + part[1]].map(|row| (row / whole[1]) as f32),
             ..*self

@@ -1,7 +1,7 @@
 use super::*;
 use crate::analysis::estimate_surface_fast;
 use crate::cloud::{Frame, Positions, RawCloud};
-use crate::scene::{Camera, ClipShape, Projection, UpAxis};
+use crate::scene::{Camera, ClipShape, PicturePlane, Projection, UpAxis};
 use glam::{DVec3, Vec4};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -18,6 +18,7 @@ fn camera(distance: f64) -> Camera {
         fov_deg: 60.0,
         up: UpAxis::Y,
         projection: Projection::Perspective,
+        plane: PicturePlane::CENTERED,
     }
 }
 

@@ -34,10 +34,9 @@ impl Camera {
     }
 
     fn view_to_px(&self, place: DVec3, viewport_px: [u32; 2]) -> DVec2 {
-        let [width, height] = viewport_px.map(f64::from);
-        let px_per_slope = 0.5 * height * self.lens().focal;
-        let slopes = DVec2::new(place.x, -place.y) / -place.z;
-        0.5 * DVec2::new(width, height) + slopes * px_per_slope
+        let (px_per_slope, axis) = self.px_per_slope(viewport_px);
+        let DVec2 { x, y } = axis + place.truncate() / -place.z * px_per_slope;
+        DVec2::new(x, f64::from(viewport_px[1]) - y)
     }
 }
 

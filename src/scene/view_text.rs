@@ -1,7 +1,7 @@
 //! A view as a line of text that a person can read, send and paste.
 
-use super::{Camera, ParseChoiceError, Projection, UpAxis};
-use glam::DVec3;
+use super::{Camera, ParseChoiceError, PicturePlane, Projection, UpAxis};
+use glam::{DVec2, DVec3};
 use std::fmt;
 use std::str::FromStr;
 
@@ -81,6 +81,19 @@ impl fmt::Display for Camera {
             self.fov_deg,
             self.up.name(),
             self.projection
+        )?;
+        let PicturePlane {
+            roll_deg,
+            shift,
+            pixel_aspect,
+        } = self.plane;
+        if self.plane == PicturePlane::CENTERED {
+            return Ok(());
+        }
+        write!(
+            f,
+            " roll {roll_deg} shift {} {} aspect {pixel_aspect}",
+            shift.x, shift.y
         )
     }
 }
@@ -94,7 +107,7 @@ impl FromStr for Camera {
         words.expect("target")?;
         let finite = |what| (what, "a finite number");
         let is_finite = |value: &f64| value.is_finite();
-        let camera = Self {
+        let mut camera = Self {
             target_in_world: DVec3::new(
                 words.number(finite("target"), is_finite)?,
                 words.number(finite("target"), is_finite)?,
@@ -111,7 +124,22 @@ impl FromStr for Camera {
                 clipped(words.next("up axis")?).parse::<UpAxis>()?
             },
             projection: clipped(words.next("projection")?).parse::<Projection>()?,
+            plane: PicturePlane::CENTERED,
         };
+        let mut rest = words.0.clone();
+        if rest.next() == Some("roll") {
+            camera.plane = PicturePlane {
+                roll_deg: words.named(finite("roll"), is_finite)?,
+                shift: {
+                    let within = ("shift", "a number of heights from -10 to 10");
+                    let is_within = |value: &f64| (-10.0..=10.0).contains(value);
+                    DVec2::new(words.named(within, is_within)?, words.number(within, is_within)?)
+                },
+                pixel_aspect: words.named(("aspect", "a number from 0.01 to 100"), |value| {
+                    (0.01..=100.0).contains(value)
+                })?,
+            };
+        }
         match words.0.next() {
             None => Ok(camera),
             Some(found) => Err(ParseViewError::TooMuch {
@@ -180,6 +208,35 @@ mod tests {
             fov_deg: 45.0,
             up: UpAxis::NegY,
             projection: Projection::Orthographic,
+            plane: PicturePlane::CENTERED,
+        }
+    }
+
+    #[test]
+    fn the_picture_of_a_sensor_is_a_view_with_more_words() {
+        let plane = PicturePlane {
+            roll_deg: -3.5,
+            shift: DVec2::new(0.0125, -0.03),
+            pixel_aspect: 0.998,
+        };
+        let text = Camera { plane, ..camera() }.to_string();
+        assert!(
+            text.ends_with("orthographic roll -3.5 shift 0.0125 -0.03 aspect 0.998"),
+            "{text}"
+        );
+        assert_eq!(text.parse(), Ok(Camera { plane, ..camera() }));
+        for (from, to, message) in [
+            (
+                "aspect 0.998",
+                "aspect 0",
+                "`0` is no aspect of a view: expected a number from 0.01 to 100",
+            ),
+            ("shift 0.0125", "shift nan", "`nan` is no shift of a view"),
+            ("aspect 0.998", "", "the view ends before its aspect"),
+            ("0.998", "0.998 on", "`on` after the end of a view"),
+        ] {
+            let error = text.replacen(from, to, 1).parse::<Camera>().unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
         }
     }
 
@@ -201,6 +258,7 @@ mod tests {
             distance_exponent in -29f64..29.0,
             angles in (-180f64..180.0, -90f64..=90.0, 1f64..=170.0),
             up in 0..6usize,
+            roll in prop_oneof![Just((0.0, 0.0)), (-180f64..180.0, -1f64..1.0)],
             is_orthographic: bool,
         ) {
             let camera = Camera {
@@ -211,6 +269,11 @@ mod tests {
                 fov_deg: angles.2,
                 up: UpAxis::ALL[up].1,
                 projection: Projection::ALL[usize::from(is_orthographic)],
+                plane: PicturePlane {
+                    roll_deg: roll.0,
+                    shift: DVec2::new(roll.1, -roll.1),
+                    pixel_aspect: 1.0 + 0.5 * roll.1,
+                },
             };
             prop_assert_eq!(camera.to_string().parse(), Ok(camera));
         }

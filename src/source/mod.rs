@@ -32,7 +32,7 @@ pub use generated::Generated;
 pub use list::FrameList;
 pub use options::OpenOptions;
 pub use reel::Reel;
-pub use rgbd::{MergedFrames, RgbdError, RgbdFolder, RgbdOptions};
+pub use rgbd::{MergedFrames, RgbdError, RgbdOptions, RgbdRecording};
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
@@ -43,7 +43,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The source that `inputs` name: one that is [`Generated`], a sequence file ([`Reel`]), a recording of depth images
-/// ([`RgbdFolder`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
+/// ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
 /// cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs

@@ -9,8 +9,8 @@ use pointreel::math::Aabb;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{
-    Background, Camera, Content, Lighting, Primitive, Projection, Scene, ScenePacket, Splatting, Style, Surfels,
-    UpAxis, Voxels,
+    Background, Camera, Content, Lighting, PicturePlane, Primitive, Projection, Scene, ScenePacket, Splatting, Style,
+    Surfels, UpAxis, Voxels,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
@@ -73,6 +73,7 @@ pub(crate) fn camera_at(distance: f64) -> Camera {
         fov_deg: 90.0,
         up: UpAxis::Y,
         projection: Projection::Perspective,
+        plane: PicturePlane::CENTERED,
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// The folder of a layout below `root`, and what has to be said of it.
-fn written(root: &Path, name: &str) -> (std::path::PathBuf, RgbdOptions) {
+pub(crate) fn written(root: &Path, name: &str) -> (std::path::PathBuf, RgbdOptions) {
     let (_, write, _) = LAYOUTS.iter().find(|(known, ..)| *known == name).unwrap();
     let folder = root.join(name.replace(' ', "_"));
     fs::create_dir(&folder).unwrap();
@@ -32,7 +32,13 @@ fn one_recording_reads_to_the_same_points_in_every_layout() {
     }
 }
 
-fn check_frame(name: &str, recording: &Recording, frame: usize, sequence: &pointreel::sequence::Sequence, has: &Has) {
+pub(crate) fn check_frame(
+    name: &str,
+    recording: &Recording,
+    frame: usize,
+    sequence: &pointreel::sequence::Sequence,
+    has: &Has,
+) {
     let cloud = sequence.decode(frame).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert_eq!(cloud.warnings, [""; 0], "{name}");
     let found = points(&cloud);

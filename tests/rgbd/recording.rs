@@ -102,7 +102,7 @@ pub(crate) fn gray(samples: &[u16], format: ImageFormat) -> Vec<u8> {
     written(&DynamicImage::ImageLuma16(image), format)
 }
 
-fn rgb(pixels: &[[u8; 3]], format: ImageFormat) -> Vec<u8> {
+pub(crate) fn rgb(pixels: &[[u8; 3]], format: ImageFormat) -> Vec<u8> {
     let image = ImageBuffer::<Rgb<u8>, _>::from_raw(WIDTH, HEIGHT, pixels.concat()).unwrap();
     written(&DynamicImage::ImageRgb8(image), format)
 }

@@ -42,6 +42,8 @@ pub enum Command {
     ResetView,
     /// Move back until all points are seen, outliers and what is far away as well.
     FrameAll,
+    /// Look from the sensor that took what is shown.
+    LookFromSensor,
     /// Look along an axis.
     Look(ViewPreset),
     /// Parallel rays and back.

@@ -216,6 +216,16 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
     for &(name, preset, _, _) in ViewPreset::ALL {
         item(ui, state, name, Command::Look(preset));
     }
+    ui.add_enabled_ui(state.sensor().is_some(), |ui| {
+        let tooltip = "As the depth camera saw what is shown: in the size of its image, pixel by pixel";
+        run_by(
+            ui,
+            state,
+            Button::new("Look from the sensor"),
+            Command::LookFromSensor,
+            tooltip,
+        );
+    });
     ui.separator();
     item(ui, state, "Reset view", Command::ResetView);
     item(ui, state, "Frame everything", Command::FrameAll);

@@ -205,7 +205,7 @@ fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
             fov,
         );
         if shown != before {
-            camera.fov_deg = shown;
+            camera.set_fov_deg(shown);
         }
     }
     row(

@@ -52,6 +52,7 @@ impl State {
             Command::PreviousMarker => self.go_to_marker(false),
             Command::ResetView => self.reset_view(),
             Command::FrameAll => self.frame_all(),
+            Command::LookFromSensor => self.look_from_sensor(),
             Command::Look(preset) => self.camera.look_from(preset),
             Command::ToggleOrthographic => self.toggle_projection(),
             Command::ToggleTurntable => self.motion.turntable.is_on ^= true,

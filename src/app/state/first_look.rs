@@ -8,6 +8,7 @@
 use super::State;
 use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
 use crate::math::Aabb;
+use crate::rgbd::Sensor;
 use crate::scene::{Camera, FirstLook, Primitive, Style, UpAxis};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
@@ -180,6 +181,23 @@ impl State {
         let mut camera = self.camera;
         camera.frame_bounds(&bounds, player.sequence().origin());
         Some(camera)
+    }
+
+    /// What took the frame that is shown, as far as anybody knows.
+    pub(in crate::app) fn sensor(&self) -> Option<Sensor> {
+        let player = self.player.as_ref()?;
+        player.sequence().source().sensor(player.shown()?.index)
+    }
+
+    /// Puts the camera where the sensor was, with its view.
+    pub(super) fn look_from_sensor(&mut self) {
+        let looked = self.looked.look.as_deref().zip(self.player.as_ref());
+        let Some(((look, player), sensor)) = looked.zip(self.sensor()) else {
+            self.notices
+                .info("Nothing says which camera took this: depth images have one, files of points do not");
+            return;
+        };
+        self.camera = look.camera_of_sensor(&sensor, player.sequence().origin());
     }
 
     /// Width of the picture as a share of its height.

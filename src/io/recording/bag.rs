@@ -8,8 +8,7 @@ use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
-use super::encoding::encoding_of;
-use super::found::Found;
+use super::found::{Found, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use std::time::Duration;
@@ -73,8 +72,8 @@ fn time(seconds: u32, nanos: u32) -> Duration {
     Duration::from_secs(seconds.into()) + Duration::from_nanos(nanos.into())
 }
 
-/// The point clouds of the file that `walk` is at the start of.
-pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Fault> {
+/// What is wanted of the file that `walk` is at the start of.
+pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<Found, Fault> {
     let magic = walk.take(MAGIC.len() as u64).unwrap_or_default();
     if magic != MAGIC {
         return Err(Fault::new(
@@ -82,7 +81,7 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
             "only bags of version 2.0 are read: convert it with `rosbag migrate`, or to MCAP",
         ));
     }
-    let mut found = Found::default();
+    let mut found = Found::new(wanted);
     let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     while walk.left() > 0 {
         let start = walk.position();
@@ -92,7 +91,10 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
         }
     }
     for (chunk, connections) in chunks {
-        if !found.may_hold_clouds(&connections) {
+        if found.is_complete() {
+            break;
+        }
+        if !found.may_be_in_chunk(&connections) {
             continue;
         }
         match walk.unpack(&chunk, options) {
@@ -198,9 +200,7 @@ fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut Found) {
 fn connection(header: &RecordHeader, data: &[u8], found: &mut Found) {
     let kind = RecordHeader::parse(data).and_then(|connection| connection.kind);
     if let (Some(id), Some(kind)) = (header.connection, kind) {
-        let topic = header.topic.clone().unwrap_or_default();
-        let encoding = encoding_of(&kind, "ros1");
-        found.topics.insert(id, encoding.map(|encoding| (topic, encoding)));
+        found.add_topic(id, header.topic.as_deref().unwrap_or_default(), &kind, "ros1");
     }
 }
 

@@ -6,8 +6,8 @@ pub(super) struct Bytes<'a> {
     all: &'a [u8],
     at: usize,
     big_endian: bool,
-    /// Numbers lie at multiples of their size.
-    aligned: bool,
+    /// Numbers lie at multiples of their size, or of this, if that is less.
+    most_alignment: usize,
 }
 
 impl<'a> Bytes<'a> {
@@ -17,17 +17,17 @@ impl<'a> Bytes<'a> {
             all,
             at: 0,
             big_endian: false,
-            aligned: false,
+            most_alignment: 1,
         }
     }
 
-    /// As CDR has it.
-    pub(super) fn aligned(all: &'a [u8], big_endian: bool) -> Self {
+    /// As CDR has it: numbers lie at multiples of their size, up to `most_alignment` bytes.
+    pub(super) fn aligned(all: &'a [u8], big_endian: bool, most_alignment: usize) -> Self {
         Self {
             all,
             at: 0,
             big_endian,
-            aligned: true,
+            most_alignment,
         }
     }
 
@@ -47,9 +47,7 @@ impl<'a> Bytes<'a> {
     }
 
     fn number<const SIZE: usize>(&mut self) -> Option<[u8; SIZE]> {
-        if self.aligned {
-            self.at = self.at.checked_next_multiple_of(SIZE)?;
-        }
+        self.at = self.at.checked_next_multiple_of(SIZE.min(self.most_alignment))?;
         let mut raw: [u8; SIZE] = self.take(SIZE)?.try_into().ok()?;
         if self.big_endian {
             raw.reverse();
@@ -71,6 +69,23 @@ impl<'a> Bytes<'a> {
 
     pub(super) fn u64(&mut self) -> Option<u64> {
         self.number().map(u64::from_le_bytes)
+    }
+
+    pub(super) fn f32(&mut self) -> Option<f32> {
+        self.number().map(f32::from_le_bytes)
+    }
+
+    pub(super) fn f64(&mut self) -> Option<f64> {
+        self.number().map(f64::from_le_bytes)
+    }
+
+    /// So many of them.
+    pub(super) fn f64s<const COUNT: usize>(&mut self) -> Option<[f64; COUNT]> {
+        let mut numbers = [0.0; COUNT];
+        for number in &mut numbers {
+            *number = self.f64()?;
+        }
+        Some(numbers)
     }
 
     /// Bytes behind their number.

@@ -6,8 +6,7 @@
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
-use super::encoding::encoding_of;
-use super::found::Found;
+use super::found::{Found, Wanted};
 use super::message::MessagePlace;
 use rusqlite::{Connection, OpenFlags};
 use std::io::Read as _;
@@ -21,9 +20,9 @@ const START_BYTES: u64 = 12;
 /// No row of a table is smaller than this on its page.
 const LEAST_ROW_BYTES: u64 = 4;
 
-/// The point clouds of the database at `path`.
-pub(super) fn find(path: &Path) -> Result<Found, Fault> {
-    find_rows(path).map_err(|error| match error {
+/// What is wanted of the database at `path`.
+pub(super) fn find(path: &Path, wanted: Wanted) -> Result<Found, Fault> {
+    find_rows(path, wanted).map_err(|error| match error {
         Failure::Sql(error) => Fault::header(format!(
             "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is \
              another database"
@@ -64,7 +63,7 @@ fn open(path: &Path) -> Result<Connection, Failure> {
     Ok(database)
 }
 
-fn find_rows(path: &Path) -> Result<Found, Failure> {
+fn find_rows(path: &Path, wanted: Wanted) -> Result<Found, Failure> {
     let file_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     let mut rows_left = file_bytes / LEAST_ROW_BYTES;
     let mut count = || {
@@ -74,17 +73,19 @@ fn find_rows(path: &Path) -> Result<Found, Failure> {
         Ok::<(), Failure>(())
     };
     let database = open(path)?;
-    let mut found = Found::default();
+    let mut found = Found::new(wanted);
     let mut statement = database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let mut rows = statement.query([])?;
     while let Some(row) = rows.next()? {
         count()?;
         let id: i64 = row.get(0)?;
         let (topic, kind, encoding): (String, String, String) = (row.get(1)?, row.get(2)?, row.get(3)?);
-        let topic = encoding_of(&kind, &encoding).map(|encoding| (topic, encoding));
         if let Ok(id) = u32::try_from(id) {
-            found.topics.insert(id, topic);
+            found.add_topic(id, &topic, &kind, &encoding);
         }
+    }
+    if found.is_complete() {
+        return Ok(found);
     }
     let mut statement = database.prepare("SELECT rowid, topic_id, timestamp FROM messages")?;
     let mut rows = statement.query([])?;
@@ -94,7 +95,7 @@ fn find_rows(path: &Path) -> Result<Found, Failure> {
         let Some(topic) = u32::try_from(topic).ok() else {
             continue;
         };
-        if !matches!(found.topics.get(&topic), Some(Some(_))) {
+        if !found.has_topic(topic) {
             continue;
         }
         // The first bytes alone, not all that a query would read of a message.

@@ -2,7 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
-use super::pointcloud2::Serialisation;
+use super::serialisation::Serialisation;
 use super::{foxglove, pointcloud2};
 use crate::cloud::RawCloud;
 use std::time::Duration;
@@ -22,7 +22,7 @@ impl Encoding {
     /// When the cloud was taken, if `start`, the first bytes of the message, says so.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         match self {
-            Self::Ros(serialisation) => pointcloud2::stamp(start, serialisation),
+            Self::Ros(serialisation) => serialisation.stamp(start),
             Self::Protobuf => foxglove::protobuf_stamp(start),
             Self::Json => foxglove::json_stamp(start),
         }
@@ -41,13 +41,12 @@ impl Encoding {
 /// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
 /// Foxglove.
 pub(super) fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
-    let is_ros = ["sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2"].contains(&kind);
-    let is_foxglove = kind == "foxglove.PointCloud";
-    match encoding {
-        "ros1" if is_ros => Some(Encoding::Ros(Serialisation::Ros1)),
-        "cdr" if is_ros => Some(Encoding::Ros(Serialisation::Cdr)),
-        "protobuf" if is_foxglove => Some(Encoding::Protobuf),
-        "json" if is_foxglove => Some(Encoding::Json),
+    match (kind, encoding) {
+        ("sensor_msgs/PointCloud2" | "sensor_msgs/msg/PointCloud2", _) => {
+            Serialisation::of(encoding).map(Encoding::Ros)
+        }
+        ("foxglove.PointCloud", "protobuf") => Some(Encoding::Protobuf),
+        ("foxglove.PointCloud", "json") => Some(Encoding::Json),
         _ => None,
     }
 }

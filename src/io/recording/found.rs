@@ -1,35 +1,127 @@
-//! What the walk over a recording finds: topics, and where their point clouds are.
+//! What the walk over a recording finds: topics, and where their messages are.
 
 use super::super::contents::{Contents, Entry, Part, Topic};
-use super::encoding::Encoding;
+use super::camera::{CameraMessage, CameraTopic, CameraTopics};
+use super::encoding::{Encoding, encoding_of};
 use super::message::{Message, MessagePlace};
+use super::serialisation::Serialisation;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
+/// Which messages are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// Those with point clouds.
+    Clouds,
+    /// What cameras publish.
+    Cameras {
+        /// Also where the recording has point clouds; else it is one of these, and is not looked into.
+        beside_clouds: bool,
+    },
+}
+
+/// A topic with messages that are looked for.
+#[derive(Debug)]
+struct FoundTopic {
+    name: String,
+    encoding: Encoding,
+    /// What cameras publish on it; `None` of point clouds.
+    camera: Option<CameraMessage>,
+}
+
 /// What is found in a recording.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Found {
-    /// Topics by the number that messages call them by; `None` for those without point clouds.
-    pub(super) topics: HashMap<u32, Option<(String, Encoding)>>,
+    wanted: Wanted,
+    /// Topics by the number that messages call them by; `None` for those that are not looked for.
+    topics: HashMap<u32, Option<FoundTopic>>,
     messages: Vec<(u32, Duration, Message)>,
+    has_clouds: bool,
 }
 
 impl Found {
-    /// Notes a message of a topic with point clouds; `start` is what it begins with.
+    pub(super) fn new(wanted: Wanted) -> Self {
+        Self {
+            wanted,
+            topics: HashMap::new(),
+            messages: Vec::new(),
+            has_clouds: false,
+        }
+    }
+
+    /// Notes that messages with the number `id` are of topic `name`, and their type `kind`.
+    pub(super) fn add_topic(&mut self, id: u32, name: &str, kind: &str, encoding: &str) {
+        let of_clouds = encoding_of(kind, encoding);
+        self.has_clouds |= of_clouds.is_some();
+        let name = name.to_owned();
+        let topic = match self.wanted {
+            Wanted::Clouds => of_clouds.map(|encoding| FoundTopic {
+                name,
+                encoding,
+                camera: None,
+            }),
+            Wanted::Cameras { .. } => {
+                let of_cameras = CameraMessage::of(kind, &name).zip(Serialisation::of(encoding));
+                of_cameras.map(|(camera, serialisation)| FoundTopic {
+                    name,
+                    encoding: Encoding::Ros(serialisation),
+                    camera: Some(camera),
+                })
+            }
+        };
+        self.topics.insert(id, topic);
+    }
+
+    /// Whether messages of a topic are looked for, as far as is known.
+    pub(super) fn has_topic(&self, id: u32) -> bool {
+        matches!(self.topics.get(&id), Some(Some(_)))
+    }
+
+    /// Notes a message of a topic that is looked for; `start` is what it begins with.
     pub(super) fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
-        if let Some(Some((_, encoding))) = self.topics.get(&topic) {
+        if let Some(Some(FoundTopic { encoding, camera, .. })) = self.topics.get(&topic) {
             let encoding = *encoding;
-            let time = encoding.stamp(start).unwrap_or(log_time);
+            let has_header = camera.is_none_or(CameraMessage::has_header);
+            let stamp = encoding.stamp(start).filter(|_| has_header);
+            let time = stamp.unwrap_or(log_time);
             self.messages.push((topic, time, Message { place, encoding }));
         }
     }
 
-    /// True when a chunk with messages of these topics may hold point clouds.
-    pub(super) fn may_hold_clouds(&self, topics: &[u32]) -> bool {
+    /// True when nothing within chunks is looked for.
+    pub(super) fn is_complete(&self) -> bool {
+        self.has_clouds && self.wanted == Wanted::Cameras { beside_clouds: false }
+    }
+
+    /// True when a chunk with messages of these topics may hold what is looked for.
+    pub(super) fn may_be_in_chunk(&self, topics: &[u32]) -> bool {
         topics.is_empty()
             || topics
                 .iter()
                 .any(|topic| self.topics.get(topic).is_none_or(Option::is_some))
+    }
+
+    /// What cameras publish, each topic in the order of time.
+    pub(super) fn cameras(self) -> CameraTopics {
+        let mut by_name: BTreeMap<&str, CameraTopic> = BTreeMap::new();
+        for topic in self.topics.values().flatten() {
+            if let Some(kind) = topic.camera {
+                by_name
+                    .entry(&topic.name)
+                    .or_insert_with(|| CameraTopic::new(&topic.name, kind));
+            }
+        }
+        for (topic, time, message) in self.messages {
+            let topic = self.topics.get(&topic).and_then(Option::as_ref);
+            if let Some(topic) = topic.and_then(|topic| by_name.get_mut(topic.name.as_str())) {
+                topic.messages.push((time, message));
+            }
+        }
+        let mut topics: Vec<CameraTopic> = by_name.into_values().collect();
+        for topic in &mut topics {
+            topic.messages.sort_by_key(|(time, _)| *time);
+        }
+        CameraTopics(topics)
     }
 
     /// All topics with point clouds, and the messages of `wanted` in the order of time; of the topic that has the most
@@ -37,12 +129,12 @@ impl Found {
     pub(super) fn contents(self, wanted: Option<&str>) -> Contents {
         // The same topic may have several numbers, one for each of its publishers.
         let mut by_name: BTreeMap<&str, Vec<(Duration, Message)>> = BTreeMap::new();
-        for (name, _) in self.topics.values().flatten() {
-            by_name.entry(name).or_default();
+        for topic in self.topics.values().flatten() {
+            by_name.entry(&topic.name).or_default();
         }
         for (topic, time, message) in self.messages {
-            if let Some(Some((name, _))) = self.topics.get(&topic) {
-                by_name.entry(name).or_default().push((time, message));
+            if let Some(Some(topic)) = self.topics.get(&topic) {
+                by_name.entry(&topic.name).or_default().push((time, message));
             }
         }
         let most = by_name.values().map(Vec::len).max().unwrap_or(0);

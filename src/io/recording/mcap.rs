@@ -9,8 +9,7 @@ use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
-use super::encoding::{Encoding, encoding_of};
-use super::found::Found;
+use super::found::{Found, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use std::collections::HashMap;
@@ -35,21 +34,23 @@ const CHUNK: u8 = 0x06;
 const MESSAGE_INDEX: u8 = 0x07;
 
 /// Schemas by their number, and what is found.
-#[derive(Default)]
 struct Finder {
     schemas: HashMap<u16, String>,
     found: Found,
 }
 
-/// The point clouds of the file that `walk` is at the start of.
-pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Fault> {
+/// What is wanted of the file that `walk` is at the start of.
+pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<Found, Fault> {
     if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
         return Err(Fault::new(
             Place::Byte(0),
             "this is no MCAP file: its first bytes are others",
         ));
     }
-    let mut finder = Finder::default();
+    let mut finder = Finder {
+        schemas: HashMap::new(),
+        found: Found::new(wanted),
+    };
     let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     loop {
         let start = walk.position();
@@ -64,7 +65,10 @@ pub(super) fn find(walk: &mut Walk, options: &ReadOptions) -> Result<Found, Faul
         }
     }
     for (chunk, channels) in chunks {
-        if !finder.found.may_hold_clouds(&channels) {
+        if finder.found.is_complete() {
+            break;
+        }
+        if !finder.found.may_be_in_chunk(&channels) {
             continue;
         }
         match walk.unpack(&chunk, options) {
@@ -159,10 +163,8 @@ impl Finder {
         }
         let schema = body.u16()?;
         let (topic, encoding) = (body.text()?, body.text()?);
-        let encoding: Option<Encoding> = self.schemas.get(&schema).and_then(|kind| encoding_of(kind, &encoding));
-        self.found
-            .topics
-            .insert(u32::from(id), encoding.map(|encoding| (topic, encoding)));
+        let kind = self.schemas.get(&schema).map_or("", String::as_str);
+        self.found.add_topic(u32::from(id), &topic, kind, &encoding);
         Some(())
     }
 

@@ -1,13 +1,14 @@
-//! Recordings of robots: messages with point clouds and their times.
+//! Recordings of robots: messages with point clouds, or with images of depth cameras, and their times.
 //!
 //! A recording is a list of messages on topics, most of them packed together into chunks. [`list`] walks over the heads
 //! of its records once, unpacks only chunks with point clouds (their index says so; chunks without one are looked
 //! into), and notes where each cloud is. [`read`] then touches one message, or the one chunk it is packed in. MCAP and
 //! bags differ only in how their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is asked by
-//! `rusqlite` ([`db3`]).
+//! `rusqlite` ([`db3`]). What cameras publish is found by the same walk ([`cameras`], [`camera`]).
 
 mod bag;
 mod bytes;
+pub(crate) mod camera;
 mod chunk;
 mod db3;
 mod encoding;
@@ -17,6 +18,7 @@ mod mcap;
 mod message;
 mod pointcloud2;
 mod protobuf;
+mod serialisation;
 mod walk;
 
 pub use message::Message;
@@ -27,11 +29,14 @@ use super::error::IoError;
 use super::error::{Fault, Place};
 use super::format::Format;
 use super::options::ReadOptions;
+use super::raster::Raster;
 use super::unpack::{Packing, unpack};
 use crate::cloud::RawCloud;
+use camera::{CameraMessage, CameraTopics};
 use encoding::Encoding;
+use found::{Found, Wanted};
 use message::MessagePlace;
-use pointcloud2::Serialisation;
+use serialisation::Serialisation;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -44,27 +49,83 @@ pub(super) fn list(
     topic: Option<&str>,
     options: &ReadOptions,
 ) -> Result<Contents, IoError> {
+    Ok(find(path, format, Wanted::Clouds, options)?.contents(topic))
+}
+
+/// What cameras have published in the recording at `path`; nothing where it has point clouds, unless cameras are asked
+/// for `beside_clouds`.
+pub(super) fn cameras(
+    path: &Path,
+    format: Format,
+    beside_clouds: bool,
+    options: &ReadOptions,
+) -> Result<CameraTopics, IoError> {
+    let found = find(path, format, Wanted::Cameras { beside_clouds }, options)?;
+    if found.is_complete() {
+        return Ok(CameraTopics::default());
+    }
+    Ok(found.cameras())
+}
+
+fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> Result<Found, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
     let found = if format == containers::DB3 {
-        db3::find(path)
+        db3::find(path, wanted)
     } else {
         let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
         if format == containers::MCAP {
-            mcap::find(&mut walk, options)
+            mcap::find(&mut walk, wanted, options)
         } else {
-            bag::find(&mut walk, options)
+            bag::find(&mut walk, wanted, options)
         }
     };
-    let found = found.map_err(|fault| fault.of(path, format))?;
-    Ok(found.contents(topic))
+    found.map_err(|fault| fault.of(path, format))
 }
 
 /// The point cloud of a message.
 pub(super) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Result<RawCloud, IoError> {
-    let (format, place) = match (&message.place, message.encoding) {
+    let bytes = message_bytes(path, message, options)?;
+    let (format, place) = place_of(path, message);
+    let cloud = message.encoding.decode(&bytes, options).map_err(|fault| {
+        let problem = format!("the point cloud: {}", fault.problem);
+        Fault::new(place, problem).of(path, format)
+    })?;
+    Ok(RawCloud {
+        unit: format.unit(),
+        ..cloud
+    })
+}
+
+/// The image of a message of `kind`.
+pub(crate) fn read_image(
+    path: &Path,
+    message: &Message,
+    kind: CameraMessage,
+    options: &ReadOptions,
+) -> Result<Raster, IoError> {
+    let bytes = message_bytes(path, message, options)?;
+    camera::image(&bytes, message, kind, options.max_memory_bytes).map_err(|problem| {
+        let (format, place) = place_of(path, message);
+        Fault::new(place, format!("the image: {problem}")).of(path, format)
+    })
+}
+
+/// Reads a message of a camera by `parse`, which is one of [`camera`]; `None` where it is damaged.
+pub(crate) fn read_parsed<T>(
+    path: &Path,
+    message: &Message,
+    options: &ReadOptions,
+    parse: impl FnOnce(&[u8], &Message) -> Option<T>,
+) -> Option<T> {
+    parse(&message_bytes(path, message, options).ok()?, message)
+}
+
+/// The format of a recording, and where in it a message is.
+fn place_of(path: &Path, message: &Message) -> (Format, Place) {
+    match (&message.place, message.encoding) {
         (&MessagePlace::Row(row), _) => (
             containers::DB3,
             Place::Entry {
@@ -80,18 +141,24 @@ pub(super) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Res
             },
             Place::Byte(offset as usize),
         ),
+    }
+}
+
+fn message_bytes(path: &Path, message: &Message, options: &ReadOptions) -> Result<Vec<u8>, IoError> {
+    let invalid = |problem: String| {
+        let (format, place) = place_of(path, message);
+        Fault::new(place, problem).of(path, format)
     };
-    let invalid = |problem: String| Fault::new(place.clone(), problem).of(path, format);
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
-    let bytes = match &message.place {
-        MessagePlace::Row(row) => db3::read(path, *row, options).map_err(invalid)?,
+    match &message.place {
+        MessagePlace::Row(row) => db3::read(path, *row, options).map_err(invalid),
         &MessagePlace::File { offset, byte_count } => {
             let mut file = File::open(path).map_err(failed)?;
             file.seek(SeekFrom::Start(offset)).map_err(failed)?;
-            unpack(Packing::Stored, file.take(byte_count), byte_count, options).map_err(invalid)?
+            unpack(Packing::Stored, file.take(byte_count), byte_count, options).map_err(invalid)
         }
         MessagePlace::Chunk {
             chunk,
@@ -108,15 +175,7 @@ pub(super) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Res
             }
             unpacked.truncate(end as usize);
             unpacked.drain(..*offset as usize);
-            unpacked
+            Ok(unpacked)
         }
-    };
-    message
-        .encoding
-        .decode(&bytes, options)
-        .map(|cloud| RawCloud {
-            unit: format.unit(),
-            ..cloud
-        })
-        .map_err(|fault| invalid(format!("the point cloud: {}", fault.problem)))
+    }
 }

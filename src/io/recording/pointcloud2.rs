@@ -4,57 +4,12 @@ use super::super::column::{Column, Scalar, Values};
 use super::super::error::Fault;
 use super::super::growing;
 use super::super::options::ReadOptions;
-use super::bytes::Bytes;
+use super::serialisation::Serialisation;
 use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use std::borrow::Cow;
-use std::time::Duration;
 
-/// Kind of CDR and options, before the message itself.
-const CDR_HEAD_BYTES: usize = 4;
 /// Is in the names of frames that look along Z with Y down (REP 103, "Suffix Frames").
 const OPTICAL: &[u8] = b"optical";
-const NANOS_PER_SECOND: u32 = 1_000_000_000;
-
-/// How the fields of a message are written one after the other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Serialisation {
-    /// ROS 1: little endian without gaps.
-    Ros1,
-    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
-    Cdr,
-}
-
-/// The fields of `message`, past what says how it is written.
-fn body(message: &[u8], serialisation: Serialisation) -> Option<Bytes<'_>> {
-    match serialisation {
-        Serialisation::Ros1 => Some(Bytes::new(message)),
-        Serialisation::Cdr => {
-            let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
-            // Plain CDR of the first and of the second version; numbers of 8 bytes, in which they differ, there are
-            // none.
-            match head[..2] {
-                [0, 0 | 6] => Some(Bytes::aligned(rest, true)),
-                [0, 1 | 7] => Some(Bytes::aligned(rest, false)),
-                _ => None,
-            }
-        }
-    }
-}
-
-/// When the cloud was taken, if `start`, the first bytes of the message, says so.
-pub(super) fn stamp(start: &[u8], serialisation: Serialisation) -> Option<Duration> {
-    let mut fields = body(start, serialisation)?;
-    if serialisation == Serialisation::Ros1 {
-        let _sequence = fields.u32()?;
-    }
-    let (seconds, nanos) = (fields.u32()?, fields.u32()?);
-    // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
-    let is_negative = serialisation == Serialisation::Cdr && seconds > i32::MAX as u32;
-    if is_negative || nanos >= NANOS_PER_SECOND || (seconds, nanos) == (0, 0) {
-        return None;
-    }
-    Some(Duration::new(seconds.into(), nanos))
-}
 
 struct PointField {
     name: String,
@@ -76,12 +31,8 @@ struct Cloud<'a> {
 }
 
 fn parse(message: &[u8], serialisation: Serialisation) -> Option<Cloud<'_>> {
-    let mut fields = body(message, serialisation)?;
-    if serialisation == Serialisation::Ros1 {
-        let _sequence = fields.u32()?;
-    }
-    let _stamp = (fields.u32()?, fields.u32()?);
-    let frame_id = fields.counted()?;
+    let mut fields = serialisation.body(message)?;
+    let frame_id = serialisation.header(&mut fields)?.frame_id;
     let (height, width) = (fields.u32()?, fields.u32()?);
     let field_count = fields.u32()?;
     // Not allocated for the count that is claimed: every field takes bytes that must be there.

@@ -2,7 +2,7 @@
 
 use super::view::PixelView;
 use crate::math::Aabb;
-use crate::scene::{Camera, Content, Projection, ScenePacket, Style, UpAxis};
+use crate::scene::{Camera, Content, PicturePlane, Projection, ScenePacket, Style, UpAxis};
 use glam::{DVec3, Vec3};
 
 /// A packet without records, seen from 4 units in front of the origin.
@@ -14,6 +14,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         elevation_deg: 0.0,
         fov_deg: 60.0,
         up: UpAxis::Y,
+        plane: PicturePlane::CENTERED,
         projection: Projection::Perspective,
     };
     ScenePacket {

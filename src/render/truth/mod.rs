@@ -78,12 +78,14 @@ impl<'a> TruthKey<'a> {
             view_from_frame,
             eye,
             px_per_slope,
+            axis_px,
             size_px,
             lighting,
             background,
         } = self.view;
         let numbers = view_from_frame.to_cols_array().into_iter();
-        for number in numbers.chain(eye.to_array()).chain([*px_per_slope]) {
+        let plane = px_per_slope.to_array().into_iter().chain(axis_px.to_array());
+        for number in numbers.chain(eye.to_array()).chain(plane) {
             take(&number.to_le_bytes());
         }
         for edge in size_px {

@@ -2,7 +2,7 @@
 
 use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::scene::{Background, Camera, Lighting};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::ops::Range;
 
 /// Pixels along each edge of the squares that are worked out at a time.
@@ -14,8 +14,10 @@ pub struct TruthView {
     pub(super) view_from_frame: DMat3,
     /// In the space of the frame.
     pub(super) eye: DVec3,
-    /// Pixels for a slope of 1.
-    pub(super) px_per_slope: f64,
+    /// Pixels to the right and upwards for a slope of 1.
+    pub(super) px_per_slope: DVec2,
+    /// The place of the view axis.
+    pub(super) axis_px: DVec2,
     pub(super) size_px: [u32; 2],
     pub(super) lighting: Lighting,
     pub(super) background: Background,
@@ -50,10 +52,12 @@ impl TruthView {
     /// What `camera` sees of frames relative to `origin`. Surfaces are lit at each sample unless they are not lit at
     /// all.
     pub fn new(camera: &Camera, origin: DVec3, size_px: [u32; 2], lighting: Lighting, background: Background) -> Self {
+        let (px_per_slope, axis) = camera.px_per_slope(size_px);
         Self {
             view_from_frame: camera.view_from_world_rotation(),
             eye: camera.eye_in_world() - origin,
-            px_per_slope: 0.5 * f64::from(size_px[1]) * camera.focal(),
+            px_per_slope,
+            axis_px: DVec2::new(axis.x, f64::from(size_px[1]) - axis.y),
             size_px,
             lighting,
             background,
@@ -62,10 +66,9 @@ impl TruthView {
 
     /// The ray through a place of the picture, in view space: as long as makes its depth 1.
     pub(super) fn ray(&self, place_px: [f64; 2]) -> DVec3 {
-        let [width, height] = self.size_px.map(f64::from);
         DVec3::new(
-            (place_px[0] - 0.5 * width) / self.px_per_slope,
-            (0.5 * height - place_px[1]) / self.px_per_slope,
+            (place_px[0] - self.axis_px.x) / self.px_per_slope.x,
+            (self.axis_px.y - place_px[1]) / self.px_per_slope.y,
             -1.0,
         )
     }

@@ -119,12 +119,12 @@ fn covered_px(view: &TruthView, center: DVec3, radius: f64) -> Option<[[f64; 2];
     let slope = |end: f64, is_outwards: bool| end / if is_outwards { nearest } else { farthest };
     let range = |axis: usize| {
         let [low, high] = [center[axis] - radius, center[axis] + radius];
-        [slope(low, low < 0.0), slope(high, high > 0.0)].map(|slope| slope * view.px_per_slope)
+        [slope(low, low < 0.0), slope(high, high > 0.0)].map(|slope| slope * view.px_per_slope[axis])
     };
     let ([left, right], [below, above]) = (range(0), range(1));
     let place = [
-        [0.5 * width + left, 0.5 * width + right],
-        [0.5 * height - above, 0.5 * height - below],
+        [view.axis_px.x + left, view.axis_px.x + right],
+        [view.axis_px.y - above, view.axis_px.y - below],
     ];
     let is_within = place[0][0] < width && place[0][1] > 0.0 && place[1][0] < height && place[1][1] > 0.0;
     is_within.then_some(place)

@@ -19,12 +19,14 @@ pub use kind::CaptureKind;
 pub(super) use sample::typical_spacing;
 pub use standpoint::Standpoint;
 
+use super::pinhole_view::sensor_target_distance;
 use super::{Camera, Primitive, UpAxis};
 use crate::cloud::{AxisConvention, Frame};
 use crate::math::Aabb;
 use crate::progress::Progress;
+use crate::rgbd::Sensor;
 use crate::sequence::{Detail, Sequence};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use sample::{CloudSample, MOST_POINTS, median_luma, quantile};
 
@@ -214,6 +216,15 @@ impl FirstLook {
             return self.camera(origin, aspect);
         }
         self.clone().with_up(up).camera(origin, aspect)
+    }
+
+    /// The view of the sensor that took a frame whose points are in the frame of its depth camera: that camera, turning
+    /// about the middle of what it sees.
+    pub fn camera_of_sensor(&self, sensor: &Sensor, origin: DVec3) -> Camera {
+        let place = DAffine3::IDENTITY;
+        let middle = origin + self.trimmed.center().as_dvec3();
+        let distance = sensor_target_distance(&place, middle, f64::from(self.trimmed.radius()));
+        Camera::of_pinhole(&sensor.rig.depth, place, distance, self.up)
     }
 
     /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to

@@ -1,8 +1,8 @@
 //! Paths as JSON files that a person can read and write.
 
 use super::{CameraPath, Keyframe, PathError};
-use crate::scene::{Camera, Projection, UpAxis};
-use glam::DVec3;
+use crate::scene::{Camera, PicturePlane, Projection, UpAxis};
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fs::File;
 use std::io::Read as _;
@@ -98,6 +98,35 @@ struct WrittenKeyframe {
     azimuth_deg: f64,
     elevation_deg: f64,
     fov_deg: f64,
+    /// The picture of a sensor; others do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    plane: Option<WrittenPlane>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenPlane {
+    roll_deg: f64,
+    shift: [f64; 2],
+    pixel_aspect: f64,
+}
+
+impl WrittenPlane {
+    fn of(plane: PicturePlane) -> Option<Self> {
+        (plane != PicturePlane::CENTERED).then(|| Self {
+            roll_deg: plane.roll_deg,
+            shift: plane.shift.to_array(),
+            pixel_aspect: plane.pixel_aspect,
+        })
+    }
+
+    fn plane(self) -> PicturePlane {
+        PicturePlane {
+            roll_deg: self.roll_deg,
+            shift: DVec2::from_array(self.shift),
+            pixel_aspect: self.pixel_aspect,
+        }
+    }
 }
 
 impl CameraPath {
@@ -143,6 +172,7 @@ impl CameraPath {
                 fov_deg: key.fov_deg,
                 up: written.up,
                 projection: written.projection,
+                plane: key.plane.map_or(PicturePlane::CENTERED, WrittenPlane::plane),
             },
         });
         Self::new(keyframes.collect(), written.ease).map_err(|reason| PathFileError::Keyframes { path: path(), reason })
@@ -183,6 +213,7 @@ fn line(key: &Keyframe) -> String {
         azimuth_deg: camera.azimuth_deg,
         elevation_deg: camera.elevation_deg,
         fov_deg: camera.fov_deg,
+        plane: WrittenPlane::of(camera.plane),
     };
     // Numbers alone: nothing of it can fail.
     serde_json::to_string(&written).unwrap_or_default()

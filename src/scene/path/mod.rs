@@ -2,9 +2,9 @@
 //!
 //! **How it works.** A path is a list of keyframes. Between them the camera moves along curves without corners
 //! (`curve.rs`) through its target (f64), the logarithm of its distance, its azimuth the short way round, its
-//! elevation, and the logarithm of its field of view, so that zooming looks even. The place in the sequence moves
-//! linearly: a frame that two neighbouring keyframes have is held, few frames over a long time are slow motion, and
-//! frames that fall play backwards, exactly as they were written.
+//! elevation, the logarithm of its field of view, so that zooming looks even, and where its picture is on its axis. The
+//! place in the sequence moves linearly: a frame that two neighbouring keyframes have is held, few frames over a long
+//! time are slow motion, and frames that fall play backwards, exactly as they were written.
 
 mod curve;
 mod file;
@@ -13,9 +13,9 @@ mod tests;
 
 pub use file::PathFileError;
 
-use super::Camera;
+use super::{Camera, PicturePlane};
 use curve::Curve;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The camera and the place in the sequence at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,8 +89,9 @@ pub enum PathError {
 pub struct CameraPath {
     keyframes: Vec<Keyframe>,
     eases: bool,
-    /// Target x, y, z, logarithm of the distance, azimuth without jumps, elevation, logarithm of the field of view.
-    curves: [Curve; 7],
+    /// Target x, y, z, logarithm of the distance, azimuth without jumps, elevation, logarithm of the field of view,
+    /// roll without jumps, shift x and y, logarithm of the aspect of pixels.
+    curves: [Curve; 11],
 }
 
 /// Keyframes are at least so far apart.
@@ -116,9 +117,13 @@ impl CameraPath {
             curve(|camera| camera.target_in_world.y),
             curve(|camera| camera.target_in_world.z),
             curve(|camera| camera.distance.ln()),
-            Curve::through(&times, unwrapped_azimuths(&keyframes), eases),
+            Curve::through(&times, unwrapped(&keyframes, |camera| camera.azimuth_deg), eases),
             curve(|camera| camera.elevation_deg),
             curve(|camera| camera.fov_deg.ln()),
+            Curve::through(&times, unwrapped(&keyframes, |camera| camera.plane.roll_deg), eases),
+            curve(|camera| camera.plane.shift.x),
+            curve(|camera| camera.plane.shift.y),
+            curve(|camera| camera.plane.pixel_aspect.ln()),
         ];
         Ok(Self {
             keyframes,
@@ -203,6 +208,11 @@ impl CameraPath {
             azimuth_deg: wrapped(value(4)),
             elevation_deg: value(5),
             fov_deg: value(6).exp(),
+            plane: PicturePlane {
+                roll_deg: wrapped(value(7)),
+                shift: DVec2::new(value(8), value(9)),
+                pixel_aspect: value(10).exp(),
+            },
             ..key.camera
         };
         (camera, frame.round() as usize)
@@ -214,17 +224,17 @@ fn wrapped(deg: f64) -> f64 {
     deg - 360.0 * (deg / 360.0).round()
 }
 
-/// Azimuths that each go on the short way round from the one before.
-fn unwrapped_azimuths(keyframes: &[Keyframe]) -> Vec<f64> {
-    let mut last = keyframes[0].camera.azimuth_deg;
-    let azimuth = |key: &Keyframe| {
-        let step = key.camera.azimuth_deg - last;
+/// Angles that each go on the short way round from the one before.
+fn unwrapped(keyframes: &[Keyframe], angle_deg: fn(&Camera) -> f64) -> Vec<f64> {
+    let mut last = angle_deg(&keyframes[0].camera);
+    let angle = |key: &Keyframe| {
+        let step = angle_deg(&key.camera) - last;
         // Half a turn goes the way it is written.
         let is_short = step.abs() <= 180.0;
         last += if is_short { step } else { wrapped(step) };
         last
     };
-    keyframes.iter().map(azimuth).collect()
+    keyframes.iter().map(angle).collect()
 }
 
 fn check(keyframes: &[Keyframe]) -> Result<(), PathError> {
@@ -239,6 +249,7 @@ fn check(keyframes: &[Keyframe]) -> Result<(), PathError> {
         let [x, y, z] = camera.target_in_world.to_array();
         let place = (-1e15..=1e15, "a number within ±1e15");
         let turns = (-1e6..=1e6, "degrees within ±1e6");
+        let shift = (-10.0..=10.0, "heights of the picture within ±10");
         for (field, value, (range, expected)) in [
             ("time_s", time_s, (0.0..=1e6, "seconds from 0 to 1e6")),
             ("frame", frame, (0.0..=1e9, "a frame from 0 to 1e9")),
@@ -246,13 +257,21 @@ fn check(keyframes: &[Keyframe]) -> Result<(), PathError> {
             ("target y", y, place.clone()),
             ("target z", z, place),
             ("distance", camera.distance, (1e-100..=1e100, "a length above 0")),
-            ("azimuth_deg", camera.azimuth_deg, turns),
+            ("azimuth_deg", camera.azimuth_deg, turns.clone()),
             (
                 "elevation_deg",
                 camera.elevation_deg,
                 (-90.0..=90.0, "degrees from -90 to 90"),
             ),
             ("fov_deg", camera.fov_deg, (0.001..=179.0, "degrees from 0.001 to 179")),
+            ("roll_deg", camera.plane.roll_deg, turns),
+            ("shift x", camera.plane.shift.x, shift.clone()),
+            ("shift y", camera.plane.shift.y, shift),
+            (
+                "pixel_aspect",
+                camera.plane.pixel_aspect,
+                (0.01..=100.0, "a number from 0.01 to 100"),
+            ),
         ] {
             if !range.contains(&value) {
                 return Err(PathError::OutOfRange {

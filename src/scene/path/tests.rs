@@ -14,6 +14,7 @@ fn camera() -> Camera {
         fov_deg: 45.0,
         up: UpAxis::Z,
         projection: Projection::Perspective,
+        plane: PicturePlane::CENTERED,
     }
 }
 
@@ -155,6 +156,7 @@ prop_compose! {
                 fov_deg,
                 up: UpAxis::Y,
                 projection: Projection::Perspective,
+                plane: PicturePlane::CENTERED,
             },
         }
     }

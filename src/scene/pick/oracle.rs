@@ -25,7 +25,11 @@ impl Oracle<'_> {
     /// From the eye through the pixel: the corner of the near plane's rectangle that its place says.
     fn direction(&self) -> DVec3 {
         let [width, height] = SIZE.map(f64::from);
-        let clip = DVec2::new(2.0 * self.px.x / width - 1.0, 1.0 - 2.0 * self.px.y / height);
+        let [right, up] = self.packet.view.center_ndc.map(f64::from);
+        let clip = DVec2::new(
+            2.0 * self.px.x / width - 1.0 - right,
+            1.0 - 2.0 * self.px.y / height - up,
+        );
         let [focal_x, focal_y] = self.packet.view.focal.map(f64::from);
         self.rotation().inverse() * DVec3::new(clip.x / focal_x, clip.y / focal_y, -1.0)
     }

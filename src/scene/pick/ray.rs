@@ -18,7 +18,8 @@ pub(super) struct Ray {
     /// In the space of the frame.
     eye: DVec3,
     slope: DVec2,
-    px_per_slope: f64,
+    /// Pixels to the right and upwards for a slope of 1.
+    px_per_slope: DVec2,
     near: f64,
 }
 
@@ -54,7 +55,7 @@ pub(super) trait Drawn: Sync {
     fn miss(&self, ray: &Ray, record: usize, offset: DVec3) -> Option<Miss> {
         let (depth, aside_px) = ray.project(offset)?;
         let aside_px = aside_px.length();
-        let reach_px = self.reach_px() + self.reach(record) / depth * ray.px_per_slope;
+        let reach_px = self.reach_px() + ray.length_px(self.reach(record), depth);
         Some(Miss {
             depth,
             aside_px,
@@ -89,17 +90,20 @@ impl Ray {
     pub(super) fn new(packet: &ScenePacket, place_px: [f64; 2]) -> Self {
         let view = &packet.view;
         let [width, height] = packet.viewport_px.map(f64::from);
-        let px_per_slope = 0.5 * height * f64::from(view.focal[1]);
+        let half_size = 0.5 * DVec2::new(width, height);
+        let [focal, center] = [view.focal, view.center_ndc].map(|pair| DVec2::from_array(pair.map(f64::from)));
+        let px_per_slope = half_size * focal;
         let middle_px = |place_px: f64| place_px.floor() + 0.5;
         let view_from_frame = view.view_from_frame_rotation.as_dmat3();
         Self {
             view_from_frame,
             frame_from_view: view_from_frame.inverse(),
             eye: view.eye_high.as_dvec3() + view.eye_low.as_dvec3(),
-            slope: DVec2::new(
-                middle_px(place_px[0]) - 0.5 * width,
-                0.5 * height - middle_px(place_px[1]),
-            ) / px_per_slope,
+            slope: (DVec2::new(
+                middle_px(place_px[0]) - half_size.x,
+                half_size.y - middle_px(place_px[1]),
+            ) - center * half_size)
+                / px_per_slope,
             px_per_slope,
             near: f64::from(view.near),
         }
@@ -162,7 +166,7 @@ impl Ray {
 
     /// How many pixels a length across the view covers at a depth.
     pub(super) fn length_px(&self, length: f64, depth: f64) -> f64 {
-        length / depth * self.px_per_slope
+        length / depth * self.px_per_slope.y
     }
 
     /// How many pixels a length covers at the depth of the nearest point that is as far from `center` as half of it;
@@ -185,7 +189,7 @@ impl Ray {
         let farthest = half.z - middle.z;
         // For rounding.
         let slack = 1e-9 * (middle.length() + half.length() + reach);
-        let widening = radius_px / self.px_per_slope * farthest;
+        let widening = radius_px / self.px_per_slope.min_element() * farthest;
         let is_near = |axis: usize| {
             let slope = self.slope[axis];
             let aside = (middle[axis] + slope * middle.z).abs();

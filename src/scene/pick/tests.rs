@@ -5,8 +5,8 @@ use super::*;
 use crate::cloud::{Frame, Positions, RawCloud, ScalarField};
 use crate::levels::{LevelsKey, LevelsKind, LevelsSet, Lod};
 use crate::scene::{
-    BackFaces, Camera, LevelStructure, PointLight, PointShape, PointSizing, PointStyle, Primitive, Projection, Scene,
-    Style, SurfelStyle, UpAxis,
+    BackFaces, Camera, LevelStructure, PicturePlane, PointLight, PointShape, PointSizing, PointStyle, Primitive,
+    Projection, Scene, Style, SurfelStyle, UpAxis,
 };
 use crate::sequence::{Needs, PrepareCounters, prepare};
 use glam::DVec2;
@@ -70,6 +70,7 @@ pub(super) fn camera(distance: f64, azimuth_deg: f64, origin: DVec3) -> Camera {
         fov_deg: 60.0,
         up: UpAxis::Y,
         projection: Projection::Perspective,
+        plane: PicturePlane::CENTERED,
     }
 }
 

@@ -1,15 +1,17 @@
-//! Files of a frame → its cloud.
+//! Images of a frame → its cloud.
 
 use super::calibration::{Calibration, NoCamera};
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
 use super::folder::has_extension;
 use super::folder::name_of;
-use super::layouts::{Found, FrameFiles};
+use super::layouts::{Found, FrameImages};
 use super::sizes::Sizes;
+use super::stored_image::StoredImage;
 use super::text;
 use crate::cloud::RawCloud;
-use crate::io::raster::{self, Raster, Samples};
+use crate::io::ReadOptions;
+use crate::io::raster::{Raster, Samples};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::{ColorImage, DepthImage, Filters, RayTable, Rig, Sensor, Temporal, TemporalFilter, cloud};
@@ -24,11 +26,11 @@ pub(super) const GROUP_FRAMES: usize = 32;
 /// A recording as its decoders share it.
 #[derive(Debug)]
 pub(super) struct Recorded {
-    frames: Vec<FrameFiles>,
+    frames: Vec<FrameImages>,
     code: DepthCode,
     sizes: Sizes,
     pub(super) filters: Filters,
-    pub(super) max_memory_bytes: u64,
+    pub(super) read: ReadOptions,
     /// Of each camera that was needed so far; there is one, or a few.
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
@@ -50,7 +52,7 @@ impl Recorded {
             code: found.code,
             sizes,
             filters: options.rgbd.filters,
-            max_memory_bytes: options.read.max_memory_bytes,
+            read: options.read,
             cameras: Mutex::default(),
         }
     }
@@ -109,13 +111,14 @@ impl Recorded {
     }
 
     /// The depth image of a frame after the filters that look at it alone.
-    fn depth(&self, frame: &FrameFiles) -> Result<(DepthImage, Arc<RayTable>), RgbdError> {
-        let path = &frame.depth;
-        let bytes = text::read_bytes(path, self.max_memory_bytes)?;
-        let raster = if has_extension(name_of(path), &["depth"]) {
-            text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))?
-        } else {
-            self.raster(path, &bytes)?
+    fn depth(&self, frame: &FrameImages) -> Result<(DepthImage, Arc<RayTable>), RgbdError> {
+        let path = frame.depth.path();
+        let raster = match &frame.depth {
+            StoredImage::File(path) if has_extension(name_of(path), &["depth"]) => {
+                let bytes = text::read_bytes(path, self.read.max_memory_bytes)?;
+                text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))?
+            }
+            image => image.raster(&self.read)?,
         };
         let prepared = self
             .prepared(&frame.calibration, raster.size_px, None)
@@ -124,15 +127,8 @@ impl Recorded {
         Ok((self.filters.apply(depth), Arc::clone(&prepared.rays)))
     }
 
-    fn raster(&self, path: &Path, bytes: &[u8]) -> Result<Raster, RgbdError> {
-        raster::decode(bytes, self.max_memory_bytes).map_err(|reason| RgbdError::Image {
-            path: path.to_owned(),
-            reason,
-        })
-    }
-
-    fn color_image(&self, path: &Path) -> Result<ColorImage, RgbdError> {
-        let raster = self.raster(path, &text::read_bytes(path, self.max_memory_bytes)?)?;
+    fn color_image(&self, image: &StoredImage) -> Result<ColorImage, RgbdError> {
+        let raster = image.raster(&self.read)?;
         let pixels = match raster.samples {
             Samples::Rgb8(pixels) => pixels,
             Samples::Gray8(samples) => samples.into_iter().map(|gray| [gray; 3]).collect(),
@@ -140,7 +136,7 @@ impl Recorded {
             Samples::GrayF32(_) => Vec::new(),
         };
         ColorImage::new(raster.size_px, pixels).ok_or_else(|| RgbdError::Image {
-            path: path.to_owned(),
+            path: image.path().to_owned(),
             reason: "its pixels are no colours".to_owned(),
         })
     }
@@ -148,7 +144,7 @@ impl Recorded {
     /// The colour of each pixel of `depth`.
     fn colors(
         &self,
-        frame: &FrameFiles,
+        frame: &FrameImages,
         path: &Path,
         (depth, rays): (&DepthImage, &RayTable),
         image: &ColorImage,
@@ -172,7 +168,7 @@ impl Recorded {
     }
 
     /// The cloud of a frame of this depth image. Broken colours are a warning: the points are there.
-    fn cloud(&self, frame: &FrameFiles, depth: &DepthImage, rays: &RayTable, color: Color<'_>) -> RawCloud {
+    fn cloud(&self, frame: &FrameImages, depth: &DepthImage, rays: &RayTable, color: Color<'_>) -> RawCloud {
         let mut warnings = Vec::new();
         let colors = color.and_then(|(path, image)| {
             let colors = image.and_then(|image| self.colors(frame, path, (depth, rays), &image));
@@ -293,7 +289,12 @@ impl Decoder for ImageDecoder {
         let frame = &recorded.frames[index];
         let (depth, color) = rayon::join(
             || recorded.depth(frame),
-            || frame.color.as_deref().map(|path| (path, recorded.color_image(path))),
+            || {
+                frame
+                    .color
+                    .as_ref()
+                    .map(|image| (image.path(), recorded.color_image(image)))
+            },
         );
         let (depth, rays) = depth?;
         let depth = self.with_frames_before(index, depth, progress);

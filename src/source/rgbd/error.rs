@@ -1,5 +1,6 @@
 //! What can be wrong with a recording of depth images.
 
+use crate::io::IoError;
 use std::path::PathBuf;
 
 /// Why a recording of depth images, or a frame of it, cannot be read.
@@ -34,6 +35,14 @@ pub enum RgbdError {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// A message of a recording whose image cannot be decoded.
+    #[error("topic {topic}: {reason}")]
+    Message {
+        /// The topic.
+        topic: String,
+        /// What is wrong, and where.
+        reason: IoError,
     },
     /// An image of something else than depths.
     #[error(

@@ -1,7 +1,7 @@
 //! Frames that became one cloud, by where they were taken.
 
 use super::error::RgbdError;
-use super::recording::RgbdFolder;
+use super::recording::RgbdRecording;
 use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::progress::Progress;
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// One frame: the points of several, in the frame of the world, without holes.
 #[derive(Debug)]
 pub struct MergedFrames {
-    recording: Arc<RgbdFolder>,
+    recording: Arc<RgbdRecording>,
     range: RangeInclusive<usize>,
     entry: Arc<FrameEntry>,
     notes: Vec<String>,
@@ -23,7 +23,7 @@ impl MergedFrames {
     ///
     /// # Errors
     /// [`RgbdError::NotMerged`] if there is no such frame, and if none has a pose.
-    pub fn of(recording: RgbdFolder, (first, last): (usize, usize)) -> Result<Self, RgbdError> {
+    pub fn of(recording: RgbdRecording, (first, last): (usize, usize)) -> Result<Self, RgbdError> {
         let count = recording.entries.len();
         let wrong = |reason: String| RgbdError::NotMerged { first, last, reason };
         if first > last || last >= count {
@@ -37,7 +37,7 @@ impl MergedFrames {
             ));
         }
         let bytes = posed as u64 * recording.recorded.frame_bytes();
-        let most_bytes = recording.recorded.max_memory_bytes;
+        let most_bytes = recording.recorded.read.max_memory_bytes;
         if bytes > most_bytes {
             return Err(wrong(format!(
                 "they would take about {bytes} bytes of memory, and may take {most_bytes}: name fewer, or raise \
@@ -91,7 +91,7 @@ impl Source for MergedFrames {
 }
 
 struct MergingDecoder {
-    recording: Arc<RgbdFolder>,
+    recording: Arc<RgbdRecording>,
     range: RangeInclusive<usize>,
 }
 

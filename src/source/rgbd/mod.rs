@@ -1,4 +1,4 @@
-//! Recordings of depth images: folders as sensors, programs and data sets write them.
+//! Recordings of depth images: folders as sensors, programs and data sets write them, and messages of ROS.
 //!
 //! A frame is an ordinary cloud, one point a pixel, in the frame of its camera. So all that works with clouds works
 //! with them; whoever wants more asks [`Source::sensor`] for cameras and pose. Which files a recording has is found
@@ -16,13 +16,15 @@ mod options;
 mod pairs;
 mod recording;
 mod sizes;
+mod stored_image;
 mod text;
+mod topics;
 mod trajectory;
 
 pub use error::RgbdError;
 pub use merged::MergedFrames;
 pub use options::RgbdOptions;
-pub use recording::RgbdFolder;
+pub use recording::RgbdRecording;
 
 use super::{OpenOptions, SequenceError, Source};
 use std::path::PathBuf;
@@ -33,7 +35,7 @@ use std::sync::Arc;
 /// # Errors
 /// [`SequenceError::Rgbd`], once something says that it is a recording.
 pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
-    let found = RgbdFolder::open(inputs, options).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
+    let found = RgbdRecording::open(inputs, options).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
     let Some(recording) = found else {
         return match options.rgbd.merge {
             Some(range) => Err(SequenceError::Rgbd(Box::new(RgbdError::NotMerged {

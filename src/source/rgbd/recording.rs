@@ -1,4 +1,4 @@
-//! The frames of a folder of depth images.
+//! The frames of a recording of depth images: a folder, or a file of messages.
 
 use super::calibration::Calibration;
 use super::decoder::{GROUP_FRAMES, ImageDecoder, Recorded};
@@ -6,7 +6,10 @@ use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
 use super::layouts::{self, Found};
 use super::sizes::Sizes;
+use super::stored_image::StoredImage;
+use super::topics;
 use super::trajectory::Trajectory;
+use crate::io::{Entry, Part};
 use crate::rgbd::Sensor;
 use crate::source::files::number;
 use crate::source::{Decoder, FrameEntry, OpenOptions, Source};
@@ -19,7 +22,7 @@ const USUAL_FPS: f64 = 30.0;
 
 /// The frames of a recording of depth images.
 #[derive(Debug)]
-pub struct RgbdFolder {
+pub struct RgbdRecording {
     pub(super) recorded: Arc<Recorded>,
     pub(super) entries: Vec<Arc<FrameEntry>>,
     inputs: Vec<PathBuf>,
@@ -27,8 +30,8 @@ pub struct RgbdFolder {
     layout: &'static str,
 }
 
-impl RgbdFolder {
-    /// The recording in the folder that is the one input; `None` if it is none.
+impl RgbdRecording {
+    /// The recording in the folder or file that is the one input; `None` if it is none.
     ///
     /// # Errors
     /// [`RgbdError`].
@@ -50,6 +53,10 @@ impl RgbdFolder {
                 Some(found) => found,
                 None => return Ok(None),
             },
+            ([file], None) if file.is_file() => match topics::find(file, options)? {
+                Some(found) => found,
+                None => return Ok(None),
+            },
             _ => return Ok(None),
         };
         let input = &inputs[0];
@@ -60,13 +67,14 @@ impl RgbdFolder {
             });
         }
         take_options(&mut found, options)?;
-        let sizes = Sizes::learn(&mut found, options.read.max_memory_bytes);
+        let sizes = Sizes::learn(&mut found, &options.read);
         let mut entries: Vec<FrameEntry> = found
             .frames
             .iter()
-            .map(|frame| FrameEntry {
+            .enumerate()
+            .map(|(index, frame)| FrameEntry {
                 time: frame.time,
-                ..FrameEntry::file(&frame.depth)
+                ..entry(index, &frame.depth)
             })
             .collect();
         number(&mut entries);
@@ -82,6 +90,20 @@ impl RgbdFolder {
     /// Whose layout it has, for people.
     pub fn layout(&self) -> &'static str {
         self.layout
+    }
+}
+
+fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
+    match depth {
+        StoredImage::File(path) => FrameEntry::file(path),
+        StoredImage::Message(image) => FrameEntry::entry(
+            &*image.path,
+            Entry {
+                name: format!("{} {index}", image.topic),
+                time: None,
+                part: Part::Message(image.message.clone()),
+            },
+        ),
     }
 }
 
@@ -113,7 +135,7 @@ fn take_options(found: &mut Found, options: &OpenOptions) -> Result<(), RgbdErro
     Ok(())
 }
 
-impl Source for RgbdFolder {
+impl Source for RgbdRecording {
     fn frames(&self) -> Range<usize> {
         0..self.entries.len()
     }

@@ -2,9 +2,8 @@
 
 use super::calibration::Calibration;
 use super::layouts::Found;
-use super::text;
-use crate::io::raster;
-use std::path::Path;
+use super::stored_image::StoredImage;
+use crate::io::ReadOptions;
 use std::sync::Arc;
 
 /// Sizes of the first images, as far as they can be read; what cannot is said when it is decoded.
@@ -16,10 +15,10 @@ pub(super) struct Sizes {
 
 impl Sizes {
     /// Looks at the first images of `found`. Cameras that do not say for which size they are get these.
-    pub(super) fn learn(found: &mut Found, most_bytes: u64) -> Self {
-        let size_of = |path: &Path| raster::size_px(&text::read_bytes(path, most_bytes).ok()?).ok();
+    pub(super) fn learn(found: &mut Found, options: &ReadOptions) -> Self {
+        let size_of = |image: &StoredImage| image.size_px(options);
         let first = Arc::clone(&found.frames[0].calibration);
-        let color = found.frames.iter().find_map(|frame| frame.color.as_deref());
+        let color = found.frames.iter().find_map(|frame| frame.color.as_ref());
         let sizes = Self {
             // Text does not say it.
             depth_px: size_of(&found.frames[0].depth).or(first.depth.for_size_px),

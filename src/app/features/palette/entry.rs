@@ -18,6 +18,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Close comparison", Command::CloseComparison),
     ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),
     ("Make thumbnails anew", Command::RedoThumbnails),
+    ("Look from the sensor", Command::LookFromSensor),
     ("Show or hide the legend", Command::TogglePanel(PanelId::LEGEND)),
     ("Show or hide the scale bar", Command::ToggleScaleBar),
     ("Theme of the system", Command::Theme(ThemePreference::System)),

@@ -6,6 +6,7 @@ use crate::source::rgbd::depth_code::DepthCode;
 use crate::source::rgbd::error::RgbdError;
 use crate::source::rgbd::folder::{Folder, name_of};
 use crate::source::rgbd::pairs::Pairs;
+use crate::source::rgbd::stored_image::StoredImage;
 use crate::source::rgbd::trajectory::Trajectory;
 use glam::DAffine3;
 use std::path::PathBuf;
@@ -20,20 +21,20 @@ pub(in crate::source::rgbd) struct Layout {
     pub(super) find: fn(&Folder) -> Result<Option<Found>, RgbdError>,
 }
 
-/// A recording as its folder tells it.
+/// A recording as its folder or file tells it.
 #[derive(Debug)]
 pub(in crate::source::rgbd) struct Found {
-    pub(in crate::source::rgbd) frames: Vec<FrameFiles>,
+    pub(in crate::source::rgbd) frames: Vec<FrameImages>,
     pub(in crate::source::rgbd) code: DepthCode,
     /// What is left out, a sentence each.
     pub(in crate::source::rgbd) notes: Vec<String>,
 }
 
-/// Files of a frame, and what is known of it.
+/// Images of a frame, and what is known of it.
 #[derive(Debug, Clone)]
-pub(in crate::source::rgbd) struct FrameFiles {
-    pub(in crate::source::rgbd) depth: PathBuf,
-    pub(in crate::source::rgbd) color: Option<PathBuf>,
+pub(in crate::source::rgbd) struct FrameImages {
+    pub(in crate::source::rgbd) depth: StoredImage,
+    pub(in crate::source::rgbd) color: Option<StoredImage>,
     pub(in crate::source::rgbd) time: Option<Duration>,
     pub(in crate::source::rgbd) world_from_camera: Option<DAffine3>,
     pub(in crate::source::rgbd) calibration: Arc<Calibration>,
@@ -48,9 +49,9 @@ impl Found {
         let frames = depths.into_iter().zip(pairs.colors).zip(times);
         Self {
             frames: frames
-                .map(|((depth, color), time)| FrameFiles {
-                    depth,
-                    color,
+                .map(|((depth, color), time)| FrameImages {
+                    depth: depth.into(),
+                    color: color.map(StoredImage::from),
                     time,
                     world_from_camera: None,
                     calibration: Arc::clone(&calibration),

@@ -13,7 +13,7 @@ mod seven_scenes;
 mod sun;
 mod tum;
 
-pub(super) use found::{Found, FrameFiles, Layout};
+pub(super) use found::{Found, FrameImages, Layout};
 pub(super) use pattern::by_pattern;
 
 use super::calibration::Calibration;

@@ -8,7 +8,7 @@ use crate::cloud::{coarser_normal, quantise_normal};
 use crate::render::constants::{HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR};
 use crate::render::cpu::rows::bands_of;
 use crate::render::cpu::view::PixelView;
-use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, Projection, UpAxis};
+use crate::scene::{BackFaces, Camera, Footprint, Lighting, NormalBits, OffsetBits, PicturePlane, Projection, UpAxis};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 
@@ -21,6 +21,7 @@ const CAMERA: Camera = Camera {
     fov_deg: 60.0,
     up: UpAxis::Y,
     projection: Projection::Perspective,
+    plane: PicturePlane::CENTERED,
 };
 
 /// Cells are smaller than half a pixel.

@@ -9,7 +9,7 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_encode, quantised_directions};
 use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
 use crate::render::cpu::tests::packet_of;
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{BackFaces, Camera, CodedCells, Content, Footprint, Projection, Style, UpAxis};
+use crate::scene::{BackFaces, Camera, CodedCells, Content, Footprint, PicturePlane, Projection, Style, UpAxis};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ prop_compose! {
         fov_deg in 20f64..100.0,
     ) -> Camera {
         Camera { target_in_world: DVec3::ZERO, distance, azimuth_deg, elevation_deg, fov_deg, up: UpAxis::Y,
-            projection: Projection::Perspective }
+            projection: Projection::Perspective, plane: PicturePlane::CENTERED }
     }
 }
 

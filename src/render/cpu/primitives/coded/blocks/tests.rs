@@ -5,7 +5,7 @@ use super::super::transform::homogeneous;
 use super::*;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::{coarser_normal, largest_normal_error, quantise_normal};
-use crate::scene::{BackFaces, Camera, Projection, ScenePacket, UpAxis};
+use crate::scene::{BackFaces, Camera, PicturePlane, Projection, ScenePacket, UpAxis};
 use glam::{DVec3, Vec2};
 use proptest::prelude::*;
 
@@ -223,6 +223,7 @@ fn camera_at(azimuth_deg: f64, elevation_deg: f64, target_y: f64) -> Camera {
         fov_deg: 60.0,
         up: UpAxis::Y,
         projection: Projection::Perspective,
+        plane: PicturePlane::CENTERED,
     }
 }
 

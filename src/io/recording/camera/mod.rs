@@ -1,0 +1,26 @@
+//! What cameras publish: images, the numbers of their lenses, and where one frame of reference is from another.
+//!
+//! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` writes beside
+//! them into its own bags. Which topics belong together is the matter of those who read a recording.
+
+mod compressed;
+mod messages;
+mod pixels;
+mod rvl;
+mod topics;
+
+pub(crate) use messages::{CameraInfo, ImageHead, Link, camera_info, extrinsics, head, links, number};
+pub(crate) use topics::{CameraMessage, CameraTopic, CameraTopics};
+
+use super::super::raster::Raster;
+use super::message::Message;
+
+/// The image of a message; the error is the end of a sentence.
+pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_bytes: u64) -> Result<Raster, String> {
+    const CUT: &str = "the message ends before its last field: it is truncated or damaged";
+    if kind == CameraMessage::CompressedImage {
+        let image = messages::compressed(bytes, message).ok_or(CUT)?;
+        return compressed::raster(&image, most_bytes);
+    }
+    pixels::raster(&messages::raw(bytes, message).ok_or(CUT)?, most_bytes)
+}

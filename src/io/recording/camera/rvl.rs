@@ -1,0 +1,162 @@
+//! RVL (Wilson 2017): runs of holes and runs of depths by turns, and differences of depths, in groups of three bits.
+//!
+//! A number is nibbles, its lowest three bits first; the highest bit of a nibble says that one more follows. Nibbles
+//! fill words of 32 bits from the top, which are written little endian. Differences have their sign in the lowest bit,
+//! and go on over holes. Width and height stand before the words.
+
+use super::super::bytes::Bytes;
+use crate::io::raster::{Raster, Samples};
+
+/// Nibbles that hold 16 bits, a sign, or the pixels of the largest image.
+const MOST_NIBBLES: u32 = 11;
+/// Most pixels along an edge.
+const MOST_EDGE_PX: u32 = 1 << 15;
+
+/// The image in `bytes`, which takes no more than `most_bytes`; the error is the end of a sentence.
+pub(super) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+    let mut head = Bytes::new(bytes);
+    let size = head.u32().zip(head.u32());
+    let (width, height) = size.ok_or("it is shorter than its width and height")?;
+    let edges = 1..=MOST_EDGE_PX;
+    let pixels = u64::from(width) * u64::from(height);
+    if !edges.contains(&width) || !edges.contains(&height) || 2 * pixels > most_bytes {
+        return Err(format!(
+            "it claims {width} × {height} pixels: 1 to {MOST_EDGE_PX} along an edge are read, and {most_bytes} bytes \
+             of memory are allowed"
+        ));
+    }
+    let mut nibbles = Nibbles {
+        words: head,
+        word: 0,
+        left: 0,
+    };
+    let samples = nibbles
+        .depths(pixels as usize)
+        .ok_or("it breaks off, or holds more pixels than it claims")?;
+    Ok(Raster {
+        size_px: [width, height],
+        samples: Samples::Gray16(samples),
+    })
+}
+
+struct Nibbles<'a> {
+    words: Bytes<'a>,
+    word: u32,
+    /// Nibbles of it that were not read.
+    left: u32,
+}
+
+impl Nibbles<'_> {
+    fn number(&mut self) -> Option<u32> {
+        let mut number = 0;
+        for place in 0..MOST_NIBBLES {
+            if self.left == 0 {
+                self.word = self.words.u32()?;
+                self.left = 8;
+            }
+            let nibble = self.word >> 28;
+            self.word <<= 4;
+            self.left -= 1;
+            number |= (nibble & 7).checked_shl(3 * place)?;
+            if nibble & 8 == 0 {
+                return Some(number);
+            }
+        }
+        None
+    }
+
+    /// So many depths. Memory grows with what is there: a run of holes of the whole image is a few bytes, but the size
+    /// of the image was checked.
+    fn depths(&mut self, count: usize) -> Option<Vec<u16>> {
+        let mut depths = Vec::with_capacity(count);
+        let mut last = 0u16;
+        while depths.len() < count {
+            let holes = self.number()? as usize;
+            let left = count - depths.len();
+            if holes > left {
+                return None;
+            }
+            depths.resize(depths.len() + holes, 0);
+            let measured = self.number()? as usize;
+            if measured > left - holes || holes + measured == 0 {
+                return None;
+            }
+            for _ in 0..measured {
+                let code = self.number()?;
+                let difference = (code >> 1) as i32 ^ -((code & 1) as i32);
+                last = last.wrapping_add(difference as u16);
+                depths.push(last);
+            }
+        }
+        Some(depths)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// As the paper prints it.
+    fn encode([width, height]: [u32; 2], depths: &[u16]) -> Vec<u8> {
+        let mut nibbles = Vec::new();
+        let mut number = |mut value: u32| {
+            loop {
+                let more = value > 7;
+                nibbles.push((value & 7) | if more { 8 } else { 0 });
+                value >>= 3;
+                if !more {
+                    break;
+                }
+            }
+        };
+        let (mut at, mut last) = (0, 0i32);
+        while at < depths.len() {
+            let holes = depths[at..].iter().take_while(|&&depth| depth == 0).count();
+            let measured = depths[at + holes..].iter().take_while(|&&depth| depth != 0).count();
+            number(holes as u32);
+            number(measured as u32);
+            for &depth in &depths[at + holes..at + holes + measured] {
+                let difference = i32::from(depth) - last;
+                number(((difference << 1) ^ (difference >> 31)) as u32);
+                last = i32::from(depth);
+            }
+            at += holes + measured;
+        }
+        let word = |eight: &[u32]| (0..8).fold(0, |word, place| word << 4 | eight.get(place).copied().unwrap_or(0));
+        let words = nibbles.chunks(8).map(word);
+        [width, height]
+            .into_iter()
+            .chain(words)
+            .flat_map(u32::to_le_bytes)
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn images_come_back(
+            depths in prop::collection::vec(prop_oneof![Just(0u16), 900u16..1100, any::<u16>()], 1..400),
+        ) {
+            let size = [depths.len() as u32, 1];
+            let raster = decode(&encode(size, &depths), 1 << 20).unwrap();
+            prop_assert_eq!(raster.size_px, size);
+            prop_assert_eq!(raster.samples, Samples::Gray16(depths));
+        }
+
+        #[test]
+        fn damage_is_an_error_and_no_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            let _ = decode(&bytes, 1 << 16);
+        }
+    }
+
+    /// Worked out by hand: two holes, three depths 5, 4 and 12.
+    #[test]
+    fn a_line_by_hand() {
+        // Runs 2 and 3; differences +5, -1, +8 are 10, 1, 16: nibbles 2, 3, a 1, 1, 8 2.
+        let bytes = [5u32, 1, 0x23a1_1820].map(u32::to_le_bytes).concat();
+        let raster = decode(&bytes, 1 << 16).unwrap();
+        assert_eq!(raster.samples, Samples::Gray16(vec![0, 0, 5, 4, 12]));
+        assert!(decode(&bytes[..8], 1 << 16).is_err());
+        assert!(decode(&bytes, 9).unwrap_err().contains("9 bytes"));
+    }
+}

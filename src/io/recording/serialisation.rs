@@ -1,0 +1,78 @@
+//! How ROS writes the fields of a message one after the other.
+
+use super::bytes::Bytes;
+use std::time::Duration;
+
+/// Kind of CDR and options, before the message itself.
+const CDR_HEAD_BYTES: usize = 4;
+const NANOS_PER_SECOND: u32 = 1_000_000_000;
+
+/// How the fields of a message are written one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Serialisation {
+    /// ROS 1: little endian without gaps.
+    Ros1,
+    /// ROS 2: numbers at multiples of their size, in the byte order that the first bytes say.
+    Cdr,
+}
+
+/// `std_msgs/Header`.
+pub(super) struct MessageHeader<'a> {
+    /// The name of the coordinate frame.
+    pub(super) frame_id: &'a [u8],
+}
+
+impl Serialisation {
+    /// By its name in a recording.
+    pub(super) fn of(encoding: &str) -> Option<Self> {
+        match encoding {
+            "ros1" => Some(Self::Ros1),
+            "cdr" => Some(Self::Cdr),
+            _ => None,
+        }
+    }
+
+    /// The fields of `message`, past what says how it is written.
+    pub(super) fn body(self, message: &[u8]) -> Option<Bytes<'_>> {
+        match self {
+            Self::Ros1 => Some(Bytes::new(message)),
+            Self::Cdr => {
+                let (head, rest) = message.split_at_checked(CDR_HEAD_BYTES)?;
+                // Plain CDR of the first version, and of the second, in which numbers of 8 bytes lie at multiples of 4.
+                match head[..2] {
+                    [0, 0] => Some(Bytes::aligned(rest, true, 8)),
+                    [0, 1] => Some(Bytes::aligned(rest, false, 8)),
+                    [0, 6] => Some(Bytes::aligned(rest, true, 4)),
+                    [0, 7] => Some(Bytes::aligned(rest, false, 4)),
+                    _ => None,
+                }
+            }
+        }
+    }
+
+    /// The header at the beginning of `fields`.
+    pub(super) fn header<'a>(self, fields: &mut Bytes<'a>) -> Option<MessageHeader<'a>> {
+        let _stamp = self.time(fields)?;
+        let frame_id = fields.counted()?;
+        Some(MessageHeader {
+            frame_id: frame_id.strip_suffix(b"\0").unwrap_or(frame_id),
+        })
+    }
+
+    /// When the content of a message was taken that begins with a header, if `start`, its first bytes, says so.
+    pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
+        self.time(&mut self.body(start)?)?
+    }
+
+    /// The time of a header: none in it where it is no time.
+    fn time(self, fields: &mut Bytes<'_>) -> Option<Option<Duration>> {
+        if self == Self::Ros1 {
+            let _sequence = fields.u32()?;
+        }
+        let (seconds, nanos) = (fields.u32()?, fields.u32()?);
+        // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
+        let is_negative = self == Self::Cdr && seconds > i32::MAX as u32;
+        let is_time = !is_negative && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
+        Some(is_time.then(|| Duration::new(seconds.into(), nanos)))
+    }
+}

@@ -1,0 +1,458 @@
+//! Depth images in messages of ROS: which topics are depths, colours, cameras, and where one camera is from another.
+//!
+//! Of several topics with depths, the one that is named by `--topic` is read, else the one with the most messages.
+//! Colours are those of a topic that shares the most of its name. Cameras are told by `CameraInfo` beside the images;
+//! images in one frame of reference and of one size are of one camera, pixel by pixel, others are joined by
+//! `tf_static`. Bags of `librealsense` have extensions of their own: no frames of reference, but the place of each
+//! stream from one of them (`…/tf/0`), and the unit of depths as an option.
+
+use super::calibration::{Calibration, Intrinsics};
+use super::depth_code::DepthCode;
+use super::error::RgbdError;
+use super::layouts::{Found, FrameImages};
+use super::pairs::nearest;
+use super::stored_image::{ImageMessage, StoredImage};
+use crate::io::recording::camera::{
+    CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, camera_info, extrinsics, head, links, number,
+};
+use crate::io::{self, ReadOptions, recording};
+use crate::rgbd::Distortion;
+use crate::source::OpenOptions;
+use glam::{DAffine3, DVec2};
+use std::cmp::Reverse;
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Millimetres (REP 118); floats are metres.
+const UNITS_PER_METRE: f64 = 1000.0;
+
+/// Whether images are of a bag that `librealsense` has written.
+fn is_realsense(topic: &str) -> bool {
+    topic.starts_with("/device_")
+}
+
+/// The recording in the file at `path` and whose way of naming it has; `None` if it has no depth images, and if it has
+/// point clouds and nobody named a topic. Files that cannot be read are left to those who read clouds.
+pub(super) fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, Found)>, RgbdError> {
+    let named = options.topic.as_deref();
+    let Ok(topics) = io::cameras(path, named.is_some(), &options.read) else {
+        return Ok(None);
+    };
+    let recording = Topics {
+        path,
+        topics: &topics,
+        read: &options.read,
+    };
+    let streams = recording.streams();
+    let is_meant = |stream: &&Stream<'_>| stream.head.is_depth() && named.is_none_or(|name| stream.topic.name == name);
+    let depth = streams.iter().filter(is_meant).max_by_key(|stream| {
+        let name = stream.topic.name.to_ascii_lowercase();
+        // Infrared images of 16 bits look like depths. Of equals the first name.
+        (
+            name.contains("depth"),
+            stream.topic.messages.len(),
+            stream.is_raw(),
+            Reverse(name),
+        )
+    });
+    let Some(depth) = depth else { return Ok(None) };
+    let layout = if is_realsense(&depth.topic.name) {
+        "RealSense"
+    } else {
+        "ROS"
+    };
+    let mut found = recording.found(depth, color_of(depth, &streams), options)?;
+    let unread = streams
+        .iter()
+        .filter(|other| other.head.is_depth() && other.topic.name != depth.topic.name);
+    let unread: Vec<&str> = unread.map(|stream| stream.topic.name.as_str()).collect();
+    if named.is_none() && !unread.is_empty() {
+        found.notes.push(format!(
+            "depth images of topic {} are read; others are read with --topic: {}",
+            depth.topic.name,
+            unread.join(", ")
+        ));
+    }
+    Ok(Some((layout, found)))
+}
+
+/// A topic of images, and what stands before the first of them.
+struct Stream<'a> {
+    topic: &'a CameraTopic,
+    head: ImageHead,
+}
+
+impl Stream<'_> {
+    fn is_raw(&self) -> bool {
+        self.topic.kind == CameraMessage::Image
+    }
+
+    /// Whether two cameras have one frame of reference.
+    fn is_framed_as(&self, other: &Self) -> bool {
+        let frame = &self.head.frame_id;
+        !is_realsense(&self.topic.name) && !frame.is_empty() && *frame == other.head.frame_id
+    }
+}
+
+/// How many parts two names begin with in common.
+fn shared_parts(left: &str, right: &str) -> usize {
+    let parts = left.split('/').zip(right.split('/'));
+    parts.take_while(|(left, right)| left == right).count()
+}
+
+/// The stream that the colours of `depth` are from.
+fn color_of<'a>(depth: &Stream<'_>, streams: &'a [Stream<'a>]) -> Option<&'a Stream<'a>> {
+    let candidates = streams.iter().filter(|stream| !stream.head.is_depth());
+    candidates.max_by_key(|stream| {
+        let name = &stream.topic.name;
+        let is_colored = stream.head.encoding.contains("rgb") || stream.head.encoding.contains("bgr");
+        let is_framed = stream.is_framed_as(depth);
+        let shared = shared_parts(name, &depth.topic.name);
+        (
+            is_colored,
+            is_framed,
+            shared,
+            stream.is_raw(),
+            stream.topic.messages.len(),
+            Reverse(name),
+        )
+    })
+}
+
+struct Topics<'a> {
+    path: &'a Path,
+    topics: &'a CameraTopics,
+    read: &'a ReadOptions,
+}
+
+impl Topics<'_> {
+    fn of_kind(&self, kind: CameraMessage) -> impl Iterator<Item = &CameraTopic> {
+        self.topics.0.iter().filter(move |topic| topic.kind == kind)
+    }
+
+    /// What `parse` makes of the first message of `topic` that is sound.
+    fn first<T>(&self, topic: &CameraTopic, parse: impl Fn(&[u8], &io::Message) -> Option<T>) -> Option<T> {
+        /// Some drivers begin with empty messages; a topic of thousands of broken ones is not read to its end.
+        const MOST_TRIED: usize = 16;
+        let mut tried = topic.messages.iter().take(MOST_TRIED);
+        tried.find_map(|(_, message)| recording::read_parsed(self.path, message, self.read, &parse))
+    }
+
+    /// The topics of images.
+    fn streams(&self) -> Vec<Stream<'_>> {
+        let images = self
+            .topics
+            .0
+            .iter()
+            .filter(|topic| matches!(topic.kind, CameraMessage::Image | CameraMessage::CompressedImage));
+        images
+            .filter_map(|topic| {
+                let head = self.first(topic, |bytes, message| head(bytes, message, topic.kind))?;
+                Some(Stream { topic, head })
+            })
+            .collect()
+    }
+
+    /// The camera of the images of `stream`: of the topic that shares the most of its name, and its frame of reference
+    /// or all but the end of its name.
+    fn info(&self, stream: &Stream<'_>) -> Option<CameraInfo> {
+        let name = &stream.topic.name;
+        let parts = name.split('/').count();
+        let infos = self.of_kind(CameraMessage::CameraInfo).filter_map(|topic| {
+            let info = self.first(topic, camera_info)?;
+            let shared = shared_parts(&topic.name, name);
+            let is_framed = !is_realsense(name) && info.frame_id == stream.head.frame_id;
+            // The first part is what is before the first slash: nothing.
+            let is_beside = shared > 1 && shared + 2 >= parts;
+            (is_framed || is_beside).then_some((shared, is_framed, info))
+        });
+        infos
+            .max_by_key(|&(shared, is_framed, _)| (shared, is_framed))
+            .map(|(.., info)| info)
+    }
+
+    /// Where the camera of `depth` is from that of `color`; `None` where nothing says it.
+    fn color_from_depth(&self, depth: &Stream<'_>, color: &Stream<'_>) -> Option<DAffine3> {
+        if is_realsense(&depth.topic.name) {
+            let place = |stream: &Stream<'_>| {
+                let prefix = stream.topic.name.strip_suffix("/image/data")?;
+                let is_its = |topic: &&CameraTopic| {
+                    topic
+                        .name
+                        .strip_prefix(prefix)
+                        .is_some_and(|rest| rest.starts_with("/tf/"))
+                };
+                self.first(self.of_kind(CameraMessage::Extrinsics).find(is_its)?, extrinsics)
+            };
+            // From the stream that all are told from to each of them.
+            return Some(place(color)? * place(depth)?.inverse());
+        }
+        let statics = self.of_kind(CameraMessage::StaticTransforms);
+        let messages = statics.flat_map(|topic| &topic.messages);
+        let links: Vec<Link> = messages
+            .filter_map(|(_, message)| recording::read_parsed(self.path, message, self.read, links))
+            .flatten()
+            .collect();
+        transform_between(&links, &depth.head.frame_id, &color.head.frame_id)
+    }
+
+    /// Units of depth images that are a metre, where a `RealSense` says it.
+    fn units_per_metre(&self) -> Option<f64> {
+        let is_unit = |topic: &&CameraTopic| {
+            topic
+                .name
+                .to_ascii_lowercase()
+                .replace(' ', "_")
+                .contains("depth_units")
+        };
+        let unit = self.first(self.of_kind(CameraMessage::Number).find(is_unit)?, number)?;
+        (unit.is_finite() && unit > 0.0).then_some(1.0 / unit)
+    }
+
+    fn image(&self, stream: &Stream<'_>, index: usize) -> StoredImage {
+        StoredImage::Message(ImageMessage {
+            path: self.path.into(),
+            topic: stream.topic.name.as_str().into(),
+            kind: stream.topic.kind,
+            message: stream.topic.messages[index].1.clone(),
+        })
+    }
+
+    /// The frames of `depth` with the colours of `color`.
+    fn found(&self, depth: &Stream<'_>, color: Option<&Stream<'_>>, options: &OpenOptions) -> Result<Found, RgbdError> {
+        let mut notes = Vec::new();
+        let calibration = match self.info(depth) {
+            Some(info) => self.calibration(depth, &info, color, &mut notes)?,
+            // Whoever names the camera needs none.
+            None if options.rgbd.intrinsics.is_some() => {
+                Calibration::of_depth(Intrinsics::pinhole([1.0, 1.0, 0.0, 0.0], None), "--intrinsics")
+            }
+            None => {
+                return Err(RgbdError::Options {
+                    reason: format!(
+                        "no CameraInfo says which camera took the images of topic {}: name it by --intrinsics \
+                         fx,fy,cx,cy or a file",
+                        depth.topic.name
+                    ),
+                });
+            }
+        };
+        let calibration = Arc::new(calibration);
+        let depths = &depth.topic.messages;
+        let mut used = HashSet::new();
+        let frames: Vec<FrameImages> = depths
+            .iter()
+            .enumerate()
+            .map(|(index, &(time, _))| {
+                let partner = color.and_then(|color| {
+                    let colors = &color.topic.messages;
+                    Some((color, nearest(colors.len(), |at| colors[at].0, time)?))
+                });
+                used.extend(partner.map(|(_, at)| at));
+                FrameImages {
+                    depth: self.image(depth, index),
+                    color: partner.map(|(color, at)| self.image(color, at)),
+                    time: Some(time),
+                    world_from_camera: None,
+                    calibration: Arc::clone(&calibration),
+                }
+            })
+            .collect();
+        let alone = frames.iter().filter(|frame| frame.color.is_none()).count();
+        if let Some(color) = color.filter(|_| alone > 0) {
+            notes.push(format!(
+                "{alone} of {} depth images have no colour image of {} within 20 ms: their points have no colours",
+                frames.len(),
+                color.topic.name
+            ));
+        }
+        Ok(Found {
+            frames,
+            code: DepthCode::per_metre(UNITS_PER_METRE),
+            notes,
+        })
+    }
+
+    fn calibration(
+        &self,
+        depth: &Stream<'_>,
+        info: &CameraInfo,
+        color: Option<&Stream<'_>>,
+        notes: &mut Vec<String>,
+    ) -> Result<Calibration, RgbdError> {
+        let mut calibration = Calibration::of_depth(
+            intrinsics(&depth.topic.name, info, notes)?,
+            format!("the CameraInfo of topic {}", depth.topic.name),
+        );
+        calibration.units_per_metre = self.units_per_metre();
+        let Some(color) = color else { return Ok(calibration) };
+        let size = |stream: &Stream<'_>| self.image(stream, 0).size_px(self.read);
+        let is_one = color.is_framed_as(depth);
+        if is_one && size(color) == size(depth) {
+            return Ok(calibration);
+        }
+        let Some(color_info) = self.info(color) else {
+            notes.push(format!(
+                "no CameraInfo says which camera took the images of topic {}: they are taken for the depth camera's",
+                color.topic.name
+            ));
+            return Ok(calibration);
+        };
+        let color_from_depth = if is_one {
+            Some(DAffine3::IDENTITY)
+        } else {
+            self.color_from_depth(depth, color)
+        };
+        if color_from_depth.is_none() {
+            notes.push(format!(
+                "nothing says where the camera of topic {} is from that of {} (tf_static has no way between their \
+                 frames): they are taken to be in one place",
+                color.topic.name, depth.topic.name
+            ));
+        }
+        let lens = intrinsics(&color.topic.name, &color_info, notes)?;
+        calibration.color = Some((lens, color_from_depth.unwrap_or(DAffine3::IDENTITY)));
+        Ok(calibration)
+    }
+}
+
+/// The camera of images of `topic`. Names of rectified images say so: they have the lens of the projection, none.
+fn intrinsics(topic: &str, info: &CameraInfo, notes: &mut Vec<String>) -> Result<Intrinsics, RgbdError> {
+    let is_rectified = topic.contains("rect") && info.p[0] > 0.0;
+    let [fx, fy, cx, cy] = if is_rectified {
+        [info.p[0], info.p[5], info.p[2], info.p[6]]
+    } else {
+        [info.k[0], info.k[4], info.k[2], info.k[5]]
+    };
+    if !(fx > 0.0 && fy > 0.0 && fx.is_finite() && fy.is_finite()) {
+        return Err(RgbdError::Options {
+            reason: format!(
+                "the CameraInfo of topic {topic} has focal lengths of {fx} and {fy} pixels: the camera was not \
+                 calibrated; name it by --intrinsics fx,fy,cx,cy or a file"
+            ),
+        });
+    }
+    let distortion = if is_rectified {
+        Ok(Distortion::None)
+    } else {
+        lens(&info.model, &info.distortion)
+    };
+    Ok(Intrinsics {
+        focal_px: DVec2::new(fx, fy),
+        principal_px: DVec2::new(cx, cy),
+        distortion: distortion.unwrap_or_else(|reason| {
+            notes.push(format!("the lens of topic {topic} is left out: {reason}"));
+            Distortion::None
+        }),
+        for_size_px: Some(info.size_px).filter(|size| !size.contains(&0)),
+    })
+}
+
+/// The lens of a model of ROS (REP 2012 names them as OpenCV does) or of `librealsense`.
+fn lens(model: &str, coefficients: &[f64]) -> Result<Distortion, String> {
+    if coefficients.iter().all(|&k| k == 0.0) {
+        return Ok(Distortion::None);
+    }
+    let k = |index: usize| coefficients.get(index).copied().unwrap_or(0.0);
+    let is_bare = |from: usize| coefficients.iter().skip(from).all(|&k| k == 0.0);
+    let p = [k(2), k(3)];
+    match model {
+        "plumb_bob" | "Brown Conrady" if is_bare(5) => Ok(Distortion::Brown {
+            k: [k(0), k(1), k(4)],
+            p,
+        }),
+        // Beyond eight are thin prisms and tilts.
+        "rational_polynomial" if is_bare(8) => Ok(Distortion::Rational {
+            k: [k(0), k(1), k(4), k(5), k(6), k(7)],
+            p,
+        }),
+        "equidistant" | "fisheye" | "Kannala Brandt4" if is_bare(4) => Ok(Distortion::Fisheye {
+            k: [k(0), k(1), k(2), k(3)],
+        }),
+        _ => {
+            let start: String = model.chars().take(40).collect();
+            Err(format!(
+                "`{start}` with {} numbers is none of plumb_bob, rational_polynomial and equidistant",
+                coefficients.len()
+            ))
+        }
+    }
+}
+
+/// From the frame `from` to the frame `to`, by the shortest way over `links`.
+fn transform_between(links: &[Link], from: &str, to: &str) -> Option<DAffine3> {
+    let mut reached: Vec<(&str, DAffine3)> = vec![(from, DAffine3::IDENTITY)];
+    let mut next = 0;
+    while let Some(&(frame, frame_from_start)) = reached.get(next) {
+        if frame == to {
+            return Some(frame_from_start);
+        }
+        next += 1;
+        for link in links {
+            let (other, step) = if link.child == frame {
+                (link.parent.as_str(), link.parent_from_child)
+            } else if link.parent == frame {
+                (link.child.as_str(), link.parent_from_child.inverse())
+            } else {
+                continue;
+            };
+            if !reached.iter().any(|(known, _)| *known == other) {
+                reached.push((other, step * frame_from_start));
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn frames_are_joined_over_both_ends_of_links() {
+        let link = |parent: &str, child: &str, x: f64| Link {
+            parent: parent.to_owned(),
+            child: child.to_owned(),
+            parent_from_child: DAffine3::from_rotation_z(0.5 * x) * DAffine3::from_translation(DVec3::X * x),
+        };
+        let links = [
+            link("base", "depth", 1.0),
+            link("base", "rail", 2.0),
+            link("rail", "color", -0.5),
+        ];
+        let found = transform_between(&links, "depth", "color").unwrap();
+        let [depth, rail, color] = links.map(|link| link.parent_from_child);
+        let expected = color.inverse() * rail.inverse() * depth;
+        assert!(found.abs_diff_eq(expected, 1e-12), "{found:?} {expected:?}");
+        assert_eq!(transform_between(&[], "depth", "depth"), Some(DAffine3::IDENTITY));
+        assert_eq!(transform_between(&[link("a", "b", 1.0)], "a", "c"), None);
+    }
+
+    #[test]
+    fn lenses_by_the_names_of_ros() {
+        let brown = lens("plumb_bob", &[0.1, -0.2, 0.001, 0.002, 0.3]);
+        let (k, p) = ([0.1, -0.2, 0.3], [0.001, 0.002]);
+        assert_eq!(brown, Ok(Distortion::Brown { k, p }));
+        let rational = lens("rational_polynomial", &[1.0, 2.0, 0.001, 0.002, 3.0, 4.0, 5.0, 6.0]);
+        let k = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        assert_eq!(rational, Ok(Distortion::Rational { k, p }));
+        let fisheye = lens("equidistant", &[0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(
+            fisheye,
+            Ok(Distortion::Fisheye {
+                k: [0.1, 0.2, 0.3, 0.4]
+            })
+        );
+        for model in ["plumb_bob", "", "Inverse Brown Conrady"] {
+            assert_eq!(lens(model, &[0.0; 5]), Ok(Distortion::None));
+        }
+        assert!(
+            lens("Inverse Brown Conrady", &[0.1; 5])
+                .unwrap_err()
+                .contains("Inverse")
+        );
+        assert!(lens("plumb_bob", &[0.1; 8]).is_err());
+    }
+}
