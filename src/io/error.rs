@@ -32,8 +32,8 @@ pub enum IoError {
     },
     /// Neither the first bytes nor the extension are of a format that is read.
     #[error(
-        "{} is not in a format that pointreel reads (`pointreel --help` lists them): convert it to one of them",
-        path.display()
+        "{} is not in a format that pointreel reads ({}): convert it to one of them",
+        path.display(), formats_in_words()
     )]
     UnknownFormat {
         /// The file.
@@ -65,6 +65,12 @@ pub enum IoError {
         /// What was found and what was expected.
         problem: String,
     },
+}
+
+/// The names of all formats, in a sentence.
+fn formats_in_words() -> String {
+    let names: Vec<String> = super::TABLE.iter().map(|codec| codec.format.to_string()).collect();
+    names.join(", ")
 }
 
 /// Where in a file something is wrong.
