@@ -32,12 +32,14 @@ pub enum IoError {
     },
     /// Neither the first bytes nor the extension are of a format that is read.
     #[error(
-        "{} is not in a format that pointreel reads ({}): convert it to one of them",
-        path.display(), formats_in_words()
+        "{} is not in a format that pointreel reads ({formats}): convert it to one of them",
+        path.display()
     )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+        /// The names of those that are read.
+        formats: String,
     },
     /// Somebody cancelled it.
     #[error("{} was not read to its end, as that was cancelled: open it again to read it", path.display())]
@@ -65,12 +67,6 @@ pub enum IoError {
         /// What was found and what was expected.
         problem: String,
     },
-}
-
-/// The names of all formats, in a sentence.
-fn formats_in_words() -> String {
-    let names: Vec<String> = super::TABLE.iter().map(|codec| codec.format.to_string()).collect();
-    names.join(", ")
 }
 
 /// Where in a file something is wrong.

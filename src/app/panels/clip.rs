@@ -82,7 +82,8 @@ fn fits(ui: &mut Ui, clip: &mut Clip, clipping: &mut Clipping, frames: &ClippedF
             (
                 ClipFit::ThisFrame,
                 "This frame",
-                "The box around the frame that is shown, or the plane through its middle: parts of others may be cut off",
+                "The box around the frame that is shown, or the plane through its middle: parts of others may be cut \
+                 off",
             ),
             (
                 ClipFit::AllFrames,

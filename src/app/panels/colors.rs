@@ -92,7 +92,7 @@ fn lack_of(source: ColorSource, frame: &Frame) -> Option<&'static str> {
 }
 
 /// All that a frame can be coloured by. Axis and place of the chosen source stay as they are.
-fn sources<'a>(chosen: ColorSource, named: &'a [(String, FieldName)]) -> Vec<(&'a str, ColorSource, &'a str)> {
+fn sources(chosen: ColorSource, named: &[(String, FieldName)]) -> Vec<(&str, ColorSource, &str)> {
     let tooltip = "A scalar field of the file through a colour map";
     let fields = named
         .iter()

@@ -11,7 +11,7 @@ pub(super) enum QualityRequest {
     /// Measure the ways to draw.
     Measure,
     /// Draw the open sequence so.
-    DrawAs(Style),
+    DrawAs(Box<Style>),
 }
 
 /// A slider over the ways that no other beats, and the two limits that choose one of them. What
@@ -19,7 +19,8 @@ pub(super) enum QualityRequest {
 pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Style) -> Option<QualityRequest> {
     heading(ui, "Quality");
     if let Some(known) = &quality.known {
-        return choose(ui, known, &mut quality.limits, style).map(QualityRequest::DrawAs);
+        let way = choose(ui, known, &mut quality.limits, style);
+        return way.map(|way| QualityRequest::DrawAs(Box::new(way)));
     }
     let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
         Then one slider chooses from fast to exact. What was measured is kept for this sequence";
@@ -75,17 +76,13 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &St
     } else if limits.draw_ms != before.draw_ms {
         wanted = place_of(quality.best_within(limits.draw_ms));
     }
-    match wanted.and_then(|place| choices.get(place)) {
-        Some(choice) => {
-            ui.weak(format!(
-                "{:.1} ms, FLIP {:.3}: {}",
-                choice.draw_ms, choice.flip, choice.label
-            ));
-            (wanted != current).then_some(choice.style)
-        }
-        None => {
-            ui.weak("Drawn in a way of your own");
-            None
-        }
-    }
+    let Some(choice) = wanted.and_then(|place| choices.get(place)) else {
+        ui.weak("Drawn in a way of your own");
+        return None;
+    };
+    ui.weak(format!(
+        "{:.1} ms, FLIP {:.3}: {}",
+        choice.draw_ms, choice.flip, choice.label
+    ));
+    (wanted != current).then_some(choice.style)
 }

@@ -1,8 +1,8 @@
 //! What becomes of what tasks come to.
 
 use super::State;
+use super::failed_opening::FailedOpening;
 use super::outcome::{Found, Outcome};
-use super::proven::FailedOpening;
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;

@@ -2,35 +2,9 @@
 //! for this one alone: the settings that it has changed come back with the next.
 
 use super::State;
+use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::scene::Style;
-use crate::scene::describe::{Described, Value};
-
-/// The settings before a measured way was chosen, and with it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MeasuredWay {
-    before: Style,
-    chosen: Style,
-}
-
-impl MeasuredWay {
-    /// `now` with the settings from before the way was chosen, but for those that were changed by hand since.
-    fn undone(&self, mut now: Style) -> Style {
-        let before = self.before.settings();
-        let chosen = self.chosen.settings();
-        now.edit(&mut |described, value| {
-            let of = |settings: &[(&Described, Value)]| {
-                let known = settings.iter().find(|(other, _)| other.key == described.key);
-                known.map(|&(_, value)| value)
-            };
-            match (of(&before), of(&chosen)) {
-                (Some(before), Some(chosen)) if chosen == value => before,
-                _ => value,
-            }
-        });
-        now
-    }
-}
 
 impl State {
     /// Draws the open sequence as `way`, which was measured with it.

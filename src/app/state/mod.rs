@@ -7,6 +7,7 @@ mod clipping;
 mod companion;
 mod dialogs;
 mod export;
+mod failed_opening;
 mod files;
 mod first_look;
 mod inspecting;
@@ -26,16 +27,15 @@ mod steering;
 mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
+pub use failed_opening::FailedOpening;
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
-pub use proven::FailedOpening;
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
+use failed_opening::Unproven;
 use main_picture::MainPicture;
-use measured_way::MeasuredWay;
-use proven::Unproven;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;
@@ -46,7 +46,7 @@ use crate::app::features::comparison::{Comparison, PicturePair};
 use crate::app::features::export::Export;
 use crate::app::features::inspection::Inspection;
 use crate::app::features::palette::Palette;
-use crate::app::features::quality::MeasuredQuality;
+use crate::app::features::quality::{MeasuredQuality, MeasuredWay};
 use crate::app::features::save::{Estimates, Save};
 use crate::app::features::temporal::Temporal;
 use crate::app::features::thumbnails::Thumbnails;

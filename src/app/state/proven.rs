@@ -2,21 +2,10 @@
 //! opened lately.
 
 use super::State;
+use super::failed_opening::FailedOpening;
 use crate::app::side::Side;
 use crate::playback::{Mark, Player};
 use std::path::PathBuf;
-
-/// What could not be shown.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FailedOpening {
-    /// What it is called.
-    pub name: String,
-    /// Why, in full.
-    pub reason: String,
-}
-
-/// The inputs of what was opened and has not been shown yet, of A and of B.
-pub(super) type Unproven = [Vec<PathBuf>; 2];
 
 /// Why nothing of the sequence can be shown, if nothing can.
 fn reason_of_nothing(player: &Player) -> Option<String> {

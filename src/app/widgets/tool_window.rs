@@ -1,8 +1,8 @@
 //! Windows over the picture: they stay off the menu and the timeline, and have their place and size back after the
 //! program's window was small.
 //!
-//! How it works. egui remembers place and size of a window by its id. In a small window of the program a tool has another
-//! id, so what it is squeezed to there is forgotten when there is room again.
+//! How it works. egui remembers place and size of a window by its id. In a small window of the program a tool has
+//! another id, so what it is squeezed to there is forgotten when there is room again.
 
 use egui::{Context, Id, Rect, Vec2, Window};
 

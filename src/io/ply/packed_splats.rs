@@ -1,8 +1,8 @@
-//! Splats that are packed into four words each, as PlayCanvas and `SuperSplat` save them (`.compressed.ply`).
+//! Splats that are packed into four words each, as `PlayCanvas` and `SuperSplat` save them (`.compressed.ply`).
 //!
-//! 256 splats are a chunk, of which the file has the least and the largest coordinates, logarithms of half axes, and, in
-//! later files, colours. A word holds 11, 10 and 11 bits of a place between those, from the top down; a rotation is two
-//! bits for its largest part (the real one first) and ten for each of the others; colour and opacity are bytes.
+//! 256 splats are a chunk, of which the file has the least and the largest coordinates, logarithms of half axes, and,
+//! in later files, colours. A word holds 11, 10 and 11 bits of a place between those, from the top down; a rotation is
+//! two bits for its largest part (the real one first) and ten for each of the others; colour and opacity are bytes.
 //! Harmonics behind the splats are left out.
 
 use super::super::error::Fault;

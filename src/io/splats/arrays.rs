@@ -1,5 +1,5 @@
 //! Splats as arrays of numpy, by the names that trainers of splats save them under (gsplat, Dynamic 3D Gaussians,
-//! SplaTAM and others): half axes, rotations, opacities, and colours as harmonics.
+//! `SplaTAM` and others): half axes, rotations, opacities, and colours as harmonics.
 
 use super::super::column::Column;
 use super::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, put_shapes};

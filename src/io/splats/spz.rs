@@ -1,9 +1,9 @@
 //! SPZ, versions 2 and 3 (Niantic Labs 2024): a gzip stream of a header of 16 bytes and one array an attribute:
-//! positions in fixed point, opacities, colours, logarithms of half axes, rotations, harmonics. Axes point right, up and
-//! back.
+//! positions in fixed point, opacities, colours, logarithms of half axes, rotations, harmonics. Axes point right, up
+//! and back.
 //!
-//! Version 2 has the rotation as the vector part of a quaternion whose real part is not negative, version 3 as the three
-//! smallest parts, ten bits each.
+//! Version 2 has the rotation as the vector part of a quaternion whose real part is not negative, version 3 as the
+//! three smallest parts, ten bits each.
 
 use super::super::error::{Fault, Place};
 use super::super::format::{Format, Magic, Traits};
@@ -52,8 +52,8 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
             return Err(Fault::new(
                 Place::Byte(unpacked.len() - rest.len()),
                 format!(
-                    "the {name} of {count} splats are claimed here, but only {} bytes follow: the file is truncated, or \
-                     its header is wrong",
+                    "the {name} of {count} splats are claimed here, but only {} bytes follow: the file is truncated, \
+                     or its header is wrong",
                     rest.len()
                 ),
             ));

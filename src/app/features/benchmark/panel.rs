@@ -39,8 +39,8 @@ pub(in crate::app) enum BenchmarkRequest {
     ShowKept(Arc<RatePoint>),
 }
 
-/// The window while it is open: at first as high as the picture and beside its middle, so that both are seen, then where
-/// it was left (`place`). It never moves or grows by itself.
+/// The window while it is open: at first as high as the picture and left of its middle, so that both are seen, then
+/// where it was left (`place`). It never moves or grows by itself.
 pub(in crate::app) fn benchmark_ui(
     ui: &mut Ui,
     is_open: &mut bool,
