@@ -20,6 +20,8 @@ mod clip;
 mod colors;
 #[path = "panels/comparison.rs"]
 mod comparison;
+#[path = "panels/escape.rs"]
+mod escape;
 #[path = "panels/export.rs"]
 mod export;
 #[path = "panels/idle.rs"]
@@ -34,6 +36,8 @@ mod menu;
 mod mouse;
 #[path = "panels/notices.rs"]
 mod notices;
+#[path = "panels/opening.rs"]
+mod opening;
 #[path = "panels/points.rs"]
 mod points;
 #[path = "panels/reading.rs"]

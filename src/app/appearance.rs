@@ -2,10 +2,10 @@
 
 use super::preferences::Preferences;
 use super::present_choice::PresentChoice;
-use egui::ThemePreference;
+use egui::{Rect, ThemePreference, pos2};
 
 /// How the window looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
     /// Whether it is light or dark.
     pub theme: ThemePreference,
@@ -15,6 +15,8 @@ pub struct Appearance {
     pub shows_scale_bar: bool,
     /// True while it fills the screen.
     pub full_screen: bool,
+    /// Where the window of benchmarks was left, points.
+    pub benchmark_place: Option<Rect>,
 }
 
 impl Appearance {
@@ -25,6 +27,9 @@ impl Appearance {
             present: preferences.present,
             shows_scale_bar: preferences.scale_bar,
             full_screen: false,
+            benchmark_place: preferences
+                .benchmark_place
+                .map(|[left, top, right, bottom]| Rect::from_min_max(pos2(left, top), pos2(right, bottom))),
         }
     }
 }

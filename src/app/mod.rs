@@ -47,9 +47,10 @@ mod work;
 
 pub use appearance::Appearance;
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
-pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat};
+pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat, SoFar};
 pub use features::beside::{Beside, FrameDistances, Layout, OneWay};
 pub use features::camera_path::{Draft, PathEditor, PathFile};
+pub use features::clipping::Clipping;
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};
 pub use features::export::{Export, ExportEnded, ExportSubject, Exported};
 pub use features::inspection::measuring::{Gauge, Measurement};
@@ -72,8 +73,8 @@ pub use presets::{Preset, Presets};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport, VisibleChange,
-    WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport,
+    VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

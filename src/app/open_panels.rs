@@ -1,5 +1,7 @@
 //! Which panels are open.
 
+use super::widgets::tool_window::tool_id;
+use egui::{Context, Id};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -38,20 +40,24 @@ impl PanelId {
 
 /// The panels that are open.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OpenPanels(BTreeSet<PanelId>);
+pub struct OpenPanels {
+    open: BTreeSet<PanelId>,
+    /// Those that lay over the picture in the last pass, the topmost last.
+    windows: Vec<PanelId>,
+}
 
 impl OpenPanels {
     /// Whether `panel` is open.
     pub fn has(&self, panel: PanelId) -> bool {
-        self.0.contains(&panel)
+        self.open.contains(&panel)
     }
 
     /// Opens `panel`, or closes it.
     pub fn set(&mut self, panel: PanelId, is_open: bool) {
         if is_open {
-            self.0.insert(panel);
+            self.open.insert(panel);
         } else {
-            self.0.remove(&panel);
+            self.open.remove(&panel);
         }
     }
 
@@ -60,9 +66,16 @@ impl OpenPanels {
         self.set(panel, !self.has(panel));
     }
 
-    /// Closes `panel`; true if it was open.
-    pub(super) fn close(&mut self, panel: PanelId) -> bool {
-        self.0.remove(&panel)
+    /// Looks which of them are windows, and in which order they lie over each other. Call after the panels.
+    pub(super) fn note_order(&mut self, ctx: &Context) {
+        let of_layer = |id: Id| self.open.iter().copied().find(|panel| tool_id(ctx, panel.name()) == id);
+        self.windows = ctx.memory(|memory| memory.layer_ids().filter_map(|layer| of_layer(layer.id)).collect());
+    }
+
+    /// Closes the window that lies over all others; false if there is none.
+    pub(super) fn close_topmost(&mut self) -> bool {
+        let topmost = std::iter::from_fn(|| self.windows.pop()).find(|panel| self.open.contains(panel));
+        topmost.is_some_and(|panel| self.open.remove(&panel))
     }
 
     /// Those that are remembered.
@@ -77,7 +90,10 @@ impl OpenPanels {
 
 impl From<RememberedPanels> for OpenPanels {
     fn from(remembered: RememberedPanels) -> Self {
-        let mut open = Self(BTreeSet::new());
+        let mut open = Self {
+            open: BTreeSet::new(),
+            windows: Vec::new(),
+        };
         open.set(PanelId::SETTINGS, remembered.settings);
         open.set(PanelId::STATISTICS, remembered.statistics);
         open.set(PanelId::LEGEND, remembered.legend);

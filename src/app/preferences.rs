@@ -53,6 +53,8 @@ pub struct Preferences {
     pub theme: ThemePreference,
     /// Size of the window in whole logical pixels, when it was neither maximised nor full screen.
     pub window_size: Option<[f64; 2]>,
+    /// Left, top, right and bottom of the window of benchmarks, whole points.
+    pub benchmark_place: Option<[f32; 4]>,
 }
 
 impl Default for Preferences {
@@ -67,6 +69,7 @@ impl Default for Preferences {
             scale_bar: true,
             theme: ThemePreference::System,
             window_size: None,
+            benchmark_place: None,
         }
     }
 }
@@ -100,6 +103,12 @@ impl Preferences {
                 .window_size
                 .map(|size| size.map(f64::round))
                 .filter(|size| size.iter().all(|edge| WINDOW_EDGE_RANGE.contains(edge))),
+            benchmark_place: self.benchmark_place.map(|place| place.map(f32::round)).filter(
+                |[left, top, right, bottom]| {
+                    let edges = [right - left, bottom - top].map(f64::from);
+                    edges.iter().all(|edge| WINDOW_EDGE_RANGE.contains(edge)) && left.is_finite() && top.is_finite()
+                },
+            ),
             ..self
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{Finding, FindingKind, FrameFacts};
 use crate::scene::UpAxis;
-use crate::sequence::{FrameError, Sequence};
+use crate::sequence::{FrameError, NumberGap, Sequence, number_gaps as gaps_between};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -134,33 +134,18 @@ fn named(frames: &[usize]) -> String {
 
 fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
     let entries = sequence.entries();
-    let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.number).collect();
-    let numbers = numbers.unwrap_or_default();
-    let steps: Vec<u64> = numbers.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).collect();
-    // Every second frame may have been kept on purpose: the smallest step is the rule. Time stamps count too, but what
-    // lies between them is not missing.
-    let usual = steps.iter().copied().min().unwrap_or(0);
-    let is_counter = usual > 0 && steps.iter().all(|step| step % usual == 0);
-    let has_times = entries.iter().any(|entry| entry.time.is_some());
-    if !is_counter || has_times {
-        return Vec::new();
-    }
-    let gaps = steps.iter().enumerate().filter(|&(_, &step)| step > usual);
-    gaps.map(|(index, step)| {
-        let missing = step / usual - 1;
-        let (before, after) = (numbers[index], numbers[index + 1]);
-        Finding {
-            kind: FindingKind::NumberGap,
-            frames: vec![index, index + 1],
-            message: format!(
-                "{missing} {} missing between {} and {} ({} to {}): the frames play one after the other",
-                if missing == 1 { "number is" } else { "numbers are" },
-                entries[index].name,
-                entries[index + 1].name,
-                before + usual,
-                after - usual
-            ),
-        }
+    let gaps = gaps_between(&entries).into_iter();
+    gaps.map(|NumberGap { after, count, numbers }| Finding {
+        kind: FindingKind::NumberGap,
+        frames: vec![after, after + 1],
+        message: format!(
+            "{count} {} missing between {} and {} ({} to {}): the frames play one after the other",
+            if count == 1 { "number is" } else { "numbers are" },
+            entries[after].name,
+            entries[after + 1].name,
+            numbers.start(),
+            numbers.end()
+        ),
     })
     .collect()
 }

@@ -15,6 +15,12 @@ fn formats() -> impl Iterator<Item = Format> {
 }
 
 impl Format {
+    /// The names of all formats, in a sentence.
+    pub(super) fn all_names() -> String {
+        let names: Vec<String> = formats().map(|format| format.to_string()).collect();
+        names.join(", ")
+    }
+
     /// The format of a file with this name and these first bytes.
     pub fn detect(name: &Path, bytes: &[u8]) -> Option<Self> {
         formats()

@@ -32,12 +32,14 @@ pub enum IoError {
     },
     /// Neither the first bytes nor the extension are of a format that is read.
     #[error(
-        "{} is not in a format that pointreel reads (`pointreel --help` lists them): convert it to one of them",
+        "{} is not in a format that pointreel reads ({formats}): convert it to one of them",
         path.display()
     )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+        /// The names of those that are read.
+        formats: String,
     },
     /// Somebody cancelled it.
     #[error("{} was not read to its end, as that was cancelled: open it again to read it", path.display())]

@@ -43,6 +43,7 @@ mod read;
 pub(crate) mod recording;
 mod rows;
 mod shared;
+mod splats;
 mod stl;
 pub(crate) mod timestamps;
 mod unpack;
@@ -118,6 +119,10 @@ const TABLE: &[Codec] = &[
         ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes))
     },
     Codec::reading(npy::ARCHIVE, |file| npy::decode_archive(file.bytes, file.options)),
+    Codec::reading(splats::spz::FORMAT, |file| {
+        splats::spz::decode(file.bytes, file.options)
+    }),
+    Codec::reading(splats::bare::FORMAT, |file| splats::bare::decode(file.bytes)),
     Codec::reading(bin::FORMAT, |file| {
         bin::decode(file.name, file.bytes, file.options.bin_columns)
     }),

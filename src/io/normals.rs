@@ -121,7 +121,10 @@ fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoErr
         path: path.to_owned(),
         source,
     })?;
-    let unknown = || IoError::UnknownFormat { path: path.to_owned() };
+    let unknown = || IoError::UnknownFormat {
+        path: path.to_owned(),
+        formats: Format::all_names(),
+    };
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
     let columns = format.codec().and_then(|codec| codec.columns.as_ref());
     let normals = match columns {

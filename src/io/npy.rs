@@ -10,6 +10,7 @@ use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::growing;
 use super::options::ReadOptions;
+use super::splats::arrays::{self as splats, SplatArray};
 use super::xyz;
 use crate::cloud::RawCloud;
 use std::io::{Cursor, Read as _};
@@ -36,7 +37,7 @@ pub(super) const ARCHIVE: Format = Format::new(&Traits {
 });
 
 /// Names of arrays with coordinates.
-const POSITIONS: [&str; 10] = [
+const POSITIONS: [&str; 15] = [
     "xyz",
     "points",
     "point",
@@ -47,8 +48,14 @@ const POSITIONS: [&str; 10] = [
     "coords",
     "coordinates",
     "point_cloud",
+    // Of splats.
+    "means3d",
+    "means_3d",
+    "mean3d",
+    "means",
+    "centers",
 ];
-const COLORS: [&str; 6] = ["rgb", "rgba", "color", "colors", "colour", "colours"];
+const COLORS: [&str; 7] = ["rgb", "rgba", "color", "colors", "colour", "colours", "rgb_colors"];
 const NORMALS: [&str; 2] = ["normals", "normal"];
 
 /// Columns of a table that are told by their number.
@@ -72,7 +79,8 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
     let mut arrays = Vec::new();
     for (name, bytes) in &members {
         let array = Array::parse(bytes)
-            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
+            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?
+            .without_single_layers();
         arrays.push((name.to_ascii_lowercase(), array));
     }
     let is_one_of = |names: &[&str], name: &str| names.contains(&name);
@@ -134,7 +142,26 @@ pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawC
             }
         )));
     }
-    growing::cloud(&columns, count)
+    let mut cloud = growing::cloud(&columns, count)?;
+    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
+    Ok(cloud)
+}
+
+/// The arrays that say something of splats, as columns.
+fn splat_arrays<'a>(arrays: &'a [(String, Array<'a>)], count: usize) -> Vec<SplatArray<'a>> {
+    let of_splats = arrays.iter().filter(|(name, array)| {
+        let is_table = matches!(array.kind, ArrayLayout::Table(_));
+        is_table && splats::is_used(name) && array.shape.first() == Some(&count) && array.shape.len() <= 2
+    });
+    let columns = |(name, array): &'a (String, Array<'a>)| {
+        let width = array.shape.get(1).copied().unwrap_or(1).min(MAX_COLUMNS);
+        let column = |index| array.column(String::new(), index, width, count);
+        SplatArray {
+            name,
+            columns: (0..width).map(column).collect(),
+        }
+    };
+    of_splats.map(columns).collect()
 }
 
 /// Names and bytes of the arrays in an archive, unpacked to no more than may be.

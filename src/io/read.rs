@@ -135,7 +135,10 @@ fn read_bytes_with(
     if bytes.is_empty() {
         return Err(IoError::Empty { path: name.to_owned() });
     }
-    let unknown = || IoError::UnknownFormat { path: name.to_owned() };
+    let unknown = || IoError::UnknownFormat {
+        path: name.to_owned(),
+        formats: Format::all_names(),
+    };
     let format = Format::detect(name, bytes).ok_or_else(unknown)?;
     let codec = format.codec().ok_or_else(unknown)?;
     let options = &options.of_format(format);

@@ -286,6 +286,19 @@ impl Camera {
         self.distance = (self.distance * factor).clamp(f64::MIN_POSITIVE.sqrt(), f64::MAX.sqrt());
     }
 
+    /// [`Camera::zoom`] toward what is seen so many pixels right of and below the middle of a picture `height_px` high:
+    /// at the depth of the target it stays there.
+    pub fn zoom_toward(&mut self, factor: f64, (right_px, down_px): (f64, f64), height_px: f64) {
+        let before = self.distance;
+        self.zoom(factor);
+        // What the distance really shrank by, at its limits too.
+        let moved = 1.0 - self.distance / before;
+        let units_per_px = 2.0 * before * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
+        let rotation = self.view_from_world_rotation();
+        let offset = (rotation.row(0) * right_px - rotation.row(1) * down_px) * units_per_px;
+        self.target_in_world += offset * moved;
+    }
+
     /// Moves eye and target together by view-space units: right, up, backward.
     pub fn fly(&mut self, movement_in_view: DVec3) {
         self.target_in_world += self.view_from_world_rotation().transpose() * movement_in_view;

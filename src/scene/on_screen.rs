@@ -26,6 +26,30 @@ impl Camera {
         Some([a, b].map(|end| self.view_to_px(end, viewport_px)))
     }
 
+    /// How far from `place` along `direction` the place is that is seen nearest to the pixel `px`, in lengths of
+    /// `direction`: what follows a pointer that drags it. `None` where the line is seen end on, or not at all.
+    pub fn along_line(&self, place: DVec3, direction: DVec3, px: DVec2, viewport_px: [u32; 2]) -> Option<f64> {
+        let near = self.lens().near();
+        let from = self.in_view_space(place);
+        let step = self.view_from_world_rotation() * direction;
+        let [width, height] = viewport_px.map(f64::from);
+        let px_per_slope = 0.5 * height * self.lens().focal;
+        let slope = (px - 0.5 * DVec2::new(width, height)) / px_per_slope;
+        // Slopes of the picture are the quotient of these, with the step times how often.
+        let (over, over_step) = (DVec2::new(from.x, -from.y), DVec2::new(step.x, -step.y));
+        let (under, under_step) = (-from.z, -step.z);
+        if under < near {
+            return None;
+        }
+        let on_screen = (over_step * under - over * under_step) / (under * under);
+        // Less than a pixel for a step cannot be dragged.
+        let on_screen = (on_screen.length() * px_per_slope > 1e-9).then(|| on_screen.try_normalize())??;
+        let wanted = on_screen.dot(slope);
+        let divisor = on_screen.dot(over_step) - wanted * under_step;
+        let steps = (wanted * under - on_screen.dot(over)) / divisor;
+        (steps.is_finite() && under + steps * under_step >= near).then_some(steps)
+    }
+
     /// From world space to view space (right, up, backward). Around the target first: near it nothing is lost however
     /// far away the eye is.
     fn in_view_space(&self, place_in_world: DVec3) -> DVec3 {
@@ -82,6 +106,30 @@ mod tests {
             let found = camera.to_px(origin + place, SIZE).unwrap();
             // What f32 leaves of a telephoto lens.
             prop_assert!((found - expected).length() < 0.1, "{} {}", found, expected);
+        }
+    }
+
+    proptest! {
+        /// A place on the line is found from where it is seen, and a pixel beside the line finds the foot of it.
+        #[test]
+        fn a_pointer_finds_its_place_on_a_line(
+            place in prop::array::uniform3(-1f64..1.0),
+            direction in prop::array::uniform3(-1f64..1.0),
+            steps in -0.8f64..0.8,
+            aside in -50f64..50.0,
+            is_orthographic: bool,
+        ) {
+            let projection = if is_orthographic { Projection::Orthographic } else { Projection::Perspective };
+            let origin = DVec3::new(4e3, -3e3, 5e3);
+            let camera = camera(projection, origin);
+            let (place, direction) = (origin + DVec3::from_array(place), DVec3::from_array(direction));
+            let ends = [place, place + direction * steps].map(|place| camera.to_px(place, SIZE));
+            let [Some(from), Some(to)] = ends else { return Ok(()) };
+            let on_screen = to - from;
+            prop_assume!(on_screen.length() > 5.0);
+            let found = camera.along_line(place, direction, to + aside * on_screen.normalize().perp(), SIZE);
+            let found = found.expect("it is in front of the eye");
+            prop_assert!((found - steps).abs() < 1e-6, "{} for {}", found, steps);
         }
     }
 

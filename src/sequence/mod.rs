@@ -23,6 +23,7 @@ mod detail;
 mod effort;
 mod error;
 mod frames;
+mod gaps;
 mod ghosts;
 mod loader;
 mod needs;
@@ -45,6 +46,7 @@ pub use coloring::{
 pub use detail::Detail;
 pub use error::FrameError;
 pub use frames::Sequence;
+pub use gaps::{NumberGap, number_gaps};
 pub use ghosts::{Ghost, with_ghosts};
 #[cfg(test)]
 pub(crate) use loader::simulation;

@@ -246,7 +246,7 @@ fn values_of_a_point_and_a_tooltip() {
         });
     }
     shown.harness.run();
-    shown.compare("point", "From the eye");
+    shown.compare("point", "Distance to camera");
 
     let mut shown = window();
     shown.harness.run();

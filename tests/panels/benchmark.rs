@@ -9,7 +9,7 @@ use pointreel::bench::{Measured, Step};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::measure::ReferenceCloud;
 use pointreel::reel::{Precision, ReelOptions};
-use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Style};
+use pointreel::scene::{Background, PointStyle, Primitive, RendererChoice, Strategy, Style};
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -102,7 +102,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     start(&mut harness, patient);
     click(&mut harness, "Cancel");
     finish(&mut harness);
-    assert!(matches!(harness.state().benchmark, Benchmark::Cancelled));
+    assert!(matches!(harness.state().benchmark, Benchmark::Cancelled(_)));
     assert!(harness.query_by_label("The benchmark was cancelled.").is_some());
 
     start(
@@ -195,6 +195,113 @@ fn ways_appear_while_they_are_measured_and_a_click_draws_as_one() {
         harness.query_by_label_contains("way of 9 ms").is_none(),
         "voxels are faster and better"
     );
+}
+
+#[test]
+fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
+    let mut harness = window();
+    let (go_on, gate) = sync_channel::<()>(0);
+    let (reached, next) = sync_channel::<()>(0);
+    let job: BenchmarkJob = Box::new(move |report, progress| {
+        for (done, measured) in (1..).zip(points()) {
+            report(Step {
+                done,
+                total: 4,
+                label: "a way with a name that is a good deal longer than the window is wide, in all its settings"
+                    .repeat(3),
+                measured: Some(Measured::Way(measured)),
+            });
+            reached.send(()).unwrap();
+            gate.recv().unwrap();
+        }
+        while !progress.is_cancelled() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Err("cancelled".to_owned())
+    });
+    start(&mut harness, job);
+    let mut places = Vec::new();
+    for _ in 0..4 {
+        next.recv().unwrap();
+        harness.run();
+        let cancel = harness.get_by_label("Cancel").rect();
+        places.push((harness.state().appearance.benchmark_place.unwrap(), cancel));
+        go_on.send(()).unwrap();
+    }
+    assert!(places.iter().all(|place| *place == places[0]), "{places:?}");
+    let place = places[0].0;
+    let picture = harness.state().viewport.rect;
+    assert!(picture.contains_rect(place), "{place:?} in {picture:?}");
+    assert!(place.right() <= picture.center().x + 10.0, "the other half is seen");
+    click(&mut harness, "Cancel");
+    finish(&mut harness);
+    assert!(matches!(harness.state().benchmark, Benchmark::Cancelled(_)));
+    assert!(
+        harness.query_by_label("8.00 ms, FLIP 0.2000: way of 8 ms").is_some(),
+        "it stays"
+    );
+
+    // In a small window it is squeezed, and as before when that is large again.
+    harness.set_size(egui::vec2(500.0, 320.0));
+    harness.run();
+    let squeezed = harness.state().appearance.benchmark_place.unwrap();
+    assert!(harness.ctx.content_rect().contains_rect(squeezed), "{squeezed:?}");
+    harness.set_size(egui::vec2(1280.0, 800.0));
+    harness.run();
+    assert_eq!(harness.state().appearance.benchmark_place, Some(place));
+    // The next one begins there.
+    let preferences = harness.state().preferences();
+    let mut next = window_on(
+        super::sequence(&[]),
+        pointreel::app::StateOptions {
+            preferences,
+            ..super::options()
+        },
+    );
+    next.state_mut()
+        .run(pointreel::app::Command::TogglePanel(pointreel::app::PanelId::BENCHMARK));
+    next.run();
+    let again = next.state().appearance.benchmark_place.unwrap();
+    assert!((again.min - place.min).length() < 1.0 && (again.max - place.max).length() < 1.0);
+}
+
+#[test]
+fn a_measured_way_is_that_of_its_sequence_alone() {
+    let mut harness = window();
+    let before = harness.state().style;
+    let mut measured = before;
+    for way in &points()[..2] {
+        harness.state_mut().draw_as_measured(&way.style);
+        measured = harness.state().style;
+        assert_eq!(measured.drawing.renderer, RendererChoice::Cpu);
+    }
+    // What is changed by hand is the person's.
+    harness.state_mut().style.light.eye_dome_strength = 0.25;
+    assert_ne!(measured.drawing.resolution, before.drawing.resolution);
+    let kept = harness.state().preferences().settings;
+    assert_eq!(kept.drawing, before.drawing, "the next window begins as before");
+    harness.state_mut().open(super::sequence(&[]));
+    let style = harness.state().style;
+    assert_eq!(style.drawing, before.drawing);
+    assert_eq!(style.light.eye_dome_strength, 0.25);
+}
+
+#[test]
+fn the_fastest_strategy_is_offered() {
+    let mut harness = window();
+    start(
+        &mut harness,
+        Box::new(|_, _| {
+            Ok(BenchmarkTable {
+                suite: "surfels".to_owned(),
+                fastest: Some((Strategy::Uniform, 159.0)),
+                ..BenchmarkTable::default()
+            })
+        }),
+    );
+    finish(&mut harness);
+    click(&mut harness, "Use the fastest: Uniform buffers");
+    assert_eq!(harness.state().style.drawing.strategy, Strategy::Uniform);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Clipping: a box or a plane in the coordinates of the file.
 
+use super::points::in_window;
 use super::settings::{choose, tap};
 use super::window;
 use egui::accesskit::Role;
@@ -19,19 +20,27 @@ fn drag(harness: &mut Harness<'_, State>, label: &str, value: f64) {
     harness.run();
 }
 
+/// Around a cube of the test's sequence, which are of single precision.
+fn cube(edge: f32) -> Clip {
+    let half = f64::from(edge - 0.5 * edge);
+    Clip::to(ClipShape::Box {
+        min: DVec3::splat(f64::from(-0.5 * edge)),
+        max: DVec3::splat(half),
+    })
+}
+
 #[test]
 fn a_box_is_cut_to_and_comes_back_as_it_was() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "To a box");
-    // The cube of the test's first frame.
-    let whole = Clip::to(ClipShape::Box {
-        min: DVec3::splat(-0.5),
-        max: DVec3::splat(0.5),
-    });
+    // Around the largest cube, that of the last frame.
+    assert_eq!(harness.state().style.of_sequence.clip, Some(cube(1.23)));
+    tap(&mut harness, "This frame");
+    let whole = cube(1.0);
     assert_eq!(harness.state().style.of_sequence.clip, Some(whole));
     drag(&mut harness, "Y from", 0.25);
     drag(&mut harness, "Z to", 0.0);
-    choose(&mut harness, "Keeps", "Outside");
+    choose(&mut harness, "Keep", "Outside");
     let cut = Clip {
         keeps_outside: true,
         ..Clip::to(ClipShape::Box {
@@ -45,8 +54,10 @@ fn a_box_is_cut_to_and_comes_back_as_it_was() {
     assert!(!harness.state().style.of_sequence.clip.unwrap().is_on);
     choose(&mut harness, "Clipping", "To a box");
     assert_eq!(harness.state().style.of_sequence.clip, Some(cut));
-    tap(&mut harness, "Fit to frame");
+    tap(&mut harness, "This frame");
     assert_eq!(harness.state().style.of_sequence.clip.unwrap().shape, whole.shape);
+    tap(&mut harness, "All frames");
+    assert_eq!(harness.state().style.of_sequence.clip.unwrap().shape, cube(1.23).shape);
 }
 
 #[test]
@@ -60,11 +71,70 @@ fn a_plane_stands_across_an_axis() {
         offset: 0.125,
     });
     assert_eq!(harness.state().style.of_sequence.clip, Some(plane));
-    tap(&mut harness, "Fit to frame");
+    tap(&mut harness, "All frames");
     let ClipShape::Plane { offset, .. } = harness.state().style.of_sequence.clip.unwrap().shape else {
         panic!("it is a plane");
     };
     assert_eq!(offset, 0.0);
     tap(&mut harness, "Reset to defaults");
     assert_eq!(harness.state().style.of_sequence.clip, None);
+}
+
+/// Drags what is called `handle` in the picture to where `place` is seen.
+fn pull(harness: &mut Harness<'_, State>, handle: &str, place: DVec3) {
+    let from = harness.get_by_role_and_label(Role::Slider, handle).rect().center();
+    let to = in_window(harness, place);
+    // Not quite in the middle, and not quite on the line.
+    let slack = egui::vec2(2.0, -1.0);
+    harness.drag_at(from + slack);
+    harness.run();
+    harness.hover_at(from.lerp(to, 0.5) + slack);
+    harness.run();
+    harness.hover_at(to + slack);
+    harness.run();
+    harness.drop_at(to + slack);
+    harness.run();
+}
+
+#[test]
+fn edges_of_the_box_are_dragged_in_the_picture() {
+    let mut harness = window();
+    choose(&mut harness, "Clipping", "To a box");
+    tap(&mut harness, "This frame");
+    let camera = harness.state().camera;
+    pull(&mut harness, "X to in the picture", DVec3::new(0.2, 0.0, 0.0));
+    pull(&mut harness, "Y from in the picture", DVec3::new(-0.15, -0.1, 0.0));
+    let ClipShape::Box { min, max } = harness.state().style.of_sequence.clip.unwrap().shape else {
+        panic!("it is a box");
+    };
+    assert!((max - DVec3::new(0.2, 0.5, 0.5)).length() < 0.01, "{max}");
+    assert!((min - DVec3::new(-0.5, -0.1, -0.5)).length() < 0.01, "{min}");
+    assert_eq!(harness.state().camera, camera, "the picture was not dragged");
+    // One edge does not go beyond the other.
+    pull(&mut harness, "X to in the picture", DVec3::new(-0.9, 0.2, 0.0));
+    let ClipShape::Box { min, max } = harness.state().style.of_sequence.clip.unwrap().shape else {
+        panic!("it is a box");
+    };
+    assert_eq!(max.x, min.x);
+    // Without its outline there is nothing to drag.
+    harness.get_by_role_and_label(Role::CheckBox, "Outline").scroll_to_me();
+    harness.run();
+    harness.get_by_role_and_label(Role::CheckBox, "Outline").click();
+    harness.run();
+    assert!(harness.query_by_label("X to in the picture").is_none());
+}
+
+#[test]
+fn a_plane_is_dragged_along_its_normal() {
+    let mut harness = window();
+    choose(&mut harness, "Clipping", "At a plane");
+    choose(&mut harness, "Keep", "\u{2212}X side");
+    pull(&mut harness, "Plane in the picture", DVec3::new(0.3, 0.0, 0.0));
+    let clip = harness.state().style.of_sequence.clip.unwrap();
+    assert!(clip.keeps_outside);
+    let ClipShape::Plane { normal, offset } = clip.shape else {
+        panic!("it is a plane");
+    };
+    assert_eq!(normal, DVec3::X);
+    assert!((offset - 0.3).abs() < 0.01, "{offset}");
 }

@@ -5,12 +5,12 @@ use super::walk::{FRAMES, load_all, options};
 use super::window_on;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::analysis::ColorMap;
 use pointreel::app::{PanelId, State};
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::scene::{Legend, LegendBody};
-use pointreel::sequence::{ColorRange, FrameEntry, Sequence};
+use pointreel::sequence::{ColorRange, ColorSource, FrameEntry, Sequence};
 use std::sync::Arc;
 
 /// Rows of points with the field `scalar_Heat` of 0 to 99 and the classes 2 and 6; `bare` without colours of the file.
@@ -114,14 +114,42 @@ fn the_list_has_what_the_file_has() {
     harness.run();
     harness.get_by_role_and_label(Role::ComboBox, "Colours").click();
     harness.run();
-    for (entry, is_there) in [
+    for (entry, can_be_chosen) in [
         ("Heat", true),
         ("Classification", true),
         ("Class", true),
         ("Time", false),
         ("From the file", false),
     ] {
-        let found = harness.query_by_role_and_label(Role::Button, entry).is_some();
-        assert_eq!(found, is_there, "{entry}");
+        let found = harness.get_by_role_and_label(Role::Button, entry);
+        assert_eq!(!found.accesskit_node().is_disabled(), can_be_chosen, "{entry}");
     }
+    assert!(
+        harness.query_by_role_and_label(Role::Button, "Scalar").is_none(),
+        "they have names"
+    );
+}
+
+#[test]
+fn a_scalar_that_is_not_there_is_grey_and_says_why() {
+    let mut harness = super::window();
+    harness.get_by_role_and_label(Role::ComboBox, "Colours").scroll_to_me();
+    harness.run();
+    harness.get_by_role_and_label(Role::ComboBox, "Colours").click();
+    harness.run();
+    let entry = harness.get_by_role_and_label(Role::Button, "Scalar");
+    assert!(entry.accesskit_node().is_disabled());
+    let place = entry.rect().center();
+    harness.hover_at(place);
+    harness.run_steps(60);
+    assert!(harness.query_by_label_contains("The file has no scalar").is_some());
+    // Chosen for another file before, it is not passed over in silence.
+    let mut harness = super::window();
+    harness.state_mut().style.colors.source = ColorSource::Scalar(None);
+    settle(&mut harness);
+    assert!(
+        harness
+            .query_by_label_contains("The file has no scalar. Shown instead: ")
+            .is_some()
+    );
 }

@@ -47,6 +47,34 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
 }
 
 #[test]
+fn closing_keeps_a_and_b_is_a_choice() {
+    for (button, kept) in [("Close", Primitive::Surfel), ("Use B", Primitive::Point)] {
+        for edited in ["A (left)", "B (right)"] {
+            let mut harness = window();
+            harness.state_mut().run(Command::ToggleComparison);
+            harness.state_mut().style.primitive = Primitive::Point;
+            harness.run();
+            click(&mut harness, edited);
+            assert_eq!(harness.state().preferences().settings.primitive, Primitive::Surfel);
+            click(&mut harness, button);
+            assert_eq!(harness.state().style.primitive, kept, "{button} with {edited}");
+        }
+    }
+    // The key closes as well.
+    let mut harness = window();
+    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().style.surfels.splat_scale = 3.0;
+    harness.run();
+    assert_eq!(
+        harness.state().preferences().settings.surfels.splat_scale,
+        1.0,
+        "that of A"
+    );
+    harness.state_mut().run(Command::ToggleComparison);
+    assert_eq!(harness.state().style.surfels.splat_scale, 1.0);
+}
+
+#[test]
 fn pictures_that_rest_are_compared() {
     let mut harness = window();
     harness.state_mut().run(Command::ToggleComparison);

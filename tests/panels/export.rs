@@ -110,7 +110,7 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
     choose(&mut harness, "What", "Sequence");
     assert_eq!(harness.state().export.per_second, 24.0);
     choose(&mut harness, "Format", "PNG files");
-    harness.get_by_role_and_label(Role::CheckBox, "Behind").click();
+    harness.get_by_role_and_label(Role::CheckBox, "Background").click();
     harness.run();
     harness.state_mut().export.name = Some("walk".to_owned());
     harness.run();
@@ -157,7 +157,7 @@ fn what_a_format_has_not_is_not_offered() {
     harness.run();
     click(&mut harness, "MP4");
     assert_eq!(harness.state().export.format, VideoFormat::Mp4);
-    assert!(!is_offered(&harness, Role::CheckBox, "Behind"));
+    assert!(!is_offered(&harness, Role::CheckBox, "Background"));
     assert!(is_offered(&harness, Role::Button, "Export"));
     set(&mut harness, "Width", 49.0);
     assert!(harness.query_by_label_contains("even edges").is_some());

@@ -135,7 +135,7 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().style.voxels.light, VoxelLight::Faces);
     choose(&mut harness, "Divide", "By loss");
     assert_eq!(harness.state().style.levels.stop, StopCriterion::PAPER);
-    slide(&mut harness, "Loss δ", 20.0);
+    slide(&mut harness, "Detail lost (δ)", 20.0);
     assert_eq!(harness.state().style.levels.stop, StopCriterion::Loss(0.2));
     choose(&mut harness, "Divide", "To a level");
     slide(&mut harness, "Leaf level", 9.0);
@@ -145,7 +145,7 @@ fn every_setting_can_be_changed_and_reset() {
     assert_eq!(harness.state().style.levels.stop, StopCriterion::PointsPerOctant(16));
     choose(&mut harness, "Divide", "By spacing");
     assert_eq!(harness.state().style.levels.stop, StopCriterion::Spacing);
-    slide(&mut harness, "Threshold τ", 8.0);
+    slide(&mut harness, "Smallest cell (τ)", 8.0);
     assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
     choose(&mut harness, "Level of detail", "Fixed level");
     slide(&mut harness, "Level", 7.0);
@@ -212,7 +212,7 @@ fn footprints_are_for_the_processor_and_for_modes_with_a_visibility_pass() {
     assert_eq!(style.codes.offset_bits, OffsetBits::None);
     assert!(style.draws_codes());
     // How finely codes are drawn is a level of detail.
-    slide(&mut harness, "Threshold τ", 8.0);
+    slide(&mut harness, "Smallest cell (τ)", 8.0);
     assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));
 }
 

@@ -93,7 +93,11 @@ fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
     for _ in 0..60 {
         harness.step();
     }
-    assert!(harness.query_by_label_contains("Frame 24 of 24, 0.96 s").is_some());
+    assert!(
+        harness
+            .query_by_label_contains("Frame 24 of 24 (file 23), 0.96 s")
+            .is_some()
+    );
 }
 
 #[test]

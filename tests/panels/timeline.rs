@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui::pos2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::State;
+use pointreel::app::{Command, State};
 use pointreel::timeline::LoopMode;
 use std::time::Duration;
 
@@ -38,7 +38,7 @@ fn buttons_step_and_jump() {
         click(&mut harness, label);
         assert_eq!(frame(&harness), expected, "{label}");
     }
-    assert!(harness.query_by_label_contains("frame  1/24").is_some());
+    assert!(harness.query_by_label(" 1 of 24").is_some());
 }
 
 #[test]
@@ -82,6 +82,62 @@ fn speed_rate_and_loop_mode_are_set_on_the_timeline() {
     harness.get_by_label("Frame rate").set_value_accesskit(30.0);
     harness.run();
     assert_eq!(clock(&harness).fps(), 30.0);
+}
+
+#[test]
+fn in_and_out_point_are_dragged_and_the_playhead_stays() {
+    let mut harness = window();
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    let border = |frame: usize| pos2(bar.left() + bar.width() * frame as f32 / FRAMES as f32, bar.center().y);
+    go_to(&mut harness, 4);
+    harness.state_mut().run(Command::SetIn);
+    go_to(&mut harness, 15);
+    harness.state_mut().run(Command::SetOut);
+    harness.run();
+    let drag = |harness: &mut Harness<'_, State>, from: egui::Pos2, to: egui::Pos2| {
+        harness.drag_at(from);
+        harness.run();
+        harness.hover_at(to);
+        harness.run();
+        harness.drop_at(to);
+        harness.run();
+    };
+    drag(&mut harness, border(4), border(8));
+    drag(&mut harness, border(16), border(20));
+    let range = clock(&harness).range();
+    assert_eq!((range.first(), range.last()), (Some(8), Some(19)));
+    assert_eq!(frame(&harness), 15, "that was not the playhead");
+    // Neither goes beyond the other.
+    drag(&mut harness, border(20), border(2));
+    let range = clock(&harness).range();
+    assert_eq!((range.first(), range.last()), (Some(8), Some(8)));
+    // Elsewhere a drag scrubs.
+    drag(
+        &mut harness,
+        border(12) + egui::vec2(3.0, 0.0),
+        border(17) + egui::vec2(3.0, 0.0),
+    );
+    assert_eq!(clock(&harness).range(), range);
+    assert_eq!(frame(&harness), 17);
+}
+
+#[test]
+fn the_rate_is_said_while_it_plays() {
+    let mut harness = window();
+    assert!(harness.query_by_label_contains(" fps").is_none(), "it rests");
+    click(&mut harness, "Play");
+    for tick in 1..=60 {
+        harness.state_mut().update(Duration::from_millis(tick * 1000 / 24));
+    }
+    harness.run();
+    assert!(harness.query_by_label_contains(" of 24 fps").is_some());
+    click(&mut harness, "Pause");
+    assert!(harness.query_by_label_contains("of 24 fps").is_none());
+}
+
+fn go_to(harness: &mut Harness<'_, State>, frame: usize) {
+    let now = harness.state().now();
+    harness.state_mut().player.as_mut().unwrap().seek(frame, now);
 }
 
 fn choose_loop(harness: &mut Harness<'_, State>, now: &str, entry: &str) {

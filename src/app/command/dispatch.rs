@@ -2,7 +2,7 @@
 
 use super::bindings::{BINDINGS, Binding};
 use super::kinds::Command;
-use egui::{Context, Event, Key, Modifiers};
+use egui::{Context, Event, Key, Modifiers, Popup};
 
 /// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
 pub(in crate::app) fn keys_of(command: Command) -> &'static str {
@@ -25,7 +25,7 @@ fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'s
 /// Takes the keys that are commands out of egui's input and returns what they ask for.
 ///
 /// Nothing is taken from a text field but what no text needs (F keys, Ctrl combinations). A button or slider that
-/// was reached with Tab keeps the keys that move or press it.
+/// was reached with Tab keeps the keys that move or press it. What a key does closes menus that are open.
 pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     let focus = if ctx.text_edit_focused() {
         Focus::TextField
@@ -34,7 +34,8 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     } else {
         Focus::None
     };
-    let popup_is_open = ctx.any_popup_open();
+    // Those of the last pass: nothing of this one is laid out yet.
+    let popup_is_open = Popup::is_any_open(ctx);
     let mut commands = Vec::new();
     ctx.input_mut(|input| {
         input.events.retain(|event| {
@@ -62,6 +63,9 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
             false
         });
     });
+    if !commands.is_empty() {
+        Popup::close_all(ctx);
+    }
     commands
 }
 

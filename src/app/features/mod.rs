@@ -8,6 +8,7 @@
 pub(super) mod benchmark;
 pub(super) mod beside;
 pub(super) mod camera_path;
+pub(super) mod clipping;
 pub(super) mod comparison;
 pub(super) mod export;
 pub(super) mod inspection;

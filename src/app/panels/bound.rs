@@ -1,11 +1,13 @@
 //! Panels of features in the window: what each is given of the state, and what becomes of what it asks for.
 
+use super::quality::QualityRequest;
 use super::settings::{SettingsContext, SettingsRequest, settings_ui};
 use crate::app::command::Command;
 use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::features::beside::panel::{BesideRequest, beside_ui};
 use crate::app::features::camera_path::panel::camera_path_ui;
 use crate::app::features::camera_path::request::PathRequest;
+use crate::app::features::clipping::handles::handles_ui;
 use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
 use crate::app::features::export::panel::{ExportRequest, export_ui};
 use crate::app::features::inspection::measuring_panel::measuring_ui;
@@ -17,8 +19,10 @@ use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::presets::built_in;
-use crate::app::{Benchmark, PanelId, State};
+use crate::app::widgets::overlay::PictureOverlay;
+use crate::app::{Benchmark, PanelId, Side, State};
 use crate::bench::suites;
+use crate::playback::Player;
 use crate::scene::{Primitive, Scene};
 use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
@@ -26,11 +30,18 @@ use egui::Ui;
 pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     let now = state.now();
     let mut is_open = state.panels.has(PanelId::BENCHMARK);
-    let request = benchmark_ui(ui, &mut is_open, &state.benchmark, now);
+    let request = benchmark_ui(
+        ui,
+        &mut is_open,
+        &mut state.appearance.benchmark_place,
+        &state.benchmark,
+        now,
+    );
     state.panels.set(PanelId::BENCHMARK, is_open);
     match request {
         Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
-        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as(&way.style),
+        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as_measured(&way.style),
+        Some(BenchmarkRequest::Use(strategy)) => state.style.drawing.strategy = strategy,
         Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
         None => {}
     }
@@ -41,7 +52,7 @@ pub(super) fn pair(ui: &mut Ui, state: &mut State) {
     if let Some(comparison) = &mut state.comparison {
         match comparison_ui(ui, comparison) {
             Some(ComparisonRequest::Edit(side)) => state.edit_side(side),
-            Some(ComparisonRequest::Close) => state.comparison = None,
+            Some(ComparisonRequest::Use(side)) => state.end_comparison(side),
             None => {}
         }
     }
@@ -125,10 +136,18 @@ pub(super) fn point(ui: &mut Ui, state: &mut State) {
         let name = state.sequence_name().unwrap_or_default();
         [name, beside.name.clone()]
     });
+    let side = state.inspection.point.as_ref().map(|point| point.anchor.side);
+    let sequence = match (side, &state.beside) {
+        (Some(Side::B), Some(beside)) => Some(beside.companion.sequence()),
+        _ => state.player.as_ref().map(Player::sequence),
+    };
+    let frame_count = sequence.map_or(0, |sequence| sequence.len());
     let context = PointContext {
         camera: &state.camera,
         names,
         trail,
+        frame_count,
+        unit: state.length_unit(),
     };
     let corner = state.viewport.rect.left_top();
     let trails = &mut state.trails;
@@ -140,7 +159,8 @@ pub(super) fn point(ui: &mut Ui, state: &mut State) {
 pub(super) fn measuring(ui: &mut Ui, state: &mut State) {
     let up = state.camera.up.direction();
     let corner = state.viewport.rect.left_bottom();
-    measuring_ui(ui, &mut state.inspection, up, corner);
+    let unit = state.length_unit();
+    measuring_ui(ui, &mut state.inspection, (up, unit), corner);
 }
 
 pub(super) fn change(ui: &mut Ui, state: &mut State) {
@@ -151,7 +171,23 @@ pub(super) fn change(ui: &mut Ui, state: &mut State) {
     change_ui(ui, &mut state.temporal, shown, colors, corner);
 }
 
+/// The handles of what is clipped, over the picture of the open sequence.
+pub(super) fn clip_handles(ui: &Ui, state: &mut State) {
+    let is_shown = state.clipping.shows_outline;
+    let Some(frames) = state.clipped_frames().filter(|_| is_shown) else {
+        return;
+    };
+    let unit = state.length_unit();
+    let rect = state.viewport.rect;
+    let painter = ui.painter_at(rect);
+    let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
+    if let Some(clip) = state.style.of_sequence.clip.as_mut().filter(|clip| clip.is_on) {
+        handles_ui(ui, &canvas, (&mut state.clipping, clip), &frames, unit);
+    }
+}
+
 pub(super) fn settings(ui: &mut Ui, state: &mut State) {
+    let frames = state.clipped_frames();
     let drawn = state.drawn_style();
     let look = state.first_look();
     let primitive = look.map(|look| (look.primitive, look.primitive_why));
@@ -167,6 +203,8 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
         lacks: &lacks,
         up_why,
         angle: state.inspection.last_angle(),
+        frames,
+        clipping: &mut state.clipping,
         quality: &mut state.quality,
         camera: &mut state.camera,
         turntable: &mut state.motion.turntable,
@@ -179,7 +217,8 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
     let request = settings_ui(ui, &mut context);
     state.panels.set(PanelId::LEGEND, has_legend);
     match request {
-        Some(SettingsRequest::Measure) => state.start_benchmark(suites::ERROR),
+        Some(SettingsRequest::Quality(QualityRequest::Measure)) => state.start_benchmark(suites::ERROR),
+        Some(SettingsRequest::Quality(QualityRequest::DrawAs(way))) => state.draw_as_measured(&way),
         Some(SettingsRequest::ChooseUp(up)) => state.choose_up(up),
         Some(SettingsRequest::Reset) => state.reset_settings(),
         None => {}

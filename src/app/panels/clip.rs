@@ -1,9 +1,10 @@
 //! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
 
 use super::settings::{choice, heading, row, rows};
-use crate::math::Aabb;
+use crate::app::Clipping;
+use crate::app::features::clipping::{ClipFit, ClippedFrames};
 use crate::scene::{Clip, ClipShape};
-use egui::{DragValue, Ui};
+use egui::{Button, Checkbox, DragValue, Ui};
 use glam::DVec3;
 
 /// Edges are dragged over the whole cloud in so many points of the screen.
@@ -18,35 +19,6 @@ enum ClipKind {
     Plane,
 }
 
-/// The shown frame: the box around it and the origin of its positions.
-pub(super) struct ClippedFrame {
-    pub(super) bounds: Aabb,
-    pub(super) origin: DVec3,
-}
-
-impl ClippedFrame {
-    fn shape(&self, kind: ClipKind) -> ClipShape {
-        match kind {
-            ClipKind::Plane => self.plane(DVec3::X),
-            ClipKind::Box | ClipKind::Off => ClipShape::around(&self.bounds, self.origin),
-        }
-    }
-
-    /// Through the middle.
-    fn plane(&self, normal: DVec3) -> ClipShape {
-        let middle = self.origin + self.bounds.center().as_dvec3();
-        ClipShape::Plane {
-            normal,
-            offset: normal.dot(middle),
-        }
-    }
-
-    /// Scene units a point of the screen.
-    fn drag_speed(&self) -> f64 {
-        f64::from(self.bounds.extent().max_element()).max(f64::from(f32::MIN_POSITIVE)) / DRAG_POINTS
-    }
-}
-
 fn kind_of(clip: Option<Clip>) -> ClipKind {
     match clip {
         Some(Clip { is_on: true, shape, .. }) => match shape {
@@ -57,51 +29,98 @@ fn kind_of(clip: Option<Clip>) -> ClipKind {
     }
 }
 
-/// The section of the settings. `angle` are the points of the last angle that was measured.
-pub(super) fn clip_ui(ui: &mut Ui, clip: &mut Option<Clip>, shown: Option<ClippedFrame>, angle: Option<[DVec3; 3]>) {
+/// What the section shows and changes.
+pub(super) struct ClipContext<'a> {
+    pub(super) clip: &'a mut Option<Clip>,
+    pub(super) clipping: &'a mut Clipping,
+    /// `None` while nothing is shown.
+    pub(super) frames: Option<ClippedFrames>,
+    /// The points of the last angle that was measured.
+    pub(super) angle: Option<[DVec3; 3]>,
+}
+
+/// The section of the settings.
+pub(super) fn clip_ui(ui: &mut Ui, context: &mut ClipContext<'_>) {
     heading(ui, "Clip");
-    let Some(shown) = shown else {
+    let Some(frames) = context.frames else {
         ui.weak("Nothing is shown yet");
         return;
     };
+    let ClipContext { clip, clipping, .. } = context;
     rows(ui, "clip", |ui| {
-        kind(ui, clip, &shown);
+        kind(ui, clip, clipping, &frames);
         if let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) {
             sides(ui, clip);
+            let speed = frames.extent() / DRAG_POINTS;
             match &mut clip.shape {
-                ClipShape::Box { min, max } => edges(ui, [min, max], shown.drag_speed()),
-                ClipShape::Plane { .. } => plane(ui, &mut clip.shape, &shown),
+                ClipShape::Box { min, max } => edges(ui, [min, max], speed),
+                ClipShape::Plane { .. } => plane(ui, &mut clip.shape, &frames, speed),
             }
+            let tooltip = "The edges of the box, or where the plane is, over the picture, with handles to drag; never \
+                in what is exported";
+            row(
+                ui,
+                "Outline",
+                tooltip,
+                Checkbox::new(&mut clipping.shows_outline, "Shown"),
+            );
         }
     });
-    let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) else {
-        return;
-    };
-    ui.horizontal(|ui| {
-        let fit = ui.button("Fit to frame");
-        let tooltip = "The box around the frame that is shown; of a plane, the one through its middle";
-        if fit.on_hover_text(tooltip).clicked() {
-            clip.shape = match clip.shape {
-                ClipShape::Box { .. } => shown.shape(ClipKind::Box),
-                ClipShape::Plane { normal, .. } => shown.plane(normal),
-            };
-        }
+    if let Some(clip) = clip.as_mut().filter(|clip| clip.is_on) {
+        fits(ui, clip, clipping, &frames);
         if matches!(clip.shape, ClipShape::Plane { .. }) {
-            let through = angle.and_then(ClipShape::through);
-            let button = egui::Button::new("Through three points");
-            let tooltip = "The plane through the three points of the last angle that was measured (M, Angle)";
-            let button = ui
-                .add_enabled(through.is_some(), button)
-                .on_hover_text(tooltip)
-                .on_disabled_hover_text(tooltip);
-            if let Some(through) = through.filter(|_| button.clicked()) {
-                clip.shape = through;
-            }
+            through_three(ui, clip, context.angle);
         }
-    });
+    }
 }
 
-fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &ClippedFrame) {
+/// Puts the shape around one frame or all.
+fn fits(ui: &mut Ui, clip: &mut Clip, clipping: &mut Clipping, frames: &ClippedFrames) {
+    ui.horizontal(|ui| {
+        ui.label("Fit to");
+        for (fit, text, tooltip) in [
+            (
+                ClipFit::ThisFrame,
+                "This frame",
+                "The box around the frame that is shown, or the plane through its middle: parts of others may be cut \
+                 off",
+            ),
+            (
+                ClipFit::AllFrames,
+                "All frames",
+                "The box around all frames, or the plane through their middle: a box grows with frames that are read \
+                 later, until it is changed",
+            ),
+        ] {
+            if ui.button(text).on_hover_text(tooltip).clicked() {
+                clipping.fit(&mut clip.shape, frames, fit);
+            }
+        }
+    });
+    let all = frames.all;
+    if clipping.is_around_all(clip) && all.known < all.count {
+        ui.weak(format!(
+            "Around the {} of {} frames that were read",
+            all.known, all.count
+        ));
+    }
+}
+
+/// Puts a plane through the last angle.
+fn through_three(ui: &mut Ui, clip: &mut Clip, angle: Option<[DVec3; 3]>) {
+    let through = angle.and_then(ClipShape::through);
+    let button = Button::new("Through three points");
+    let tooltip = "The plane through the three points of the last angle that was measured (M, Angle)";
+    let button = ui
+        .add_enabled(through.is_some(), button)
+        .on_hover_text(tooltip)
+        .on_disabled_hover_text(tooltip);
+    if let Some(through) = through.filter(|_| button.clicked()) {
+        clip.shape = through;
+    }
+}
+
+fn kind(ui: &mut Ui, clip: &mut Option<Clip>, clipping: &mut Clipping, frames: &ClippedFrames) {
     let before = kind_of(*clip);
     let mut chosen = before;
     choice(
@@ -124,27 +143,30 @@ fn kind(ui: &mut Ui, clip: &mut Option<Clip>, shown: &ClippedFrame) {
         (ClipKind::Off, Some(clip)) => Some(Clip { is_on: false, ..clip }),
         (ClipKind::Off, None) => None,
         (kind, _) => {
-            let clip = known.unwrap_or_else(|| Clip::to(shown.shape(kind)));
+            let clip = known.unwrap_or_else(|| {
+                let shape = match kind {
+                    ClipKind::Plane => frames.through_middle(DVec3::X, ClipFit::AllFrames),
+                    ClipKind::Box | ClipKind::Off => frames.around(ClipFit::AllFrames),
+                };
+                clipping.note_fit(shape, ClipFit::AllFrames);
+                Clip::to(shape)
+            });
             Some(Clip { is_on: true, ..clip })
         }
     };
 }
 
 fn sides(ui: &mut Ui, clip: &mut Clip) {
-    choice(
-        ui,
-        "Keeps",
-        "Which part of the cloud is drawn",
-        &mut clip.keeps_outside,
-        &[
-            (
-                "Inside",
-                false,
-                "What is in the box, or on the side to which the plane's normal points",
-            ),
-            ("Outside", true, "All but that"),
-        ],
-    );
+    let [kept, other] = match clip.shape {
+        ClipShape::Box { .. } => ["Inside".to_owned(), "Outside".to_owned()],
+        ClipShape::Plane { normal, .. } => match AXES.iter().find(|(_, axis)| *axis == normal) {
+            Some((name, _)) => [format!("+{name} side"), format!("\u{2212}{name} side")],
+            None => ["Side of its normal".to_owned(), "Other side".to_owned()],
+        },
+    };
+    let tooltip = "Which part of the cloud is drawn";
+    let choices = [(kept.as_str(), false, tooltip), (other.as_str(), true, tooltip)];
+    choice(ui, "Keep", tooltip, &mut clip.keeps_outside, &choices);
 }
 
 fn edges(ui: &mut Ui, [min, max]: [&mut DVec3; 2], speed: f64) {
@@ -166,7 +188,7 @@ fn edges(ui: &mut Ui, [min, max]: [&mut DVec3; 2], speed: f64) {
     }
 }
 
-fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &ClippedFrame) {
+fn plane(ui: &mut Ui, shape: &mut ClipShape, frames: &ClippedFrames, speed: f64) {
     let ClipShape::Plane { normal, offset } = shape else {
         return;
     };
@@ -180,9 +202,9 @@ fn plane(ui: &mut Ui, shape: &mut ClipShape, shown: &ClippedFrame) {
         &axes,
     );
     let tooltip = "Where the plane is along the axis (or its normal) in the coordinates of the file, scene units";
-    let place = DragValue::new(offset).speed(shown.drag_speed()).max_decimals(6);
+    let place = DragValue::new(offset).speed(speed).max_decimals(6);
     row(ui, "Plane at", tooltip, place);
     if *normal != before {
-        *shape = shown.plane(*normal);
+        *shape = frames.through_middle(*normal, ClipFit::AllFrames);
     }
 }

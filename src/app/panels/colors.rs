@@ -1,6 +1,6 @@
 //! What colours show: the source, of those that are there, and how its numbers become colours.
 
-use super::settings::{choice, heading, note_below, row, rows};
+use super::settings::{choice, choice_among, heading, note_below, row, rows};
 use super::style::word;
 use crate::analysis::{ColorMap, ColorScale};
 use crate::app::widgets::ramp::{handles_ui, ramp_ui};
@@ -60,48 +60,54 @@ pub(super) fn colors_ui(
 fn source(ui: &mut Ui, coloring: &mut Coloring, shown: Option<&Arc<PreparedFrame>>) {
     let frame = shown.map(|shown| &*shown.frame);
     let named = fields(frame);
-    let sources = sources(coloring.source, frame, &named);
-    choice(
-        ui,
-        coloring::COLORS.title,
-        coloring::COLORS.hint,
-        &mut coloring.source,
-        &sources,
-    );
-    if coloring.source == ColorSource::Auto
-        && let Some(shown) = shown
-    {
-        note_below(ui, &found(shown.paint()));
+    let sources = sources(coloring.source, &named);
+    let lack_of = |source: &ColorSource| lack_of(*source, frame?);
+    let texts = (coloring::COLORS.title, coloring::COLORS.hint);
+    choice_among(ui, texts, &mut coloring.source, &sources, lack_of);
+    let Some(shown) = shown else { return };
+    let found = found(shown.paint());
+    if let Some(lack) = lack_of(&coloring.source) {
+        note_below(ui, &format!("{lack}. Shown instead: {found}"));
+    } else if coloring.source == ColorSource::Auto {
+        note_below(ui, &found);
     }
 }
 
-/// All that a frame can be coloured by: what it does not have is not listed, unless it is chosen. Axis and place of the
-/// chosen source stay as they are.
-fn sources<'a>(
-    chosen: ColorSource,
-    frame: Option<&Frame>,
-    named: &'a [(String, FieldName)],
-) -> Vec<(&'a str, ColorSource, &'a str)> {
+/// Why a frame cannot be coloured so, if it cannot.
+fn lack_of(source: ColorSource, frame: &Frame) -> Option<&'static str> {
+    let has_field = |name: FieldName| {
+        frame
+            .scalar_fields()
+            .iter()
+            .any(|field| FieldName::new(&field.name) == name)
+    };
+    match source {
+        ColorSource::File if frame.colors().is_none() => Some("The file has no colours"),
+        ColorSource::Scalar(None) if frame.scalar_fields().is_empty() => Some("The file has no scalar"),
+        ColorSource::Scalar(Some(name)) if !has_field(name) => Some("The file has no scalar of this name"),
+        ColorSource::Time if !source.is_of(frame) => Some("The file does not say when points were measured"),
+        ColorSource::Class if !source.is_of(frame) => Some("The file has no classes"),
+        _ => None,
+    }
+}
+
+/// All that a frame can be coloured by. Axis and place of the chosen source stay as they are.
+fn sources(chosen: ColorSource, named: &[(String, FieldName)]) -> Vec<(&str, ColorSource, &str)> {
     let tooltip = "A scalar field of the file through a colour map";
     let fields = named
         .iter()
         .map(|(title, name)| (title.as_str(), ColorSource::Scalar(Some(*name)), tooltip));
     let mut listed = Vec::new();
     for (source, word) in ColorSource::ALL.into_iter().zip(coloring::SOURCES.list) {
-        let is_there = match source {
-            ColorSource::File => frame.is_none_or(|frame| frame.colors().is_some()),
-            // A frame has its fields by their names.
-            ColorSource::Scalar(_) => frame.is_none(),
-            ColorSource::Time | ColorSource::Class => frame.is_none_or(|frame| source.is_of(frame)),
-            _ => true,
-        };
+        // A frame has its fields by their names.
+        let is_named = matches!(source, ColorSource::Scalar(_)) && !named.is_empty();
         let is_detailed = matches!(source, ColorSource::Height(_) | ColorSource::Distance(_));
         let source = if is_detailed && source.name() == chosen.name() {
             chosen
         } else {
             source
         };
-        if is_there || source == chosen {
+        if !is_named || source == chosen {
             listed.push((word.title, source, word.hint));
         }
         if matches!(source, ColorSource::Scalar(_)) {

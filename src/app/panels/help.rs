@@ -2,8 +2,9 @@
 
 use crate::app::theme::ACCENT;
 use crate::app::widgets::rows::heading_of_list;
+use crate::app::widgets::tool_window::tool_window;
 use crate::app::{BINDINGS, GESTURES, PanelId, State};
-use egui::{Grid, RichText, ScrollArea, Ui, Window};
+use egui::{Grid, RichText, ScrollArea, Ui};
 
 /// Width of the window, points.
 const WIDTH: f32 = 640.0;
@@ -12,7 +13,7 @@ const WIDTH: f32 = 640.0;
 pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
     let mut open = state.panels.has(PanelId::HELP);
     let screen = ui.ctx().content_rect();
-    Window::new("Keys and mouse")
+    tool_window(ui.ctx(), PanelId::HELP.name(), "Keys and mouse")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)

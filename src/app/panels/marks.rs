@@ -28,5 +28,5 @@ fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     if let Some(player) = &state.player {
         paint_trails(&canvas, &state.trails, player);
     }
-    paint_inspection(&canvas, &state.inspection);
+    paint_inspection(&canvas, &state.inspection, state.length_unit());
 }

@@ -18,9 +18,11 @@ mod statistics;
 mod style;
 mod table;
 mod viewport;
+mod welcome;
 
 use super::{PanelId, State};
-use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui, Window};
+use crate::app::widgets::tool_window::{note_room, tool_window};
+use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui};
 use menu::menu_ui;
 use table::{Dock, PANELS, PanelRow, without_keys};
 use viewport::viewport_ui;
@@ -44,15 +46,17 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     Panel::bottom("timeline")
         .frame(bar)
         .show(ui, |ui| bound::timeline(ui, state));
+    let is_settled = note_room(ui.ctx(), ui.available_rect_before_wrap());
     for row in PANELS {
         side_ui(ui, state, row);
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
     for row in PANELS {
-        if matches!(row.place, Dock::Window) {
+        if is_settled && matches!(row.place, Dock::Window) {
             (row.show)(ui, state);
         }
     }
+    state.panels.note_order(ui.ctx());
     if state.palette.is_some() {
         bound::palette(ui, state, &without_keys());
     }
@@ -88,11 +92,9 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
 fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow, PanelId)) {
     let room = ui.available_rect_before_wrap();
     let mut is_open = true;
-    Window::new(row.menu.unwrap_or(id.name()))
-        .id(ui.scope_id().with(("floating", id.name())))
+    tool_window(ui.ctx(), id.name(), row.menu.unwrap_or(id.name()))
         .open(&mut is_open)
         .default_rect(room.shrink(8.0))
-        .constrain_to(room)
         .show(ui, |ui| {
             let height = ui.available_height();
             ScrollArea::both()

@@ -6,20 +6,30 @@ use crate::bench::{Quality, QualityChoice};
 use crate::scene::Style;
 use egui::{Button, DragValue, Slider, Ui};
 
-/// A slider over the ways that no other beats, and the two limits that choose one of them. True if they are to be
-/// measured.
-pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &mut Style) -> bool {
+/// What the section asks of the window.
+pub(super) enum QualityRequest {
+    /// Measure the ways to draw.
+    Measure,
+    /// Draw the open sequence so.
+    DrawAs(Box<Style>),
+}
+
+/// A slider over the ways that no other beats, and the two limits that choose one of them. What
+/// is asked for.
+pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Style) -> Option<QualityRequest> {
     heading(ui, "Quality");
     if let Some(known) = &quality.known {
-        choose(ui, known, &mut quality.limits, style);
-        return false;
+        let way = choose(ui, known, &mut quality.limits, style);
+        return way.map(|way| QualityRequest::DrawAs(Box::new(way)));
     }
     let tooltip = "Draws the first frame in every way and compares it with the truth, which takes a minute or more. \
         Then one slider chooses from fast to exact. What was measured is kept for this sequence";
-    ui.add(Button::new("Measure…")).on_hover_text(tooltip).clicked()
+    let button = ui.add(Button::new("Measure…")).on_hover_text(tooltip);
+    button.clicked().then_some(QualityRequest::Measure)
 }
 
-fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &mut Style) {
+/// The slider and the limits; the way to draw that was chosen now.
+fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &Style) -> Option<Style> {
     let choices = quality.choices();
     let current = choices
         .iter()
@@ -66,18 +76,13 @@ fn choose(ui: &mut Ui, quality: &Quality, limits: &mut QualityLimits, style: &mu
     } else if limits.draw_ms != before.draw_ms {
         wanted = place_of(quality.best_within(limits.draw_ms));
     }
-    match wanted.and_then(|place| choices.get(place)) {
-        Some(choice) => {
-            ui.weak(format!(
-                "{:.1} ms, FLIP {:.3}: {}",
-                choice.draw_ms, choice.flip, choice.label
-            ));
-            if wanted != current {
-                *style = style.drawn_as(&choice.style);
-            }
-        }
-        None => {
-            ui.weak("Drawn in a way of your own");
-        }
-    }
+    let Some(choice) = wanted.and_then(|place| choices.get(place)) else {
+        ui.weak("Drawn in a way of your own");
+        return None;
+    };
+    ui.weak(format!(
+        "{:.1} ms, FLIP {:.3}: {}",
+        choice.draw_ms, choice.flip, choice.label
+    ));
+    (wanted != current).then_some(choice.style)
 }

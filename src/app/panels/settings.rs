@@ -1,19 +1,26 @@
 //! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
 
-use super::clip::{ClippedFrame, clip_ui};
+use super::clip::{ClipContext, clip_ui};
 use super::colors::colors_ui;
-use super::quality::quality_ui;
+use super::quality::{QualityRequest, quality_ui};
 use super::style::{section_rows, section_ui, word};
+use crate::app::features::clipping::ClippedFrames;
 use crate::app::features::temporal::panel::poses_ui;
 use crate::app::features::thumbnails::panel::thumbnails_ui;
 use crate::app::features::trails::panel::field_ui;
-pub(super) use crate::app::widgets::rows::{choice, heading, note_below, row, rows};
-use crate::app::{MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
+pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
+use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
 use crate::scene::describe::{Section, Word};
 use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
 use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
+
+/// Width of the labels before sliders and of the numbers behind them, points.
+const BESIDE_SLIDERS: f32 = 190.0;
+
+/// A narrower slider cannot be dragged well, points.
+const LEAST_SLIDER_WIDTH: f32 = 60.0;
 
 /// The parts of the window that settings are about.
 pub(super) struct SettingsContext<'a> {
@@ -29,6 +36,9 @@ pub(super) struct SettingsContext<'a> {
     pub(super) up_why: Option<&'static str>,
     /// The points of the last angle that was measured.
     pub(super) angle: Option<[DVec3; 3]>,
+    pub(super) clipping: &'a mut Clipping,
+    /// What a clip is put around.
+    pub(super) frames: Option<ClippedFrames>,
     pub(super) quality: &'a mut MeasuredQuality,
     pub(super) camera: &'a mut Camera,
     pub(super) turntable: &'a mut Turntable,
@@ -41,8 +51,8 @@ pub(super) struct SettingsContext<'a> {
 
 /// What settings ask of the window.
 pub(super) enum SettingsRequest {
-    /// Measure the ways to draw.
-    Measure,
+    /// Measure the ways to draw, or draw in one of them.
+    Quality(QualityRequest),
     /// Another axis is up.
     ChooseUp(UpAxis),
     /// All settings of the picture as they are at first.
@@ -53,17 +63,23 @@ pub(super) enum SettingsRequest {
 pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        if context.player.is_some() && quality_ui(ui, context.quality, context.style) {
-            request = Some(SettingsRequest::Measure);
+        // A slider that is as wide as usual would widen the panel, which stays as wide as it ever was.
+        let room = ui.available_width() - BESIDE_SLIDERS;
+        let spacing = ui.spacing_mut();
+        spacing.slider_width = room.clamp(LEAST_SLIDER_WIDTH, spacing.slider_width);
+        if context.player.is_some() {
+            request = quality_ui(ui, context.quality, context.style).map(SettingsRequest::Quality);
         }
         picture(ui, context);
         let shown = context.player.and_then(Player::shown);
         colors_ui(ui, &mut context.style.colors, shown, context.has_legend);
-        let frame = context.player.zip(shown).map(|(player, shown)| ClippedFrame {
-            bounds: shown.frame.bounds(),
-            origin: player.sequence().origin(),
-        });
-        clip_ui(ui, &mut context.style.of_sequence.clip, frame, context.angle);
+        let mut clip = ClipContext {
+            clip: &mut context.style.of_sequence.clip,
+            clipping: context.clipping,
+            frames: context.frames,
+            angle: context.angle,
+        };
+        clip_ui(ui, &mut clip);
         heading(ui, "Time");
         thumbnails_ui(ui, context.thumbnails);
         field_ui(ui, context.trails);

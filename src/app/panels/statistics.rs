@@ -311,7 +311,7 @@ fn traversal_rows(ui: &mut Ui, build_ms: f32, scene: &SceneStats) {
         .map_or_else(|| "a fixed level".to_owned(), |lod_px| format!("{lod_px:.2} px"));
     row(
         ui,
-        "Threshold τ",
+        "Smallest cell (τ)",
         threshold,
         "Cells that are smaller on the screen were not divided; found by the last traversal if there is a budget",
     );

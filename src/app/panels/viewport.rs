@@ -1,14 +1,16 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
+use super::bound::clip_handles;
 use super::legend::legend_ui;
 use super::marks::marks_ui;
 use super::pair::{lay_out, pair_ui};
 use super::scale_bar::scale_bar_ui;
-use crate::app::command::Command;
+use super::welcome::welcome_ui;
 use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::widgets::picture::picture;
 use crate::app::{State, Tool};
+use crate::scene::Camera;
 use egui::{
     Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
     pos2, vec2,
@@ -71,7 +73,8 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = (-f64::from(scroll) * ZOOM_PER_POINT).exp() / f64::from(pinch.max(0.01));
         if factor != 1.0 {
-            camera.zoom(factor);
+            let halves = [state.viewport.rect, state.viewport.other_rect];
+            zoom(camera, factor, response.hover_pos(), halves);
         }
     }
     if !pulls.is_empty() {
@@ -85,6 +88,16 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
             }
         });
     }
+}
+
+/// Toward what the pointer is over, in the half of it where there are two pictures.
+fn zoom(camera: &mut Camera, factor: f64, pointer: Option<Pos2>, halves: [Rect; 2]) {
+    let under = pointer.and_then(|pointer| Some((pointer, halves.into_iter().find(|half| half.contains(pointer))?)));
+    let Some((pointer, half)) = under else {
+        return camera.zoom(factor);
+    };
+    let aside = pointer - half.center();
+    camera.zoom_toward(factor, (aside.x.into(), aside.y.into()), half.height().into());
 }
 
 /// Clicks pick points for the chosen tool; double clicks focus, but where each click counts for a measurement.
@@ -167,7 +180,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
     }
 
     match &state.player {
-        None => nothing_open(ui, rect, state),
+        None => welcome_ui(ui, rect, state),
         Some(player) => {
             // With two, that of A.
             let place = state.viewport.rect;
@@ -178,29 +191,12 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
                 banner(&painter, place, "Loading the first frame…", Color32::WHITE);
             }
             marks_ui(ui, state);
+            clip_handles(ui, state);
             scale_bar_ui(ui, place, state);
             axes(&painter, rect, state);
             legend_ui(&painter, place, state);
         }
     }
-}
-
-fn nothing_open(ui: &mut Ui, rect: Rect, state: &mut State) {
-    // Text of a light theme is dark.
-    ui.painter_at(rect).rect_filled(rect, 0.0, ui.visuals().panel_fill);
-    let middle = Rect::from_center_size(rect.center(), vec2(320.0, 120.0));
-    ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
-        ui.vertical_centered(|ui| {
-            ui.heading("No sequence is open");
-            ui.label("Drop a folder of point clouds here, or");
-            if ui.button("Open folder").clicked() {
-                state.run(Command::OpenFolder);
-            }
-            if ui.button("Play the demo").clicked() {
-                state.run(Command::OpenDemo);
-            }
-        });
-    });
 }
 
 fn banner(painter: &egui::Painter, rect: Rect, text: &str, color: Color32) {

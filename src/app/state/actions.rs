@@ -4,13 +4,11 @@ use super::dialogs::DialogKind;
 use super::steering::steer;
 use super::{State, WindowRequest};
 use crate::app::command::{self, Command};
-use crate::app::features::benchmark::Benchmark;
 use crate::app::features::camera_path::Question;
 use crate::app::features::comparison::Comparison;
 use crate::app::features::export::ExportSubject;
 use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
-use crate::app::open_panels::PanelId;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
@@ -70,7 +68,7 @@ impl State {
             Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
             Command::CloseComparison => {
                 self.close_beside();
-                self.comparison = None;
+                self.end_comparison(Side::A);
             }
             Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
@@ -126,32 +124,37 @@ impl State {
             let text = "Two sequences are compared: File, Close comparison ends that";
             return self.notices.info(text);
         }
-        self.comparison = match self.comparison.take() {
-            Some(_) => None,
-            None => Some(Comparison::new(self.style)),
-        };
+        if self.comparison.is_some() {
+            self.end_comparison(Side::A);
+        } else {
+            self.comparison = Some(Comparison::new(self.style));
+        }
+    }
+
+    /// Back to one picture, drawn as `side` was.
+    pub(in crate::app) fn end_comparison(&mut self, side: Side) {
+        self.edit_side(side);
+        self.comparison = None;
     }
 
     /// The settings are those of `side` of two ways to draw from now on.
     pub(in crate::app) fn edit_side(&mut self, side: Side) {
-        if let Some(comparison) = &mut self.comparison {
+        if let Some(comparison) = self.comparison.as_mut().filter(|comparison| comparison.edited != side) {
             comparison.edited = side;
             std::mem::swap(&mut comparison.other, &mut self.style);
         }
     }
 
+    /// Ends what lies over all else: a question, a window, then what a tool has begun, the tool, the full screen. Menus
+    /// close by themselves.
     fn escape(&mut self) {
-        let running = matches!(self.benchmark, Benchmark::Running(_));
-        // The key has taken the keyboard from their fields already, so they do not see it.
-        let has_closed = self.palette.take().is_some() || self.timeline.renaming.take().is_some();
-        // One thing at a time.
-        let has_closed = has_closed
-            || self.stop_preview()
+        // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
+        let has_closed = self.palette.take().is_some()
+            || self.preset_name.take().is_some()
+            || self.timeline.renaming.take().is_some()
             || self.path.question.take().is_some()
-            || self.panels.close(PanelId::EXPORT)
-            || self.panels.close(PanelId::SAVE)
-            || self.panels.close(PanelId::HELP)
-            || (!running && self.panels.close(PanelId::BENCHMARK))
+            || self.stop_preview()
+            || self.panels.close_topmost()
             || self.inspection.escape();
         if !has_closed && self.appearance.full_screen {
             self.requests.push(WindowRequest::FullScreen);

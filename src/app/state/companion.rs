@@ -27,7 +27,7 @@ impl State {
         let before = self.beside.as_ref();
         let laid_out = before.map(|before| (before.layout, before.pictures.split));
         self.close_beside();
-        self.comparison = None;
+        self.end_comparison(Side::A);
         let [_, share] = Companion::shares(self.budget_bytes());
         let options = self.loader_options(share);
         let companion = match Companion::new(&leader, sequence, options) {

@@ -1,8 +1,10 @@
 //! What becomes of what tasks come to.
 
 use super::State;
+use super::failed_opening::FailedOpening;
 use super::outcome::{Found, Outcome};
 use crate::app::drawing::levels::FrameWithLevels;
+use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
@@ -66,12 +68,18 @@ impl State {
                     Side::A => self.open(sequence),
                     Side::B => self.compare_with(sequence),
                 }
-                if let Err(problem) = self.recent.add(&found.inputs) {
-                    self.notices.warn(problem);
-                }
+                self.prove(found.inputs, found.side);
             }
             Err(SequenceError::Cancelled) => {}
-            Err(error) => self.notices.error(error.to_string()),
+            Err(error) => {
+                if self.player.is_none() {
+                    let name = entry_name(&found.inputs);
+                    let reason = error.to_string();
+                    self.failed = Some(FailedOpening { name, reason });
+                } else {
+                    self.notices.error(error.to_string());
+                }
+            }
         }
     }
 }

@@ -3,43 +3,50 @@
 
 mod actions;
 mod camera_path;
+mod clipping;
 mod companion;
 mod dialogs;
 mod export;
+mod failed_opening;
 mod files;
 mod first_look;
 mod inspecting;
 mod intake;
 mod main_picture;
+mod measured_way;
 mod measuring;
 mod opening;
 mod options;
 mod outcome;
 mod parts;
 mod pictures;
+mod proven;
 mod reading;
 mod save;
 mod steering;
 mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
+pub use failed_opening::FailedOpening;
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
+use failed_opening::Unproven;
 use main_picture::MainPicture;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;
 use crate::app::features::beside::Beside;
 use crate::app::features::camera_path::PathEditor;
+use crate::app::features::clipping::Clipping;
 use crate::app::features::comparison::{Comparison, PicturePair};
 use crate::app::features::export::Export;
 use crate::app::features::inspection::Inspection;
 use crate::app::features::palette::Palette;
-use crate::app::features::quality::MeasuredQuality;
+use crate::app::features::quality::{MeasuredQuality, MeasuredWay};
 use crate::app::features::save::{Estimates, Save};
 use crate::app::features::temporal::Temporal;
 use crate::app::features::thumbnails::Thumbnails;
@@ -56,6 +63,7 @@ use crate::app::recent::Recent;
 use crate::app::side::Side;
 use crate::app::work::tasks::{Tasks, Wake};
 use crate::app::work::works::Works;
+use crate::cloud::LengthUnit;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, SceneStats, Style};
@@ -89,6 +97,8 @@ pub struct State {
     pub quality: MeasuredQuality,
     /// What was opened lately.
     pub recent: Recent,
+    /// What was to be opened last, and cannot be shown.
+    pub failed: Option<FailedOpening>,
     /// Settings under names.
     pub presets: Presets,
     /// The name of the preset that is being saved.
@@ -121,6 +131,8 @@ pub struct State {
     pub thumbnails: Thumbnails,
     /// The ways of points through time.
     pub trails: Trails,
+    /// What is known of what is clipped.
+    pub clipping: Clipping,
     /// What was clicked on.
     pub inspection: Inspection,
     /// Work done.
@@ -132,6 +144,10 @@ pub struct State {
     /// What is made of the open sequence.
     looked: SequenceLook,
     requests: Vec<WindowRequest>,
+    /// See [`State::prove`].
+    unproven: Unproven,
+    /// The way to draw that was measured and is used for the open sequence.
+    measured_way: Option<MeasuredWay>,
     /// The picture of the open sequence.
     main: MainPicture,
 }
@@ -152,6 +168,9 @@ impl State {
             benchmark: Benchmark::default(),
             quality: MeasuredQuality::default(),
             recent: options.recent.clone(),
+            failed: None,
+            unproven: Unproven::default(),
+            measured_way: None,
             presets: options.presets.clone(),
             preset_name: None,
             history: History::default(),
@@ -168,6 +187,7 @@ impl State {
             temporal: Temporal::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
             trails: Trails::default(),
+            clipping: Clipping::default(),
             inspection: Inspection::default(),
             counters: Counters::default(),
             dialogs: Dialogs::default(),
@@ -195,6 +215,11 @@ impl State {
         self.main.drawing.stats()
     }
 
+    /// The unit of lengths in the open sequence, where its files say it.
+    pub(in crate::app) fn length_unit(&self) -> Option<LengthUnit> {
+        self.player.as_ref()?.shown()?.frame.unit()
+    }
+
     /// What is kept between runs; the window adds its size.
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
@@ -202,7 +227,7 @@ impl State {
             // The primitive is chosen for one sequence, and kept with it.
             settings: Style {
                 primitive: self.options.preferences.settings.primitive,
-                ..self.style
+                ..self.style_to_keep()
             },
             present: self.appearance.present,
             loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
@@ -213,6 +238,10 @@ impl State {
             scale_bar: self.appearance.shows_scale_bar,
             theme: self.appearance.theme,
             window_size: None,
+            benchmark_place: self.appearance.benchmark_place.map(|place| {
+                let (min, max) = (place.min.round(), place.max.round());
+                [min.x, min.y, max.x, max.y]
+            }),
         }
     }
 
@@ -252,6 +281,10 @@ impl State {
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
         let count = player.sequence().len();
+        if self.close_if_broken() {
+            return VisibleChange::Panels;
+        }
+        self.note_proven();
         self.tell_of_frames(change, count);
         visible |= self.follow_shown(&style);
         self.follow_thumbnails();
@@ -295,6 +328,7 @@ impl State {
                 visible = true;
             }
         }
+        self.follow_clip();
         let paint = self.drawn_frame().map(|frame| *frame.paint());
         visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
     }

@@ -39,6 +39,8 @@ impl State {
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }
+        self.failed = None;
+        self.prove(Vec::new(), Side::A);
         self.read_timeline(self.options.timelines.clone().as_ref());
         self.compare_again();
     }

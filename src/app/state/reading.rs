@@ -123,7 +123,7 @@ impl State {
     }
 
     /// Nothing is open any more.
-    fn close_sequence(&mut self) {
+    pub(super) fn close_sequence(&mut self) {
         self.close_beside();
         if let Some(player) = self.player.take() {
             self.leave(player);
@@ -134,6 +134,8 @@ impl State {
     pub(super) fn leave(&mut self, before: Player) {
         // Its numbers are those of the sequence before.
         self.style.of_sequence.clip = None;
+        self.forget_measured_way();
+        self.clipping.forget_frames();
         // Its threads end what they are on; nobody waits for that here.
         close(before);
         self.looked = SequenceLook::default();

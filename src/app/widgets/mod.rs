@@ -1,5 +1,6 @@
 //! What panels are made of.
 
+pub(super) mod frames;
 pub(super) mod names;
 pub(super) mod numbers;
 pub(super) mod overlay;
@@ -7,3 +8,4 @@ pub(super) mod picture;
 pub(super) mod ramp;
 pub(super) mod rows;
 pub(super) mod settle;
+pub(super) mod tool_window;

@@ -1,5 +1,7 @@
 //! Numbers as a person reads them.
 
+use crate::cloud::LengthUnit;
+
 /// `1234567` → `1,234,567`.
 pub(in crate::app) fn grouped(number: u64) -> String {
     let digits = number.to_string();
@@ -11,6 +13,17 @@ pub(in crate::app) fn grouped(number: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+/// `1 frame`, `-3 frames`: so many of what is called so.
+pub(in crate::app) fn counted(count: i64, noun: &str) -> String {
+    let plural = if count.abs() == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}
+
+/// Reads what [`counted`] has written, or a bare number.
+pub(in crate::app) fn parse_counted(text: &str) -> Option<f64> {
+    text.split_whitespace().next()?.parse().ok()
 }
 
 /// Bytes with a binary unit.
@@ -32,6 +45,17 @@ pub(in crate::app) fn bytes(count: u64) -> String {
 /// Nine digits, which is more than f32 positions hold.
 pub(in crate::app) fn significant(value: f64) -> String {
     rounded_to(value, 9)
+}
+
+/// Four digits, to be read; who copies a number takes all of them.
+pub(in crate::app) fn readable(value: f64) -> String {
+    rounded_to(value, 4)
+}
+
+/// A length to be read, with its unit where it is known.
+pub(in crate::app) fn with_unit(value: f64, unit: Option<LengthUnit>) -> String {
+    let symbol = unit.map_or_else(String::new, |unit| format!(" {}", unit.symbol()));
+    readable(value) + &symbol
 }
 
 /// A number as so many digits tell it, at least 1.
@@ -63,6 +87,10 @@ mod tests {
         assert_eq!(grouped(999), "999");
         assert_eq!(grouped(1_000), "1,000");
         assert_eq!(grouped(12_345_678), "12,345,678");
+        assert_eq!(counted(1, "frame"), "1 frame");
+        assert_eq!(counted(-1, "frame"), "-1 frame");
+        assert_eq!(counted(0, "frame"), "0 frames");
+        assert_eq!(parse_counted("-12 frames"), Some(-12.0));
         assert_eq!(bytes(1023), "1023 B");
         assert_eq!(bytes(1024), "1.0 KiB");
         assert_eq!(bytes(3 << 29), "1.5 GiB");

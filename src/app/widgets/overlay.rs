@@ -47,6 +47,20 @@ impl<'a> PictureOverlay<'a> {
         Some(self.to_window(px))
     }
 
+    /// [`Camera::along_line`] for a place of the window.
+    pub(in crate::app) fn along_line(&self, place: DVec3, direction: DVec3, pointer: Pos2) -> Option<f64> {
+        let [width, height] = self.size_px.map(|edge| f64::from(edge.max(1)));
+        let part = (pointer - self.rect.min) / self.rect.size().max(vec2(1.0, 1.0));
+        let px = DVec2::new(f64::from(part.x) * width, f64::from(part.y) * height);
+        self.camera.along_line(place, direction, px, self.size_px)
+    }
+
+    /// What is taken hold of, at a place of the window.
+    pub(in crate::app) fn knob(&self, center: Pos2, radius: f32, fill: Color32) {
+        let stroke = Stroke::new(1.5, Color32::from_black_alpha(200));
+        self.painter.circle(center, radius, fill, stroke);
+    }
+
     /// A ring around a place.
     pub(in crate::app) fn ring(&self, place: DVec3, color: Color32) {
         if let Some(center) = self.place(place) {

@@ -1,6 +1,9 @@
 //! Rows of choices: a label, a control named by it, and a tooltip on both.
 
-use egui::{ComboBox, Grid, Label, RichText, Ui, Widget};
+use egui::{Button, ComboBox, Grid, Label, RichText, Ui, Widget};
+
+/// Longer lists of choices scroll, points.
+const LIST_HEIGHT: f32 = 420.0;
 
 pub(in crate::app) fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(4.0);
@@ -37,16 +40,33 @@ pub(in crate::app) fn choice<T: Copy + PartialEq>(
     value: &mut T,
     choices: &[(&str, T, &str)],
 ) {
+    choice_among(ui, (name, tooltip), value, choices, |_| None);
+}
+
+/// The same, of which some cannot be chosen; `lack_of` tells why.
+pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (name, tooltip): (&str, &str),
+    value: &mut T,
+    choices: &[(&str, T, &str)],
+    lack_of: impl Fn(&T) -> Option<&'static str>,
+) {
     let label = ui.label(name).on_hover_text(tooltip);
     let selected = choices
         .iter()
         .find(|(_, choice, _)| choice == value)
         .map_or("Custom", |(text, _, _)| text);
     ComboBox::from_id_salt(name)
+        .height(LIST_HEIGHT)
         .selected_text(selected)
         .show_ui(ui, |ui| {
             for (text, choice, hint) in choices {
-                ui.selectable_value(value, *choice, *text).on_hover_text(*hint);
+                let lack = lack_of(choice);
+                let button = Button::selectable(value == choice, *text);
+                let added = ui.add_enabled(lack.is_none(), button).on_hover_text(*hint);
+                if added.on_disabled_hover_text(lack.unwrap_or_default()).clicked() {
+                    *value = *choice;
+                }
             }
         })
         .response

@@ -106,6 +106,17 @@ impl<'a> Array<'a> {
         Ok(array)
     }
 
+    /// A table with a layer of one beside its rows and columns, as those of shape N × 1 × 3, without that: its numbers
+    /// lie in the same order.
+    pub(super) fn without_single_layers(mut self) -> Self {
+        while self.shape.len() > 2
+            && let Some(place) = self.shape.iter().position(|&length| length == 1)
+        {
+            self.shape.remove(place);
+        }
+        self
+    }
+
     fn row_bytes(&self) -> usize {
         match &self.kind {
             ArrayLayout::Table(number) => number.bytes(),

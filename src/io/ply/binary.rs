@@ -57,7 +57,7 @@ fn columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'
 }
 
 /// The rows of `vertex` if they are of one length, behind `start` bytes.
-fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
+pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<FixedRows> {
     let mut row_bytes = 0;
     let mut fields = Vec::with_capacity(vertex.properties.len());
     for property in &vertex.properties {

@@ -10,6 +10,7 @@ mod binary;
 mod faces;
 mod header;
 mod kept_columns;
+mod packed_splats;
 mod splats;
 
 use super::attributes;
@@ -34,7 +35,11 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 });
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
-    let PlyRows { columns, count, faces } = read_rows(bytes, progress)?;
+    let header = PlyHeader::parse(bytes)?;
+    if let Some(splats) = packed_splats::decode(bytes, &header) {
+        return splats;
+    }
+    let PlyRows { columns, count, faces } = read_rows(bytes, &header, progress)?;
     let mut cloud = growing::cloud(&columns, count)?;
     splats::apply(&columns, &mut cloud);
     faces.put_into(&mut cloud);
@@ -43,7 +48,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
 
 /// The normals in a file that may have no points.
 pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
-    let rows = read_rows(bytes, progress)?;
+    let rows = read_rows(bytes, &PlyHeader::parse(bytes)?, progress)?;
     attributes::normals(&rows.columns, rows.count)
 }
 
@@ -64,8 +69,7 @@ struct PlyRows<'a> {
     faces: Faces,
 }
 
-fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<PlyRows<'a>, Fault> {
-    let header = PlyHeader::parse(bytes)?;
+fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Result<PlyRows<'a>, Fault> {
     let Some(vertex) = header.elements.iter().find(|element| element.name == POINTS) else {
         return Err(Fault::header(
             "there is no element `vertex`: a point cloud keeps its points there",
@@ -77,7 +81,7 @@ fn read_rows<'a>(bytes: &'a [u8], progress: &Progress) -> Result<PlyRows<'a>, Fa
         .rposition(|element| element.name == POINTS || FaceList::of(element).is_some());
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
     let (columns, faces) = match header.encoding {
-        Encoding::Ascii => ascii::read(bytes, (&header, elements, vertex), progress)?,
+        Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
             binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
@@ -100,5 +104,6 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     };
     // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
     // columns.
-    rows.filter(|rows| header.byte_size < head.len() && !rows.fields.iter().any(|field| splats::is_used(&field.name)))
+    let is_of_splats = |name: &str| splats::is_used(name) || packed_splats::is_used(name);
+    rows.filter(|rows| header.byte_size < head.len() && !rows.fields.iter().any(|field| is_of_splats(&field.name)))
 }

@@ -73,7 +73,7 @@ const STOPS: &[Kind] = &[
         label: "δ {}",
         number: Some(KindNumber {
             value_name: "D",
-            title: "Loss δ",
+            title: "Detail lost (δ)",
             hint: "The share of points that may share a voxel at the deepest level, percent",
             // That of the paper.
             usual: 0.05_f32 as f64,
@@ -153,7 +153,7 @@ const LODS: &[Kind] = &[
         label: "τ {}",
         number: Some(KindNumber {
             value_name: "PX",
-            title: "Threshold τ",
+            title: "Smallest cell (τ)",
             hint: "Octants whose edge is shorter than this on the screen are drawn as one voxel, pixels",
             usual: 1.0,
             numbers: Numbers {
@@ -289,7 +289,7 @@ group! {
                    afar",
             section: Section::Surfels,
             when: When::SurfelRadii,
-            values: Values::Switch("Fewer from afar"),
+            values: Values::Switch("Simplify far surfels"),
         }
         /// What surfels that stand for others are taken from.
         structure: LevelStructure = LevelStructure::Octree, "level_structure" STRUCTURE {

@@ -11,7 +11,7 @@ choices! {
         Unlit = "none", "None", "Plain colours";
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
-        PerFragment = "fragment", "Per fragment", "At each pixel";
+        PerFragment = "fragment", "Smooth", "At each pixel (per fragment)";
         Lambert = "lambert", "Matt", "At each pixel of the blended surface, without highlights";
         BlinnPhong = "blinn-phong", "Shiny", "At each pixel of the blended surface, with highlights";
         /// Metallic–roughness, with an environment; see [`PhysicalLight`](crate::scene::PhysicalLight).

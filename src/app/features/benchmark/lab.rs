@@ -1,17 +1,39 @@
 //! Ways to draw by time and error: a plot that grows while they are measured. A click on a point draws as it does.
 
 use super::hit::hit;
-use super::pictures::pictures_ui;
+use super::pictures::{beside_or_below, pictures_ui};
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::LabPoint;
 use crate::scene::{Primitive, RendererChoice};
 use egui::{Color32, ScrollArea, Ui};
-use egui_plot::{GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
+use egui_plot::{Corner, GridMark, Legend, Line, LineStyle, MarkerShape, Plot, PlotPoints, Points};
 use std::sync::Arc;
 
 const PLOT_HEIGHT: f32 = 300.0;
 
 const LIST_HEIGHT: f32 = 170.0;
+
+/// Primitives that share a colour, and what they are called together.
+const KINDS: [(&str, Color32, &[Primitive]); 3] = [
+    (
+        "Surfels",
+        ACCENT,
+        &[
+            Primitive::Auto,
+            Primitive::Surfel,
+            Primitive::Ellipse,
+            Primitive::Sprite,
+        ],
+    ),
+    ("Voxels, meshes", GOOD, &[Primitive::Voxel, Primitive::Mesh]),
+    ("Points", ODD, &[Primitive::Point]),
+];
+
+/// Who draws, and how that is marked.
+const RENDERERS: [(&str, RendererChoice, MarkerShape); 2] = [
+    ("CPU (round)", RendererChoice::Cpu, MarkerShape::Circle),
+    ("GPU (square)", RendererChoice::Gpu, MarkerShape::Square),
+];
 
 /// The plot, the chosen way and the ways that no other beats; returns a way that was chosen now.
 pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Arc<LabPoint>> {
@@ -21,7 +43,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
     if let Some(clicked) = plot(ui, points, chosen) {
         chosen = Some(clicked);
     }
-    ui.horizontal_top(|ui| {
+    beside_or_below(ui, |ui| {
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
             let images = [&point.picture, &point.error_map];
             ui.vertical(|ui| pictures_ui(ui, &point.label, point.draw_ms.to_bits(), images));
@@ -32,8 +54,10 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
                 .filter(|&index| is_on_front(&points[index], points))
                 .collect();
             front.sort_by(|&a, &b| points[a].draw_ms.total_cmp(&points[b].draw_ms));
-            ScrollArea::vertical()
+            // Names are longer than the window is wide, and would widen it.
+            ScrollArea::both()
                 .id_salt("front")
+                .auto_shrink([false, true])
                 .max_height(LIST_HEIGHT)
                 // The window scrolls as well, and would leave it less.
                 .min_scrolled_height(LIST_HEIGHT)
@@ -64,14 +88,6 @@ fn words(point: &LabPoint) -> String {
     format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, point.flip, point.label)
 }
 
-fn color(primitive: Primitive) -> Color32 {
-    match primitive {
-        Primitive::Auto | Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite => ACCENT,
-        Primitive::Voxel | Primitive::Mesh => GOOD,
-        Primitive::Point => ODD,
-    }
-}
-
 /// Where a way is in the plot: powers of ten of milliseconds, and the error.
 fn place(point: &LabPoint) -> [f64; 2] {
     [point.draw_ms.max(1e-3).log10(), point.flip]
@@ -88,38 +104,35 @@ fn plot(ui: &mut Ui, points: &[Arc<LabPoint>], chosen: Option<usize>) -> Option<
     let plot = Plot::new("time and error")
         .height(PLOT_HEIGHT)
         .allow_scroll(false)
+        .legend(Legend::default().position(Corner::RightTop))
         .include_y(0.0)
         .x_axis_label("milliseconds a picture")
-        .y_axis_label("FLIP of the object")
+        .y_axis_label("Visible error 0–1 (FLIP)")
         .x_grid_spacer(|input| decades(input.bounds))
         .x_axis_formatter(|mark, _| milliseconds(mark.value))
         .label_formatter(|_| None);
     let response = plot.show(ui, |plot| {
         plot.line(
-            Line::new("front", PlotPoints::from(front))
+            Line::new("Nothing is better", PlotPoints::from(front))
                 .color(Color32::GRAY)
                 .style(LineStyle::dashed_dense()),
         );
-        for primitive in Primitive::ALL {
-            for (renderer, shape) in [
-                (RendererChoice::Cpu, MarkerShape::Circle),
-                (RendererChoice::Gpu, MarkerShape::Square),
-            ] {
-                let of_kind = points
-                    .iter()
-                    .filter(|point| point.style.primitive == *primitive && point.style.drawing.renderer == renderer);
-                let places: Vec<[f64; 2]> = of_kind.map(|point| place(point)).collect();
-                let name = format!("{primitive} {renderer}");
-                plot.points(
-                    Points::new(name, PlotPoints::from(places))
-                        .shape(shape)
-                        .radius(4.5)
-                        .color(color(*primitive)),
-                );
+        for (kind, color, primitives) in KINDS {
+            for (who, renderer, shape) in RENDERERS {
+                let is_of_it = |point: &&Arc<LabPoint>| {
+                    let style = &point.style;
+                    primitives.contains(&style.primitive) && style.drawing.renderer == renderer
+                };
+                let places: Vec<[f64; 2]> = points.iter().filter(is_of_it).map(|point| place(point)).collect();
+                // What is not there is not in the legend.
+                if !places.is_empty() {
+                    let marks = Points::new(format!("{kind}, {who}"), PlotPoints::from(places));
+                    plot.points(marks.shape(shape).radius(4.5).color(color));
+                }
             }
         }
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
-            let ring = Points::new("chosen", PlotPoints::from(vec![place(point)]));
+            let ring = Points::new("", PlotPoints::from(vec![place(point)]));
             plot.points(ring.radius(8.0).filled(false).color(Color32::WHITE));
         }
     });

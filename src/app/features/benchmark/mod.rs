@@ -14,6 +14,7 @@ use crate::app::work::works::{Work, WorkKind};
 use crate::bench::{self, LabPoint, Measured, RatePoint, Step};
 use crate::locks::lock;
 use crate::progress::Progress;
+use crate::scene::Strategy;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -59,6 +60,8 @@ pub struct BenchmarkTable {
     pub tables: Vec<bench::Table>,
     /// What a reader must know, such as frames that were skipped.
     pub notes: Vec<String>,
+    /// The instancing strategy that took the least time, and that time in milliseconds, where they were compared.
+    pub fastest: Option<(Strategy, f64)>,
     /// What the bars are.
     pub bars_title: String,
     /// Label and length of each bar of the chart.
@@ -90,12 +93,21 @@ pub enum Benchmark {
     Idle,
     /// One is running.
     Running(RunningBenchmark),
-    /// It was cancelled.
-    Cancelled,
+    /// It was cancelled; what was measured before stays.
+    Cancelled(SoFar),
     /// It could not be finished.
-    Failed(String),
+    Failed(String, SoFar),
     /// It is finished.
     Done(Box<BenchmarkTable>),
+}
+
+/// What a benchmark had measured when it ended too early.
+#[derive(Debug, Clone, Default)]
+pub struct SoFar {
+    /// Ways to draw by time and error.
+    pub points: Vec<Arc<LabPoint>>,
+    /// Ways to keep a frame by rate and distortion.
+    pub rates: Vec<Arc<RatePoint>>,
 }
 
 /// A benchmark that runs.
@@ -133,7 +145,8 @@ impl Benchmark {
         match self {
             Self::Running(running) => running.points(),
             Self::Done(table) => table.points.clone(),
-            Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
+            Self::Cancelled(so_far) | Self::Failed(_, so_far) => so_far.points.clone(),
+            Self::Idle => Vec::new(),
         }
     }
 
@@ -142,7 +155,8 @@ impl Benchmark {
         match self {
             Self::Running(running) => running.rates(),
             Self::Done(table) => table.rates.clone(),
-            Self::Idle | Self::Cancelled | Self::Failed(_) => Vec::new(),
+            Self::Cancelled(so_far) | Self::Failed(_, so_far) => so_far.rates.clone(),
+            Self::Idle => Vec::new(),
         }
     }
 
@@ -190,10 +204,14 @@ impl Benchmark {
     /// Takes what the thread came to.
     pub(in crate::app) fn finish(&mut self, BenchmarkEnded(result): BenchmarkEnded) {
         let cancelled = matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
+        let so_far = SoFar {
+            points: self.points(),
+            rates: self.rates(),
+        };
         *self = match result {
-            _ if cancelled => Self::Cancelled,
+            _ if cancelled => Self::Cancelled(so_far),
             Ok(table) => Self::Done(Box::new(table)),
-            Err(text) => Self::Failed(text),
+            Err(text) => Self::Failed(text, so_far),
         };
     }
 }
@@ -214,6 +232,7 @@ impl BenchmarkTable {
             adapter: measured.environment.adapter.clone(),
             tables: measured.tables(),
             notes: measured.notes.clone(),
+            fastest: measured.fastest_strategy(),
             bars_title: measured.bars_title().to_owned(),
             bars: measured.bars(),
             json: measured.to_json(),

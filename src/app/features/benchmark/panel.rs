@@ -3,10 +3,13 @@
 use super::lab::lab_ui;
 use super::rates::rates_ui;
 use super::{Benchmark, BenchmarkTable, ReportFormat};
+use crate::app::open_panels::PanelId;
 use crate::app::theme::ACCENT;
+use crate::app::widgets::tool_window::{room, tool_window};
 use crate::app::work::panel::{bar, cancel_button};
 use crate::bench::{LabPoint, RatePoint, Table};
-use egui::{Align2, Grid, RichText, ScrollArea, Ui, Window};
+use crate::scene::Strategy;
+use egui::{Grid, Label, Rect, RichText, ScrollArea, Ui, Vec2, vec2};
 use egui_plot::{Bar, BarChart, Plot};
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,8 +17,14 @@ use std::time::Duration;
 /// Height of a bar in the chart, points.
 const BAR_HEIGHT: f32 = 22.0;
 
-/// What the window's frame and the menu above it take of a low screen, points.
-const MARGIN: f32 = 90.0;
+/// Between the window and the edges of its room, points.
+const MARGIN: f32 = 10.0;
+
+/// Its width at first: the right half of the picture is seen beside it, points.
+const USUAL_WIDTH: f32 = 460.0;
+
+/// What is smaller shows nothing, points.
+const LEAST_SIZE: [f32; 2] = [260.0, 140.0];
 
 /// What the panel asks of the window.
 #[derive(Debug, Clone)]
@@ -24,40 +33,50 @@ pub(in crate::app) enum BenchmarkRequest {
     Save(ReportFormat),
     /// Draw as this way does.
     DrawAs(Arc<LabPoint>),
+    /// Draw by this instancing strategy.
+    Use(Strategy),
     /// Show the frame as it is when it is kept so.
     ShowKept(Arc<RatePoint>),
 }
 
-/// The window while it is open.
+/// The window while it is open: at first as high as the picture and left of its middle, so that both are seen, then
+/// where it was left (`place`). It never moves or grows by itself.
 pub(in crate::app) fn benchmark_ui(
     ui: &mut Ui,
     is_open: &mut bool,
+    place: &mut Option<Rect>,
     benchmark: &Benchmark,
     now: Duration,
 ) -> Option<BenchmarkRequest> {
     let mut request = None;
-    let screen = ui.ctx().content_rect();
-    Window::new("Benchmark")
+    let room = room(ui.ctx());
+    let usual = Rect::from_min_size(
+        room.min + Vec2::splat(MARGIN),
+        vec2(
+            USUAL_WIDTH.min(room.width() - 2.0 * MARGIN),
+            room.height() - 2.0 * MARGIN,
+        ),
+    );
+    let shown = tool_window(ui.ctx(), PanelId::BENCHMARK.name(), "Benchmark")
         .open(is_open)
         .collapsible(false)
-        .default_width(820.0)
-        .pivot(Align2::CENTER_CENTER)
-        .default_pos(screen.center())
+        .resizable(true)
+        .min_size(LEAST_SIZE)
+        .max_size(room.size() - Vec2::splat(2.0 * MARGIN))
+        .default_rect(place.unwrap_or(usual).intersect(room))
         .show(ui, |ui| {
-            // As high as what is in it, as long as the screen has room.
+            head(ui, benchmark, now);
             ScrollArea::vertical()
                 .id_salt("all")
-                .max_height(screen.height() - MARGIN)
-                .min_scrolled_height(screen.height() - MARGIN)
-                .auto_shrink([false, true])
-                .show(ui, |ui| request = contents(ui, benchmark, now));
+                .auto_shrink(false)
+                .show(ui, |ui| request = contents(ui, benchmark));
         });
+    *place = shown.map(|shown| shown.response.rect).or(*place);
     request
 }
 
-fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<BenchmarkRequest> {
-    let mut request = None;
-    let points = benchmark.points();
+/// What runs or has run, above all that scrolls.
+fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
     match benchmark {
         Benchmark::Idle => {
             ui.label(
@@ -68,19 +87,35 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
         Benchmark::Running(running) => {
             ui.strong(format!("Suite {}", running.suite));
             bar(ui, &running.work, now);
-            ui.label(running.label());
+            // However long the name of a step is, what is below stays where it is.
+            ui.add(Label::new(running.label()).truncate());
             cancel_button(ui, &running.work);
         }
-        Benchmark::Cancelled => {
+        Benchmark::Cancelled(_) => {
             ui.label("The benchmark was cancelled.");
         }
-        Benchmark::Failed(text) => {
+        Benchmark::Failed(text, _) => {
             ui.label(RichText::new(text).color(ui.visuals().error_fg_color));
             if ui.button("Copy").clicked() {
                 ui.ctx().copy_text(text.clone());
             }
         }
-        Benchmark::Done(table) => request = done(ui, table).map(BenchmarkRequest::Save),
+        Benchmark::Done(table) => {
+            ui.strong(format!("Suite {}", table.suite));
+            ui.weak(&table.adapter);
+        }
+    }
+    ui.separator();
+}
+
+fn contents(ui: &mut Ui, benchmark: &Benchmark) -> Option<BenchmarkRequest> {
+    let mut request = None;
+    let points = benchmark.points();
+    if let Benchmark::Done(table) = benchmark {
+        request = done(ui, table).map(BenchmarkRequest::Save);
+        if let Some((strategy, ms)) = table.fastest {
+            request = fastest_ui(ui, strategy, ms).or(request);
+        }
     }
     if !points.is_empty() {
         ui.separator();
@@ -96,9 +131,6 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark, now: Duration) -> Option<Benchma
 
 /// The tables; returns as what the person wants to save them.
 fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
-    ui.strong(format!("Suite {}", table.suite));
-    ui.weak(&table.adapter);
-    ui.separator();
     ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| {
         for table in &table.tables {
             if !table.name.is_empty() {
@@ -137,6 +169,15 @@ fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
         }
     })
     .inner
+}
+
+/// Offers the strategy that was the fastest.
+fn fastest_ui(ui: &mut Ui, strategy: Strategy, ms: f64) -> Option<BenchmarkRequest> {
+    let title = Strategy::WORDS.list[strategy as usize].title;
+    let button = ui.button(format!("Use the fastest: {title}"));
+    let tooltip = format!("Draws by {title} from now on, which took {ms:.1} ms");
+    let is_used = button.on_hover_text(tooltip).clicked();
+    is_used.then_some(BenchmarkRequest::Use(strategy))
 }
 
 fn cells(ui: &mut Ui, table: &Table) {

@@ -3,6 +3,18 @@
 use egui::{ColorImage, RichText, TextureHandle, TextureOptions, Ui};
 use image::RgbaImage;
 
+/// Pictures are beside the list in more room than this, points.
+const BESIDE_WIDTH: f32 = 760.0;
+
+/// Side by side where there is room, else one below the other.
+pub(super) fn beside_or_below(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    if ui.available_width() < BESIDE_WIDTH {
+        ui.vertical(add);
+    } else {
+        ui.horizontal_top(add);
+    }
+}
+
 /// Shows both under `label`, which with `number` tells them from all others.
 pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error_map]: [&RgbaImage; 2]) {
     ui.label(RichText::new(label).strong());

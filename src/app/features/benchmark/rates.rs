@@ -2,7 +2,7 @@
 //! frame as it is then, beside the original.
 
 use super::hit::hit;
-use super::pictures::pictures_ui;
+use super::pictures::{beside_or_below, pictures_ui};
 use crate::app::theme::{ACCENT, GOOD, ODD};
 use crate::bench::{RatePoint, Sweep};
 use egui::{Color32, ScrollArea, Ui};
@@ -49,7 +49,7 @@ impl Loss {
             Self::D1 => "D1 PSNR, dB",
             Self::D2 => "D2 PSNR, dB",
             Self::Colors => "PSNR of colours, dB",
-            Self::Flip => "FLIP of the object",
+            Self::Flip => "Visible error 0–1 (FLIP)",
         }
     }
 
@@ -86,7 +86,7 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
         ui.weak("over the bits of a point of the original");
     });
     let mut clicked = plot(ui, points, loss, chosen);
-    ui.horizontal_top(|ui| {
+    beside_or_below(ui, |ui| {
         if let Some(point) = chosen.and_then(|index| points.get(index)) {
             let images = [&point.picture, &point.error_map];
             let key = point.bits_per_point.to_bits();
@@ -94,7 +94,8 @@ pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<Rat
         }
         ui.vertical(|ui| {
             ui.weak("A click shows the frame as it is then, beside the original:");
-            let list = ScrollArea::vertical().id_salt("rates").max_height(LIST_HEIGHT);
+            let list = ScrollArea::both().id_salt("rates").auto_shrink([false, true]);
+            let list = list.max_height(LIST_HEIGHT);
             // The window scrolls as well, and would leave it less.
             let list = list.min_scrolled_height(LIST_HEIGHT);
             list.show(ui, |ui| {

@@ -2,6 +2,7 @@
 
 use super::{Beside, FrameDistances, Layout, OneWay};
 use crate::app::features::comparison::panel::{difference_ui, error_map_ui};
+use crate::app::widgets::frames::frames_drag;
 use crate::app::widgets::numbers::rounded_to;
 use crate::playback::{PairBy, Player};
 use egui::{Button, DragValue, RichText, Ui};
@@ -119,10 +120,7 @@ fn pairing_ui(ui: &mut Ui, beside: &mut Beside) {
     let mut offset = companion.offset_frames();
     let tooltip = "So many frames later are those of B; negative for earlier";
     let label = ui.label("Offset").on_hover_text(tooltip);
-    let drag = DragValue::new(&mut offset)
-        .range(-MAX_OFFSET..=MAX_OFFSET)
-        .speed(0.1)
-        .suffix(" frames");
+    let drag = frames_drag(DragValue::new(&mut offset).range(-MAX_OFFSET..=MAX_OFFSET).speed(0.1));
     let is_changed = ui.add(drag).labelled_by(label.id).on_hover_text(tooltip).changed();
     if is_changed {
         companion.set_offset_frames(offset);

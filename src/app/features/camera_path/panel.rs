@@ -4,9 +4,11 @@ use super::PathEditor;
 use super::keyframes::{keyframes_ui, seconds};
 use super::request::PathRequest;
 use crate::app::command::{Command, keys_of};
+use crate::app::open_panels::PanelId;
 use crate::app::widgets::names::named;
 use crate::app::widgets::settle::settle;
-use egui::{Align2, Button, Checkbox, Pos2, RichText, Slider, Ui, Window, vec2};
+use crate::app::widgets::tool_window::tool_window;
+use egui::{Align2, Button, Checkbox, Pos2, RichText, Slider, Ui, vec2};
 
 /// Times that are offered, seconds.
 const TIMES_S: std::ops::RangeInclusive<f64> = 0.0..=1e6;
@@ -20,7 +22,7 @@ pub(in crate::app) fn camera_path_ui(
     corner: Pos2,
 ) -> Option<PathRequest> {
     let mut request = None;
-    let shown = Window::new("Camera path")
+    let shown = tool_window(ui.ctx(), PanelId::CAMERA_PATH.name(), "Camera path")
         .open(is_open)
         .resizable(false)
         .pivot(Align2::LEFT_TOP)

@@ -9,14 +9,14 @@ use egui::{Checkbox, Ui};
 pub(in crate::app) enum ComparisonRequest {
     /// The settings are those of this side from now on.
     Edit(Side),
-    /// Back to one picture.
-    Close,
+    /// Back to one picture, drawn as this side is.
+    Use(Side),
 }
 
 /// The bar while two ways to draw are compared.
 pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) -> Option<ComparisonRequest> {
     let mut edited = comparison.edited;
-    let mut close = false;
+    let mut used = None;
     ui.horizontal_wrapped(|ui| {
         ui.label("Settings of");
         for (side, text, tooltip) in [
@@ -37,13 +37,17 @@ pub(in crate::app) fn comparison_ui(ui: &mut Ui, comparison: &mut Comparison) ->
         error_map_ui(ui, &mut comparison.pictures);
         difference_ui(ui, &comparison.pictures);
         ui.separator();
-        close = ui.button("Close").on_hover_text("Back to one picture (C)").clicked();
+        for (side, text, tooltip) in [
+            (Side::B, "Use B", "Back to one picture, with the settings of B"),
+            (Side::A, "Close", "Back to one picture, with the settings of A (C)"),
+        ] {
+            if ui.button(text).on_hover_text(tooltip).clicked() {
+                used = Some(side);
+            }
+        }
     });
-    if close {
-        Some(ComparisonRequest::Close)
-    } else {
-        (edited != comparison.edited).then_some(ComparisonRequest::Edit(edited))
-    }
+    let edit = (edited != comparison.edited).then_some(ComparisonRequest::Edit(edited));
+    used.map(ComparisonRequest::Use).or(edit)
 }
 
 /// Whether the pictures are shown, or where they differ.

@@ -1,10 +1,12 @@
 //! What is exported, how, and where to.
 
 use super::{Export, ExportSubject, Exportable};
+use crate::app::open_panels::PanelId;
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
+use crate::app::widgets::tool_window::tool_window;
 use crate::export::VideoFormat;
-use egui::{Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, vec2};
 
 /// Sizes that are offered beside that of the window.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
@@ -42,7 +44,7 @@ pub(in crate::app) fn export_ui(
 ) -> Option<ExportRequest> {
     let mut request = None;
     // Choices come and go below: those above stay where they are.
-    let shown = Window::new("Export")
+    let shown = tool_window(ui.ctx(), PanelId::EXPORT.name(), "Export")
         .open(is_open)
         .collapsible(false)
         .resizable(false)
@@ -209,7 +211,7 @@ fn format_name(format: VideoFormat) -> &'static str {
 
 fn background(ui: &mut Ui, export: &mut Export) {
     let tooltip = "Nothing is behind the cloud, in place of the background of the settings";
-    let label = ui.label("Behind").on_hover_text(tooltip);
+    let label = ui.label("Background").on_hover_text(tooltip);
     let mut has_alpha = export.has_alpha();
     let check = ui.add_enabled(export.can_have_alpha(), Checkbox::new(&mut has_alpha, "Transparent"));
     if check.changed() {

@@ -4,12 +4,13 @@ use super::measuring::Gauge;
 use super::{Anchor, Inspection};
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::widgets::overlay::{PictureOverlay, RING};
+use crate::cloud::LengthUnit;
 use egui::{Color32, Stroke, vec2};
 
-/// Paints measurements, what is begun of one, and the point whose values are shown.
-pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection) {
+/// Paints measurements with lengths in `unit`, what is begun of one, and the point whose values are shown.
+pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection, unit: Option<LengthUnit>) {
     for measurement in &inspection.measurements {
-        let text = measurement.gauge.text(measurement.value(canvas.up()));
+        let text = measurement.gauge.text(measurement.value(canvas.up()), unit);
         paint_measurement(canvas, measurement.gauge, &measurement.points, &text);
     }
     paint_measurement(canvas, inspection.gauge, &inspection.begun, "");

@@ -2,7 +2,8 @@
 
 use super::anchor::Anchor;
 use crate::app::side::Side;
-use crate::app::widgets::numbers::significant;
+use crate::app::widgets::numbers::with_unit;
+use crate::cloud::LengthUnit;
 use glam::DVec3;
 use std::fmt::Write as _;
 
@@ -58,12 +59,12 @@ impl Gauge {
         }
     }
 
-    /// A value as a person reads it.
-    pub fn text(self, value: Option<f64>) -> String {
+    /// A value as a person reads it, lengths in `unit`.
+    pub fn text(self, value: Option<f64>, unit: Option<LengthUnit>) -> String {
         match (self, value) {
             (_, None) => "none".to_owned(),
             (Self::Angle, Some(value)) => format!("{value:.3}°"),
-            (_, Some(value)) => significant(value),
+            (_, Some(value)) => with_unit(value, unit),
         }
     }
 }
@@ -152,7 +153,7 @@ mod tests {
         assert_eq!(Gauge::Distance.value(&[DVec3::X; 2], up), Some(0.0));
         for (gauge, name, _) in Gauge::ALL {
             assert_eq!(gauge.name(), name);
-            assert_eq!(gauge.text(None), "none");
+            assert_eq!(gauge.text(None, None), "none");
         }
     }
 }

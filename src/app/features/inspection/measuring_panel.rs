@@ -2,16 +2,23 @@
 
 use super::measuring::{Gauge, Measurement};
 use super::{Inspection, Tool};
-use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, Window, vec2};
+use crate::app::widgets::tool_window::tool_window;
+use crate::cloud::LengthUnit;
+use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 
-/// The window while the tool is chosen, at `corner`. Heights are along `up`.
-pub(in crate::app) fn measuring_ui(ui: &mut Ui, inspection: &mut Inspection, up: DVec3, corner: Pos2) {
+/// The window while the tool is chosen, at `corner`. Heights are along `up`, lengths in `unit`.
+pub(in crate::app) fn measuring_ui(
+    ui: &mut Ui,
+    inspection: &mut Inspection,
+    (up, unit): (DVec3, Option<LengthUnit>),
+    corner: Pos2,
+) {
     if inspection.tool != Tool::Measure {
         return;
     }
     let mut open = true;
-    Window::new("Measuring")
+    tool_window(ui.ctx(), "measuring", "Measuring")
         .open(&mut open)
         .resizable(false)
         .pivot(Align2::LEFT_BOTTOM)
@@ -19,7 +26,7 @@ pub(in crate::app) fn measuring_ui(ui: &mut Ui, inspection: &mut Inspection, up:
         .show(ui, |ui| {
             gauges(ui, inspection);
             if !inspection.measurements.is_empty() {
-                list(ui, &mut inspection.measurements, up);
+                list(ui, &mut inspection.measurements, (up, unit));
             }
         });
     if !open {
@@ -41,16 +48,16 @@ fn gauges(ui: &mut Ui, inspection: &mut Inspection) {
     ui.weak(format!("Click on point {} of {count}. Esc ends.", begun + 1));
 }
 
-fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, up: DVec3) {
+fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, (up, unit): (DVec3, Option<LengthUnit>)) {
     let mut deleted = None;
     let height = 0.4 * ui.ctx().content_rect().height();
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("measurements").num_columns(3).striped(true).show(ui, |ui| {
             for (index, measurement) in measurements.iter().enumerate() {
-                let value = measurement.gauge.text(measurement.value(up));
+                let value = measurement.gauge.text(measurement.value(up), unit);
                 ui.label(measurement.gauge.name());
                 ui.label(RichText::new(value).monospace()).on_hover_text(
-                    "Scene units, angles in degrees; points are followed through frames of as many \
+                    "Lengths in the unit of the file, angles in degrees; points are followed through frames of as many \
                         points",
                 );
                 let delete = ui

@@ -2,10 +2,12 @@
 
 use super::{Anchor, Inspected, Inspection, Tool};
 use crate::app::side::Side;
-use crate::app::widgets::numbers::{grouped, significant};
+use crate::app::widgets::numbers::{grouped, significant, with_unit};
+use crate::app::widgets::tool_window::tool_window;
+use crate::cloud::LengthUnit;
 use crate::scene::{Camera, Pick, PickedNormal, Projection};
 use crate::sequence::TrailMeasure;
-use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, Window, vec2};
+use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 
 /// What the values of a point depend on beside the point.
@@ -16,6 +18,10 @@ pub(in crate::app) struct PointContext<'a> {
     pub(in crate::app) names: Option<[String; 2]>,
     /// Length and speeds of its trail, where that is shown.
     pub(in crate::app) trail: Option<TrailMeasure>,
+    /// Frames of the sequence.
+    pub(in crate::app) frame_count: usize,
+    /// Of lengths, where the file says it.
+    pub(in crate::app) unit: Option<LengthUnit>,
 }
 
 /// The window while the tool is chosen or a point is shown, at `corner`, with what another feature has to say `below`.
@@ -30,7 +36,7 @@ pub(in crate::app) fn point_ui(
         return;
     }
     let mut open = true;
-    Window::new("Point")
+    tool_window(ui.ctx(), "point", "Point")
         .open(&mut open)
         .resizable(false)
         .default_pos(corner + vec2(12.0, 12.0))
@@ -85,7 +91,10 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
         ));
     }
     rows.extend([
-        ValueRow::new("Frame", (values.frame + 1).to_string(), "The frame, counted from 1"),
+        ValueRow {
+            shown: format!("{} of {}", values.frame + 1, context.frame_count),
+            ..ValueRow::new("Frame", (values.frame + 1).to_string(), "The frame, counted from 1")
+        },
         ValueRow {
             shown: grouped(u64::from(values.index_in_file)),
             ..ValueRow::new(
@@ -99,20 +108,24 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
     rows.extend(color_rows(values));
     rows.extend(values.normal.map(normal_row));
     for (name, value) in &values.scalars {
-        rows.push(ValueRow::new(name, value.to_string(), "A scalar field of the file"));
+        rows.push(ValueRow {
+            shown: significant(*value),
+            ..ValueRow::new(name, value.to_string(), "A scalar field of the file")
+        });
     }
     if context.camera.projection == Projection::Perspective {
         let distance = context.camera.eye_in_world().distance(values.position);
         rows.push(ValueRow {
-            shown: format!("{distance:.6}"),
+            shown: with_unit(distance, context.unit),
             ..ValueRow::new(
-                "From the eye",
+                "Distance to camera",
                 distance.to_string(),
-                "Distance from the eye, scene units",
+                "Distance from the eye of the camera, scene units",
             )
         });
     }
-    rows.extend(context.trail.iter().flat_map(trail_rows));
+    let trail = context.trail.iter();
+    rows.extend(trail.flat_map(|measure| trail_rows(measure, context.unit)));
     rows
 }
 
@@ -165,7 +178,7 @@ fn normal_row(normal: PickedNormal) -> ValueRow {
 }
 
 /// How far and how fast the point goes, where its trail is shown.
-fn trail_rows(measure: &TrailMeasure) -> Vec<ValueRow> {
+fn trail_rows(measure: &TrailMeasure, unit: Option<LengthUnit>) -> Vec<ValueRow> {
     let values = [
         (
             "Travelled",
@@ -184,9 +197,17 @@ fn trail_rows(measure: &TrailMeasure) -> Vec<ValueRow> {
             "The largest speed from one frame to the next, scene units a second",
         ),
     ];
-    let row = |(name, value, tooltip): (&str, f64, &str)| ValueRow {
-        shown: significant(value),
-        ..ValueRow::new(name, value.to_string(), tooltip)
+    let row = |(name, value, tooltip): (&str, f64, &str)| {
+        // Lengths a second, but for the first.
+        let pace = match (name, unit) {
+            ("Travelled", _) => "",
+            (_, Some(_)) => "/s",
+            (_, None) => " /s",
+        };
+        ValueRow {
+            shown: with_unit(value, unit) + pace,
+            ..ValueRow::new(name, value.to_string(), tooltip)
+        }
     };
     values.into_iter().map(row).collect()
 }

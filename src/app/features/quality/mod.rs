@@ -1,5 +1,9 @@
 //! What was measured of the ways to draw the open sequence, from fast to exact, and what a person would spend at most.
 
+mod way;
+
+pub(in crate::app) use way::MeasuredWay;
+
 use crate::bench::{LabPoint, Quality, QualityKey};
 use crate::sequence::Sequence;
 

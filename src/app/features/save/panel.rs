@@ -4,12 +4,14 @@ use super::choices::{PrecisionKind, Save, SaveFormat};
 use super::estimates::Estimates;
 use super::plan::Savable;
 use super::summary::lines;
+use crate::app::open_panels::PanelId;
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
+use crate::app::widgets::tool_window::tool_window;
 use crate::convert::Place;
 use crate::io::WriteFormat;
 use crate::reel::Coding;
-use egui::{Align2, Button, Checkbox, DragValue, Grid, Label, Pos2, RichText, Slider, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, Checkbox, DragValue, Grid, Label, Pos2, RichText, Slider, TextEdit, Ui, vec2};
 
 /// Width of the fields for folder and name, points.
 const FIELD_WIDTH: f32 = 300.0;
@@ -43,7 +45,7 @@ pub(in crate::app) fn save_ui(
     top: Pos2,
 ) -> Option<SaveRequest> {
     let mut request = None;
-    let shown = Window::new("Save as")
+    let shown = tool_window(ui.ctx(), PanelId::SAVE.name(), "Save as")
         .open(is_open)
         .collapsible(false)
         .resizable(false)

@@ -2,12 +2,14 @@
 
 use super::{ChangeMap, OnionSkin, Temporal};
 use crate::analysis::ColorMap;
+use crate::app::widgets::frames::{frames_drag, frames_slider};
 use crate::app::widgets::numbers::significant;
 use crate::app::widgets::ramp::paint_ramp;
 use crate::app::widgets::rows::{row, rows};
+use crate::app::widgets::tool_window::tool_window;
 use crate::measure::Change;
 use crate::sequence::PreparedFrame;
-use egui::{Align2, Checkbox, DragValue, Grid, Pos2, RichText, Sense, Slider, Ui, Window, vec2};
+use egui::{Align2, Checkbox, DragValue, Grid, Pos2, RichText, Sense, Slider, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -58,7 +60,7 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
             ui,
             "Pose step",
             "Frames from one ghost to the next",
-            Slider::new(step, 1..=50).logarithmic(true).suffix(" frames"),
+            frames_slider(Slider::new(step, 1..=50).logarithmic(true)),
         );
         let percent = |share: f64, _: std::ops::RangeInclusive<usize>| format!("{:.0} %", share * 100.0);
         row(
@@ -83,7 +85,7 @@ pub(in crate::app) fn change_ui(
         return;
     }
     let mut open = true;
-    Window::new("Change")
+    tool_window(ui.ctx(), "change", "Change")
         .open(&mut open)
         .resizable(false)
         .pivot(Align2::RIGHT_TOP)
@@ -120,7 +122,7 @@ fn choices(ui: &mut Ui, map: &mut ChangeMap, range: f64) {
         ui,
         "Compared with",
         "How many frames later the other pose is; negative for earlier ones",
-        DragValue::new(&mut map.step).range(STEPS).speed(0.1).suffix(" frames"),
+        frames_drag(DragValue::new(&mut map.step).range(STEPS).speed(0.1)),
     );
     let mut is_automatic = map.range.is_none();
     row(

@@ -5,6 +5,7 @@
 //! changed.
 
 use crate::sequence::{FrameFacts, Loader};
+use std::ops::Range;
 
 /// What a curve shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,14 +61,16 @@ impl Quantity {
 #[derive(Debug, Default)]
 pub(in crate::app) struct Curve {
     key: Option<(Quantity, u64)>,
+    /// The frames of which there are columns.
+    frames: Range<usize>,
     values: Vec<Option<f32>>,
     columns: Vec<Option<(f32, f32)>>,
     range: Option<(f32, f32)>,
 }
 
 impl Curve {
-    /// Takes what `loader` knows by now, for a picture of `width` columns.
-    pub(in crate::app) fn refresh(&mut self, loader: &Loader, quantity: Quantity, width: usize) {
+    /// Takes what `loader` knows by now, for a picture of `frames` in `width` columns.
+    pub(in crate::app) fn refresh(&mut self, loader: &Loader, quantity: Quantity, frames: &Range<usize>, width: usize) {
         let key = Some((quantity, loader.facts_revision()));
         let is_new = self.key != key;
         if is_new {
@@ -75,8 +78,10 @@ impl Curve {
             self.values = facts.map(|facts| quantity.of(&facts?)).collect();
             self.key = key;
         }
-        if is_new || self.columns.len() != width {
-            self.columns = columns(&self.values, width);
+        if is_new || self.columns.len() != width || self.frames != *frames {
+            self.frames = frames.clone();
+            let shown = self.values.get(frames.clone()).unwrap_or_default();
+            self.columns = columns(shown, width);
             let known = self.columns.iter().flatten().copied();
             self.range = known.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         }

@@ -6,14 +6,16 @@ pub(in crate::app) mod panel;
 mod curve;
 mod file;
 mod markers;
+mod visible;
 
 pub(in crate::app) use curve::Curve;
 pub use curve::Quantity;
 pub use markers::{Marker, Markers};
+pub(in crate::app) use visible::VisibleFrames;
 
 use crate::app::first_look::Chosen;
 use crate::playback::Player;
-use crate::sequence::Sequence;
+use crate::sequence::{NumberGap, Sequence, number_gaps};
 use crate::timeline::PlayRange;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -28,6 +30,10 @@ pub struct Timeline {
     /// The marker whose name is being written, and the name so far.
     pub(in crate::app) renaming: Option<(usize, String)>,
     pub(in crate::app) curve: Curve,
+    /// The frames that are shown.
+    pub(in crate::app) visible: VisibleFrames,
+    /// Numbers that are missing between the frames, of so many of which that was found.
+    gaps: (usize, Vec<NumberGap>),
     /// Where the bar is in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
     /// What was chosen for the sequence in place of what is guessed.
@@ -45,6 +51,8 @@ impl Default for Timeline {
             quantity: None,
             renaming: None,
             curve: Curve::default(),
+            visible: VisibleFrames::default(),
+            gaps: (0, Vec::new()),
             bar_rect: egui::Rect::ZERO,
             chosen: Chosen::default(),
             resumes: false,
@@ -63,6 +71,8 @@ impl Timeline {
     ) -> (PlayRange, Chosen, Option<String>) {
         self.renaming = None;
         self.curve.forget();
+        self.visible = VisibleFrames::default();
+        self.gaps = (0, Vec::new());
         let file = folder.and_then(|folder| file::file_of(folder, sequence));
         let kept = file.map(|file| file::read(&file));
         let (file, problem, (range, markers, chosen)) =
@@ -70,6 +80,14 @@ impl Timeline {
         self.file = file;
         self.markers = markers;
         (range, chosen, problem)
+    }
+
+    /// The numbers that are missing between the names of the frames of `sequence`, which may have grown.
+    pub(in crate::app) fn gaps(&mut self, sequence: &Sequence) -> &[NumberGap] {
+        if self.gaps.0 != sequence.len() {
+            self.gaps = (sequence.len(), number_gaps(&sequence.entries()));
+        }
+        &self.gaps.1
     }
 
     /// Keeps the marks and `range`, if they may be kept.

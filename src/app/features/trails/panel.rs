@@ -4,6 +4,7 @@ use super::{TrailField, Trails, field_place, pieces};
 use crate::analysis::ColorMap;
 use crate::app::features::inspection::Anchor;
 use crate::app::theme::ODD;
+use crate::app::widgets::frames::frames_slider;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::playback::Player;
 use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
@@ -114,9 +115,7 @@ pub(in crate::app) fn field_ui(ui: &mut Ui, trails: &mut Trails) {
             ui,
             "Trail length",
             "Over how many frames before the shown one",
-            Slider::new(length, 1..=TrailField::MAX_LENGTH)
-                .logarithmic(true)
-                .suffix(" frames"),
+            frames_slider(Slider::new(length, 1..=TrailField::MAX_LENGTH).logarithmic(true)),
         );
     });
     if *is_on {

@@ -1,12 +1,13 @@
 //! The bar: what is in memory and what failed, the range that plays, the playhead.
 
+use super::cells::Cells;
 use super::context::TimelineContext;
 use crate::app::features::thumbnails::{PICTURE_PX, ThumbnailState, Thumbnails};
+use crate::app::features::timeline::VisibleFrames;
 use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
 use crate::app::widgets::numbers::grouped;
 use crate::playback::{Mark, MarkRun, Player};
-use crate::sequence::{Needs, Slot};
-use crate::timeline::PlayRange;
+use crate::sequence::{Needs, Sequence, Slot};
 use egui::{Color32, Painter, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of the bar, points.
@@ -14,6 +15,9 @@ const BAR_HEIGHT: f32 = 24.0;
 
 /// Frames narrower than this have no line between them, points.
 const MIN_TICK_WIDTH: f32 = 7.0;
+
+/// A notch of a wheel scrolls about 50 points.
+const ZOOM_PER_POINT: f64 = 0.004;
 
 /// A broken frame is seen however long the sequence is, points.
 const MIN_FAILED_WIDTH: f32 = 3.0;
@@ -30,13 +34,21 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     let count = player.sequence().len();
     let playhead = player.waiting_for().unwrap_or(player.clock().frame());
     response.widget_info(|| WidgetInfo::slider(true, (playhead + 1) as f64, "Timeline"));
-    paint_bar(ui, rect, player.runs(), count, playhead);
-    paint_range(ui, rect, player.clock().range(), count);
+    let visible = &mut context.timeline.visible;
+    if player.is_playing() {
+        visible.turn_to(playhead, count);
+    }
+    turn_wheel(ui, &response, visible, count);
+    let cells = Cells {
+        rect,
+        frames: visible.of(count),
+    };
+    paint_bar(ui, &cells, player.runs(), playhead);
     let under_pointer = |response: &Response| {
         response
             .interact_pointer_pos()
             .or(response.hover_pos())
-            .map(|pos| frame_at(rect, pos.x, count))
+            .map(|pos| cells.frame_at(pos.x))
     };
     let frame = under_pointer(&response);
     let hovered = frame.filter(|_| response.hovered() && !response.dragged());
@@ -64,17 +76,26 @@ fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<u
     }
 }
 
-/// The frame whose cell is at `x`.
-pub(super) fn frame_at(rect: Rect, x: f32, count: usize) -> usize {
-    let part = ((x - rect.left()) / rect.width().max(1.0)).clamp(0.0, 1.0);
-    ((part * count as f32) as usize).min(count.saturating_sub(1))
+/// The wheel shows fewer frames around the pointer, or more; sideways it goes on.
+fn turn_wheel(ui: &Ui, response: &Response, visible: &mut VisibleFrames, count: usize) {
+    let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) else {
+        return;
+    };
+    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+    let factor = (-f64::from(scroll.y) * ZOOM_PER_POINT).exp() / f64::from(pinch.max(0.01));
+    if factor != 1.0 {
+        let share = (pointer.x - response.rect.left()) / response.rect.width().max(1.0);
+        visible.zoom(factor, f64::from(share.clamp(0.0, 1.0)), count);
+    }
+    if scroll.x != 0.0 {
+        visible.pan(f64::from(-scroll.x / response.rect.width().max(1.0)), count);
+    }
 }
 
-fn paint_bar(ui: &Ui, rect: Rect, runs: &[MarkRun], count: usize, playhead: usize) {
+fn paint_bar(ui: &Ui, cells: &Cells, runs: &[MarkRun], playhead: usize) {
+    let rect = cells.rect;
     let painter = ui.painter_at(rect.expand(2.0));
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    let count = count.max(1) as f32;
-    let x = |frame: usize| rect.left() + rect.width() * frame as f32 / count;
     for run in runs {
         let (color, min_width) = match run.mark {
             Mark::Absent => continue,
@@ -83,35 +104,22 @@ fn paint_bar(ui: &Ui, rect: Rect, runs: &[MarkRun], count: usize, playhead: usiz
             Mark::Resident => (RESIDENT, 0.0),
             Mark::Failed => (BAD, MIN_FAILED_WIDTH),
         };
-        let right = x(run.end).max(x(run.start) + min_width);
-        let span = Rect::from_min_max(pos2(x(run.start), rect.top()), pos2(right, rect.bottom()));
+        if run.end <= cells.frames.start || run.start >= cells.frames.end {
+            continue;
+        }
+        let left = cells.x_within(run.start);
+        let right = cells.x_within(run.end).max(left + min_width);
+        let span = Rect::from_min_max(pos2(left, rect.top()), pos2(right, rect.bottom()));
         painter.rect_filled(span, 0.0, color);
     }
-    let width = rect.width() / count;
-    if width >= MIN_TICK_WIDTH {
+    if cells.width() >= MIN_TICK_WIDTH {
         let stroke = Stroke::new(1.0, Color32::from_black_alpha(90));
-        for frame in 1..count as usize {
-            painter.vline(x(frame), rect.y_range(), stroke);
+        for frame in cells.frames.clone().skip(1) {
+            painter.vline(cells.x(frame), rect.y_range(), stroke);
         }
     }
-    paint_playhead(&painter, rect, x(playhead), x(playhead + 1));
-}
-
-/// What does not play is dark, with a line at either point.
-fn paint_range(ui: &Ui, rect: Rect, range: PlayRange, count: usize) {
-    let painter = ui.painter_at(rect.expand(2.0));
-    let frames = range.of(count);
-    let x = |frame: usize| rect.left() + rect.width() * frame as f32 / count.max(1) as f32;
-    let shade = |left: f32, right: f32, point: f32| {
-        let idle = Rect::from_x_y_ranges(left..=right, rect.y_range());
-        painter.rect_filled(idle, 0.0, Color32::from_black_alpha(150));
-        painter.vline(point, rect.y_range(), Stroke::new(2.0, ACCENT));
-    };
-    if range.first().is_some() {
-        shade(rect.left(), x(frames.start), x(frames.start));
-    }
-    if range.last().is_some() {
-        shade(x(frames.end), rect.right(), x(frames.end));
+    if cells.frames.contains(&playhead) {
+        paint_playhead(&painter, rect, cells.x(playhead), cells.x(playhead + 1));
     }
 }
 
@@ -144,12 +152,19 @@ pub(super) fn frame_tooltip(
     });
 }
 
+/// The number in the name of a frame, where it is another one than that of its place.
+pub(super) fn own_number(sequence: &Sequence, frame: usize) -> Option<u64> {
+    let number = sequence.entry(frame).number?;
+    (number != frame as u64 + 1).then_some(number)
+}
+
 fn tooltip(player: &Player, needs: &Needs, frame: usize) -> String {
     let sequence = player.sequence();
     let head = format!(
-        "Frame {} of {}, {:.2} s\n{}",
+        "Frame {} of {}{}, {:.2} s\n{}",
         frame + 1,
         sequence.len(),
+        own_number(sequence, frame).map_or_else(String::new, |number| format!(" (file {number})")),
         player.time_s(frame),
         sequence.entry(frame).name
     );

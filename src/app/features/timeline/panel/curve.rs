@@ -1,6 +1,6 @@
 //! The curve under the bar.
 
-use super::bar::frame_at;
+use super::cells::Cells;
 use super::context::TimelineContext;
 use crate::app::features::timeline::Quantity;
 use crate::app::theme::ACCENT;
@@ -20,8 +20,10 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     };
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let frames = context.timeline.visible.of(player.sequence().len());
+    let width = rect.width().max(1.0) as usize;
     let curve = &mut context.timeline.curve;
-    curve.refresh(player.loader(), quantity, rect.width().max(1.0) as usize);
+    curve.refresh(player.loader(), quantity, &frames, width);
     let name = format!("Curve: {}", quantity.name());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     let painter = ui.painter_at(rect);
@@ -49,7 +51,7 @@ pub(super) fn curve_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         painter.text(place, align, text_of(quantity, value), FontId::proportional(10.0), weak);
     }
     if let Some(pointer) = response.hover_pos() {
-        let frame = frame_at(rect, pointer.x, player.sequence().len());
+        let frame = Cells { rect, frames }.frame_at(pointer.x);
         let value = curve
             .value(frame)
             .map_or_else(|| "not known yet".to_owned(), |value| text_of(quantity, value));

@@ -1,5 +1,6 @@
 //! Flags above the bar, one a marker.
 
+use super::cells::Cells;
 use super::context::TimelineContext;
 use crate::app::features::timeline::Timeline;
 use crate::app::theme::ODD;
@@ -27,13 +28,20 @@ pub(super) fn markers_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool
     }
     let size = vec2(ui.available_width(), FLAG[1]);
     let (row, _) = ui.allocate_exact_size(size, Sense::hover());
+    let cells = Cells {
+        rect: row,
+        frames: context.timeline.visible.of(count),
+    };
     let mut wish = None;
     for marker in context.timeline.markers.list() {
         let frame = marker.frame;
         if frame >= count {
             break;
         }
-        let x = row.left() + row.width() * (frame as f32 + 0.5) / count as f32;
+        if !cells.frames.contains(&frame) {
+            continue;
+        }
+        let x = cells.x(frame) + 0.5 * cells.width();
         let flag = Rect::from_center_size(pos2(x, row.center().y), FLAG.into());
         let response = ui.interact(flag, ui.scope_id().with(("marker", frame)), Sense::click());
         let name = match marker.name.as_str() {

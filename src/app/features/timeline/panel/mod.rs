@@ -2,9 +2,13 @@
 //! transport under them.
 
 mod bar;
+mod cells;
 mod context;
 mod curve;
+mod gaps;
+mod legend;
 mod markers;
+mod range;
 mod strip;
 mod transport;
 
@@ -20,9 +24,11 @@ pub(in crate::app) fn timeline_ui(ui: &mut Ui, context: &mut TimelineContext<'_>
     let on_strip = strip::strip_ui(ui, context);
     let keeps = markers::markers_ui(ui, context).then_some(TimelineRequest::Keep);
     let on_bar = bar::scrub_bar(ui, context);
+    gaps::gaps_ui(ui, context);
+    let is_cut = range::range_ui(ui, context).then_some(TimelineRequest::Keep);
     context.thumbnails.hover(on_strip.or(on_bar));
     curve::curve_ui(ui, context);
     ui.add_space(4.0);
     let command = transport::row_ui(ui, context).map(TimelineRequest::Run);
-    keeps.into_iter().chain(command).collect()
+    keeps.into_iter().chain(is_cut).chain(command).collect()
 }

@@ -21,7 +21,9 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
     let size = vec2(ui.available_width(), HEIGHT);
     let (strip, _) = ui.allocate_exact_size(size, Sense::hover());
     let cells = (strip.width() / CELL_WIDTH).max(1.0) as usize;
-    let frames = strip_frames(count, cells.min(MAX_CELLS));
+    let visible = context.timeline.visible.of(count);
+    let frames = strip_frames(visible.len(), cells.min(MAX_CELLS));
+    let frames: Vec<usize> = frames.into_iter().map(|frame| visible.start + frame).collect();
     context.thumbnails.want(frames.clone());
     ui.painter().rect_filled(strip, 4.0, ui.visuals().extreme_bg_color);
     let nearest = frames.iter().min_by_key(|frame| frame.abs_diff(playhead));
@@ -39,7 +41,7 @@ pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option
             ThumbnailState::Unknown => format!("Frame {} has no thumbnail yet", frame + 1),
         };
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-        paint(&ui.painter_at(cell), cell, look);
+        paint(ui, cell, look);
         if nearest == Some(frame) {
             let stroke = Stroke::new(1.5, ACCENT);
             ui.painter()
@@ -67,8 +69,9 @@ fn picture_rect(cell: Rect) -> Rect {
     Rect::from_center_size(cell.center(), vec2(width, height))
 }
 
-fn paint(painter: &Painter, cell: Rect, look: ThumbnailState) {
+fn paint(ui: &Ui, cell: Rect, look: ThumbnailState) {
     let rect = picture_rect(cell);
+    let painter = &ui.painter_at(cell);
     match look {
         ThumbnailState::Picture(texture) => paint_picture(painter, rect, texture),
         ThumbnailState::Broken => {
@@ -78,7 +81,8 @@ fn paint(painter: &Painter, cell: Rect, look: ThumbnailState) {
             painter.line_segment([left, left + vec2(14.0, 14.0)], stroke);
             painter.line_segment([right, right + vec2(-14.0, 14.0)], stroke);
         }
-        ThumbnailState::Unknown => {}
+        // A white cell in a light window would be taken for a picture.
+        ThumbnailState::Unknown => _ = painter.rect_filled(rect, 2.0, ui.visuals().faint_bg_color),
     }
 }
 

@@ -1,6 +1,8 @@
 //! The row under the bar: transport, place, pace.
 
+use super::bar::own_number;
 use super::context::TimelineContext;
+use super::legend::legend_ui;
 use crate::app::command::{Command, keys_of};
 use crate::app::features::timeline::{Quantity, Timeline};
 use crate::app::theme::{BAD, Icon, paint_icon};
@@ -34,6 +36,7 @@ pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<C
         if ui.ctx().content_rect().height() >= LEAST_PACE_HEIGHT {
             ui.horizontal_wrapped(|ui| {
                 curve_choice(ui, context.timeline);
+                legend_ui(ui);
                 pace(ui, context);
             });
         }
@@ -43,6 +46,7 @@ pub(super) fn row_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<C
         // From the right, so that a narrow window cuts the name of the file and nothing else.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             pace(ui, context);
+            legend_ui(ui);
             curve_choice(ui, context.timeline);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 command = transport_and_place(ui, context);
@@ -63,7 +67,7 @@ fn transport_and_place(ui: &mut Ui, context: &TimelineContext<'_>) -> Option<Com
 
 /// Which number of every frame the curve under the bar shows.
 fn curve_choice(ui: &mut Ui, timeline: &mut Timeline) {
-    let name = |quantity: Option<Quantity>| quantity.map_or("No curve", Quantity::name);
+    let name = |quantity: Option<Quantity>| quantity.map_or("Graph: none", Quantity::name);
     let mut quantity = timeline.quantity;
     ComboBox::from_id_salt("curve")
         .width(84.0)
@@ -77,7 +81,7 @@ fn curve_choice(ui: &mut Ui, timeline: &mut Timeline) {
             }
         })
         .response
-        .on_hover_text("Curve under the bar: a number of every frame that was prepared so far");
+        .on_hover_text("Graph under the bar: a number of every frame that was prepared so far");
     timeline.quantity = quantity;
 }
 
@@ -136,8 +140,12 @@ fn place(ui: &mut Ui, player: &Player) {
     let sequence = player.sequence();
     let frame = player.waiting_for().unwrap_or(player.clock().frame());
     let digits = sequence.len().to_string().len();
-    let text = format!("frame {:>digits$}/{}", frame + 1, sequence.len());
+    let text = format!("{:>digits$} of {}", frame + 1, sequence.len());
     ui.label(RichText::new(text).monospace().strong());
+    if let Some(number) = own_number(sequence, frame).filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
+        ui.weak(format!("file {number}"))
+            .on_hover_text("The number in the name of the file");
+    }
     if player.waiting_for().is_some() {
         ui.weak("loading…");
     }
@@ -168,23 +176,7 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
     let Some(player) = context.player.as_deref_mut() else {
         return;
     };
-    let held = player.fps_held();
-    let asked = player.clock().fps() * player.clock().speed().abs();
-    let text = held.map_or_else(|| "—".to_owned(), |fps| format!("{fps:.1}"));
-    let color = match held {
-        Some(fps) if fps < 0.9 * asked => BAD,
-        _ => ui.visuals().text_color(),
-    };
-    ui.label(RichText::new(format!("{text:>5} held")).monospace().color(color))
-        .on_hover_text(format!(
-            "Frames a second shown in the last second; {asked:.1} are asked for.\n\
-         Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
-            player.frames_shown(),
-            player.coarse_frames_shown(),
-            player.late_frames(),
-            player.clock().skipped()
-        ));
-
+    held_ui(ui, player);
     let mut fps = player.clock().fps();
     let rate = DragValue::new(&mut fps)
         .range(0.1..=1000.0)
@@ -233,6 +225,29 @@ fn pace(ui: &mut Ui, context: &mut TimelineContext<'_>) {
         player.set_loop_mode(mode, now);
     }
     follow(ui, player, now);
+}
+
+/// How many frames a second are shown of those that are asked for, while it plays.
+fn held_ui(ui: &mut Ui, player: &Player) {
+    let Some(held) = player.fps_held().filter(|_| player.is_playing()) else {
+        return;
+    };
+    let asked = player.clock().fps() * player.clock().speed().abs();
+    let color = if held < 0.9 * asked {
+        BAD
+    } else {
+        ui.visuals().text_color()
+    };
+    let text = format!("{held:.0} of {asked:.0} fps");
+    ui.label(RichText::new(text).monospace().color(color))
+        .on_hover_text(format!(
+            "Frames a second shown in the last second, of those that are asked for ({held:.1} of {asked:.1}).\n\
+         Since opening: {} shown, {} of them with fewer points, {} late, {} skipped",
+            player.frames_shown(),
+            player.coarse_frames_shown(),
+            player.late_frames(),
+            player.clock().skipped()
+        ));
 }
 
 /// Whether the newest frame of a folder that may grow is shown as it comes.

@@ -1,0 +1,212 @@
+//! What of the cloud is clipped: around which frames a box is put, and its outline in the picture with handles to drag.
+
+pub(in crate::app) mod handles;
+mod outline;
+
+use crate::math::Aabb;
+use crate::scene::{Clip, ClipShape};
+use glam::DVec3;
+
+/// What the window knows of clipping beside what is clipped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clipping {
+    /// Whether the picture shows the outline with its handles.
+    pub shows_outline: bool,
+    /// The shape that was put around all frames: as long as nobody changes it, it grows with frames that become known.
+    around_all: Option<ClipShape>,
+    /// What is dragged.
+    held: Option<Held>,
+    /// Bounds of the frames, at this revision of what is known of them.
+    known: Option<(u64, KnownBounds)>,
+}
+
+impl Default for Clipping {
+    fn default() -> Self {
+        Self {
+            shows_outline: true,
+            around_all: None,
+            held: None,
+            known: None,
+        }
+    }
+}
+
+/// A handle in the hand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Held {
+    /// Where it was when it was taken hold of.
+    place: DVec3,
+    /// How far from there the pointer was along its line.
+    slack: f64,
+}
+
+/// What is known of the bounds of all frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::app) struct KnownBounds {
+    /// Around the frames that are known, relative to the origin of the sequence.
+    pub(in crate::app) bounds: Aabb,
+    /// How many these are.
+    pub(in crate::app) known: usize,
+    /// Of how many.
+    pub(in crate::app) count: usize,
+}
+
+/// The frames that something is put around.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::app) struct ClippedFrames {
+    /// The box around the shown frame.
+    pub(in crate::app) shown: Aabb,
+    pub(in crate::app) all: KnownBounds,
+    /// The origin of positions.
+    pub(in crate::app) origin: DVec3,
+}
+
+/// Around which frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum ClipFit {
+    ThisFrame,
+    AllFrames,
+}
+
+impl ClippedFrames {
+    fn bounds(&self, fit: ClipFit) -> Aabb {
+        match fit {
+            ClipFit::ThisFrame => self.shown,
+            ClipFit::AllFrames => self.all.bounds.union(&self.shown),
+        }
+    }
+
+    /// The box around the frames.
+    pub(in crate::app) fn around(&self, fit: ClipFit) -> ClipShape {
+        ClipShape::around(&self.bounds(fit), self.origin)
+    }
+
+    /// The plane through the middle of the frames.
+    pub(in crate::app) fn through_middle(&self, normal: DVec3, fit: ClipFit) -> ClipShape {
+        let middle = self.origin + self.bounds(fit).center().as_dvec3();
+        let offset = normal.dot(middle);
+        ClipShape::Plane { normal, offset }
+    }
+
+    /// Corners of the box around all frames, in the coordinates of the file.
+    fn corners(&self) -> [DVec3; 2] {
+        let bounds = self.bounds(ClipFit::AllFrames);
+        [bounds.min, bounds.max].map(|corner| self.origin + corner.as_dvec3())
+    }
+
+    /// Edge of the largest side of the box around all frames, scene units.
+    pub(in crate::app) fn extent(&self) -> f64 {
+        let extent = self.bounds(ClipFit::AllFrames).extent().max_element();
+        f64::from(extent).max(f64::from(f32::MIN_POSITIVE))
+    }
+}
+
+impl Clipping {
+    /// Puts a shape around frames.
+    pub(in crate::app) fn fit(&mut self, shape: &mut ClipShape, frames: &ClippedFrames, fit: ClipFit) {
+        *shape = match *shape {
+            ClipShape::Box { .. } => frames.around(fit),
+            ClipShape::Plane { normal, .. } => frames.through_middle(normal, fit),
+        };
+        self.note_fit(*shape, fit);
+    }
+
+    /// Takes notice that `shape` was put around frames.
+    pub(in crate::app) fn note_fit(&mut self, shape: ClipShape, fit: ClipFit) {
+        self.around_all = (fit == ClipFit::AllFrames).then_some(shape);
+    }
+
+    /// Whether the clip is still as it was put around all frames.
+    pub(in crate::app) fn is_around_all(&self, clip: &Clip) -> bool {
+        self.around_all == Some(clip.shape)
+    }
+
+    /// Has a box that was put around all frames take in those that have become known.
+    pub(in crate::app) fn grow(&mut self, clip: &mut Option<Clip>, frames: &ClippedFrames) {
+        if let Some(clip) = clip.as_mut()
+            && matches!(clip.shape, ClipShape::Box { .. })
+            && self.is_around_all(clip)
+        {
+            self.fit(&mut clip.shape, frames, ClipFit::AllFrames);
+        }
+    }
+
+    /// The bounds of all frames as of `revision`, found by `find` where that is a later one.
+    pub(in crate::app) fn bounds_of_all(&mut self, revision: u64, find: impl FnOnce() -> KnownBounds) -> KnownBounds {
+        if let Some((_, known)) = self.known.filter(|(of, _)| *of == revision) {
+            return known;
+        }
+        let known = find();
+        self.known = Some((revision, known));
+        known
+    }
+
+    /// Another sequence is opened.
+    pub(in crate::app) fn forget_frames(&mut self) {
+        *self = Self {
+            shows_outline: self.shows_outline,
+            ..Self::default()
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A cube from the origin of the sequence on, and one around so many frames.
+    fn frames(edge: f32, known: usize) -> ClippedFrames {
+        let cube = |edge: f32| Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::splat(edge),
+        };
+        ClippedFrames {
+            shown: cube(1.0),
+            all: KnownBounds {
+                bounds: cube(edge),
+                known,
+                count: 24,
+            },
+            origin: DVec3::splat(1e6),
+        }
+    }
+
+    fn edge_of(clip: Option<Clip>) -> f64 {
+        match clip.unwrap().shape {
+            ClipShape::Box { min, max } => (max - min).x,
+            ClipShape::Plane { .. } => panic!("it is a box"),
+        }
+    }
+
+    #[test]
+    fn a_box_around_all_frames_grows_with_those_that_are_read_until_it_is_changed() {
+        let mut clipping = Clipping::default();
+        let shape = frames(3.0, 3).around(ClipFit::AllFrames);
+        clipping.note_fit(shape, ClipFit::AllFrames);
+        let mut clip = Some(Clip::to(shape));
+        assert_eq!(edge_of(clip), 3.0);
+        clipping.grow(&mut clip, &frames(24.0, 24));
+        assert_eq!(edge_of(clip), 24.0);
+        let ClipShape::Box { max, .. } = &mut clip.as_mut().unwrap().shape else {
+            panic!("it is a box");
+        };
+        max.x -= 17.0;
+        clipping.grow(&mut clip, &frames(30.0, 24));
+        assert_eq!(edge_of(clip), 7.0);
+        // Around one frame it does not grow either.
+        clipping.fit(&mut clip.as_mut().unwrap().shape, &frames(24.0, 24), ClipFit::ThisFrame);
+        clipping.grow(&mut clip, &frames(30.0, 24));
+        assert_eq!(edge_of(clip), 1.0);
+    }
+
+    #[test]
+    fn bounds_are_found_once_for_what_is_known() {
+        let mut clipping = Clipping::default();
+        let known = frames(3.0, 3).all;
+        assert_eq!(clipping.bounds_of_all(7, || known), known);
+        assert_eq!(clipping.bounds_of_all(7, || panic!("nothing is new")), known);
+        let more = frames(4.0, 4).all;
+        assert_eq!(clipping.bounds_of_all(8, || more), more);
+    }
+}

@@ -1,0 +1,15 @@
+//! What was to be opened and cannot be shown, and what is not shown yet.
+
+use std::path::PathBuf;
+
+/// What could not be shown.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FailedOpening {
+    /// What it is called.
+    pub name: String,
+    /// Why, in full.
+    pub reason: String,
+}
+
+/// The inputs of what was opened and has not been shown yet, of A and of B.
+pub(super) type Unproven = [Vec<PathBuf>; 2];

@@ -1,0 +1,57 @@
+//! What was opened and shows nothing: the window is as empty as before, and says why. Only what was shown is listed as
+//! opened lately.
+
+use super::State;
+use super::failed_opening::FailedOpening;
+use crate::app::side::Side;
+use crate::playback::{Mark, Player};
+use std::path::PathBuf;
+
+/// Why nothing of the sequence can be shown, if nothing can.
+fn reason_of_nothing(player: &Player) -> Option<String> {
+    if player.shown().is_some() || player.sequence().source().is_live() || player.follows_newest() {
+        return None;
+    }
+    let failure = player.failure()?;
+    let is_all = player.sequence().len() == 1
+        || (!player.runs_are_old() && player.runs().iter().all(|run| run.mark == Mark::Failed));
+    is_all.then(|| failure.to_string())
+}
+
+impl State {
+    /// What was opened with `inputs` is listed as opened lately once it is shown.
+    pub(in crate::app) fn prove(&mut self, inputs: Vec<PathBuf>, side: Side) {
+        self.unproven[side as usize] = inputs;
+    }
+
+    /// Lists what is shown for the first time as opened lately.
+    pub(super) fn note_proven(&mut self) {
+        let is_a_shown = self.player.as_ref().is_some_and(|player| player.shown().is_some());
+        let b = self.beside.as_ref().map(|beside| &beside.companion);
+        let is_b_shown = b.is_some_and(|companion| companion.shown().is_some());
+        for (is_shown, side) in [(is_a_shown, Side::A), (is_b_shown, Side::B)] {
+            if is_shown && !self.unproven[side as usize].is_empty() {
+                let inputs = std::mem::take(&mut self.unproven[side as usize]);
+                if let Err(problem) = self.recent.add(&inputs) {
+                    self.notices.warn(problem);
+                }
+            }
+        }
+    }
+
+    /// Closes a sequence of which nothing can be shown. True if it was one.
+    pub(super) fn close_if_broken(&mut self) -> bool {
+        if let Some(player) = &mut self.player
+            && player.failure().is_some()
+        {
+            player.refresh_runs();
+        }
+        let Some(reason) = self.player.as_ref().and_then(reason_of_nothing) else {
+            return false;
+        };
+        let name = self.sequence_name().unwrap_or_default();
+        self.close_sequence();
+        self.failed = Some(FailedOpening { name, reason });
+        true
+    }
+}

@@ -1,0 +1,56 @@
+//! Windows over the picture: they stay off the menu and the timeline, and have their place and size back after the
+//! program's window was small.
+//!
+//! How it works. egui remembers place and size of a window by its id. In a small window of the program a tool has
+//! another id, so what it is squeezed to there is forgotten when there is room again.
+
+use egui::{Context, Id, Rect, Vec2, Window};
+
+/// In less room than this, tools are squeezed, points.
+const SMALL: [f32; 2] = [760.0, 440.0];
+
+/// Says where windows may be: what menu and timeline leave. False in the first pass after the program's window got
+/// another size: how high these are then is not known yet, windows would be squeezed into what is left of the size
+/// before, and are not to be shown. The pass is made again.
+pub(in crate::app) fn note_room(ctx: &Context, room: Rect) -> bool {
+    let size = ctx.content_rect().size();
+    let before: Option<Vec2> = ctx.data(|data| data.get_temp(size_id()));
+    ctx.data_mut(|data| {
+        data.insert_temp(room_id(), room);
+        data.insert_temp(size_id(), size);
+    });
+    let is_settled = before.is_none_or(|before| before == size);
+    if !is_settled {
+        ctx.request_discard("the window has another size");
+        ctx.request_repaint();
+    }
+    is_settled
+}
+
+fn size_id() -> Id {
+    Id::unique("size that the room of tools is of")
+}
+
+fn room_id() -> Id {
+    Id::unique("room of tools")
+}
+
+/// What [`note_room`] said in this pass.
+pub(in crate::app) fn room(ctx: &Context) -> Rect {
+    ctx.data(|data| data.get_temp(room_id()))
+        .unwrap_or_else(|| ctx.content_rect())
+}
+
+/// The id of the window of a tool, in as much room as there is.
+pub(in crate::app) fn tool_id(ctx: &Context, name: &'static str) -> Id {
+    let room = room(ctx);
+    let is_small = room.width() < SMALL[0] || room.height() < SMALL[1];
+    Id::unique(("tool", name, is_small))
+}
+
+/// A window of a tool.
+pub(in crate::app) fn tool_window<'a>(ctx: &Context, name: &'static str, title: &'a str) -> Window<'a> {
+    Window::new(title)
+        .id(tool_id(ctx, name))
+        .constrain_to(room(ctx).shrink(2.0))
+}

@@ -1,0 +1,108 @@
+//! Gaussian splats: each point is an ellipsoid with three sizes, a rotation, an opacity, and a colour as spherical
+//! harmonics (Kerbl et al. 2023).
+//!
+//! What is seen of an ellipsoid from most sides is its two large axes, so the splat lies across the smallest one: an
+//! ellipse with these half axes, and their geometric mean for its radius. They are shown as disks of that radius, which
+//! keeps the area. The harmonics' constant term is the colour seen on average from all sides; those that change with
+//! direction are left out.
+
+pub(super) mod arrays;
+pub(super) mod bare;
+pub(super) mod spz;
+
+use crate::cloud::{Ellipse, RawCloud};
+use glam::{Mat3, Quat, Vec3};
+
+/// Constant term of spherical harmonics: 1 / (2 √π).
+const HARMONIC: f32 = 0.282_094_79;
+
+/// Half the root of 2: no other part of a unit quaternion than its largest is beyond it.
+pub(super) const LARGEST_OF_OTHERS: f32 = std::f32::consts::FRAC_1_SQRT_2;
+
+/// What a file says of a splat.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SplatShape {
+    /// Natural logarithms of the half axes; minus infinity where splats are flat.
+    pub(super) log_scales: [f32; 3],
+    /// Of any length; as no turn where it has none.
+    pub(super) rotation: Quat,
+}
+
+/// Gives `cloud` the normals, radii and ellipses of its splats.
+pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatShape) {
+    let splat = |index: usize| {
+        let SplatShape { log_scales, rotation } = shape(index);
+        let Splat {
+            normal,
+            radius,
+            ellipse,
+        } = Splat::of(log_scales, axes(rotation));
+        (normal.to_array(), (radius, ellipse))
+    };
+    let (normals, (radii, ellipses)) = (0..cloud.positions.len()).map(splat).unzip();
+    let attributes = &mut cloud.attributes;
+    attributes.normals = Some(normals);
+    attributes.radii = Some(radii);
+    attributes.ellipses = Some(ellipses);
+}
+
+fn axes(rotation: Quat) -> Mat3 {
+    let length = rotation.length();
+    if length > 0.0 && length.is_finite() {
+        Mat3::from_quat(rotation / length)
+    } else {
+        Mat3::IDENTITY
+    }
+}
+
+/// A channel of the constant term of spherical harmonics as 8 bits.
+pub(super) fn channel_of_harmonic(harmonic: f32) -> u8 {
+    byte(0.5 + HARMONIC * harmonic)
+}
+
+/// An opacity from minus to plus infinity as 8 bits.
+pub(super) fn alpha_of_logit(logit: f32) -> u8 {
+    byte(1.0 / (1.0 + (-logit).exp()))
+}
+
+/// A fraction as 8 bits; 0 for what is not a number.
+pub(super) fn byte(fraction: f32) -> u8 {
+    (fraction.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// The four parts of a unit quaternion of which three are known, in their order; the other one, at the place `largest`,
+/// is the largest and positive.
+pub(super) fn with_largest([a, b, c]: [f32; 3], largest: u32) -> [f32; 4] {
+    let left = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();
+    match largest {
+        0 => [left, a, b, c],
+        1 => [a, left, b, c],
+        2 => [a, b, left, c],
+        _ => [a, b, c, left],
+    }
+}
+
+/// What is seen of an ellipsoid.
+struct Splat {
+    normal: Vec3,
+    radius: f32,
+    ellipse: Ellipse,
+}
+
+impl Splat {
+    /// Of sizes, of which the file has the logarithms, along the columns of `axes`.
+    fn of(log_scales: [f32; 3], axes: Mat3) -> Self {
+        let [x, y, z] = log_scales;
+        let smallest = if z <= x && z <= y { 2 } else { usize::from(y <= x) };
+        let [a, b] = [(smallest + 1) % 3, (smallest + 2) % 3];
+        let [longer, shorter] = if log_scales[a] >= log_scales[b] { [a, b] } else { [b, a] };
+        Self {
+            normal: axes.col(smallest),
+            radius: f32::midpoint(log_scales[longer], log_scales[shorter]).exp(),
+            ellipse: Ellipse {
+                axis: axes.col(longer),
+                ratio: (log_scales[shorter] - log_scales[longer]).exp(),
+            },
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What cannot be opened, and what was opened lately.
+
+use super::menu::choose_item;
+use super::walk::{FRAMES, load_all, options, sequence};
+use super::{click, window, window_on};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use pointreel::app::{State, StateOptions};
+use pointreel::sequence::{FrameEntry, Sequence};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
+    let begin = Instant::now();
+    while !is_so(harness.state()) {
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    harness.run();
+}
+
+#[test]
+fn a_single_broken_file_leaves_the_welcome_view_with_its_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let broken = folder.path().join("broken.ply");
+    std::fs::write(&broken, "ply\nformat ascii 1.0\nelement vertex 2\nend_header\n").unwrap();
+    let mut harness = window();
+    harness.state_mut().open_paths(vec![broken.clone()]);
+    until(&mut harness, "it cannot be shown", |state| state.player.is_none());
+    let failed = harness.state().failed.clone().unwrap();
+    assert_eq!(failed.name, "broken.ply");
+    assert!(failed.reason.contains("broken.ply"), "{failed:?}");
+    assert!(harness.query_by_label(&failed.reason).is_some());
+    assert!(harness.state().recent.entries().is_empty(), "it was never shown");
+    assert!(harness.state().notices.list().is_empty(), "said once");
+    for button in ["Open files", "Open folder"] {
+        assert!(harness.query_by_label_contains(button).is_some(), "{button}");
+    }
+    choose_item(&mut harness, "Play the demo");
+    assert_eq!(harness.state().sequence_name().as_deref(), Some("demo"));
+    assert!(harness.state().failed.is_none());
+}
+
+#[test]
+fn a_sequence_of_broken_files_is_one_as_well_and_one_good_frame_is_enough() {
+    let all: Vec<u64> = (0..FRAMES as u64).collect();
+    let mut harness = window_on(sequence(Vec::leak(all)), options());
+    until(&mut harness, "all are broken", |state| state.player.is_none());
+    assert!(harness.state().failed.is_some());
+
+    let but_one: Vec<u64> = (0..FRAMES as u64).filter(|&number| number != 7).collect();
+    let mut harness = window_on(sequence(Vec::leak(but_one)), options());
+    load_all(harness.state_mut());
+    harness.run();
+    assert!(harness.state().player.is_some());
+}
+
+#[test]
+fn what_was_shown_is_listed_as_opened_lately() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.xyz");
+    std::fs::write(&whole, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
+    let mut harness = window();
+    harness.state_mut().open_paths(vec![whole.clone()]);
+    until(&mut harness, "it is shown", |state| !state.recent.entries().is_empty());
+    assert_eq!(harness.state().recent.entries(), [vec![whole]]);
+    // Beside it, one that is not there, and one that is broken.
+    let broken = folder.path().join("broken.ply");
+    std::fs::write(&broken, "ply\n").unwrap();
+    harness.state_mut().compare_paths(vec![broken]);
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_millis(300) {
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(harness.state().recent.entries().len(), 1);
+}
+
+#[test]
+fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
+    let state = State::new(StateOptions::default());
+    let mut harness = Harness::builder()
+        .with_size([640.0, 480.0])
+        .with_max_steps(20)
+        .build_ui_state(
+            |ui, state: &mut State| pointreel::app::panels::window_ui(ui, state),
+            state,
+        );
+    assert!(harness.query_by_label("No sequence is open").is_some());
+    harness.state_mut().open_paths(vec![PathBuf::from("/nowhere/at/all")]);
+    until(&mut harness, "it is missing", |state| state.failed.is_some());
+    assert!(
+        harness
+            .query_by_label_contains("/nowhere/at/all cannot be shown")
+            .is_some()
+    );
+    click(&mut harness, "Copy");
+    let decoder = |_: &FrameEntry| Err("never".into());
+    let one = Sequence::with_decoder(vec![FrameEntry::file("a.ply")], decoder);
+    harness.state_mut().open(Arc::new(one));
+    assert!(harness.state().failed.is_none());
+}
