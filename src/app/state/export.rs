@@ -115,11 +115,11 @@ impl State {
         let clock = player.clock().clone();
         Some(match export.subject {
             ExportSubject::Picture => Shows::Picture { camera, frame },
-            ExportSubject::Path => Shows::Path(self.path.draft.path()?.clone()),
+            ExportSubject::Path => Shows::Path(Box::new(self.path.draft.path()?.clone())),
             ExportSubject::Turntable if export.holds_frame => {
                 let pictures = [export.pictures as f64, export.per_second];
                 let path = CameraPath::turntable(camera, turns, pictures, [frame as f64, 0.0]);
-                Shows::Path(path.ok()?)
+                Shows::Path(Box::new(path.ok()?))
             }
             ExportSubject::Turntable => Shows::Turntable {
                 camera,

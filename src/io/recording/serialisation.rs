@@ -52,7 +52,7 @@ impl Serialisation {
 
     /// The header at the beginning of `fields`.
     pub(super) fn header<'a>(self, fields: &mut Bytes<'a>) -> Option<MessageHeader<'a>> {
-        let _stamp = self.time(fields)?;
+        let _time = self.time(fields)?;
         let frame_id = fields.counted()?;
         Some(MessageHeader {
             frame_id: frame_id.strip_suffix(b"\0").unwrap_or(frame_id),
@@ -61,18 +61,18 @@ impl Serialisation {
 
     /// When the content of a message was taken that begins with a header, if `start`, its first bytes, says so.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
-        self.time(&mut self.body(start)?)?
-    }
-
-    /// The time of a header: none in it where it is no time.
-    fn time(self, fields: &mut Bytes<'_>) -> Option<Option<Duration>> {
-        if self == Self::Ros1 {
-            let _sequence = fields.u32()?;
-        }
-        let (seconds, nanos) = (fields.u32()?, fields.u32()?);
+        let (seconds, nanos) = self.time(&mut self.body(start)?)?;
         // ROS 2 counts seconds in 32 bits with a sign: before 1970 is no time of a recording.
         let is_negative = self == Self::Cdr && seconds > i32::MAX as u32;
         let is_time = !is_negative && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
-        Some(is_time.then(|| Duration::new(seconds.into(), nanos)))
+        is_time.then(|| Duration::new(seconds.into(), nanos))
+    }
+
+    /// The seconds and nanoseconds of a header.
+    fn time(self, fields: &mut Bytes<'_>) -> Option<(u32, u32)> {
+        if self == Self::Ros1 {
+            let _sequence = fields.u32()?;
+        }
+        Some((fields.u32()?, fields.u32()?))
     }
 }

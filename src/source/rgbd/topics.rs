@@ -41,7 +41,7 @@ pub(super) fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'stati
     };
     let recording = Topics {
         path,
-        topics: &topics,
+        all: &topics,
         read: &options.read,
     };
     let streams = recording.streams();
@@ -122,13 +122,13 @@ fn color_of<'a>(depth: &Stream<'_>, streams: &'a [Stream<'a>]) -> Option<&'a Str
 
 struct Topics<'a> {
     path: &'a Path,
-    topics: &'a CameraTopics,
+    all: &'a CameraTopics,
     read: &'a ReadOptions,
 }
 
 impl Topics<'_> {
     fn of_kind(&self, kind: CameraMessage) -> impl Iterator<Item = &CameraTopic> {
-        self.topics.0.iter().filter(move |topic| topic.kind == kind)
+        self.all.0.iter().filter(move |topic| topic.kind == kind)
     }
 
     /// What `parse` makes of the first message of `topic` that is sound.
@@ -142,7 +142,7 @@ impl Topics<'_> {
     /// The topics of images.
     fn streams(&self) -> Vec<Stream<'_>> {
         let images = self
-            .topics
+            .all
             .0
             .iter()
             .filter(|topic| matches!(topic.kind, CameraMessage::Image | CameraMessage::CompressedImage));

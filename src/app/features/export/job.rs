@@ -18,7 +18,7 @@ pub(in crate::app) enum Shows {
     /// A frame as a picture.
     Picture { camera: Camera, frame: usize },
     /// A path with a frame of the sequence at each time.
-    Path(CameraPath),
+    Path(Box<CameraPath>),
     /// Turns about the up axis in so many pictures while the sequence plays.
     Turntable {
         camera: Camera,
@@ -98,7 +98,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
                 failed: Vec::new(),
             });
         }
-        Shows::Path(path) => path,
+        Shows::Path(path) => *path,
         Shows::Turntable {
             camera,
             turns,
