@@ -15,6 +15,8 @@ pub struct Appearance {
     pub shows_scale_bar: bool,
     /// True while it fills the screen.
     pub full_screen: bool,
+    /// Whether the settings that few have a use for are shown.
+    pub shows_advanced: bool,
     /// Where the window of benchmarks was left, points.
     pub benchmark_place: Option<Rect>,
 }
@@ -27,6 +29,7 @@ impl Appearance {
             present: preferences.present,
             shows_scale_bar: preferences.scale_bar,
             full_screen: false,
+            shows_advanced: preferences.advanced,
             benchmark_place: preferences
                 .benchmark_place
                 .map(|[left, top, right, bottom]| Rect::from_min_max(pos2(left, top), pos2(right, bottom))),

@@ -24,6 +24,8 @@ impl PanelId {
     pub const CAMERA_PATH: Self = Self("camera path");
     /// What is exported.
     pub const EXPORT: Self = Self("export");
+    /// What this program is, and where it runs.
+    pub const ABOUT: Self = Self("about");
     /// As what the sequence is saved.
     pub const SAVE: Self = Self("save");
 

@@ -48,6 +48,8 @@ pub struct Preferences {
     pub thumbnails: bool,
     /// Whether the picture has a scale bar.
     pub scale_bar: bool,
+    /// Whether the settings that few have a use for are shown.
+    pub advanced: bool,
     /// Whether the window is light or dark.
     #[serde(with = "Theme")]
     pub theme: ThemePreference,
@@ -67,6 +69,7 @@ impl Default for Preferences {
             panels: RememberedPanels::default(),
             thumbnails: true,
             scale_bar: true,
+            advanced: false,
             theme: ThemePreference::System,
             window_size: None,
             benchmark_place: None,

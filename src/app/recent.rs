@@ -51,21 +51,38 @@ impl Recent {
         if inputs.is_empty() || inputs.len() > MAX_INPUTS {
             return Ok(());
         }
-        // The next run may start in another folder.
-        let inputs: Vec<PathBuf> = inputs
-            .iter()
-            .map(|input| std::path::absolute(input).unwrap_or_else(|_| input.clone()))
-            .collect();
+        let inputs = absolute(inputs);
         self.entries.retain(|entry| *entry != inputs);
         self.entries.insert(0, inputs);
-        self.entries.truncate(MAX_ENTRIES);
+        for entry in self.entries.split_off(MAX_ENTRIES.min(self.entries.len())) {
+            self.forget_picture(&entry);
+        }
         self.write()
     }
 
     /// Empties the list. `Err` is a text for a notice.
     pub fn clear(&mut self) -> Result<(), String> {
-        self.entries.clear();
+        for entry in std::mem::take(&mut self.entries) {
+            self.forget_picture(&entry);
+        }
         self.write()
+    }
+
+    /// Where a small picture of these inputs is kept, whether it is there or not; `None` if nothing is kept, or they
+    /// are not in the list.
+    pub(super) fn picture_of(&self, inputs: &[PathBuf]) -> Option<PathBuf> {
+        let inputs = absolute(inputs);
+        let is_listed = self.entries.contains(&inputs);
+        let folder = self.file.as_ref()?.parent()?.join("recent");
+        is_listed.then(|| folder.join(format!("{:016x}.png", hash(&inputs))))
+    }
+
+    fn forget_picture(&self, inputs: &[PathBuf]) {
+        let folder = self.file.as_ref().and_then(|file| file.parent());
+        if let Some(folder) = folder {
+            // There may be none.
+            let _ = std::fs::remove_file(folder.join("recent").join(format!("{:016x}.png", hash(inputs))));
+        }
     }
 
     fn write(&self) -> Result<(), String> {
@@ -83,6 +100,23 @@ impl Recent {
             )
         })
     }
+}
+
+/// The next run may start in another folder.
+fn absolute(inputs: &[PathBuf]) -> Vec<PathBuf> {
+    let absolute = |input: &PathBuf| std::path::absolute(input).unwrap_or_else(|_| input.clone());
+    inputs.iter().map(absolute).collect()
+}
+
+/// FNV-1a over the inputs, the same for all versions of the program.
+fn hash(inputs: &[PathBuf]) -> u64 {
+    let bytes = inputs.iter().flat_map(|input| {
+        let path = input.as_os_str().as_encoded_bytes().iter().copied();
+        path.chain([0])
+    });
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
 }
 
 fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Vec<PathBuf>> {
@@ -157,6 +191,28 @@ mod tests {
         let expected: [Vec<PathBuf>; 2] = [vec!["/a".into()], vec!["/b".into(), "/c".into()]];
         assert_eq!(recent.entries(), expected);
         assert!(problem.is_some());
+    }
+
+    #[test]
+    fn pictures_belong_to_entries_and_go_with_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut recent, _) = Recent::load_from(&folder.path().join("recent.json"));
+        let inputs = |number: usize| vec![PathBuf::from(format!("/scans/{number}"))];
+        assert_eq!(recent.picture_of(&inputs(0)), None, "it is not in the list");
+        let mut pictures = Vec::new();
+        for number in 0..MAX_ENTRIES {
+            recent.add(&inputs(number)).unwrap();
+            let picture = recent.picture_of(&inputs(number)).unwrap();
+            fs::create_dir_all(picture.parent().unwrap()).unwrap();
+            fs::write(&picture, "picture").unwrap();
+            assert!(!pictures.contains(&picture), "each has its own");
+            pictures.push(picture);
+        }
+        recent.add(&inputs(MAX_ENTRIES)).unwrap();
+        assert!(!pictures[0].exists() && pictures[1].exists());
+        recent.clear().unwrap();
+        assert!(pictures.iter().all(|picture| !picture.exists()));
+        assert_eq!(Recent::default().picture_of(&inputs(1)), None, "nothing is kept");
     }
 
     #[test]

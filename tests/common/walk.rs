@@ -33,6 +33,7 @@ pub(crate) fn options() -> StateOptions {
     StateOptions {
         preferences: Preferences {
             thumbnails: false,
+            advanced: true,
             // What `auto` makes of a handful of points is not what these tests are about.
             settings: Style {
                 primitive: Primitive::Surfel,

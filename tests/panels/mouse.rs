@@ -165,3 +165,38 @@ fn the_wheel_zooms_on_the_picture_only() {
     scroll(&mut harness, style, -100.0);
     assert_eq!(harness.state().camera, near);
 }
+
+#[test]
+fn the_wheel_zooms_toward_the_pointer() {
+    let mut harness = window();
+    let picture = harness.state().viewport.rect;
+    let pointer = picture.center() + vec2(120.0, -80.0);
+    let state = harness.state();
+    let size_px = state.viewport.size_px;
+    // The place at the depth of the target that is seen there.
+    let before = state.camera;
+    let px = glam::DVec2::new(
+        f64::from((pointer - picture.min).x),
+        f64::from((pointer - picture.min).y),
+    );
+    let from_eye = before.target_in_world - before.eye_in_world();
+    let right = from_eye.cross(before.up.direction()).normalize();
+    let up = right.cross(from_eye).normalize();
+    let along_right = before.along_line(before.target_in_world, right, px, size_px).unwrap();
+    let along_up = before.along_line(before.target_in_world, up, px, size_px).unwrap();
+    let place = before.target_in_world + right * along_right + up * along_up;
+    harness.hover_at(pointer);
+    harness.run();
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 300.0),
+        source: egui::MouseWheelSource::Wheel,
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(30);
+    let after = harness.state().camera;
+    assert!(after.distance < 0.8 * before.distance, "{after:?}");
+    let seen = after.to_px(place, size_px).unwrap();
+    assert!((seen - px).length() < 0.5, "{seen} for {px}");
+}

@@ -104,3 +104,54 @@ fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
     harness.state_mut().open(Arc::new(one));
     assert!(harness.state().failed.is_none());
 }
+
+#[test]
+fn what_was_opened_lately_is_offered_with_its_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = folder.path().join("scan.xyz");
+    let rows: String = (0..400)
+        .map(|index| format!("{} {} 0\n", index % 20, index / 20))
+        .collect();
+    std::fs::write(&scan, rows).unwrap();
+    let (recent, problem) = pointreel::app::Recent::load_from(&folder.path().join("recent.json"));
+    assert_eq!(problem, None);
+    let options = StateOptions {
+        recent,
+        preferences: pointreel::app::Preferences::default(),
+        ..options()
+    };
+    let mut harness = window_on(sequence(&[]), options);
+    harness.state_mut().open_paths(vec![scan.clone()]);
+    let begin = Instant::now();
+    let pictures = folder.path().join("recent");
+    while !std::fs::read_dir(&pictures).is_ok_and(|mut files| files.next().is_some()) {
+        assert!(begin.elapsed() < Duration::from_secs(30), "a picture is kept");
+        let now = harness.state().now() + Duration::from_millis(20);
+        harness.state_mut().update(now);
+        harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    click(&mut harness, "File");
+    choose_item(&mut harness, "Close");
+    harness.run();
+    assert!(harness.state().player.is_none());
+    assert!(harness.query_by_label("No sequence is open").is_some());
+    assert!(harness.query_by_label("find anything by its name").is_some());
+    let name = scan.display().to_string();
+    click(&mut harness, &name);
+    until(&mut harness, "it is open again", |state| state.player.is_some());
+    assert_eq!(harness.state().sequence_name().as_deref(), Some("scan.xyz"));
+}
+
+#[test]
+fn what_the_program_is_can_be_copied() {
+    let mut harness = window();
+    click(&mut harness, "Help");
+    choose_item(&mut harness, "About pointreel");
+    harness.run();
+    let text = super::points::copied(&mut harness, "Copy for a report");
+    assert!(text.contains(concat!("Version: ", env!("CARGO_PKG_VERSION"))), "{text}");
+    for line in ["System: ", "Adapter: ", "Settings: ", "Open: walk, 24 frames, 8 points"] {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+}

@@ -55,7 +55,7 @@ pub(super) fn click_on(harness: &mut Harness<'_, State>, place: Pos2, times: usi
 }
 
 /// Clicks a button and returns what it put on the clipboard.
-fn copied(harness: &mut Harness<'_, State>, button: &str) -> String {
+pub(super) fn copied(harness: &mut Harness<'_, State>, button: &str) -> String {
     harness.get_by_role_and_label(Role::Button, button).click();
     for _ in 0..4 {
         harness.step();

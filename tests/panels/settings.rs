@@ -1,10 +1,10 @@
 //! The settings: every control changes what it names.
 
-use super::{click, options, window, window_on};
+use super::{click, options, sequence, window, window_on};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use pointreel::app::State;
+use pointreel::app::{State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::levels::Lod;
 use pointreel::levels::octree::StopCriterion;
@@ -240,4 +240,37 @@ fn controls_tell_their_term_and_unit() {
             .query_by_label_contains("Factor on every splat's radius")
             .is_some()
     );
+}
+
+#[test]
+fn what_few_have_a_use_for_is_closed_and_opens_as_it_was_left() {
+    let mut preferences = options().preferences;
+    preferences.advanced = false;
+    let begin = StateOptions {
+        preferences,
+        ..options()
+    };
+    let mut harness = window_on(sequence(&[]), begin);
+    for label in ["Look", "Camera", "Time", "Clip"] {
+        assert!(harness.query_all_by_label(label).next().is_some(), "{label}");
+    }
+    assert!(harness.query_by_label("Instancing").is_none());
+    harness.get_by_label("Advanced").scroll_to_me();
+    harness.run();
+    harness.get_by_label("Advanced").click();
+    harness.run_steps(30);
+    assert!(harness.query_by_label("Instancing").is_some());
+    assert!(harness.state().preferences().advanced, "kept");
+}
+
+/// The panel is as wide with trails and ghosts as without them.
+#[test]
+fn rows_that_come_do_not_widen_the_panel() {
+    let mut harness = window();
+    harness.run();
+    let width = harness.state().viewport.rect.width();
+    harness.state_mut().trails.field.is_on = true;
+    harness.state_mut().temporal.onion.is_on = true;
+    harness.run_steps(5);
+    assert_eq!(harness.state().viewport.rect.width(), width);
 }

@@ -6,6 +6,8 @@ use egui::pos2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Command, State};
+use pointreel::cloud::{Positions, RawCloud};
+use pointreel::sequence::{FrameEntry, Sequence};
 use pointreel::timeline::LoopMode;
 use std::time::Duration;
 
@@ -133,6 +135,68 @@ fn the_rate_is_said_while_it_plays() {
     assert!(harness.query_by_label_contains(" of 24 fps").is_some());
     click(&mut harness, "Pause");
     assert!(harness.query_by_label_contains("of 24 fps").is_none());
+}
+
+#[test]
+fn the_wheel_shows_fewer_frames_around_the_pointer() {
+    let mut harness = window();
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    let wheel = |harness: &mut Harness<'_, State>, at: egui::Pos2, by: f32| {
+        harness.hover_at(at);
+        harness.run();
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, by),
+            source: egui::MouseWheelSource::Wheel,
+            phase: egui::TouchPhase::Move,
+            modifiers: egui::Modifiers::NONE,
+        });
+        harness.run_steps(30);
+    };
+    // The first frame is at the pointer, and stays there.
+    wheel(&mut harness, bar.left_center() + egui::vec2(2.0, 0.0), 2000.0);
+    let press = |harness: &mut Harness<'_, State>, at: egui::Pos2| {
+        harness.drag_at(at);
+        harness.run();
+        harness.drop_at(at);
+        harness.run();
+    };
+    press(&mut harness, bar.right_center() - egui::vec2(2.0, 0.0));
+    assert_eq!(frame(&harness), 7, "eight frames are shown");
+    press(&mut harness, bar.left_center() + egui::vec2(2.0, 0.0));
+    assert_eq!(frame(&harness), 0);
+    wheel(&mut harness, bar.center(), -4000.0);
+    press(&mut harness, bar.right_center() - egui::vec2(2.0, 0.0));
+    assert_eq!(frame(&harness), 23, "all are shown again");
+}
+
+#[test]
+fn numbers_that_are_missing_are_marked() {
+    let numbers = [1, 2, 3, 6, 7, 9];
+    let entries = numbers.map(|number| FrameEntry {
+        number: Some(number),
+        ..FrameEntry::file(format!("/scans/walk/{number}.ply"))
+    });
+    let sequence = Sequence::with_decoder(entries.into(), |_| {
+        Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0; 3]])))
+    });
+    let mut harness = super::window_on(std::sync::Arc::new(sequence), super::options());
+    harness.run();
+    let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    for (text, after) in [
+        ("2 files are missing here: 4 to 5", 3.0),
+        ("File 8 is missing here", 5.0),
+    ] {
+        let notch = harness.get_by_label(text).rect();
+        let x = bar.left() + bar.width() * after / 6.0;
+        assert!((notch.center().x - x).abs() < 1.0, "{text} at {notch:?}");
+    }
+    go_to(&mut harness, 3);
+    harness.run();
+    assert!(harness.query_by_label("4 of 6").is_some());
+    assert!(harness.query_by_label("file 6").is_some());
+    click(&mut harness, "Legend of the timeline");
+    assert!(harness.query_by_label("Numbers of files are missing here").is_some());
 }
 
 fn go_to(harness: &mut Harness<'_, State>, frame: usize) {

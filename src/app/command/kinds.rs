@@ -78,6 +78,8 @@ pub enum Command {
     CloseComparison,
     /// Two sequences side by side, or with a line over the same view.
     NextLayout,
+    /// Close the open sequence.
+    CloseSequence,
     /// Open the demo sequence.
     OpenDemo,
     /// Write the picture to a new file.

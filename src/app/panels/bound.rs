@@ -210,6 +210,7 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
         turntable: &mut state.motion.turntable,
         present: &mut state.appearance.present,
         has_legend: &mut has_legend,
+        shows_advanced: &mut state.appearance.shows_advanced,
         thumbnails: &mut state.thumbnails,
         trails: &mut state.trails,
         temporal: &mut state.temporal,

@@ -1,6 +1,6 @@
 //! What of the cloud is drawn: a box or one side of a plane, in the coordinates of the file.
 
-use super::settings::{choice, heading, row, rows};
+use super::settings::{choice, row, rows};
 use crate::app::Clipping;
 use crate::app::features::clipping::{ClipFit, ClippedFrames};
 use crate::scene::{Clip, ClipShape};
@@ -41,7 +41,6 @@ pub(super) struct ClipContext<'a> {
 
 /// The section of the settings.
 pub(super) fn clip_ui(ui: &mut Ui, context: &mut ClipContext<'_>) {
-    heading(ui, "Clip");
     let Some(frames) = context.frames else {
         ui.weak("Nothing is shown yet");
         return;

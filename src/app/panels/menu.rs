@@ -48,6 +48,7 @@ fn menus_ui(ui: &mut Ui, state: &mut State) {
     menu(ui, "Help", |ui| {
         item(ui, state, "Keys and mouse", Command::TogglePanel(PanelId::HELP));
         item(ui, state, "Find a command…", Command::TogglePalette);
+        item(ui, state, "About pointreel", Command::TogglePanel(PanelId::ABOUT));
     });
 }
 
@@ -84,6 +85,9 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
     topic_menu(ui, state, Side::A);
     item(ui, state, "Demo", Command::OpenDemo);
+    ui.add_enabled_ui(state.player.is_some(), |ui| {
+        item(ui, state, "Close", Command::CloseSequence);
+    });
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         let tooltip = "One sequence file, or a folder of files; sizes and errors are shown before";
         run_by(ui, state, Button::new("Save as…"), Command::ToggleSave, tooltip);

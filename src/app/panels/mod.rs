@@ -1,5 +1,6 @@
 //! The panels, one file each, and a row each of `table.rs`. They read and change [`State`] and know no GPU.
 
+mod about;
 mod bound;
 mod clip;
 mod colors;

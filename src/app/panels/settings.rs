@@ -13,11 +13,14 @@ use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails,
 use crate::playback::Player;
 use crate::scene::describe::{Section, Word};
 use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
-use egui::{Button, Checkbox, RichText, ScrollArea, Slider, Ui};
+use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
 
 /// Width of the labels before sliders and of the numbers behind them, points.
 const BESIDE_SLIDERS: f32 = 190.0;
+
+/// Size of the headings of parts, points.
+const PART_SIZE: f32 = 16.5;
 
 /// A narrower slider cannot be dragged well, points.
 const LEAST_SLIDER_WIDTH: f32 = 60.0;
@@ -44,6 +47,8 @@ pub(super) struct SettingsContext<'a> {
     pub(super) turntable: &'a mut Turntable,
     pub(super) present: &'a mut PresentChoice,
     pub(super) has_legend: &'a mut bool,
+    /// Whether the rest is shown.
+    pub(super) shows_advanced: &'a mut bool,
     pub(super) thumbnails: &'a mut Thumbnails,
     pub(super) trails: &'a mut Trails,
     pub(super) temporal: &'a mut Temporal,
@@ -59,7 +64,7 @@ pub(super) enum SettingsRequest {
     Reset,
 }
 
-/// The panel at the right.
+/// The panel at the right: what who plays scans has a use for, and the rest in a section that opens as it was left.
 pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
     let mut request = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -67,12 +72,14 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
         let room = ui.available_width() - BESIDE_SLIDERS;
         let spacing = ui.spacing_mut();
         spacing.slider_width = room.clamp(LEAST_SLIDER_WIDTH, spacing.slider_width);
-        if context.player.is_some() {
-            request = quality_ui(ui, context.quality, context.style).map(SettingsRequest::Quality);
-        }
-        picture(ui, context);
-        let shown = context.player.and_then(Player::shown);
-        colors_ui(ui, &mut context.style.colors, shown, context.has_legend);
+        request = look(ui, context);
+        part(ui, "Camera");
+        rows(ui, "camera", |ui| camera(ui, context));
+        part(ui, "Time");
+        thumbnails_ui(ui, context.thumbnails);
+        field_ui(ui, context.trails);
+        poses_ui(ui, context.temporal);
+        part(ui, "Clip");
         let mut clip = ClipContext {
             clip: &mut context.style.of_sequence.clip,
             clipping: context.clipping,
@@ -80,28 +87,12 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
             angle: context.angle,
         };
         clip_ui(ui, &mut clip);
-        heading(ui, "Time");
-        thumbnails_ui(ui, context.thumbnails);
-        field_ui(ui, context.trails);
-        poses_ui(ui, context.temporal);
-        for section in [("Shading", Section::Shading), ("Background", Section::Background)] {
-            section_ui(ui, context.style, &context.drawn, section);
-        }
-        heading(ui, "Camera");
-        rows(ui, "camera", |ui| {
-            if let Some(up) = camera(ui, context) {
-                request = Some(SettingsRequest::ChooseUp(up));
-            }
-        });
-        heading(ui, "Window");
-        rows(ui, "window", |ui| {
-            let texts = (
-                "Painted by",
-                "Who paints the panels and brings the window onto the screen",
-            );
-            let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
-            word(ui, texts, context.present, all, words);
-        });
+        ui.add_space(8.0);
+        let title = RichText::new("Advanced").strong().size(PART_SIZE);
+        let advanced = CollapsingHeader::new(title).open(Some(*context.shows_advanced));
+        let shown = advanced.show_unindented(ui, |ui| advanced_ui(ui, context));
+        *context.shows_advanced ^= shown.header_response.clicked();
+        request = shown.body_returned.flatten().or(request.take());
         ui.add_space(12.0);
         if ui
             .button("Reset to defaults")
@@ -114,28 +105,58 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
     request
 }
 
-/// What is drawn and how, but for colours and light.
-fn picture(ui: &mut Ui, context: &mut SettingsContext<'_>) {
-    heading(ui, "Picture");
+/// The heading of a part of the panel.
+fn part(ui: &mut Ui, title: &str) {
+    ui.add_space(10.0);
+    ui.separator();
+    ui.label(RichText::new(title).strong().size(PART_SIZE));
+    ui.add_space(2.0);
+}
+
+/// What is drawn: primitive, size, colours, light, background, up axis.
+fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
+    ui.label(RichText::new("Look").strong().size(PART_SIZE));
+    ui.add_space(2.0);
     let SettingsContext { style, drawn, .. } = context;
     primitive(ui, style, context.primitive, context.lacks);
-    rows(ui, "picture", |ui| {
-        section_rows(ui, style, drawn, Section::Picture);
-    });
+    rows(ui, "look", |ui| section_rows(ui, style, drawn, Section::Look));
+    let shown = context.player.and_then(Player::shown);
+    colors_ui(ui, &mut style.colors, shown, context.has_legend);
+    for section in [("Light", Section::Shading), ("Background", Section::Background)] {
+        section_ui(ui, style, drawn, section);
+    }
+    let mut up = None;
+    rows(ui, "up axis", |ui| up = up_axis(ui, context.camera.up, context.up_why));
+    up.map(SettingsRequest::ChooseUp)
+}
+
+/// Who draws and by which means, and what that takes.
+fn advanced_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsRequest> {
+    let mut request = None;
+    if context.player.is_some() {
+        request = quality_ui(ui, context.quality, context.style).map(SettingsRequest::Quality);
+    }
+    let SettingsContext { style, drawn, .. } = context;
+    section_ui(ui, style, drawn, ("Drawing", Section::Picture));
     section_ui(ui, style, drawn, ("Surfels", Section::Surfels));
     ui.add_enabled_ui(drawn.has_footprints(), |ui| {
         rows(ui, "footprints", |ui| {
             section_rows(ui, style, drawn, Section::Footprints);
         });
     });
-    for section in [
-        ("Points", Section::Points),
-        ("Cubes", Section::Cubes),
-        ("Octree", Section::Octree),
-        ("Level of detail", Section::LevelOfDetail),
-    ] {
+    for section in [("Octree", Section::Octree), ("Level of detail", Section::LevelOfDetail)] {
         section_ui(ui, style, drawn, section);
     }
+    heading(ui, "Window");
+    rows(ui, "window", |ui| {
+        let texts = (
+            "Painted by",
+            "Who paints the panels and brings the window onto the screen",
+        );
+        let (all, words) = (PresentChoice::ALL, PresentChoice::WORDS);
+        word(ui, texts, context.present, all, words);
+    });
+    request
 }
 
 /// The list of primitives, and of words for some of them with other settings. One that the open files have not cannot
@@ -180,9 +201,8 @@ fn primitive(ui: &mut Ui, style: &mut Style, guessed: Option<(Primitive, &str)>,
     ui.add_space(4.0);
 }
 
-/// The rows of the camera; the axis that is to be up, where another one is chosen.
-fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
-    let SettingsContext { camera, turntable, .. } = context;
+/// Which axis is up; another one, where it is chosen.
+fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpAxis> {
     let axes = UpAxis::ALL.iter().map(|&(name, axis)| {
         let text = match name {
             "y" => "+Y",
@@ -195,7 +215,7 @@ fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
         (text, axis, "The axis of the file that points up in the picture")
     });
     let axes: Vec<_> = axes.collect();
-    let mut up = camera.up;
+    let mut up = before;
     choice(
         ui,
         "Up axis",
@@ -203,9 +223,15 @@ fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
         &mut up,
         &axes,
     );
-    if let Some(why) = context.up_why {
+    if let Some(why) = why {
         note_below(ui, why);
     }
+    (up != before).then_some(up)
+}
+
+/// The rows of the camera.
+fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) {
+    let SettingsContext { camera, turntable, .. } = context;
     let texts = ("Projection", "Whether what is farther away is smaller (O)");
     let (all, words) = (Projection::ALL, Projection::WORDS);
     word(ui, texts, &mut camera.projection, all, words);
@@ -239,5 +265,4 @@ fn camera(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<UpAxis> {
         "How fast the turntable turns, degrees a second; negative the other way",
         pace,
     );
-    (up != camera.up).then_some(up)
 }

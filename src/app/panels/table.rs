@@ -2,6 +2,7 @@
 //! and among the commands that are found by name. A key is a row of [`BINDINGS`](crate::app::BINDINGS), if it needs
 //! one.
 
+use super::about::about_ui;
 use super::bound;
 use super::help::help_ui;
 use super::notices::notices_ui;
@@ -62,6 +63,7 @@ pub(super) const PANELS: &[PanelRow] = &[
     window(PanelId::SAVE, bound::save),
     by_itself(notices_ui),
     window(PanelId::HELP, help_ui),
+    window(PanelId::ABOUT, about_ui),
     window(PanelId::BENCHMARK, bound::benchmark),
     by_itself(preset_name_ui),
     by_itself(question_ui),

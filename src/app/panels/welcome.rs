@@ -1,14 +1,33 @@
-//! What is in place of the picture while nothing is open: what could not be opened and why, and what to do.
+//! What is in place of the picture while nothing is open: what could not be opened and why, what was opened lately, the
+//! demo, and the keys to know.
 
 use crate::app::command::{Command, keys_of};
-use crate::app::{FailedOpening, State};
-use egui::{Button, Frame, Rect, RichText, ScrollArea, Stroke, Ui, UiBuilder, vec2};
+use crate::app::recent::entry_name;
+use crate::app::theme::ACCENT;
+use crate::app::{FailedOpening, PanelId, State};
+use egui::{
+    Align, Button, Color32, ColorImage, Frame, Grid, Layout, Rect, RichText, Role, ScrollArea, Sense, Stroke,
+    StrokeKind, TextWrapMode, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
+};
+use std::path::{Path, PathBuf};
 
 /// Width of what is in the middle, points.
-const WIDTH: f32 = 460.0;
+const WIDTH: f32 = 640.0;
 
 /// Longer reasons scroll, points.
 const MAX_REASON_HEIGHT: f32 = 110.0;
+
+/// Size of a picture of what was opened lately, points.
+const PICTURE: [f32; 2] = [140.0, 105.0];
+
+/// What to know of keys and mouse before the list of all.
+const KEYS: [(&str, &str); 5] = [
+    ("Space", "play or pause"),
+    ("Left drag", "turn; with Shift move, the wheel zooms"),
+    ("F", "focus on what the pointer is over"),
+    ("Ctrl+P", "find anything by its name"),
+    ("F1", "all keys"),
+];
 
 /// The view over all of `rect`.
 pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
@@ -17,27 +36,34 @@ pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     let width = WIDTH.min(rect.width() - 24.0).max(0.0);
     let middle = Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 24.0).max(0.0)));
     ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
-        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-            ui.add_space((0.18 * rect.height()).min(120.0));
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             match &state.failed {
                 Some(failed) => failed_ui(ui, failed),
-                None => _ = ui.vertical_centered(|ui| ui.heading("No sequence is open")),
+                None => _ = ui.heading("No sequence is open"),
             }
             ui.add_space(8.0);
-            ui.vertical_centered(|ui| {
-                ui.label("Drop files or a folder of point clouds here, or");
-                for (text, command) in [
-                    ("Open files", Command::OpenFiles),
-                    ("Open folder", Command::OpenFolder),
-                    ("Play the demo", Command::OpenDemo),
-                ] {
-                    let button = Button::new(text).min_size(vec2(160.0, 28.0));
-                    if ui.add(button.shortcut_text(keys_of(command))).clicked() {
-                        state.run(command);
-                    }
-                }
-            });
+            actions_ui(ui, state);
+            recent_ui(ui, state);
+            ui.add_space(12.0);
+            keys_ui(ui);
         });
+    });
+}
+
+fn actions_ui(ui: &mut Ui, state: &mut State) {
+    ui.label("Drop files or a folder of point clouds here, or");
+    ui.horizontal_wrapped(|ui| {
+        for (text, command) in [
+            ("Open files", Command::OpenFiles),
+            ("Open folder", Command::OpenFolder),
+            ("Play the demo", Command::OpenDemo),
+            ("About pointreel", Command::TogglePanel(PanelId::ABOUT)),
+        ] {
+            let button = Button::new(text).min_size(vec2(140.0, 28.0));
+            if ui.add(button.shortcut_text(keys_of(command))).clicked() {
+                state.run(command);
+            }
+        }
     });
 }
 
@@ -47,12 +73,15 @@ fn failed_ui(ui: &mut Ui, failed: &FailedOpening) {
     let frame = Frame::window(ui.style()).stroke(Stroke::new(1.0, color.gamma_multiply(0.7)));
     frame.show(ui, |ui| {
         ui.horizontal(|ui| {
-            let title = format!("{} cannot be shown", failed.name);
-            ui.label(RichText::new(title).strong().color(color));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.small_button("Copy").on_hover_text("Copy the full text").clicked() {
                     ui.copy_text(failed.reason.clone());
                 }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    let title = format!("{} cannot be shown", failed.name);
+                    let title = RichText::new(title).strong().color(color);
+                    ui.add(egui::Label::new(title).truncate());
+                });
             });
         });
         ScrollArea::vertical()
@@ -60,4 +89,82 @@ fn failed_ui(ui: &mut Ui, failed: &FailedOpening) {
             .max_height(MAX_REASON_HEIGHT)
             .show(ui, |ui| ui.label(&failed.reason));
     });
+}
+
+/// What was opened lately, with a picture each where there is one.
+fn recent_ui(ui: &mut Ui, state: &mut State) {
+    if state.recent.entries().is_empty() {
+        return;
+    }
+    ui.add_space(12.0);
+    ui.label(RichText::new("Opened lately").strong());
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        for inputs in state.recent.entries() {
+            let picture = state.recent.picture_of(inputs);
+            if card_ui(ui, inputs, picture.as_deref()) {
+                chosen = Some(inputs.clone());
+            }
+        }
+    });
+    if let Some(inputs) = chosen {
+        state.open_paths(inputs);
+    }
+}
+
+/// A picture with a name below; true if it was clicked.
+fn card_ui(ui: &mut Ui, inputs: &[PathBuf], picture: Option<&Path>) -> bool {
+    let name = entry_name(inputs);
+    let height = PICTURE[1] + 22.0;
+    let (card, response) = ui.allocate_exact_size(vec2(PICTURE[0], height), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    let place = Rect::from_min_size(card.min, PICTURE.into());
+    ui.painter().rect_filled(place, 4.0, ui.visuals().extreme_bg_color);
+    if let Some(texture) = picture.and_then(|file| texture(ui, file)) {
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(texture.id(), place, all, Color32::WHITE);
+    }
+    let stroke = if response.hovered() {
+        Stroke::new(1.5, ACCENT)
+    } else {
+        ui.visuals().widgets.noninteractive.bg_stroke
+    };
+    ui.painter().rect_stroke(place, 4.0, stroke, StrokeKind::Inside);
+    let short = inputs.first().and_then(|path| path.file_name());
+    let short = short.map_or_else(|| name.clone(), |short| short.to_string_lossy().into_owned());
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let text = WidgetText::from(short).into_galley(ui, Some(TextWrapMode::Truncate), PICTURE[0], font);
+    let color = ui.visuals().text_color();
+    ui.painter().galley(place.left_bottom() + vec2(2.0, 3.0), text, color);
+    response.on_hover_text(name).clicked()
+}
+
+/// The texture of a file, read when it is first shown; `None` where there is none.
+fn texture(ui: &Ui, file: &Path) -> Option<TextureHandle> {
+    let id = egui::Id::unique(("picture of what was opened lately", file));
+    if let Some(known) = ui.data(|data| data.get_temp::<Option<TextureHandle>>(id)) {
+        return known;
+    }
+    let read = || {
+        let picture = image::open(file).ok()?.to_rgba8();
+        let size = [picture.width() as usize, picture.height() as usize];
+        let pixels = ColorImage::from_rgba_unmultiplied(size, &picture);
+        Some(ui.ctx().load_texture("opened lately", pixels, TextureOptions::LINEAR))
+    };
+    let texture = read();
+    ui.data_mut(|data| data.insert_temp(id, texture.clone()));
+    texture
+}
+
+fn keys_ui(ui: &mut Ui) {
+    Grid::new("keys to know")
+        .num_columns(2)
+        .spacing([14.0, 4.0])
+        .show(ui, |ui| {
+            for (keys, text) in KEYS {
+                ui.label(RichText::new(keys).color(ACCENT));
+                ui.label(text);
+                ui.end_row();
+            }
+        });
 }

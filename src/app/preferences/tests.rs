@@ -96,6 +96,7 @@ fn unusual() -> Preferences {
         scale_bar: false,
         theme: ThemePreference::Light,
         window_size: Some([900.0, 700.0]),
+        advanced: true,
         benchmark_place: Some([10.0, 40.0, 470.0, 500.0]),
     }
 }

@@ -70,6 +70,10 @@ impl State {
                 self.close_beside();
                 self.end_comparison(Side::A);
             }
+            Command::CloseSequence => {
+                self.end_comparison(Side::A);
+                self.close_sequence();
+            }
             Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),

@@ -236,6 +236,7 @@ impl State {
             panels: self.panels.remembered(),
             thumbnails: self.thumbnails.is_on,
             scale_bar: self.appearance.shows_scale_bar,
+            advanced: self.appearance.shows_advanced,
             theme: self.appearance.theme,
             window_size: None,
             benchmark_place: self.appearance.benchmark_place.map(|place| {

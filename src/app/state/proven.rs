@@ -35,6 +35,9 @@ impl State {
                 if let Err(problem) = self.recent.add(&inputs) {
                     self.notices.warn(problem);
                 }
+                if side == Side::A {
+                    self.thumbnails.keep_next_at(self.recent.picture_of(&inputs));
+                }
             }
         }
     }

@@ -55,6 +55,11 @@ impl<'a> PictureOverlay<'a> {
         self.camera.along_line(place, direction, px, self.size_px)
     }
 
+    /// Whether the picture goes on so far above a place of the window, points.
+    pub(in crate::app) fn has_room_above(&self, place: Pos2, height: f32) -> bool {
+        place.y - height > self.rect.top()
+    }
+
     /// What is taken hold of, at a place of the window.
     pub(in crate::app) fn knob(&self, center: Pos2, radius: f32, fill: Color32) {
         let stroke = Stroke::new(1.5, Color32::from_black_alpha(200));

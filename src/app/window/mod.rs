@@ -205,8 +205,11 @@ impl App {
             }
         });
         let mut state = State::new(options.state.clone());
-        let demo = || Arc::new(Sequence::demo());
-        state.open(options.sequence.take().unwrap_or_else(demo));
+        // Who has opened something before is offered that; who begins sees something that moves.
+        let demo = || state.recent.entries().is_empty().then(|| Arc::new(Sequence::demo()));
+        if let Some(sequence) = options.sequence.take().or_else(demo) {
+            state.open(sequence);
+        }
         if let Some(sequence) = options.compare.take() {
             state.compare_with(sequence);
         }

@@ -197,7 +197,7 @@ group! {
             help: "Factor on every splat radius",
             title: "Splat scale",
             hint: "Factor on every splat's radius (+ and -)",
-            section: Section::Surfels,
+            section: Section::Look,
             when: When::Surfels,
             label: Label::Unusual(Place::What, "×{}"),
             values: Values::Number(Numbers {

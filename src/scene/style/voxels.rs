@@ -23,7 +23,7 @@ group! {
             help: "What the light of voxels falls on",
             title: "Light on",
             hint: "What the light of voxels falls on",
-            section: Section::Cubes,
+            section: Section::Shading,
             when: When::Voxels,
             label: Label::Unusual(Place::What, "lit by {}"),
             values: Values::Words(VoxelLight::WORDS),

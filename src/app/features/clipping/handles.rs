@@ -16,6 +16,9 @@ const GRAB: f32 = 10.0;
 /// Radius of a handle, points.
 const RADIUS: f32 = 5.0;
 
+/// Height of a number above a handle, points.
+const LABEL_HEIGHT: f32 = 30.0;
+
 /// Colours of the axes, as those in the corner of the picture.
 const AXES: [(&str, Color32); 3] = [
     ("X", Color32::from_rgb(235, 100, 100)),
@@ -156,5 +159,12 @@ fn paint_handle(canvas: &PictureOverlay<'_>, handle: &Handle, center: Pos2, is_h
         (handle.color, RADIUS)
     };
     canvas.knob(center, radius, fill);
-    canvas.label(center + vec2(0.0, -RADIUS - 12.0), &with_unit(handle.value, unit));
+    // Above the handle, but where the picture ends there.
+    let above = if canvas.has_room_above(center, LABEL_HEIGHT) {
+        -1.0
+    } else {
+        1.0
+    };
+    let place = center + vec2(0.0, above * (RADIUS + 12.0));
+    canvas.label(place, &with_unit(handle.value, unit));
 }

@@ -14,6 +14,7 @@ use std::borrow::Cow;
 const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a folder", Command::OpenFolder),
     ("Open the demo", Command::OpenDemo),
+    ("Close the sequence", Command::CloseSequence),
     ("Compare with a folder", Command::CompareFolder),
     ("Close comparison", Command::CloseComparison),
     ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),
@@ -30,6 +31,10 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a camera path", Command::OpenPath),
     ("Save the camera path", Command::SavePath),
     ("Save the camera path as a file of a name", Command::SavePathAs),
+    (
+        "About pointreel: version, adapter, folders",
+        Command::TogglePanel(PanelId::ABOUT),
+    ),
     ("Show the last benchmark", Command::TogglePanel(PanelId::BENCHMARK)),
 ];
 

@@ -2,6 +2,7 @@
 
 use super::store::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
+use crate::kept;
 use crate::progress::Progress;
 use crate::render::cpu::CpuRenderer;
 use crate::render::{RenderError, Renderer as _};
@@ -11,7 +12,10 @@ use crate::sequence::{
 };
 use egui::ColorImage;
 use glam::DVec3;
+use image::{ImageFormat, RgbaImage};
+use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Points that a picture is drawn from, at most: about one a pixel.
@@ -49,6 +53,28 @@ pub(super) enum Thumbnail {
     Picture(ColorImage),
     /// The frame cannot be read or drawn.
     Broken,
+}
+
+impl Thumbnail {
+    /// Writes the picture to a file; one that cannot be written is told of in the log.
+    pub(super) fn keep(&self, file: &Path) {
+        let Self::Picture(picture) = self else {
+            return;
+        };
+        let [width, height] = picture.size.map(|edge| edge as u32);
+        let bytes = picture.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied());
+        let Some(image) = RgbaImage::from_raw(width, height, bytes.collect()) else {
+            return;
+        };
+        let mut png = Cursor::new(Vec::new());
+        let written = image
+            .write_to(&mut png, ImageFormat::Png)
+            .map_err(std::io::Error::other)
+            .and_then(|()| kept::replace(file, png.get_ref()));
+        if let Err(reason) = written {
+            log::warn!("the picture {} could not be written ({reason})", file.display());
+        }
+    }
 }
 
 impl ThumbnailJob {

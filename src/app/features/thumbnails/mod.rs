@@ -25,6 +25,7 @@ use crate::sequence::{ColorHints, Coloring, FrameError, Needs, Slot};
 use draw::{Material, Thumbnail, ThumbnailJob};
 use egui::Context;
 use schedule::{Bustle, Leisure, WantedFrames};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use store::Store;
@@ -53,6 +54,8 @@ pub struct Thumbnails {
     /// When the last picture was begun.
     begun: Option<Duration>,
     pool: Option<rayon::ThreadPool>,
+    /// Where the next picture is kept as a file.
+    keep_at: Option<PathBuf>,
 }
 
 /// What the thread has made of a frame.
@@ -75,6 +78,7 @@ impl Thumbnails {
             is_busy: false,
             begun: None,
             pool: None,
+            keep_at: None,
         }
     }
 
@@ -100,7 +104,13 @@ impl Thumbnails {
     /// Another sequence was opened.
     pub(in crate::app) fn forget_frames(&mut self) {
         self.wanted = WantedFrames::default();
+        self.keep_at = None;
         self.redo();
+    }
+
+    /// Has the next picture of the open sequence written to a file, to tell it from others by.
+    pub(in crate::app) fn keep_next_at(&mut self, file: Option<PathBuf>) {
+        self.keep_at = file;
     }
 
     /// The window is another one.
@@ -221,11 +231,16 @@ impl Thumbnails {
         };
         self.is_busy = true;
         let generation = self.generation;
+        let keep_at = self.keep_at.take();
         tasks.start_in(pool, move || {
+            let made = job.run();
+            if let Some(file) = keep_at {
+                made.keep(&file);
+            }
             Box::new(Delivery {
                 generation,
                 frame,
-                made: job.run(),
+                made,
             })
         });
     }

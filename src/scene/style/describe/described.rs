@@ -128,16 +128,14 @@ fn environment_words() -> Vec<&'static str> {
 /// A part of the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Section {
-    /// What is drawn, and by whom.
+    /// How large what is drawn is, and of which shape.
+    Look,
+    /// By whom it is drawn, and how many pixels.
     Picture,
     /// How surfels are.
     Surfels,
     /// What the processor draws surfels from.
     Footprints,
-    /// How points are.
-    Points,
-    /// How voxels are.
-    Cubes,
     /// How deep the octree goes.
     Octree,
     /// Which of its cells are drawn.
