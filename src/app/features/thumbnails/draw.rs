@@ -62,7 +62,7 @@ impl Thumbnail {
             return;
         };
         let [width, height] = picture.size.map(|edge| edge as u32);
-        let bytes = picture.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied());
+        let bytes = picture.pixels.iter().flat_map(egui::Color32::to_srgba_unmultiplied);
         let Some(image) = RgbaImage::from_raw(width, height, bytes.collect()) else {
             return;
         };
