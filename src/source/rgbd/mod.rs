@@ -6,6 +6,7 @@
 //! their colours ([`crate::rgbd`]).
 
 mod calibration;
+mod camera_info;
 mod decoder;
 mod depth_code;
 mod error;

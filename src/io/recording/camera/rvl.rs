@@ -123,7 +123,7 @@ mod tests {
             }
             at += holes + measured;
         }
-        let word = |eight: &[u32]| (0..8).fold(0, |word, place| word << 4 | eight.get(place).copied().unwrap_or(0));
+        let word = |eight: &[u32]| (0..8).fold(0, |word, place| (word << 4) | eight.get(place).copied().unwrap_or(0));
         let words = nibbles.chunks(8).map(word);
         [width, height]
             .into_iter()
