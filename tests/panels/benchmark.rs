@@ -75,7 +75,7 @@ fn a_benchmark_shows_progress_then_its_table() {
     go_on.send(()).unwrap();
     finish(&mut harness);
     for label in [
-        "Suite surfels",
+        "Surfels × strategies",
         "Test adapter",
         "strategy",
         "median",

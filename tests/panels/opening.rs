@@ -109,10 +109,10 @@ fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
 fn what_was_opened_lately_is_offered_with_its_picture() {
     let folder = tempfile::tempdir().unwrap();
     let scan = folder.path().join("scan.xyz");
-    let rows: String = (0..400)
-        .map(|index| format!("{} {} 0\n", index % 20, index / 20))
+    let rows: Vec<String> = (0..400)
+        .map(|index| format!("{} {} 0", index % 20, index / 20))
         .collect();
-    std::fs::write(&scan, rows).unwrap();
+    std::fs::write(&scan, rows.join("\n")).unwrap();
     let (recent, problem) = pointreel::app::Recent::load_from(&folder.path().join("recent.json"));
     assert_eq!(problem, None);
     let options = StateOptions {

@@ -7,7 +7,7 @@ use crate::app::open_panels::PanelId;
 use crate::app::theme::ACCENT;
 use crate::app::widgets::tool_window::{room, tool_window};
 use crate::app::work::panel::{bar, cancel_button};
-use crate::bench::{LabPoint, RatePoint, Table};
+use crate::bench::{LabPoint, RatePoint, Table, suites};
 use crate::scene::Strategy;
 use egui::{Grid, Label, Rect, RichText, ScrollArea, Ui, Vec2, vec2};
 use egui_plot::{Bar, BarChart, Plot};
@@ -75,6 +75,13 @@ pub(in crate::app) fn benchmark_ui(
     request
 }
 
+/// The title of a suite, as in the menu.
+fn title_of(suite: &str) -> &str {
+    suites::all()
+        .find(|known| known.name() == suite)
+        .map_or(suite, |known| known.title)
+}
+
 /// What runs or has run, above all that scrolls.
 fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
     match benchmark {
@@ -85,7 +92,7 @@ fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
             );
         }
         Benchmark::Running(running) => {
-            ui.strong(format!("Suite {}", running.suite));
+            ui.strong(title_of(&running.suite));
             bar(ui, &running.work, now);
             // However long the name of a step is, what is below stays where it is.
             ui.add(Label::new(running.label()).truncate());
@@ -101,7 +108,7 @@ fn head(ui: &mut Ui, benchmark: &Benchmark, now: Duration) {
             }
         }
         Benchmark::Done(table) => {
-            ui.strong(format!("Suite {}", table.suite));
+            ui.strong(title_of(&table.suite));
             ui.weak(&table.adapter);
         }
     }
