@@ -2,7 +2,7 @@
 //!
 //! How it works: some frames that follow each other are written to memory as a sequence file ([`crate::reel`]) and read
 //! back, with one choice of options after the other. Bits are those of all bytes, the directory included. Times are
-//! those of one thread, so that they hold for any number of them. The distortion is that of the first frame
+//! those of one thread, so that they hold for any number of them. The distortion is that of the last frame
 //! ([`judge`]). Beside them stands what Draco makes of the same points ([`draco`]).
 
 mod draco;
@@ -62,7 +62,7 @@ pub const REEL: &Suite = &Suite {
     hint: "Bits a point, times and errors of sequence files with several options",
     description: "bits a point of sequence files by stream, times to encode and decode, distortion; Draco beside",
     measured: "encoding and decoding frames that follow each other, on one thread, in memory; a frame's share of the \
-        time of its group; PSNR of the first frame from point to point (D1) and along normals (D2), both ways, with 3 \
+        time of its group; PSNR of the last frame from point to point (D1) and along normals (D2), both ways, with 3 \
         p², and of its colours; mean angle of its normals; FLIP of its picture beside that of the original, over the \
         pixels that show either",
     not_measured: "reading the frames, disks, the time to draw",
@@ -126,14 +126,16 @@ fn measure_sequence(
 ) -> Result<(), BenchError> {
     let frames = consecutive(subject)?;
     run.begin_step(format!("{}: the original", subject.name))?;
-    let mut judge = Judge::new(run.options, subject, frames[0].index, &frames[0].cloud)?;
+    // The last one is told by all before it, where any is.
+    let last = frames.len() - 1;
+    let mut judge = Judge::new(run.options, subject, frames[last].index, &frames[last].cloud)?;
     let (repeats, progress) = (run.options.repeat, run.progress);
     let mut rows = Vec::new();
     let mut cells = None;
     for (words, options) in ways {
         run.begin_step(format!("{}: {words}", subject.name))?;
         let Measured { samples, decoded } = one_thread(|| KeptSamples::of_reel(&frames, options, repeats, progress))??;
-        let distortion = judge.judge(&decoded[0].cloud)?;
+        let distortion = judge.judge(&decoded[last].cloud)?;
         rows.push(samples.row(subject.name, words, &distortion));
         if options.precision == CELLS {
             cells = Some(DracoCells::of(&decoded));
@@ -144,7 +146,7 @@ fn measure_sequence(
         run.begin_step(format!("{}: {words}", subject.name))?;
         let Some(cells) = &cells else { continue };
         let Measured { samples, decoded } = one_thread(|| cells.measure(coder, repeats, progress))??;
-        let distortion = judge.judge(&decoded[0].cloud)?;
+        let distortion = judge.judge(&decoded[last].cloud)?;
         rows.push(samples.row(subject.name, words, &distortion));
     }
     let points: Vec<f64> = frames.iter().map(|frame| frame.cloud.positions.len() as f64).collect();
