@@ -166,7 +166,7 @@ impl SampleFrame {
         };
         let first = of(0).unwrap_or_default();
         let second = of(1).unwrap_or(first);
-        let of_first = 1.0 / group as f64;
+        let of_first = groups_a_frame(options, self.frame_count);
         let bytes = std::array::from_fn(|kind| of_first * first[kind] + (1.0 - of_first) * second[kind]);
         Ok((file, bytes))
     }
@@ -200,9 +200,14 @@ fn shared_bytes(file: &ReelFile, options: &ReelOptions, frame_count: usize) -> R
     let (of_file, one, two) = (none?, one?, two?);
     let of_group = (2.0 * one - two - of_file).max(0.0);
     let of_frame = (other_bytes(file) - of_file - of_group) / file.frame_count().max(1) as f64;
-    let frame_count = frame_count.max(1);
-    let group = (options.keyframes as usize).clamp(1, frame_count);
-    Ok(of_frame.max(0.0) + of_group / group as f64 + of_file / frame_count as f64)
+    let groups = groups_a_frame(options, frame_count);
+    Ok(of_frame.max(0.0) + of_group * groups + of_file / frame_count.max(1) as f64)
+}
+
+/// The share of frames that begin a group.
+fn groups_a_frame(options: &ReelOptions, frame_count: usize) -> f64 {
+    let count = frame_count.max(1);
+    count.div_ceil(options.keyframes as usize) as f64 / count as f64
 }
 
 /// What becomes of a sequence, by some of its frames.
