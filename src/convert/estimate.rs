@@ -339,7 +339,12 @@ mod tests {
 
     /// Four frames of a wave of 1,600 points, coloured and with normals; the last one is empty.
     fn sequence() -> Sequence {
-        let entries = (0..4).map(|number| FrameEntry {
+        sequence_of(4)
+    }
+
+    /// The first of those frames.
+    fn sequence_of(count: u32) -> Sequence {
+        let entries = (0..count.into()).map(|number| FrameEntry {
             number: Some(number),
             ..FrameEntry::file(format!("nowhere/{number}.ply"))
         });
@@ -364,20 +369,24 @@ mod tests {
     }
 
     fn judged(index: usize, target: &Target) -> SampleEstimate {
-        let sample = SampleFrame::read(&sequence(), index).unwrap();
+        judged_of(&sequence(), index, target)
+    }
+
+    fn judged_of(sequence: &Sequence, index: usize, target: &Target) -> SampleEstimate {
+        let sample = SampleFrame::read(sequence, index).unwrap();
         sample.judge(target, &Progress::default()).unwrap().unwrap()
     }
 
     #[test]
     fn an_estimate_is_what_a_file_comes_to() {
-        let sequence = sequence();
+        let sequence = sequence_of(3);
         for options in [ReelOptions::default(), ReelOptions::lossless()] {
             let options = ReelOptions {
                 keyframes: 3,
                 ..options
             };
             let target = Target::Reel(options.clone());
-            let samples = [0, 1, 2].map(|index| judged(index, &target));
+            let samples = [0, 1, 2].map(|index| judged_of(&sequence, index, &target));
             let estimate = Estimate::of(&samples).unwrap();
             let clouds = [0, 1, 2].map(|index| sequence.decode(index).unwrap());
             let frames = clouds.each_ref().map(|cloud| NewFrame {

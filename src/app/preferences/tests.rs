@@ -102,7 +102,8 @@ fn unusual() -> Preferences {
 }
 
 /// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no [`LightRig`], no
-/// eye-dome lighting, no grid and no scale bar; nothing in it is by default.
+/// eye-dome lighting, no grid, no scale bar, no advanced settings and no place of the benchmarks' window; nothing in it is
+/// by default.
 const OF_VERSION_6: &str = include_str!("versions/6.json");
 
 /// What [`OF_VERSION_6`] says.
@@ -133,6 +134,8 @@ fn of_version_6() -> Preferences {
         }),
         present: PresentChoice::Auto,
         scale_bar: true,
+        advanced: false,
+        benchmark_place: None,
         ..unusual
     }
 }
@@ -204,6 +207,8 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 ..of_version_6().settings.light
             };
         }),
+        advanced: false,
+        benchmark_place: None,
         ..unusual()
     };
     let sixth = of_version_6();

@@ -1,8 +1,8 @@
 //! What the motion of the nodes of a level says of how those below them move.
 //!
 //! How it works: a body that turns moves by another step at each of its points, and that difference is as good as
-//! linear from a node to those around it. The linear map that fits the steps of the nodes around a node best (least squares)
-//! says how its children move otherwise than it does.
+//! linear from a node to those around it. The linear map that fits the steps of the nodes around a node best (least
+//! squares) says how its children move otherwise than it does.
 
 use super::followed::Family;
 use crate::reel::tree::NONE;
