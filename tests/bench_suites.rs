@@ -303,7 +303,7 @@ fn sequence_files_are_measured_by_stream() {
     // Frames of a group share a directory, and their coordinates one cube.
     assert!(density < 1.05 * alone, "{density} {alone}");
     let streams = [
-        "geometry", "position", "color", "normal", "offset", "radius", "scalar", "order",
+        "geometry", "position", "color", "normal", "offset", "radius", "scalar", "order", "motion",
     ];
     for options in of_reel {
         let of_streams = streams.map(|stream| number(options, &format!("{stream}_bits")).unwrap());

@@ -42,6 +42,7 @@ const COLUMNS: &[Column] = &[
     Column::number("scalar_bits", "scalar", 3),
     Column::number("ellipse_bits", "ellipse", 3).hidden(),
     Column::number("order_bits", "order", 3),
+    Column::number("motion_bits", "motion", 3),
     Column::number("encode_ms", "encode ms", 2),
     Column::number("decode_ms", "decode ms", 2),
     Column::number("encode_mpoints_per_s", "M points/s in", 2),
