@@ -103,17 +103,23 @@ fn frames_are_the_same_in_any_order_and_on_every_level() {
 
 #[test]
 fn coarse_levels_move_as_the_points_do() {
-    let clouds: Vec<RawCloud> = (0..4)
-        .map(|frame| turned(&surface(9000, 0.0), DQuat::IDENTITY, DVec3::Y * 0.03 * f64::from(frame)))
-        .collect();
-    let bytes = file_of(&clouds, &group_of(4));
+    let motion = |frame: f64| (DQuat::from_rotation_z(0.03 * frame), DVec3::Y * 0.03 * frame);
+    let body = surface(9000, 0.0);
+    let bodies = (0..4).map(|frame| {
+        let (turn, step) = motion(f64::from(frame));
+        turned(&body, turn, step)
+    });
+    let bytes = file_of(&bodies.collect::<Vec<_>>(), &group_of(4));
     let levels = open(&bytes).unwrap().frame(0).unwrap().level_points.to_vec();
+    let cell = decoded(&bytes, 0, usize::MAX).cell_edge;
     for &most in &levels[2..] {
         let [first, last] = [0, 3].map(|index| decoded(&bytes, index, most));
-        let moved = turned(&first.cloud, DQuat::IDENTITY, DVec3::Y * 0.09);
-        let cell = decoded(&bytes, 0, usize::MAX).cell_edge;
+        let (turn, step) = motion(3.0);
+        let moved = turned(&first.cloud, turn, step);
         let most_off = distances(&moved, &last.cloud).into_iter().fold(0.0, f64::max);
-        assert!(most_off <= cell, "{most} points: {most_off} of {cell}");
+        // The mean of the points of a node turns about another place than the node.
+        let allowed = cell + 0.1 * first.cell_edge;
+        assert!(most_off <= allowed, "{most} points: {most_off} of {allowed}");
         assert_eq!(first.cloud.attributes.radii, last.cloud.attributes.radii);
     }
 }

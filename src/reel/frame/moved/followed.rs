@@ -26,7 +26,8 @@ pub(in crate::reel) struct Followed {
     /// The index in the file of each point.
     order: Vec<u32>,
     part_bits: u32,
-    depth: u32,
+    /// The level of the deepest cells, be it decoded or not.
+    pub(super) depth: u32,
 }
 
 /// The nodes of a level.

@@ -47,8 +47,8 @@ struct MotionScale {
 }
 
 impl MotionScale {
-    /// The step of a level by how many are below it.
-    fn step(self, below: usize) -> i32 {
+    /// The step of a level by how many levels of nodes are below it.
+    fn step(self, below: u32) -> i32 {
         let [finest, least] = self.steps;
         ((finest >> below.min(16)) | 1).max(least)
     }

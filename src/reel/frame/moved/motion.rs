@@ -32,7 +32,6 @@ pub(super) fn code_motion<C: BitCoder>(
         models: vec![MagnitudeModel::default(); 2 * 3 * CLASSES * CLASSES],
         rest: RestModels::default(),
     };
-    let count = levels.len();
     let mut parents: &[[i32; 3]] = &[[0; 3]];
     for (level, steps) in levels.into_iter().enumerate() {
         let of_level = &followed.levels[level];
@@ -47,7 +46,8 @@ pub(super) fn code_motion<C: BitCoder>(
             .differences(),
         };
         if let Some(coder) = &mut coders[places[level]] {
-            let step = scale.step(count - 1 - level);
+            // Not by how many levels are decoded: a prefix of them moves as it does among all.
+            let step = scale.step(followed.depth.saturating_sub(level as u32));
             code_level(
                 coder,
                 &mut models,
