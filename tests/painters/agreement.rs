@@ -216,8 +216,8 @@ fn a_benchmark() {
         })
     });
     shown.state().start_benchmark_job("surfels", job);
-    until(&mut shown, |harness| harness.query_by_label("Suite surfels").is_some());
-    shown.compare("benchmark", "Suite surfels");
+    until(&mut shown, |harness| harness.query_by_label("Surfels × strategies").is_some());
+    shown.compare("benchmark", "Surfels × strategies");
 }
 
 #[test]
