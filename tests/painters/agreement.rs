@@ -216,7 +216,9 @@ fn a_benchmark() {
         })
     });
     shown.state().start_benchmark_job("surfels", job);
-    until(&mut shown, |harness| harness.query_by_label("Surfels × strategies").is_some());
+    until(&mut shown, |harness| {
+        harness.query_by_label("Surfels × strategies").is_some()
+    });
     shown.compare("benchmark", "Surfels × strategies");
 }
 

@@ -263,7 +263,15 @@ impl App {
         event_loop: &ActiveEventLoop,
         screen: &mut OpenWindow,
     ) -> Result<(), RenderError> {
-        let (Some(path), Some(player)) = (&self.options.screenshot, &self.state.player) else {
+        let Some(path) = &self.options.screenshot else {
+            return Ok(());
+        };
+        if let Some(failed) = &self.state.failed {
+            let why = failed.reason.clone();
+            self.fail(event_loop, AppError::Screenshot(why));
+            return Ok(());
+        }
+        let Some(player) = &self.state.player else {
             return Ok(());
         };
         // Without playing there is no second frame to wait for.
