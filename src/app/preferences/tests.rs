@@ -102,8 +102,8 @@ fn unusual() -> Preferences {
 }
 
 /// As the first program of version 6 wrote it, which had no [`PresentChoice`], no [`VoxelLight`], no [`LightRig`], no
-/// eye-dome lighting, no grid, no scale bar, no advanced settings and no place of the benchmarks' window; nothing in it is
-/// by default.
+/// eye-dome lighting, no grid, no scale bar, no advanced settings and no place of the benchmarks' window; nothing in it
+/// is by default.
 const OF_VERSION_6: &str = include_str!("versions/6.json");
 
 /// What [`OF_VERSION_6`] says.
