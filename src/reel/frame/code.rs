@@ -4,11 +4,10 @@ use super::exact::columns_of;
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::schema::Schema;
-use super::sections::{CodedSection, Sizes, Wanted, blank_sections, sections_of};
+use super::sections::{CodedSection, Sizes, Wanted, blank_sections, ranges_of, sections_of};
 use super::{compact, fast};
 use crate::reel::error::Fault;
 use crate::reel::options::Coding;
-use std::ops::Range;
 
 /// The frame as sections; the pose becomes what a decoder makes of them.
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {
@@ -40,11 +39,7 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
         .counts
         .get(..levels)
         .ok_or_else(|| Fault::new("a section of levels that there are not"))?;
-    let ranges: Vec<Range<usize>> = sections
-        .iter()
-        .map(|section| section.levels.clone())
-        .filter(|levels| !levels.is_empty())
-        .collect();
+    let ranges = ranges_of(sections);
     let has_points = ranges.len() < sections.len();
     let mut pose = blank(wanted, counts, has_points);
     let sizes = Sizes {

@@ -8,7 +8,7 @@ use super::exact::{code_columns, code_positions, columns_by_kind};
 use super::grid::Grid;
 use super::levels::{Level, Pose, PosePoints};
 use super::schema::{Schema, StreamKind};
-use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted};
+use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted, places_of};
 use crate::reel::attributes::{
     ChannelModels, NormalGrid, NormalModels, OffsetModels, code_channels, code_normals, code_offsets,
 };
@@ -179,11 +179,7 @@ fn code_values<C: BitCoder + Send>(
     all: &mut Vec<(StreamKind, Vec<C>)>,
 ) {
     let has_points = pose.points.is_some();
-    // The section of each level, and of the points.
-    let places: Vec<usize> = (0..pose.levels.len())
-        .map(|level| sizes.section_of(level))
-        .chain(has_points.then_some(sizes.ranges.len()))
-        .collect();
+    let places = places_of(sizes.ranges, pose.levels.len(), has_points);
     let mut colors = Vec::new();
     let mut normals = Vec::new();
     let mut offsets = Vec::new();

@@ -76,8 +76,20 @@ impl Sizes<'_> {
     }
 }
 
+/// The section of each of the first levels, and of the points.
+pub(super) fn places_of(ranges: &[Range<usize>], levels: usize, has_points: bool) -> Vec<usize> {
+    let of_levels = (0..levels).map(|level| section_of(ranges, level));
+    of_levels.chain(has_points.then_some(ranges.len())).collect()
+}
+
+/// The levels that sections add, those of points left out.
+pub(super) fn ranges_of(sections: &[CodedSection]) -> Vec<Range<usize>> {
+    let levels = sections.iter().map(|section| section.levels.clone());
+    levels.filter(|levels| !levels.is_empty()).collect()
+}
+
 /// The section of a level, by the levels of each.
-pub(super) fn section_of(ranges: &[Range<usize>], level: usize) -> usize {
+fn section_of(ranges: &[Range<usize>], level: usize) -> usize {
     ranges.iter().position(|range| range.contains(&level)).unwrap_or(0)
 }
 

@@ -50,6 +50,17 @@ pub(super) struct Summaries {
     singles: Vec<Vec<[u16; 1]>>,
 }
 
+/// The children of each node of a level with these masks.
+pub(super) fn children(masks: &[u8]) -> Vec<Range<usize>> {
+    let mut next = 0;
+    let of_node = |mask: &u8| {
+        let start = next;
+        next += mask.count_ones() as usize;
+        start..next
+    };
+    masks.iter().map(of_node).collect()
+}
+
 impl LevelValues {
     pub(super) fn take(&mut self, summaries: &Summaries) {
         self.colors.clone_from(&summaries.colors);
@@ -224,15 +235,7 @@ impl Summaries {
 
     /// The means of the nodes above.
     pub(super) fn above(&self, schema: &Schema, masks: &[u8]) -> Self {
-        let mut next = 0;
-        let ranges: Vec<Range<usize>> = masks
-            .iter()
-            .map(|mask| {
-                let start = next;
-                next += mask.count_ones() as usize;
-                start..next
-            })
-            .collect();
+        let ranges = children(masks);
         let color = |range: &Range<usize>| {
             let sum = |channel: usize| {
                 self.colors[range.clone()]

@@ -1,7 +1,7 @@
 //! How nodes moved and changed, as streams and back.
 
 use super::super::schema::{Schema, StreamKind};
-use super::super::sections::{CodedSection, blank_sections, section_of, sections_of};
+use super::super::sections::{CodedSection, blank_sections, places_of, ranges_of, sections_of};
 use super::changes::Changes;
 use super::followed::Followed;
 use super::motion::code_motion;
@@ -11,7 +11,7 @@ use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder};
 use crate::reel::error::Fault;
 use crate::reel::tree::Known;
 use rayon::prelude::*;
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 
 /// A coder for each section, none where nothing changed.
 type Coders<C> = Vec<Option<C>>;
@@ -35,12 +35,6 @@ fn coders<C>(schema: &Schema, sections: usize, coder: impl Fn(StreamKind, usize)
     kinds.dedup();
     let of_kind = |kind| (kind, (0..sections).map(|section| coder(kind, section)).collect());
     kinds.into_iter().map(of_kind).collect()
-}
-
-/// The section of each level, and of the points.
-fn places_of(ranges: &[Range<usize>], levels: usize, has_points: bool) -> Vec<usize> {
-    let of_levels = (0..levels).map(|level| section_of(ranges, level));
-    of_levels.chain(has_points.then_some(ranges.len())).collect()
 }
 
 /// The frame behind `followed` as sections; what is followed becomes what a decoder makes of them.
@@ -79,11 +73,7 @@ pub(in crate::reel) fn decode(
     followed: &mut Followed,
     sections: &[CodedSection],
 ) -> Result<(), Fault> {
-    let ranges: Vec<Range<usize>> = sections
-        .iter()
-        .map(|section| section.levels.clone())
-        .filter(|levels| !levels.is_empty())
-        .collect();
+    let ranges = ranges_of(sections);
     let levels = ranges.last().map_or(0, |range| range.end);
     let has_points = ranges.len() < sections.len();
     if levels != followed.counts().len() || has_points != followed.has_points {

@@ -133,31 +133,37 @@ pub(super) struct Family {
 
 /// What is known of the nodes of every level, and who is around them where something is below.
 fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>) {
-    let mut families = Vec::new();
-    let mut neighbours = vec![ALONE];
-    let mut above: &[u8] = &[1];
-    let mut plans = Vec::with_capacity(levels.len());
     if levels.first().is_none_or(|root| root.cells.is_empty()) {
-        return (vec![Vec::new(); levels.len()], families);
+        let nobody = Family {
+            neighbours: Vec::new(),
+            first: vec![0],
+        };
+        return (vec![Vec::new(); levels.len()], vec![nobody; levels.len()]);
     }
+    // The root is the only child of a node that is alone.
+    let mut masks: &[u8] = &[1];
+    let mut families = vec![Family {
+        neighbours: vec![ALONE],
+        first: first_children(masks),
+    }];
+    let mut plans = Vec::with_capacity(levels.len());
     for (place, level) in levels.iter().enumerate() {
-        let first = first_children(above);
+        let above = &families[place];
         let links = Links {
-            neighbours: &neighbours,
-            masks: above,
-            first: &first,
+            neighbours: &above.neighbours,
+            masks,
+            first: &above.first,
         };
         plans.push(plan(links));
-        let is_deepest = place + 1 == levels.len();
-        if !is_deepest || has_points {
-            neighbours = neighbours_below(links);
-            above = &level.masks;
-            families.push(Family {
-                neighbours: neighbours.clone(),
-                first: if is_deepest { Vec::new() } else { first_children(above) },
-            });
+        if place + 1 < levels.len() || has_points {
+            let neighbours = neighbours_below(links);
+            masks = &level.masks;
+            // Points are no octants: their number is told otherwise.
+            let first = first_children(masks);
+            families.push(Family { neighbours, first });
         }
     }
+    families.remove(0);
     (plans, families)
 }
 
@@ -187,4 +193,38 @@ pub(in crate::reel) fn cloud_of_followed(
         in_file_order(&followed.order, &mut cloud);
     }
     cloud
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::changes::Changes;
+    use super::super::{decode, encode};
+    use super::*;
+    use crate::reel::ReelOptions;
+    use crate::reel::frame::{GroupPlan, encode_pose, prepare};
+
+    /// No writer makes one, but damaged bytes may say so.
+    #[test]
+    fn a_frame_without_points_can_be_followed() {
+        let empty = RawCloud::from_positions(Positions::F32(Vec::new()));
+        for options in [
+            ReelOptions::default(),
+            ReelOptions {
+                precision: crate::reel::Precision::Length(1e-3),
+                ..ReelOptions::default()
+            },
+        ] {
+            let plan = GroupPlan::new(&[&empty], &options);
+            let schema = &plan.schemas[0];
+            let mut pose = prepare(&plan, 0, &empty);
+            encode_pose(schema, &plan.grid, &mut pose);
+            let mut followed = Followed::of(schema, &plan.grid, &pose).unwrap();
+            let changes = Changes::none(&followed);
+            let sections = encode(schema, &mut followed, changes);
+            decode(schema, &mut followed, &sections).unwrap();
+            let level = followed.levels.len() - 1;
+            let cloud = cloud_of_followed(schema, &plan.grid, &followed, level, &[]);
+            assert_eq!(cloud.positions.len(), 0);
+        }
+    }
 }

@@ -2,9 +2,9 @@
 //!
 //! How it works: where the points of a file keep their order from frame to frame, those of a cell of the key frame stay
 //! together, and the node that stands for them moves as their mean does. How far is one more attribute of the nodes of
-//! the key frame's octree, coded level by level by the predicting transform of colours: a node moves as its parent and
-//! the nodes beside it do, and at the pace that it had. Colours and single numbers are changes by the same transform;
-//! normals turn as those around them.
+//! the key frame's octree, coded level by level: a node moves as its parent does, and otherwise as the motion around
+//! that says ([`slope`]). Colours and single numbers are changes, by the transform that colours have in frames that
+//! stand alone; normals turn as those around them.
 //!
 //! When it wins: models that are animated, surfaces that are tracked. What a point has told once it need not tell
 //! again: of a textured body hardly anything is left but how it moves, and points keep their identity, so nothing
@@ -27,7 +27,7 @@ pub(in crate::reel) use run::{Run, follows};
 use super::grid::Grid;
 use super::schema::{Kept, Schema, Values};
 
-/// Most that a node is told to move or change by, in parts of a cell or steps: within it, quotients are exact
+/// Most parts of a cell that a node is told to move by: within it, quotients are exact
 /// ([`crate::reel::coder::divided`]).
 const MOST_CHANGE: i32 = 1 << 13;
 

@@ -3,10 +3,10 @@
 use super::super::levels::{LevelValues, Pose};
 use super::super::prepare::GroupPlan;
 use super::super::schema::Schema;
-use super::super::summaries::PointValues;
+use super::super::summaries::{PointValues, children};
 use super::changes::{Changes, LevelChanges};
 use super::followed::Followed;
-use super::{MOST_CHANGE, motion_scale, part_bits};
+use super::{MOST_CHANGE, MOST_POSITION_BITS, motion_scale, part_bits};
 use crate::cloud::RawCloud;
 use glam::DVec3;
 use std::ops::Range;
@@ -17,7 +17,7 @@ pub(in crate::reel) struct Run<'a> {
     plan: &'a GroupPlan,
     schema: &'a Schema,
     /// The points of the key frame in the order of its nodes.
-    order: Vec<u32>,
+    order: &'a [u32],
     /// Those of each node of the deepest level.
     nodes: Vec<Range<usize>>,
     masks: Vec<Vec<u8>>,
@@ -43,10 +43,10 @@ impl<'a> Run<'a> {
         let schema = &plan.schemas[index];
         let part_bits = part_bits(schema, &plan.grid)?;
         let (_, nodes) = plan.nodes(index);
-        let order = plan.order(index).to_vec();
+        let order = plan.order(index);
         let deepest = pose.levels.last()?;
         let radii = schema.radius_single().map(|single| {
-            let largest = PointValues::new(schema, &plan.grid, cloud).largest_radii(&nodes, &order);
+            let largest = PointValues::new(schema, &plan.grid, cloud).largest_radii(&nodes, order);
             (deepest.values.singles[single].clone(), largest)
         });
         let mut run = Self {
@@ -61,7 +61,7 @@ impl<'a> Run<'a> {
             parts_per_unit: f64::from(1u32 << part_bits) / plan.grid.cell,
         };
         if !followed.has_points {
-            let means = means(cloud, &run.nodes, &run.order);
+            let means = means(cloud, &run.nodes, run.order);
             let anchor = |(position, mean): (&[i32; 3], DVec3)| {
                 DVec3::from_array(position.map(f64::from)) - (mean - plan.grid.min) * run.parts_per_unit
             };
@@ -83,7 +83,7 @@ impl<'a> Run<'a> {
         let depth = self.plan.grid.depth as usize;
         let finest = followed.levels.last()?;
         let truth = self.truth_of(cloud);
-        let is_near = |place: &DVec3| place.abs().max_element() < f64::from(1 << 28);
+        let is_near = |place: &DVec3| place.abs().max_element() < f64::from(1 << MOST_POSITION_BITS);
         if !truth.iter().all(is_near) {
             return None;
         }
@@ -104,8 +104,8 @@ impl<'a> Run<'a> {
             steps[level] = mean_steps(&steps[level + 1], &children(&self.masks[level]));
         }
         self.truth = truth;
-        let is_near = |along: &i32| along.abs() <= MOST_CHANGE;
-        if !steps.iter().flatten().flatten().all(is_near) {
+        let can_be_told = |along: &i32| along.abs() <= MOST_CHANGE;
+        if !steps.iter().flatten().flatten().all(can_be_told) {
             return None;
         }
         let values = self.values(cloud, followed.has_points);
@@ -124,7 +124,7 @@ impl<'a> Run<'a> {
             let place = |&point: &u32| in_parts(cloud.positions.get(point as usize));
             return self.order.iter().map(place).collect();
         }
-        let means = means(cloud, &self.nodes, &self.order);
+        let means = means(cloud, &self.nodes, self.order);
         means
             .iter()
             .zip(&self.anchors)
@@ -135,10 +135,10 @@ impl<'a> Run<'a> {
     /// The values of all levels, and then of the points.
     fn values(&self, cloud: &RawCloud, has_points: bool) -> Vec<LevelValues> {
         let of_points = PointValues::new(self.schema, &self.plan.grid, cloud);
-        let mut summaries = of_points.leaves(&self.nodes, &self.order);
+        let mut summaries = of_points.leaves(&self.nodes, self.order);
         if let (Some((covering, largest)), Some(single)) = (&self.radii, self.schema.radius_single()) {
             // A disk that reached over the points of a node does so while these stay together, however they turn.
-            let now = of_points.largest_radii(&self.nodes, &self.order);
+            let now = of_points.largest_radii(&self.nodes, self.order);
             let grown = covering
                 .iter()
                 .zip(largest)
@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
         if has_points {
             let each: Vec<Range<usize>> = (0..self.order.len()).map(|place| place..place + 1).collect();
             let mut values = LevelValues::default();
-            values.take(&of_points.leaves(&each, &self.order));
+            values.take(&of_points.leaves(&each, self.order));
             levels.push(values);
         }
         levels
@@ -173,17 +173,6 @@ fn means(cloud: &RawCloud, nodes: &[Range<usize>], order: &[u32]) -> Vec<DVec3> 
         sum / range.len() as f64
     };
     nodes.iter().map(mean).collect()
-}
-
-/// The children of each node.
-fn children(masks: &[u8]) -> Vec<Range<usize>> {
-    let mut next = 0;
-    let of_node = |mask: &u8| {
-        let start = next;
-        next += mask.count_ones() as usize;
-        start..next
-    };
-    masks.iter().map(of_node).collect()
 }
 
 fn mean_steps(below: &[[i32; 3]], nodes: &[Range<usize>]) -> Vec<[i32; 3]> {
