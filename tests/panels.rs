@@ -105,6 +105,16 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
     harness.run();
 }
 
+/// Drags from one place to another, with the pointer seen on its way.
+fn drag(harness: &mut Harness<'_, State>, from: egui::Pos2, to: egui::Pos2) {
+    harness.drag_at(from);
+    harness.run();
+    harness.hover_at(to);
+    harness.run();
+    harness.drop_at(to);
+    harness.run();
+}
+
 fn clock<'a>(harness: &'a Harness<'_, State>) -> &'a pointreel::timeline::Clock {
     harness.state().player.as_ref().unwrap().clock()
 }

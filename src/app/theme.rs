@@ -6,6 +6,13 @@ use egui::{Color32, Context, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, T
 
 /// What is chosen, and the playhead.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(86, 156, 255);
+
+/// Of x, y and z, wherever axes are shown.
+pub(super) const AXIS_COLORS: [Color32; 3] = [
+    Color32::from_rgb(235, 100, 100),
+    Color32::from_rgb(120, 200, 110),
+    Color32::from_rgb(100, 150, 250),
+];
 /// What failed.
 pub(super) const BAD: Color32 = Color32::from_rgb(236, 92, 92);
 /// What is odd.

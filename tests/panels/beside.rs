@@ -1,9 +1,9 @@
 //! Two sequences beside each other.
 
 use super::points::click_on;
-use super::{click, load_all, options, press, window_on};
+use super::{click, drag, load_all, options, press, window_on};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2};
+use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use glam::DVec3;
@@ -217,14 +217,6 @@ fn both_are_seen_by_one_camera_in_halves_of_their_own_or_over_each_other() {
         harness.state_mut().forget_picture();
         let state = harness.state_mut();
         [state.next_packet().unwrap(), state.next_other_packet().unwrap()]
-    };
-    let drag = |harness: &mut Harness<'_, State>, from: Pos2, to: Pos2| {
-        harness.drag_at(from);
-        harness.run();
-        harness.hover_at(to);
-        harness.run();
-        harness.drop_at(to);
-        harness.run();
     };
     let [a, b] = packets(&mut harness);
     let whole = harness.state().viewport.rect.union(harness.state().viewport.other_rect);

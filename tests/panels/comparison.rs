@@ -1,6 +1,6 @@
 //! Two ways to draw side by side.
 
-use super::{click, window};
+use super::{click, drag, window};
 use egui_kittest::kittest::Queryable as _;
 use image::{Rgba, RgbaImage};
 use pointreel::app::{Command, Side, WindowRequest};
@@ -123,12 +123,7 @@ fn the_line_is_dragged_and_the_camera_stays() {
         rect.center(),
         egui::pos2(rect.left() + 0.25 * rect.width(), rect.center().y),
     );
-    harness.drag_at(from);
-    harness.run();
-    harness.hover_at(to);
-    harness.run();
-    harness.drop_at(to);
-    harness.run();
+    drag(&mut harness, from, to);
     let split = harness.state().pictures().unwrap().split;
     assert!((split - 0.25).abs() < 0.01, "{split}");
     assert_eq!(harness.state().camera, camera);

@@ -1,6 +1,6 @@
 //! The timeline: buttons, bar, speed, loop mode.
 
-use super::{FRAMES, click, clock, frame, is_playing, window};
+use super::{FRAMES, click, clock, drag, frame, is_playing, window};
 use egui::accesskit::Role;
 use egui::pos2;
 use egui_kittest::Harness;
@@ -96,14 +96,6 @@ fn in_and_out_point_are_dragged_and_the_playhead_stays() {
     go_to(&mut harness, 15);
     harness.state_mut().run(Command::SetOut);
     harness.run();
-    let drag = |harness: &mut Harness<'_, State>, from: egui::Pos2, to: egui::Pos2| {
-        harness.drag_at(from);
-        harness.run();
-        harness.hover_at(to);
-        harness.run();
-        harness.drop_at(to);
-        harness.run();
-    };
     drag(&mut harness, border(4), border(8));
     drag(&mut harness, border(16), border(20));
     let range = clock(&harness).range();

@@ -7,7 +7,7 @@ use super::pair::{lay_out, pair_ui};
 use super::scale_bar::scale_bar_ui;
 use super::welcome::welcome_ui;
 use crate::app::grip::{Grip, Pull};
-use crate::app::theme::{ACCENT, ODD};
+use crate::app::theme::{ACCENT, AXIS_COLORS, ODD};
 use crate::app::widgets::picture::picture;
 use crate::app::{State, Tool};
 use crate::scene::Camera;
@@ -215,9 +215,9 @@ fn axes(painter: &egui::Painter, rect: Rect, state: &State) {
         .view_from_frame_rotation;
     let center = rect.right_bottom() - vec2(44.0, 44.0);
     let mut axes = [
-        ("x", rotation * Vec3::X, Color32::from_rgb(235, 100, 100)),
-        ("y", rotation * Vec3::Y, Color32::from_rgb(120, 200, 110)),
-        ("z", rotation * Vec3::Z, Color32::from_rgb(100, 150, 250)),
+        ("x", rotation * Vec3::X, AXIS_COLORS[0]),
+        ("y", rotation * Vec3::Y, AXIS_COLORS[1]),
+        ("z", rotation * Vec3::Z, AXIS_COLORS[2]),
     ];
     // Those that point away first.
     axes.sort_by(|(_, a, _), (_, b, _)| a.z.total_cmp(&b.z));

@@ -2,7 +2,7 @@
 
 use super::outline::{edges, foot, plane};
 use super::{ClippedFrames, Clipping, Held};
-use crate::app::theme::ACCENT;
+use crate::app::theme::{ACCENT, AXIS_COLORS};
 use crate::app::widgets::numbers::with_unit;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::cloud::LengthUnit;
@@ -19,12 +19,8 @@ const RADIUS: f32 = 5.0;
 /// Height of a number above a handle, points.
 const LABEL_HEIGHT: f32 = 30.0;
 
-/// Colours of the axes, as those in the corner of the picture.
-const AXES: [(&str, Color32); 3] = [
-    ("X", Color32::from_rgb(235, 100, 100)),
-    ("Y", Color32::from_rgb(120, 200, 110)),
-    ("Z", Color32::from_rgb(100, 150, 250)),
-];
+/// The axes, coloured as those in the corner of the picture.
+const AXES: [(&str, Color32); 3] = [("X", AXIS_COLORS[0]), ("Y", AXIS_COLORS[1]), ("Z", AXIS_COLORS[2])];
 
 /// What is dragged along a line.
 struct Handle {
