@@ -12,6 +12,7 @@
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
+//! | [`photos`] | calibrated photographs with sparse points: readers, undistortion, gains |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
@@ -49,6 +50,7 @@ pub mod math;
 pub mod measure;
 pub mod memory;
 mod messages;
+pub mod photos;
 pub mod playback;
 mod priority;
 pub mod progress;
