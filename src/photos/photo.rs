@@ -59,12 +59,14 @@ impl Photo {
     /// Where a point of the world is in the photograph, whether or not the image reaches as far; `None` behind the
     /// camera and beyond what its lens shows.
     pub fn project(&self, point_in_world: DVec3) -> Option<DVec2> {
-        self.camera.pixel(self.camera_from_world.transform_point3(point_in_world))
+        self.camera
+            .pixel(self.camera_from_world.transform_point3(point_in_world))
     }
 
     /// The pixel that shows a point of the world, if the image reaches as far. Nothing is known of what is in between.
     pub fn pixel(&self, point_in_world: DVec3) -> Option<DVec2> {
-        self.project(point_in_world).filter(|&pixel| self.camera.contains(pixel))
+        self.project(point_in_world)
+            .filter(|&pixel| self.camera.contains(pixel))
     }
 
     /// Distance of a point of the world along the axis of the camera; negative behind it.

@@ -83,18 +83,17 @@ impl SparsePoints {
         &self.observations
     }
 
-    /// The same points, seen by the photographs that are kept: `kept[old]` is the new index of a photograph.
-    pub(super) fn with_photos(&self, kept: &[Option<u32>]) -> Self {
-        let mut points = Self::default();
-        for (point, (&position, &color)) in self.positions.iter().zip(&self.colors).enumerate() {
-            let track = self.track(point).iter().filter_map(|seen| {
-                let photo = (*kept.get(seen.photo as usize)?)?;
-                Some(Observation { photo, ..*seen })
-            });
-            points.push(position, color, track);
+    /// The same points with what `change` makes of each observation; `None` takes it off its track.
+    #[must_use]
+    pub(super) fn with_observations(mut self, change: impl Fn(Observation) -> Option<Observation>) -> Self {
+        let mut observations = Vec::with_capacity(self.observations.len());
+        let mut start = 0;
+        for end in &mut self.track_ends {
+            observations.extend(self.observations[start..*end].iter().copied().filter_map(&change));
+            start = std::mem::replace(end, observations.len());
         }
-        points.normals.clone_from(&self.normals);
-        points
+        self.observations = observations;
+        self
     }
 }
 
@@ -128,9 +127,13 @@ mod tests {
         let mut points = SparsePoints::default();
         points.push(DVec3::X, [1; 3], [seen(0), seen(2), seen(9)]);
         points.push(DVec3::Y, [2; 3], [seen(1)]);
-        let kept = points.with_photos(&[Some(1), None, Some(0)]);
+        let positions = points.positions().to_vec();
+        let kept = points.with_observations(|seen| {
+            let photo = (*[Some(1), None, Some(0)].get(seen.photo as usize)?)?;
+            Some(Observation { photo, ..seen })
+        });
         let photos = |point| kept.track(point).iter().map(|seen| seen.photo).collect::<Vec<_>>();
         assert_eq!((photos(0), photos(1)), (vec![1, 0], vec![]));
-        assert_eq!(kept.positions(), points.positions());
+        assert_eq!(kept.positions(), positions);
     }
 }
