@@ -9,7 +9,7 @@
 //! lengths and from then on that of the sides of a pixel. The principal point is from the corner before 1.2.1 and from
 //! then on from half of the width and height.
 //!
-//! *Half a pixel.* `AliceVision` finds features, and takes photographs apart, at pixels whose centres are at integers
+//! *Half a pixel.* AliceVision finds features, and takes photographs apart, at pixels whose centres are at integers
 //! (its SIFT features and its undistortion); half of the width is therefore half a pixel right of the middle. What is
 //! read here is what it means by its numbers.
 
@@ -25,7 +25,7 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Width of a sensor that the file does not tell, in millimetres, as `AliceVision` takes it.
+/// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
 
 /// Whether a file that begins with `head` is a scene.

@@ -6,7 +6,11 @@
 //! Readers write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
 //! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
 //! the set says so.
+//!
+//! [`PreparedPhoto`] is a photograph as drawing takes it: masked, undistorted to a pinhole, and halved as often as
+//! [`halvings_within`] a budget of memory says. [`gains`] makes photographs of different exposures agree.
 
+mod budget;
 mod bundler;
 mod bytes;
 mod colmap;
@@ -14,20 +18,31 @@ mod draft;
 mod error;
 mod files;
 mod find;
+mod gains;
 mod json;
 mod lens;
 mod meshroom;
 mod middlebury;
+mod mips;
 mod nvm;
 mod photo;
+mod photo_image;
 mod points;
+mod prepared;
 mod text;
 mod transforms;
+mod undistort;
 mod view_set;
 
+pub use budget::{halvings_within, texture_bytes};
 pub use colmap::colmap_depth;
 pub use error::PhotosError;
 pub use find::{Format, Found, find};
+pub use gains::gains;
+pub use mips::{halved, mips};
 pub use photo::{DepthFile, DepthKind, Photo, resized};
+pub use photo_image::PhotoImage;
 pub use points::{Observation, SparsePoints};
+pub use prepared::PreparedPhoto;
+pub use undistort::{Extent, pinhole_of, undistort};
 pub use view_set::{Neighbour, ReprojectionError, ViewSet};
