@@ -1,11 +1,11 @@
 //! Gains that make photographs of different exposures and white balances agree where they show the same points.
 //!
-//! *How it works.* Of photographs i that show point p with colours c, a gain g each should make all g·c one colour m. In
-//! logarithms that is linear: least squares of ln g + ln c − ln m over all observations, each channel by itself, with
-//! the colour of each point taken out, and a few observations' worth of *gain 1* for each photograph, so that groups
-//! that share nothing stay where they are. Conjugate gradients solve it without a matrix: a thousand photographs cost no
-//! more than their observations. Highlights and wrong tracks are outliers: each round weighs an observation less the
-//! further it was off in the round before (Cauchy's weights, Holland and Welsch 1977).
+//! *How it works.* Of photographs i that show point p with colours c, a gain g each should make all g·c one colour m.
+//! In logarithms that is linear: least squares of ln g + ln c − ln m over all observations, each channel by itself,
+//! with the colour of each point taken out, and a few observations' worth of *gain 1* for each photograph, so that
+//! groups that share nothing stay where they are. Conjugate gradients solve it without a matrix: a thousand photographs
+//! cost no more than their observations. Highlights and wrong tracks are outliers: each round weighs an observation
+//! less the further it was off in the round before (Cauchy's weights, Holland and Welsch 1977).
 //!
 //! Gains are of display values, as drawing multiplies these: they undo an exposure for a curve that is a power, which
 //! curves of cameras nearly are between the dark and the bright end. Both ends are left out.

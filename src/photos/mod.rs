@@ -1,7 +1,7 @@
 //! Sets of calibrated photographs with sparse points: what programs of reconstruction write, made ready to be drawn.
 //!
-//! [`find`] says what a folder holds, and [`Found::read`] reads it into a [`ViewSet`], whatever the format: cameras have
-//! x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
+//! [`find`] says what a folder holds, and [`Found::read`] reads it into a [`ViewSet`], whatever the format: cameras
+//! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
 //!
 //! Readers write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
 //! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
@@ -14,6 +14,7 @@ mod budget;
 mod bundler;
 mod bytes;
 mod colmap;
+mod depth_file;
 mod draft;
 mod error;
 mod files;
@@ -36,11 +37,12 @@ mod view_set;
 
 pub use budget::{halvings_within, texture_bytes};
 pub use colmap::colmap_depth;
+pub use depth_file::{DepthFile, DepthKind};
 pub use error::PhotosError;
 pub use find::{Format, Found, find};
 pub use gains::gains;
 pub use mips::{halved, mips};
-pub use photo::{DepthFile, DepthKind, Photo, resized};
+pub use photo::{Photo, resized};
 pub use photo_image::PhotoImage;
 pub use points::{Observation, SparsePoints};
 pub use prepared::PreparedPhoto;

@@ -1,8 +1,9 @@
 //! Photographs taken apart from their lens, once, so that drawing has pinholes alone.
 //!
-//! *How it works.* A pixel of the pinhole looks along a ray; the lens shows that ray at a place of the photograph, whose
-//! colour is taken between four pixels. What the photograph does not show gets alpha 0. The focal length stays, so that
-//! the middle keeps its resolution; towards the corners of a barrel lens the result is softer than the photograph.
+//! *How it works.* A pixel of the pinhole looks along a ray; the lens shows that ray at a place of the photograph,
+//! whose colour is taken between four pixels. What the photograph does not show gets alpha 0. The focal length stays,
+//! so that the middle keeps its resolution; towards the corners of a barrel lens the result is softer than the
+//! photograph.
 
 use super::photo_image::PhotoImage;
 use crate::rgbd::{Camera, Distortion};
