@@ -1,11 +1,6 @@
 //! Sets of calibrated photographs: one scene in every format, the half pixel of each, and what is broken.
 
-#![allow(
-    clippy::unwrap_used,
-    missing_docs,
-    unreachable_pub,
-    reason = "a test fails by panicking and is no library"
-)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "photos/scene.rs"]
 mod scene;
@@ -54,6 +49,12 @@ const WRITERS: &[(&str, Format, Writer, bool)] = &[
         "Meshroom 1.2.6",
         Format::Meshroom,
         |scene, folder| scene.write_meshroom(folder, [1, 2, 6]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.11",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 11]),
         true,
     ),
     ("Middlebury", Format::Middlebury, Scene::write_middlebury, false),

@@ -72,15 +72,27 @@ impl PhotoImage {
         let (left, right, to_right) = place(at.x, self.size_px[0]);
         let (top, bottom, to_bottom) = place(at.y, self.size_px[1]);
         let width = self.width();
-        let shares = [
-            (left, top, (1.0 - to_right) * (1.0 - to_bottom)),
-            (right, top, to_right * (1.0 - to_bottom)),
-            (left, bottom, (1.0 - to_right) * to_bottom),
-            (right, bottom, to_right * to_bottom),
+        let pixel = |column: usize, row: usize| self.pixels[row * width + column];
+        let corners = [
+            pixel(left, top),
+            pixel(right, top),
+            pixel(left, bottom),
+            pixel(right, bottom),
         ];
+        let shares = [
+            (1.0 - to_right) * (1.0 - to_bottom),
+            to_right * (1.0 - to_bottom),
+            (1.0 - to_right) * to_bottom,
+            to_right * to_bottom,
+        ];
+        // Nearly all pixels: nothing to weigh, so nothing to divide by.
+        if corners.iter().all(|corner| corner[3] == u8::MAX) {
+            let mix = |channel: usize| (0..4).map(|at| shares[at] * f32::from(corners[at][channel])).sum();
+            return [mix(0), mix(1), mix(2), 255.0];
+        }
         let mut sum = WeightedColor::default();
-        for (column, row, share) in shares {
-            sum.add(self.pixels[row * width + column], share);
+        for (corner, share) in corners.into_iter().zip(shares) {
+            sum.add(corner, share);
         }
         sum.mean()
     }

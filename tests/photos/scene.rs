@@ -8,19 +8,19 @@ use std::fs;
 use std::path::Path;
 
 /// Photographs around a cloud of points. Cameras have x right, y down, z forward; centres of pixels are at integers.
-pub struct Scene {
-    pub size_px: [u32; 2],
-    pub focal_px: DVec2,
-    pub principal_px: DVec2,
-    pub k: [f64; 2],
+pub(crate) struct Scene {
+    pub(crate) size_px: [u32; 2],
+    pub(crate) focal_px: DVec2,
+    pub(crate) principal_px: DVec2,
+    pub(crate) k: [f64; 2],
     /// World to camera.
-    pub poses: Vec<(DMat3, DVec3)>,
-    pub points: Vec<DVec3>,
+    pub(crate) poses: Vec<(DMat3, DVec3)>,
+    pub(crate) points: Vec<DVec3>,
 }
 
 impl Scene {
     /// One that every format can hold: one focal length, the principal point in the middle, no distortion.
-    pub fn simple() -> Self {
+    pub(crate) fn simple() -> Self {
         let size_px = [64, 48];
         let pose = |index: usize| {
             let turn = 0.8 * index as f64;
@@ -46,7 +46,7 @@ impl Scene {
     }
 
     /// Two focal lengths, and a principal point that is off the middle.
-    pub fn off_center() -> Self {
+    pub(crate) fn off_center() -> Self {
         Self {
             focal_px: DVec2::new(90.0, 84.0),
             principal_px: DVec2::new(36.25, 20.125),
@@ -55,7 +55,7 @@ impl Scene {
     }
 
     /// A lens that bends.
-    pub fn distorted() -> Self {
+    pub(crate) fn distorted() -> Self {
         Self {
             k: [-0.12, 0.03],
             ..Self::simple()
@@ -63,7 +63,7 @@ impl Scene {
     }
 
     /// Where a photograph shows a point of the world.
-    pub fn pixel(&self, photo: usize, point: DVec3) -> DVec2 {
+    pub(crate) fn pixel(&self, photo: usize, point: DVec3) -> DVec2 {
         let (turn, shift) = self.poses[photo];
         let at = turn * point + shift;
         assert!(at.z > 0.0, "the points of the scene are before its cameras");
@@ -72,7 +72,7 @@ impl Scene {
         self.focal_px * at * (1.0 + self.k[0] * r2 + self.k[1] * r2 * r2) + self.principal_px
     }
 
-    pub fn center(&self, photo: usize) -> DVec3 {
+    pub(crate) fn center(&self, photo: usize) -> DVec3 {
         let (turn, shift) = self.poses[photo];
         -(turn.transpose() * shift)
     }
@@ -81,12 +81,12 @@ impl Scene {
         [point as u8, 100, 255 - point as u8]
     }
 
-    pub fn name(photo: usize) -> String {
+    pub(crate) fn name(photo: usize) -> String {
         format!("view_{photo:02}.png")
     }
 
     /// Photographs, each of a colour of its own.
-    pub fn write_photos(&self, folder: &Path) {
+    pub(crate) fn write_photos(&self, folder: &Path) {
         fs::create_dir_all(folder).unwrap();
         for photo in 0..self.poses.len() {
             let [width, height] = self.size_px;
@@ -114,7 +114,7 @@ impl Scene {
     }
 
     /// Point `index` is feature `index` of each photograph. Rows are written backwards, as no order is promised.
-    pub fn write_colmap_text(&self, folder: &Path) {
+    pub(crate) fn write_colmap_text(&self, folder: &Path) {
         let model = folder.join("sparse/0");
         fs::create_dir_all(&model).unwrap();
         self.write_photos(&folder.join("images"));
@@ -146,7 +146,7 @@ impl Scene {
         fs::write(model.join("points3D.txt"), points).unwrap();
     }
 
-    pub fn write_colmap_binary(&self, folder: &Path) {
+    pub(crate) fn write_colmap_binary(&self, folder: &Path) {
         let model = folder.join("sparse");
         fs::create_dir_all(&model).unwrap();
         self.write_photos(&folder.join("images"));
@@ -189,7 +189,7 @@ impl Scene {
     }
 
     /// Cameras look along −z with y up; keys are told from the middle of the image, y up.
-    pub fn write_bundler(&self, folder: &Path) {
+    pub(crate) fn write_bundler(&self, folder: &Path) {
         self.write_photos(folder);
         let (cameras, points) = (self.poses.len(), self.points.len());
         let mut bundle = format!("# Bundle file v0.3\n{cameras} {points}\n");
@@ -222,7 +222,7 @@ impl Scene {
     }
 
     /// With a fixed calibration where one focal length and the middle are not enough.
-    pub fn write_nvm(&self, folder: &Path) {
+    pub(crate) fn write_nvm(&self, folder: &Path) {
         self.write_photos(folder);
         let [width, height] = self.size_px;
         let middle = 0.5 * DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0);
@@ -255,8 +255,8 @@ impl Scene {
         fs::write(folder.join("scan.nvm"), nvm).unwrap();
     }
 
-    /// Of the versions whose numbers differ: 1.0.0, 1.2.0, 1.2.1, 1.2.4 and 1.2.6.
-    pub fn write_meshroom(&self, folder: &Path, version: [u32; 3]) {
+    /// Of the versions whose numbers differ: 1.0.0, 1.2.0, 1.2.1, 1.2.4, 1.2.6 and 1.2.11.
+    pub(crate) fn write_meshroom(&self, folder: &Path, version: [u32; 3]) {
         self.write_photos(&folder.join("images"));
         let [width, height] = self.size_px;
         let half = 0.5 * DVec2::new(f64::from(width), f64::from(height));
@@ -282,10 +282,12 @@ impl Scene {
             [1, 0 | 1, _] => set("pxFocalLength", text(self.focal_px.x).into()),
             [1, 2, 0 | 1] => set("pxFocalLength", texts(&self.focal_px.to_array()).into()),
             _ => {
-                set(
-                    "focalLength",
-                    text(self.focal_px.x * sensor_mm / f64::from(width)).into(),
-                );
+                let focal_px = if version < [1, 2, 11] {
+                    self.focal_px.x
+                } else {
+                    self.focal_px.y
+                };
+                set("focalLength", text(focal_px * sensor_mm / f64::from(width)).into());
                 set("sensorWidth", text(sensor_mm).into());
                 set(
                     "pixelRatio",
@@ -329,7 +331,7 @@ impl Scene {
         fs::write(folder.join("sfm.json"), scene.to_string()).unwrap();
     }
 
-    pub fn write_middlebury(&self, folder: &Path) {
+    pub(crate) fn write_middlebury(&self, folder: &Path) {
         self.write_photos(folder);
         let mut par = format!("{}\n", self.poses.len());
         let (focal, principal) = (self.focal_px, self.principal_px);
@@ -342,7 +344,7 @@ impl Scene {
     }
 
     /// Cameras have y up and z backward; names lack their extension.
-    pub fn write_transforms(&self, folder: &Path) {
+    pub(crate) fn write_transforms(&self, folder: &Path) {
         self.write_photos(&folder.join("images"));
         let frames: Vec<serde_json::Value> = (0..self.poses.len())
             .map(|photo| {
@@ -350,7 +352,8 @@ impl Scene {
                 let (x, y, z, c) = (axes.x_axis, -axes.y_axis, -axes.z_axis, self.center(photo));
                 let row = |at: usize| [x[at], y[at], z[at], c[at]];
                 let name = format!("./images/{}", Self::name(photo).trim_end_matches(".png"));
-                serde_json::json!({"file_path": name, "transform_matrix": [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]})
+                let matrix = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
+                serde_json::json!({"file_path": name, "transform_matrix": matrix})
             })
             .collect();
         let file = serde_json::json!({
