@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// Texels of all photographs together, with their mip levels.
-pub const PHOTOGRAPH_BYTES: usize = 1 << 30;
+pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]

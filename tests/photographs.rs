@@ -14,7 +14,7 @@ use common::{draw, plain};
 use glam::{DAffine3, DVec3, Vec3};
 use image::RgbaImage;
 use photo_scene::{DISTANCE, SCENE_RADIUS, cloud, frame, hit, photographed, photographs, pinhole, pose, poses, style};
-use pointreel::photos::{Photograph, Photographs, Texture};
+use pointreel::photos::{PhotoImage, Photograph, Photographs, Texture};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Camera, PhotoClipping, PhotoHoles, PhotoMode, Primitive, Scene, ScenePacket, Style, UpAxis};
@@ -180,7 +180,7 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
         Photograph {
             name: String::new(),
             number,
-            texture: Texture::new([256; 2], texels.collect()).unwrap(),
+            texture: Texture::new(PhotoImage::new([256; 2], texels.collect()).unwrap()),
             pinhole,
             camera_from_world,
             is_masked: false,

@@ -59,7 +59,7 @@ impl<'a> Bytes<'a> {
         if count > room as u64 {
             self.at = start;
             return Err(self.error(format!(
-                "{count} {what} are claimed, and the file has room for {room} at most: it was cut, or is of another format"
+                "{count} {what} are claimed, and the file has room for {room} at most: it was cut, or is none of these"
             )));
         }
         Ok(count)

@@ -3,10 +3,11 @@
 //! What is wrong with one photograph costs that photograph: it is left out, the tracks with it, and a note says so. A
 //! set of which nothing is left is an error that says why.
 
+use super::depth_file::DepthFile;
 use super::error::PhotosError;
 use super::files::Files;
 use super::lens::Lens;
-use super::photo::{DepthFile, Photo};
+use super::photo::Photo;
 use super::points::{Observation, SparsePoints};
 use super::view_set::ViewSet;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -130,7 +131,7 @@ impl Drafts {
             return Err(PhotosError::NoPhotos {
                 path: self.path,
                 count: self.photos.len(),
-                reason: reason_of_nothing(set.notes),
+                reason: reason_of_nothing(&set.notes),
             });
         }
         set.points = self.points.with_observations(|seen| {
@@ -144,7 +145,7 @@ impl Drafts {
     }
 }
 
-fn reason_of_nothing(notes: Vec<String>) -> String {
+fn reason_of_nothing(notes: &[String]) -> String {
     let nothing = "the list is empty, calibrate the photographs first";
     if notes.is_empty() {
         nothing.to_owned()
@@ -182,8 +183,7 @@ fn pose(turn: DMat3, shift: DVec3) -> Result<DAffine3, String> {
     let determinant = turn.determinant();
     if skew > MOST_SKEW || determinant < 0.0 {
         return Err(format!(
-            "its pose is no rotation (determinant {determinant:.3}, expected 1): a matrix that is singular, mirrored or \
-             scaled"
+            "its pose is no rotation (determinant {determinant:.3}, expected 1): it is singular, mirrored or scaled"
         ));
     }
     let turn = DQuat::from_mat3(&turn).normalize();

@@ -25,7 +25,10 @@ pub enum PhotosError {
         problem: String,
     },
     /// A file that is no JSON, or JSON of another shape.
-    #[error("{} is not understood ({source}): export it again, it may not have been written to its end", path.display())]
+    #[error(
+        "{} is not understood ({source}): export it again, it may not have been written to its end",
+        path.display()
+    )]
     Json {
         /// The file.
         path: PathBuf,
@@ -43,7 +46,10 @@ pub enum PhotosError {
         reason: String,
     },
     /// A photograph that cannot be decoded.
-    #[error("{} cannot be decoded ({source}): open it in a viewer of pictures to see whether it is whole", path.display())]
+    #[error(
+        "{} cannot be decoded ({source}): open it in a viewer of pictures to see whether it is whole",
+        path.display()
+    )]
     Picture {
         /// The file.
         path: PathBuf,

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 /// Folders of a scene in which COLMAP's models are.
 const COLMAP_FOLDERS: &[&str] = &[
     "",
+    "0",
     "sparse/0",
     "sparse",
     "colmap/sparse/0",
@@ -47,9 +48,9 @@ pub enum Format {
     Colmap,
     /// Bundler v0.3.
     Bundler,
-    /// `VisualSFM`.
+    /// VisualSFM.
     Nvm,
-    /// Meshroom (`AliceVision`).
+    /// Meshroom (AliceVision).
     Meshroom,
     /// Par files of Middlebury.
     Middlebury,

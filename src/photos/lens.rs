@@ -58,7 +58,7 @@ impl Lens {
             Focal::Pixels(focal_px) => focal_px,
             Focal::WidthAngle(angle) => DVec2::splat(0.5 * f64::from(size_px[0]) / (0.5 * angle).tan()),
         };
-        let principal_px = self.from_first_pixel(self.principal_px, size_px);
+        let principal_px = self.counted_from_first(self.principal_px, size_px);
         let camera =
             Camera::new(size_px, focal_px, principal_px, self.distortion).map_err(|error| error.to_string())?;
         if size_px == image_px {
@@ -77,14 +77,14 @@ impl Lens {
     /// A pixel of the format, in an image of `image_px` pixels whose centres are at integers.
     pub(super) fn pixel(&self, at: DVec2, image_px: [u32; 2]) -> DVec2 {
         let size_px = self.size_px.unwrap_or(image_px);
-        let at = self.from_first_pixel(at, size_px);
+        let at = self.counted_from_first(at, size_px);
         if size_px == image_px {
             return at;
         }
         (at + 0.5) * sides(image_px) / sides(size_px) - 0.5
     }
 
-    fn from_first_pixel(&self, at: DVec2, size_px: [u32; 2]) -> DVec2 {
+    fn counted_from_first(&self, at: DVec2, size_px: [u32; 2]) -> DVec2 {
         match self.origin {
             Origin::FirstPixel => at,
             Origin::Corner => at - 0.5,

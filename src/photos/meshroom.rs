@@ -1,21 +1,22 @@
 //! Meshroom's scenes as JSON: `sfm.json`, `cameras.sfm`.
 //!
-//! *How it works.* `views` name an intrinsic and a pose; `poses` hold a rotation and a centre; `structure` holds points.
-//! Numbers are text. A rotation turns the world to the camera and is written column by column, so by rows it holds
-//! the axes of the camera (x right, y down, z forward) in the world: its columns, read as rows, from camera to world.
+//! *How it works.* `views` name an intrinsic and a pose; `poses` hold a rotation and a centre; `structure` holds
+//! points. Numbers are text. A rotation turns the world to the camera and is written column by column, so by rows it
+//! holds the axes of the camera (x right, y down, z forward) in the world: its columns, read as rows, from camera to
+//! world.
 //!
 //! *Versions* (`version`): up to 1.1 one focal length in pixels (`pxFocalLength`), from 1.2.0 two, from 1.2.2 one in
-//! millimetres of a sensor (`focalLength`, `sensorWidth`) with `pixelRatio`, which before 1.2.5 is the ratio of the focal
-//! lengths and from then on that of the sides of a pixel. The principal point is from the corner before 1.2.1 and from
-//! then on from half of the width and height.
+//! millimetres of a sensor (`focalLength`, `sensorWidth`) with `pixelRatio`, which before 1.2.5 is the ratio of the
+//! focal lengths and from then on that of the sides of a pixel; the focal length is that along x, from 1.2.11 on that
+//! along y. The principal point is from the corner before 1.2.1 and from then on from half of the width and height.
 //!
-//! *Half a pixel.* `AliceVision` finds features, and takes photographs apart, at pixels whose centres are at integers
+//! *Half a pixel.* AliceVision finds features, and takes photographs apart, at pixels whose centres are at integers
 //! (its SIFT features and its undistortion); half of the width is therefore half a pixel right of the middle. What is
 //! read here is what it means by its numbers.
 
 use super::draft::{Draft, Drafts};
 use super::error::PhotosError;
-use super::json::{array_at, key_at, number_at, numbers, numbers_at, read as read_json, side};
+use super::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
 use super::lens::{Focal, Lens, Origin};
 use super::points::Observation;
 use super::view_set::ViewSet;
@@ -25,8 +26,11 @@ use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Width of a sensor that the file does not tell, in millimetres, as `AliceVision` takes it.
+/// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
+
+/// What to do about lenses that are not known.
+const UNDISTORT_FIRST: &str = "undistort the photographs first (ExportImages of Meshroom)";
 
 /// Whether a file that begins with `head` is a scene.
 pub(super) fn is_scene(head: &str) -> bool {
@@ -126,9 +130,14 @@ fn lens(intrinsic: &Value, version: [f64; 3]) -> Result<Lens, String> {
             .filter(|&width| width > 0.0)
             .unwrap_or(USUAL_SENSOR_MM);
         let ratio = at("pixelRatio").filter(|&ratio| ratio > 0.0).unwrap_or(1.0);
-        let x = focal_mm / sensor_mm * size.x;
-        let is_of_focals = version < [1.0, 2.0, 5.0];
-        DVec2::new(x, if is_of_focals { x / ratio } else { x * ratio })
+        let focal_px = focal_mm / sensor_mm * size.x;
+        if version < [1.0, 2.0, 5.0] {
+            DVec2::new(focal_px, focal_px / ratio)
+        } else if version < [1.0, 2.0, 11.0] {
+            DVec2::new(focal_px, focal_px * ratio)
+        } else {
+            DVec2::new(focal_px / ratio, focal_px)
+        }
     };
     let principal =
         DVec2::from_array(numbers_at(intrinsic, "principalPoint").ok_or_else(|| missing("principalPoint"))?);
@@ -155,8 +164,15 @@ fn distortion(intrinsic: &Value) -> Result<Distortion, String> {
     };
     let k: Vec<f64> = array_at(intrinsic, "distortionParams")
         .iter()
-        .filter_map(super::json::number)
+        .filter_map(number)
         .collect();
+    let undistortion = array_at(intrinsic, "undistortionParams").iter().filter_map(number);
+    if undistortion.into_iter().any(|k| k != 0.0) {
+        let model = word("undistortionType");
+        return Err(format!(
+            "its lens is undone by the model {model}, which is not known: {UNDISTORT_FIRST}"
+        ));
+    }
     if k.iter().all(|&k| k == 0.0) && word("type") != "equidistant" && !name.contains("fisheye") {
         return Ok(Distortion::None);
     }
@@ -177,7 +193,7 @@ fn distortion(intrinsic: &Value) -> Result<Distortion, String> {
         ("fisheye" | "fisheye4", &[k1, k2, k3, k4]) => Ok(Distortion::Fisheye { k: [k1, k2, k3, k4] }),
         _ => Err(format!(
             "its lens is of the model {name} with {} numbers, expected pinhole, radial1, radial3, brown or fisheye4: \
-             undistort the photographs first (ExportImages)",
+             {UNDISTORT_FIRST}",
             k.len()
         )),
     }

@@ -3,6 +3,7 @@
 //! Coordinates of a camera are x to the right, y down, z forward; centres of pixels are at integers. Readers turn the
 //! conventions of their formats into these, so that nothing behind them has to know any other.
 
+use super::depth_file::DepthFile;
 use crate::rgbd::{Camera, CameraError};
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::PathBuf;
@@ -22,26 +23,6 @@ pub struct Photo {
     pub mask: Option<PathBuf>,
     /// What is known of its depths.
     pub depth: Option<DepthFile>,
-}
-
-/// A file of the depths of a photograph. Its image may be smaller than the photograph.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DepthFile {
-    /// The file.
-    pub path: PathBuf,
-    /// What its numbers mean.
-    pub kind: DepthKind,
-}
-
-/// How a file holds depths.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum DepthKind {
-    /// An image of COLMAP's dense stage: `W&H&C&`, then floats in the unit of the world. See
-    /// [`colmap_depth`](super::colmap_depth).
-    Colmap,
-    /// A picture whose values are depths along the axis in the unit of the world, once multiplied by this.
-    Scaled(f64),
 }
 
 impl Photo {

@@ -85,6 +85,7 @@ impl Photographs {
 
 #[cfg(test)]
 mod tests {
+    use super::super::photo_image::PhotoImage;
     use super::*;
     use crate::rgbd::Distortion;
     use glam::{DMat3, DVec2};
@@ -97,7 +98,7 @@ mod tests {
             number: 0,
             pinhole: Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap(),
             camera_from_world: DAffine3::from_mat3_translation(DMat3::IDENTITY, -place),
-            texture: Texture::new([4, 4], vec![[0; 4]; 16]).unwrap(),
+            texture: Texture::new(PhotoImage::new([4, 4], vec![[0; 4]; 16]).unwrap()),
             is_masked: false,
             gain: Vec3::ONE,
             depth: None,

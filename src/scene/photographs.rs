@@ -177,7 +177,7 @@ fn view_of(photograph: &Photograph, origin: DVec3, packet: &ScenePacket, viewpor
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photos::Texture;
+    use crate::photos::{PhotoImage, Texture};
     use crate::rgbd::{Camera, Distortion};
     use crate::scene::UpAxis;
     use glam::{DAffine3, DQuat, DVec2};
@@ -190,7 +190,7 @@ mod tests {
             number: 0,
             pinhole: Camera::new([320, 240], focal, principal, Distortion::None).unwrap(),
             camera_from_world: DAffine3::from_rotation_translation(rotation, DVec3::new(0.3, -0.2, 4.0)),
-            texture: Texture::new([320, 240], vec![[0; 4]; 320 * 240]).unwrap(),
+            texture: Texture::new(PhotoImage::new([320, 240], vec![[0; 4]; 320 * 240]).unwrap()),
             is_masked: false,
             gain: Vec3::ONE,
             depth: None,

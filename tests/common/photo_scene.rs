@@ -3,7 +3,7 @@
 use crate::common::plain;
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
-use pointreel::photos::{Photograph, Photographs, Texture};
+use pointreel::photos::{PhotoImage, Photograph, Photographs, Texture};
 use pointreel::rgbd::{Camera, Distortion};
 use pointreel::scene::{Scene, Style};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
@@ -131,7 +131,7 @@ pub(crate) fn photographs(edge_px: u32) -> Photographs {
             number,
             pinhole: pinhole.clone(),
             camera_from_world,
-            texture: Texture::new([edge_px; 2], texels).unwrap(),
+            texture: Texture::new(PhotoImage::new([edge_px; 2], texels).unwrap()),
             is_masked: false,
             gain: Vec3::ONE,
             depth: None,

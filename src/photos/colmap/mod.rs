@@ -12,9 +12,9 @@ mod text;
 
 pub use depth::colmap_depth;
 
+use super::depth_file::{DepthFile, DepthKind};
 use super::draft::{Draft, Drafts};
 use super::error::PhotosError;
-use super::photo::{DepthFile, DepthKind};
 use super::view_set::ViewSet;
 use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};

@@ -13,8 +13,11 @@ pub(super) struct Model {
     pub(super) name: &'static str,
     /// Numbers that a camera of it has.
     pub(super) count: usize,
-    lens: Option<fn(&[f64]) -> ([f64; 4], Distortion)>,
+    lens: Option<MakeLens>,
 }
+
+/// fx, fy, cx, cy and the lens of the numbers of a camera.
+type MakeLens = fn(&[f64]) -> ([f64; 4], Distortion);
 
 /// By their numbers.
 const MODELS: [Model; 12] = [
@@ -58,7 +61,7 @@ fn brown(k: [f64; 3], p: [f64; 2]) -> Distortion {
 }
 
 impl Model {
-    const fn shown(name: &'static str, count: usize, lens: fn(&[f64]) -> ([f64; 4], Distortion)) -> Self {
+    const fn shown(name: &'static str, count: usize, lens: MakeLens) -> Self {
         Self {
             name,
             count,

@@ -46,7 +46,7 @@ pub(super) fn images(path: &Path) -> Result<Vec<Image>, PhotosError> {
         if name.is_empty() {
             return Err(text.error("the line before has no name of a photograph"));
         }
-        let features = features(&text.rest_of_line()).ok_or_else(|| {
+        let features = features(text.rest_of_line()).ok_or_else(|| {
             text.error(format!(
                 "the line before has to list the features of {name} as X Y POINT3D_ID, or be empty"
             ))

@@ -86,7 +86,7 @@ fn largest(sizes: impl Iterator<Item = [u32; 2]>) -> [u32; 2] {
 fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
     let all = photographs.all();
     let count = layers(context, all.len());
-    let size = largest(all.iter().map(|photograph| photograph.texture.finest().size));
+    let size = largest(all.iter().map(|photograph| photograph.texture.size_px()));
     let levels = 32 - size[0].max(size[1]).leading_zeros();
     let texture = layered(
         context,
@@ -100,8 +100,8 @@ fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
                 context,
                 &texture,
                 (layer, level),
-                of_level.size,
-                bytemuck::cast_slice(&of_level.texels),
+                of_level.size_px(),
+                bytemuck::cast_slice(of_level.pixels()),
             );
         }
     }
