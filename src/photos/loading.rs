@@ -2,6 +2,7 @@
 
 use super::budget::halvings_within;
 use super::gains::gains;
+use super::photo_image::PhotoImage;
 use super::photographs::{Photograph, Photographs};
 use super::prepared::PreparedPhoto;
 use super::texture::Texture;
@@ -26,8 +27,13 @@ pub struct LoadedPhotographs {
     pub notes: Vec<String>,
 }
 
-/// A photograph, and its depths where a file has them.
-type Read = Result<(PreparedPhoto, Option<DepthImage>), PhotosError>;
+/// A photograph that was read.
+struct Read {
+    prepared: PreparedPhoto,
+    /// Whether what is transparent is the background, and not only beyond the lens.
+    is_masked: bool,
+    depth: Option<DepthImage>,
+}
 
 impl LoadedPhotographs {
     /// Those of `set`, halved alike until all textures together take at most `budget_bytes`. Says in `progress` how
@@ -36,7 +42,7 @@ impl LoadedPhotographs {
         let sizes: Vec<[u32; 2]> = set.photos.iter().map(|photo| photo.camera.size_px()).collect();
         let halvings = halvings_within(&sizes, budget_bytes, MOST_SIDE_PX);
         progress.set(0, set.photos.len());
-        let read_one = |photo: &Photo| -> Option<Read> {
+        let read_one = |photo: &Photo| {
             if progress.is_cancelled() {
                 return None;
             }
@@ -44,45 +50,39 @@ impl LoadedPhotographs {
             progress.advance(1);
             Some(read)
         };
-        let mut notes = Vec::new();
-        let mut depths = Vec::new();
-        let prepared: Vec<Option<PreparedPhoto>> = set
-            .photos
-            .par_iter()
-            .map(read_one)
-            .collect::<Vec<_>>()
-            .into_iter()
-            .map(|read| {
-                let (photo, depth) = match read? {
-                    Ok((photo, depth)) => (Some(photo), depth),
-                    Err(error) => {
-                        notes.push(format!("{error}; the other photographs are used"));
-                        (None, None)
-                    }
-                };
-                depths.push(depth);
-                photo
-            })
-            .collect();
+        let read: Vec<Option<Result<Read, PhotosError>>> = set.photos.par_iter().map(read_one).collect();
+        let (mut notes, mut prepared, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        for read in read {
+            let read = read.and_then(|read| {
+                read.map_err(|error| notes.push(format!("{error}; the other photographs are used")))
+                    .ok()
+            });
+            let (photo, other) = read.map(|read| (read.prepared, (read.is_masked, read.depth))).unzip();
+            prepared.push(photo);
+            others.push(other);
+        }
         let gains = gains(&set.points, &prepared);
-        let all = set.photos.iter().zip(prepared).zip(depths.into_iter().zip(gains));
-        let photographs = all.enumerate().filter_map(|(number, ((photo, prepared), (depth, gain)))| {
-            let PreparedPhoto {
-                camera,
-                camera_from_world,
-                image,
-            } = prepared?;
-            Some(Photograph {
-                name: photo.name.clone(),
-                number,
-                is_masked: photo.mask.is_some() || image.pixels().iter().any(|pixel| pixel[3] == 0),
-                pinhole: camera,
-                camera_from_world,
-                texture: Texture::new(image),
-                gain: Vec3::from_array(gain),
-                depth,
-            })
-        });
+        let all = set.photos.iter().zip(prepared).zip(others.into_iter().zip(gains));
+        let photographs = all
+            .enumerate()
+            .filter_map(|(number, ((photo, prepared), (other, gain)))| {
+                let PreparedPhoto {
+                    camera,
+                    camera_from_world,
+                    image,
+                } = prepared?;
+                let (is_masked, depth) = other?;
+                Some(Photograph {
+                    name: photo.name.clone(),
+                    number,
+                    pinhole: camera,
+                    camera_from_world,
+                    texture: Texture::new(image),
+                    is_masked,
+                    gain: Vec3::from_array(gain),
+                    depth,
+                })
+            });
         let photographs = photographs.collect();
         Self {
             photographs: Arc::new(Photographs::new(photographs, set.median_neighbour_angle())),
@@ -91,8 +91,11 @@ impl LoadedPhotographs {
     }
 }
 
-fn read(photo: &Photo, halvings: u32) -> Read {
-    let prepared = PreparedPhoto::read(photo, Extent::Same, halvings)?;
-    let depth = photo.depth.as_ref().map(|file| file.read()).transpose()?;
-    Ok((prepared, depth))
+fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
+    let image = PhotoImage::read(photo)?;
+    Ok(Read {
+        is_masked: image.pixels().iter().any(|pixel| pixel[3] == 0),
+        prepared: PreparedPhoto::of(photo, &image, Extent::Same, halvings),
+        depth: photo.depth.as_ref().map(|file| file.read()).transpose()?,
+    })
 }

@@ -33,11 +33,7 @@ impl Texture {
     #[inline(always)]
     pub fn between_texels(&self, place: [f32; 2], lod: f32) -> [f32; 4] {
         let coarsest = self.levels.len() - 1;
-        let lod = if lod.is_finite() {
-            lod.max(0.0)
-        } else {
-            coarsest as f32
-        };
+        let lod = if lod.is_finite() { lod.max(0.0) } else { coarsest as f32 };
         let finer = (lod as usize).min(coarsest);
         let share = (lod - finer as f32).min(1.0);
         let finest = self.size_px();
@@ -119,7 +115,11 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_give_colours() {
-        for (place, lod) in [([f32::NAN, 2.0], 0.0), ([2.0, f32::INFINITY], 1.0), ([2.0, 2.0], f32::NAN)] {
+        for (place, lod) in [
+            ([f32::NAN, 2.0], 0.0),
+            ([2.0, f32::INFINITY], 1.0),
+            ([2.0, 2.0], f32::NAN),
+        ] {
             assert!(ramp().between_texels(place, lod).iter().all(|value| value.is_finite()));
         }
     }
