@@ -1,0 +1,125 @@
+//! The census transform of 9×7 pixels, and Hamming distances: costs that brightness and contrast leave alone.
+//!
+//! Each pixel is described by 62 bits: whether each of its neighbours is darker than itself (Zabih and Woodfill 1994,
+//! section 3.2). The cost of a match is the number of bits that differ. Any change of brightness that keeps its order
+//! keeps the bits, so photographs of different exposure match. Beyond the border, pixels are those of the border.
+//!
+//! The right line is kept backwards, so that the disparities of one pixel are next to each other in memory.
+
+use super::GrayImage;
+use super::costs::{Costs, MAX_COST};
+use super::range::DisparityRange;
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+use std::ops::Range;
+
+const HALF_WIDTH: usize = 4;
+const HALF_HEIGHT: usize = 3;
+
+/// What a match beyond the other image costs: half of the bits, as chance has it.
+pub(super) const COST_OF_NOTHING: u8 = MAX_COST / 2;
+
+/// The bits of each pixel, line by line.
+pub(super) fn census(image: &GrayImage) -> Vec<u64> {
+    let [width, height] = [image.width(), image.height()];
+    let mut bits = vec![0; width * height];
+    bits.par_chunks_mut(width).enumerate().for_each_init(
+        || vec![0_u8; width + 2 * HALF_WIDTH],
+        |padded, (y, row)| {
+            let middle = image.row(y);
+            for dy in 0..=2 * HALF_HEIGHT {
+                pad(image.row((y + dy).saturating_sub(HALF_HEIGHT).min(height - 1)), padded);
+                dispatch!(Level::new(), _simd => add_row(middle, padded, dy == HALF_HEIGHT, row));
+            }
+        },
+    );
+    bits
+}
+
+fn pad(row: &[u8], padded: &mut [u8]) {
+    let width = row.len();
+    padded[..HALF_WIDTH].fill(row[0]);
+    padded[HALF_WIDTH..HALF_WIDTH + width].copy_from_slice(row);
+    padded[HALF_WIDTH + width..].fill(row[width - 1]);
+}
+
+/// Appends the bits of nine neighbours, or of eight in the pixel's own line.
+#[inline(always)]
+fn add_row(middle: &[u8], padded: &[u8], is_own: bool, bits: &mut [u64]) {
+    for dx in 0..=2 * HALF_WIDTH {
+        if is_own && dx == HALF_WIDTH {
+            continue;
+        }
+        let neighbours = &padded[dx..dx + middle.len()];
+        for ((bits, &center), &neighbour) in bits.iter_mut().zip(middle).zip(neighbours) {
+            *bits = (*bits << 1) | u64::from(neighbour < center);
+        }
+    }
+}
+
+/// Costs of matching a pixel of the left image with pixels of the same line of the right one.
+#[derive(Debug)]
+pub(super) struct CensusPair {
+    size: [usize; 2],
+    range: DisparityRange,
+    left: Vec<u64>,
+    /// Each line from its end.
+    right: Vec<u64>,
+}
+
+impl CensusPair {
+    /// Precondition: images of one size.
+    pub(super) fn new(left: &GrayImage, right: &GrayImage, range: DisparityRange) -> Self {
+        let size = [left.width(), left.height()];
+        let mut right = census(right);
+        for row in right.chunks_exact_mut(size[0]) {
+            row.reverse();
+        }
+        Self {
+            size,
+            range,
+            left: census(left),
+            right,
+        }
+    }
+
+    #[inline(always)]
+    fn fill_row(&self, y: usize, costs: &mut [u8]) {
+        let width = self.size[0];
+        let count = self.range.count();
+        let line = y * width..(y + 1) * width;
+        let (left, right) = (&self.left[line.clone()], &self.right[line]);
+        for (x, (costs, &bits)) in costs.chunks_exact_mut(count).zip(left).enumerate() {
+            // Disparity `min + k` is at `first + k` of the line that is kept backwards.
+            let first = (width - 1 - x) as i64 + i64::from(self.range.min());
+            let from = (-first).clamp(0, count as i64) as usize;
+            let to = (width as i64 - first).clamp(from as i64, count as i64) as usize;
+            costs[..from].fill(COST_OF_NOTHING);
+            costs[to..].fill(COST_OF_NOTHING);
+            if from < to {
+                let begin = (first + from as i64) as usize;
+                let others = &right[begin..begin + to - from];
+                for (cost, &other) in costs[from..to].iter_mut().zip(others) {
+                    *cost = (bits ^ other).count_ones() as u8;
+                }
+            }
+        }
+    }
+}
+
+impl Costs for CensusPair {
+    fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    fn count(&self) -> usize {
+        self.range.count()
+    }
+
+    fn fill(&self, rows: Range<usize>, costs: &mut [u8]) {
+        costs
+            .par_chunks_mut(self.size[0] * self.range.count())
+            .zip(rows)
+            .for_each(|(costs, y)| dispatch!(Level::new(), _simd => self.fill_row(y, costs)));
+    }
+}
