@@ -7,17 +7,15 @@
 //! The right line is kept backwards, so that the disparities of one pixel are next to each other in memory.
 
 use super::GrayImage;
-use super::costs::{Costs, MAX_COST};
+use super::costs::Costs;
 use super::range::DisparityRange;
+use super::refine::{Around, BESIDE, NO_COST};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 
 const HALF_WIDTH: usize = 4;
 const HALF_HEIGHT: usize = 3;
-
-/// What a match beyond the other image costs: half of the bits, as chance has it.
-pub(super) const COST_OF_NOTHING: u8 = MAX_COST / 2;
 
 /// The bits of each pixel, line by line.
 pub(super) fn census(image: &GrayImage) -> Vec<u64> {
@@ -83,6 +81,22 @@ impl CensusPair {
         }
     }
 
+    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` of the image has a label `label`.
+    pub(super) fn around(&self, at: usize, label: usize) -> Around {
+        let width = self.size[0];
+        let (line, x) = (at - at % width, at % width);
+        // Label k is at `first + k` of the line that is kept backwards.
+        let first = (width - 1 - x) as i64 + i64::from(self.range.min());
+        let others = &self.right[line..line + width];
+        let mut costs = [NO_COST; 2 * BESIDE + 1];
+        for (place, cost) in (first + label as i64 - BESIDE as i64..).zip(&mut costs) {
+            if let Some(other) = usize::try_from(place).ok().and_then(|place| others.get(place)) {
+                *cost = (self.left[at] ^ other).count_ones() as u8;
+            }
+        }
+        costs
+    }
+
     #[inline(always)]
     fn fill_row(&self, y: usize, costs: &mut [u8]) {
         let width = self.size[0];
@@ -94,8 +108,9 @@ impl CensusPair {
             let first = (width - 1 - x) as i64 + i64::from(self.range.min());
             let from = (-first).clamp(0, count as i64) as usize;
             let to = (width as i64 - first).clamp(from as i64, count as i64) as usize;
-            costs[..from].fill(COST_OF_NOTHING);
-            costs[to..].fill(COST_OF_NOTHING);
+            // Beyond the other image is its border: where all is even, no label costs more than others.
+            costs[..from].fill((bits ^ right[0]).count_ones() as u8);
+            costs[to..].fill((bits ^ right[width - 1]).count_ones() as u8);
             if from < to {
                 let begin = (first + from as i64) as usize;
                 let others = &right[begin..begin + to - from];

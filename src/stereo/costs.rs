@@ -21,3 +21,54 @@ pub(super) trait Costs: Sync {
     /// division into `rows`. Precondition: `costs` has as many places.
     fn fill(&self, rows: Range<usize>, costs: &mut [u8]);
 }
+
+#[cfg(test)]
+pub(super) mod test_costs {
+    use super::*;
+
+    /// Costs that are all there.
+    pub(in crate::stereo) struct Volume {
+        pub(in crate::stereo) size: [usize; 2],
+        pub(in crate::stereo) count: usize,
+        pub(in crate::stereo) costs: Vec<u8>,
+    }
+
+    impl Volume {
+        /// Costs without any order, of all sizes.
+        pub(in crate::stereo) fn random(size: [usize; 2], count: usize, seed: u64) -> Self {
+            let mut random = Random(seed);
+            let costs = (0..size[0] * size[1] * count)
+                .map(|_| (random.next() % (u32::from(MAX_COST) + 1)) as u8)
+                .collect();
+            Self { size, count, costs }
+        }
+    }
+
+    impl Costs for Volume {
+        fn size(&self) -> [usize; 2] {
+            self.size
+        }
+
+        fn count(&self) -> usize {
+            self.count
+        }
+
+        fn fill(&self, rows: Range<usize>, costs: &mut [u8]) {
+            let line = self.size[0] * self.count;
+            costs.copy_from_slice(&self.costs[rows.start * line..rows.end * line]);
+        }
+    }
+
+    /// Numbers without order, the same in every run (SplitMix64).
+    pub(in crate::stereo) struct Random(pub(in crate::stereo) u64);
+
+    impl Random {
+        pub(in crate::stereo) fn next(&mut self) -> u32 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut bits = self.0;
+            bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((bits ^ (bits >> 31)) >> 32) as u32
+        }
+    }
+}

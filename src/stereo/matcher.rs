@@ -1,19 +1,34 @@
-//! From a rectified pair to disparities.
+//! From a rectified pair to disparities: costs, their sums, winners, and what is filtered out of them.
 
 use super::census::CensusPair;
-use super::semi_global::{Penalties, semi_global};
 use super::filters::{median, remove_specks};
+use super::local::local;
+use super::refine::refine;
+use super::semi_global::{Penalties, semi_global};
 use super::winner::{Between, Choice};
 use super::{DisparityMap, DisparityRange, GrayImage, StereoError};
 
 /// By how much the disparities of neighbours on one surface differ at most.
 const SPECK_STEP_PX: f32 = 1.0;
 
+/// How costs are gathered from around a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Gathering {
+    /// Along eight paths through the image.
+    SemiGlobal(Penalties),
+    /// In a square.
+    Local {
+        /// Pixels to each side, at most 15.
+        radius_px: usize,
+    },
+}
+
 /// How a pair is matched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matching {
-    /// Penalties.
-    pub penalties: Penalties,
+    /// How costs are gathered.
+    pub gathering: Gathering,
     /// By how much all other disparities have to cost more than the one that is taken, in percent.
     pub unique_percent: u16,
     /// How disparities between pixels are found.
@@ -25,7 +40,7 @@ pub struct Matching {
 impl Default for Matching {
     fn default() -> Self {
         Self {
-            penalties: Penalties::default(),
+            gathering: Gathering::SemiGlobal(Penalties::default()),
             unique_percent: 3,
             between: Between::default(),
             least_area_px: 100,
@@ -34,10 +49,20 @@ impl Default for Matching {
 }
 
 impl Matching {
-    /// Disparities of the pixels of `left`.
+    /// The local winner: fast, for images of some hundred pixels a side.
+    pub fn fast() -> Self {
+        Self {
+            gathering: Gathering::Local { radius_px: 3 },
+            unique_percent: 5,
+            least_area_px: 30,
+            ..Self::default()
+        }
+    }
+
+    /// Disparities of the pixels of `left`, whose partners are in the same line of `right`.
     ///
     /// # Errors
-    /// [`StereoError`].
+    /// [`StereoError`] of images that differ in size, of penalties, and of images too large for the range.
     pub fn disparities(
         &self,
         left: &GrayImage,
@@ -58,14 +83,24 @@ impl Matching {
             left_right: Some(range.min()),
         };
         let mut labels = vec![f32::NAN; size[0] * size[1]];
-        semi_global(&costs, left, self.penalties, &mut labels, |sums, labels| {
-            choice.winners(sums, labels);
-        })?;
+        let winners = |sums: &mut [u16], labels: &mut [f32]| choice.winners(sums, labels);
+        match self.gathering {
+            Gathering::SemiGlobal(penalties) => semi_global(&costs, left, penalties, &mut labels, winners)?,
+            Gathering::Local { radius_px } => local(&costs, radius_px, &mut labels, winners)?,
+        }
+        if self.between == Between::Lines {
+            labels = refine(&labels, size[0], |at, label| costs.around(at, label));
+        }
         for label in &mut labels {
             *label += range.min() as f32;
         }
-        let mut labels = median(&labels, size[0]);
-        remove_specks(&mut labels, size[0], self.least_area_px, |a, b| (a - b).abs() <= SPECK_STEP_PX);
-        Ok(DisparityMap::new(size, labels))
+        let mut disparities = median(&labels, size[0]);
+        remove_specks(&mut disparities, size[0], self.least_area_px, |a, b| {
+            (a - b).abs() <= SPECK_STEP_PX
+        });
+        Ok(DisparityMap::new(size, disparities))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,12 +14,12 @@
 //! Threads share lines by columns (paths down and up) or take whole lines (paths along them): sums are integers, so
 //! their order changes nothing.
 
-mod along;
 mod across;
-mod penalties;
-mod step;
+mod along;
 #[cfg(test)]
 mod oracle;
+mod penalties;
+mod step;
 
 pub use penalties::Penalties;
 
