@@ -57,6 +57,12 @@ pub enum StereoError {
         /// Most disparities that are tried.
         most: usize,
     },
+    /// Images that show nothing of the same.
+    #[error(
+        "the images have too little in common to find their disparities: expected two photographs of one textured \
+         scene; give the range if they are"
+    )]
+    NothingAlike,
     /// Distances that are none.
     #[error("depths from {near} to {far} m in {planes} planes: expected 0 < near < far, and 2 to {most} planes")]
     NoDepths {

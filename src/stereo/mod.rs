@@ -8,6 +8,7 @@ mod filters;
 mod image;
 mod local;
 mod matcher;
+mod pyramid;
 mod range;
 mod refine;
 mod semi_global;
