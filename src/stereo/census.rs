@@ -15,23 +15,25 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 const HALF_WIDTH: usize = 4;
-const HALF_HEIGHT: usize = 3;
+/// Lines above and below a pixel that its bits know of.
+pub(super) const HALF_HEIGHT: usize = 3;
 
 /// The bits of each pixel, line by line.
 pub(super) fn census(image: &GrayImage) -> Vec<u64> {
-    let [width, height] = [image.width(), image.height()];
-    let mut bits = vec![0; width * height];
-    bits.par_chunks_mut(width).enumerate().for_each_init(
-        || vec![0_u8; width + 2 * HALF_WIDTH],
-        |padded, (y, row)| {
-            let middle = image.row(y);
-            for dy in 0..=2 * HALF_HEIGHT {
-                pad(image.row((y + dy).saturating_sub(HALF_HEIGHT).min(height - 1)), padded);
-                dispatch!(Level::new(), _simd => add_row(middle, padded, dy == HALF_HEIGHT, row));
-            }
-        },
-    );
+    let width = image.width();
+    let mut bits = vec![0; width * image.height()];
+    let lines = bits.par_chunks_exact_mut(width).enumerate();
+    lines.for_each(|(y, row)| census_of_row(image, y, row));
     bits
+}
+
+/// The bits of the pixels of line `y`. Precondition: `bits` are zeros, as many as pixels.
+pub(super) fn census_of_row(image: &GrayImage, y: usize, bits: &mut [u64]) {
+    let mut padded = vec![0; image.width() + 2 * HALF_WIDTH];
+    for dy in 0..=2 * HALF_HEIGHT {
+        pad(image.row((y + dy).saturating_sub(HALF_HEIGHT).min(image.height() - 1)), &mut padded);
+        dispatch!(Level::new(), _simd => add_row(image.row(y), &padded, dy == HALF_HEIGHT, bits));
+    }
 }
 
 fn pad(row: &[u8], padded: &mut [u8]) {
@@ -136,5 +138,60 @@ impl Costs for CensusPair {
             .par_chunks_mut(self.size[0] * self.range.count())
             .zip(rows)
             .for_each(|(costs, y)| dispatch!(Level::new(), _simd => self.fill_row(y, costs)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stereo::costs::test_costs::Random;
+
+    fn random(size: [u32; 2], seed: u64) -> GrayImage {
+        let mut random = Random(seed);
+        let pixels = (0..size[0] * size[1]).map(|_| (random.next() % 8) as u8).collect();
+        GrayImage::new(size, pixels).unwrap()
+    }
+
+    #[test]
+    fn costs_are_the_neighbours_that_compare_otherwise() {
+        let [width, height] = [23, 11];
+        let (left, right) = (random([23, 11], 1), random([23, 11], 2));
+        let range = DisparityRange::new(-7, 24).unwrap();
+        let pair = CensusPair::new(&left, &right, range);
+        let mut costs = vec![0; (width * height * 32) as usize];
+        pair.fill(0..height as usize, &mut costs);
+        let at = |image: &GrayImage, x: i64, y: i64| {
+            image.row(y.clamp(0, height - 1) as usize)[x.clamp(0, width - 1) as usize]
+        };
+        for (index, &cost) in costs.iter().enumerate() {
+            let (place, label) = (index as i64 / 32, index as i64 % 32);
+            let (x, y) = (place % width, place / width);
+            let partner = (x - label + 7).clamp(0, width - 1);
+            let mut expected = 0;
+            for (dy, dx) in (-3..=3).flat_map(|dy| (-4..=4).map(move |dx| (dy, dx))) {
+                let is_darker = |image, x| at(image, x + dx, y + dy) < at(image, x, y);
+                expected += u8::from(is_darker(&left, x) != is_darker(&right, partner));
+            }
+            assert_eq!(cost, expected, "{x}, {y}, label {label}");
+        }
+    }
+
+    #[test]
+    fn what_is_asked_for_between_pixels_is_what_was_matched() {
+        let (left, right) = (random([40, 9], 3), random([40, 9], 4));
+        let range = DisparityRange::new(-3, 28).unwrap();
+        let pair = CensusPair::new(&left, &right, range);
+        let mut costs = vec![0; 40 * 9 * 32];
+        pair.fill(0..9, &mut costs);
+        for at in 0..40 * 9 {
+            for label in 2..30 {
+                for (beside, cost) in pair.around(at, label).into_iter().enumerate() {
+                    let other = label + beside - BESIDE;
+                    let partner = (at % 40) as i64 + 3 - other as i64;
+                    let expected = if (0..40).contains(&partner) { costs[at * 32 + other] } else { NO_COST };
+                    assert_eq!(cost, expected, "pixel {at}, label {other}");
+                }
+            }
+        }
     }
 }

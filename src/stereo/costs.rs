@@ -1,5 +1,6 @@
 //! What semi-global matching and the local winner choose from: a cost for each pixel and each of its labels.
 
+use super::refine::{Around, BESIDE, NO_COST};
 use std::ops::Range;
 
 /// The largest cost: all bits of a census differ.
@@ -22,16 +23,42 @@ pub(super) trait Costs: Sync {
     fn fill(&self, rows: Range<usize>, costs: &mut [u8]);
 }
 
+/// Costs that are all in memory.
+#[derive(Debug)]
+pub(super) struct Volume {
+    pub(super) size: [usize; 2],
+    pub(super) count: usize,
+    /// Line by line, pixel by pixel, label by label.
+    pub(super) costs: Vec<u8>,
+}
+
+impl Volume {
+    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` has a label `label`.
+    pub(super) fn around(&self, at: usize, label: usize) -> Around {
+        let costs = &self.costs[at * self.count..(at + 1) * self.count];
+        let cost = |beside: usize| (label + beside).checked_sub(BESIDE).and_then(|label| costs.get(label));
+        std::array::from_fn(|beside| cost(beside).copied().unwrap_or(NO_COST))
+    }
+}
+
+impl Costs for Volume {
+    fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn fill(&self, rows: Range<usize>, costs: &mut [u8]) {
+        let line = self.size[0] * self.count;
+        costs.copy_from_slice(&self.costs[rows.start * line..rows.end * line]);
+    }
+}
+
 #[cfg(test)]
 pub(super) mod test_costs {
     use super::*;
-
-    /// Costs that are all there.
-    pub(in crate::stereo) struct Volume {
-        pub(in crate::stereo) size: [usize; 2],
-        pub(in crate::stereo) count: usize,
-        pub(in crate::stereo) costs: Vec<u8>,
-    }
 
     impl Volume {
         /// Costs without any order, of all sizes.
@@ -41,21 +68,6 @@ pub(super) mod test_costs {
                 .map(|_| (random.next() % (u32::from(MAX_COST) + 1)) as u8)
                 .collect();
             Self { size, count, costs }
-        }
-    }
-
-    impl Costs for Volume {
-        fn size(&self) -> [usize; 2] {
-            self.size
-        }
-
-        fn count(&self) -> usize {
-            self.count
-        }
-
-        fn fill(&self, rows: Range<usize>, costs: &mut [u8]) {
-            let line = self.size[0] * self.count;
-            costs.copy_from_slice(&self.costs[rows.start * line..rows.end * line]);
         }
     }
 

@@ -98,7 +98,7 @@ pub enum StereoError {
     /// Fewer views than a plane sweep has to have.
     #[error("{0} views: expected at least 2")]
     TooFewViews(usize),
-    /// Maps, cameras or colours that are not as many as each other.
+    /// Depth maps that are not as many as views.
     #[error("{maps} depth maps of {views} views: expected as many")]
     CountsDiffer {
         /// Number of depth maps.

@@ -60,6 +60,37 @@ impl GrayImage {
         &self.pixels[y * self.width..(y + 1) * self.width]
     }
 
+    /// An image without light. Precondition: a size above 0.
+    pub(super) fn black([width, height]: [usize; 2]) -> Self {
+        Self {
+            width,
+            height,
+            pixels: vec![0; width * height],
+        }
+    }
+
+    pub(super) fn pixels_mut(&mut self) -> &mut [u8] {
+        &mut self.pixels
+    }
+
+    /// The brightness between pixels, mixed from the four around. Beyond the border it is that of the border.
+    pub(super) fn bilinear(&self, x: f32, y: f32) -> u8 {
+        let place = |at: f32, count: usize| {
+            let at = at.clamp(0.0, (count - 1) as f32);
+            let first = at as usize;
+            (first, (first + 1).min(count - 1), at - first as f32)
+        };
+        let (left, right, to_right) = place(x, self.width);
+        let (top, bottom, to_bottom) = place(y, self.height);
+        let (above, below) = (self.row(top), self.row(bottom));
+        let along = |row: &[u8]| {
+            let (a, b) = (f32::from(row[left]), f32::from(row[right]));
+            a + to_right * (b - a)
+        };
+        let (above, below) = (along(above), along(below));
+        (above + to_bottom * (below - above) + 0.5) as u8
+    }
+
     /// Half the size (rounded up): the mean of each four pixels, of those that there are at odd borders.
     pub(super) fn halved(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));

@@ -111,7 +111,7 @@ fn sum_along(columns: &[u16], width: usize, radius: usize, sums: &mut [u16]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stereo::costs::test_costs::Volume;
+    use crate::stereo::costs::Volume;
 
     #[test]
     fn sums_are_those_of_all_pixels_of_the_square() {

@@ -1,9 +1,9 @@
 //! Which disparities a pair has, found on smaller copies of it.
 //!
 //! Both images are halved until the longer side is at most 256 pixels. There every disparity up to three quarters of the
-//! width is tried either way, which takes a small part of the time of the whole image. Of what was found, a thousandth
-//! at either end is left out as mistakes, areas of a 400th of the image before; two pixels of the small image are added
-//! for what it did not show.
+//! width is tried either way, which takes a small part of the time of the whole image. Of what was found, areas of less
+//! than a 400th of the image are left out as mistakes. Two pixels of the small image are added to both ends for what it
+//! did not show, and an eighth of the range to the near one: near things are often thin.
 
 use super::{DisparityRange, GrayImage, Matching, StereoError};
 
@@ -19,11 +19,11 @@ const LEAST_AREA: usize = 400;
 /// With as many disparities to choose from, chance alone finds one a few percent better.
 const UNIQUE_PERCENT: u16 = 10;
 
-/// So many of a thousand disparities at either end count as mistakes.
-const MISTAKES: usize = 0;
-
 /// Pixels of the copy that are added to both ends.
 const MARGIN_PX: i32 = 2;
+
+/// Part of the range that is added to the near end.
+const NEAR_SHARE: f32 = 0.125;
 
 impl Matching {
     /// The range of disparities of a rectified pair.
@@ -44,15 +44,15 @@ impl Matching {
             ..self.clone()
         };
         let map = matching.disparities(&left, &right, DisparityRange::new(-reach, reach)?)?;
-        let mut found: Vec<f32> = map.pixels().iter().copied().filter(|found| !found.is_nan()).collect();
-        if found.is_empty() || found.len() * 1000 < LEAST_FOUND * map.pixels().len() {
+        if map.found_count() * 1000 < (LEAST_FOUND * map.pixels().len()).max(1) {
             return Err(StereoError::NothingAlike);
         }
-        found.sort_unstable_by(f32::total_cmp);
-        let mistakes = found.len() * MISTAKES / 1000;
-        let (min, max) = (found[mistakes], found[found.len() - 1 - mistakes]);
+        // Not a number is neither.
+        let min = map.pixels().iter().copied().fold(f32::INFINITY, f32::min);
+        let max = map.pixels().iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let near = max + (max - min) * NEAR_SHARE;
         let end = |at: f32, margin: i32| (at as i32 + margin) * scale;
-        DisparityRange::new(end(min.floor(), -MARGIN_PX), end(max.ceil(), MARGIN_PX))
+        DisparityRange::new(end(min.floor(), -MARGIN_PX), end(near.ceil(), MARGIN_PX))
     }
 }
 

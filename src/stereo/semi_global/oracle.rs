@@ -1,7 +1,8 @@
 //! Semi-global matching by its definition: each path on its own through a volume of numbers that are wide enough.
 
 use super::*;
-use crate::stereo::costs::test_costs::{Random, Volume};
+use crate::stereo::costs::Volume;
+use crate::stereo::costs::test_costs::Random;
 use proptest::prelude::*;
 
 const COUNT: usize = 32;
