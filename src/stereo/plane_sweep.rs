@@ -11,7 +11,7 @@
 //! rectification; a pair takes less time.
 
 use super::census::{HALF_HEIGHT, census, census_of_row};
-use super::costs::{LANES, MAX_COST, Volume};
+use super::costs::{LANES, Volume};
 use super::filters::{median, remove_specks};
 use super::local::local;
 use super::refine::refine;
@@ -35,9 +35,6 @@ const MOST_BYTES: u64 = 2 << 30;
 /// Most other views: more would tell nothing that the nearest do not.
 const MOST_OTHERS: usize = 64;
 
-/// What a place that no view sees costs: half of the bits, as chance has it.
-const COST_OF_NOTHING: u8 = MAX_COST / 2;
-
 /// Planes by which neighbours on one surface differ at most.
 const SPECK_STEP: f32 = 1.0;
 
@@ -48,8 +45,9 @@ pub struct PlaneSweep {
     pub near: f64,
     /// Depth of the farthest plane.
     pub far: f64,
-    /// Number of planes; it is rounded up to a multiple of 32.
-    pub planes: usize,
+    /// Number of planes, which is rounded up to a multiple of 32. Without one, as many that no view shifts by more than a
+    /// pixel from plane to plane: between finer ones the costs hardly differ.
+    pub planes: Option<usize>,
     /// How costs are gathered.
     pub gathering: Gathering,
     /// By how much all other planes have to cost more than the one that is taken, in percent.
@@ -59,12 +57,12 @@ pub struct PlaneSweep {
 }
 
 impl PlaneSweep {
-    /// 128 planes between two depths.
+    /// Between two depths.
     pub fn between(near: f64, far: f64) -> Self {
         Self {
             near,
             far,
-            planes: 128,
+            planes: None,
             gathering: Gathering::SemiGlobal(Penalties::default()),
             unique_percent: 3,
             least_area_px: 30,
@@ -77,7 +75,7 @@ impl PlaneSweep {
     /// # Errors
     /// [`StereoError`] of views (the first is number 0, others follow), depths, penalties and sizes.
     pub fn depths(&self, view: &View<'_>, others: &[View<'_>]) -> Result<DepthImage, StereoError> {
-        let planes = self.inverse_depths()?;
+        self.check_depths()?;
         if others.is_empty() {
             return Err(StereoError::TooFewViews(1));
         }
@@ -87,7 +85,9 @@ impl PlaneSweep {
         }
         let image = GrayImage::of_colors(view.image);
         let size = [image.width(), image.height()];
-        let volume = costs(view, &image, others, &planes)?;
+        let others: Vec<_> = others.iter().map(|other| Other::new(other, view)).collect();
+        let planes = self.inverse_depths(size, &others);
+        let volume = costs(&image, &others, &planes)?;
         let choice = Choice {
             unique_percent: self.unique_percent,
             between: Between::Lines,
@@ -111,20 +111,30 @@ impl PlaneSweep {
         Ok(DepthImage::new(view.image.size_px(), depths).expect("as many as the image has pixels"))
     }
 
-    /// From the farthest plane on, evenly.
-    fn inverse_depths(&self) -> Result<Vec<f32>, StereoError> {
-        let Self { near, far, planes, .. } = *self;
-        if !(near > 0.0 && near < far && far.is_finite() && (2..=MOST_PLANES).contains(&planes)) {
-            return Err(StereoError::NoDepths {
-                near,
-                far,
-                planes,
-                most: MOST_PLANES,
-            });
+    fn check_depths(&self) -> Result<(), StereoError> {
+        let (near, far) = (self.near, self.far);
+        let planes = self.planes.unwrap_or(LANES);
+        if near > 0.0 && near < far && far.is_finite() && (2..=MOST_PLANES).contains(&planes) {
+            return Ok(());
         }
-        let count = planes.next_multiple_of(LANES);
-        let step = (1.0 / near - 1.0 / far) / (count - 1) as f64;
-        Ok((0..count).map(|plane| (1.0 / far + step * plane as f64) as f32).collect())
+        Err(StereoError::NoDepths {
+            near,
+            far,
+            planes,
+            most: MOST_PLANES,
+        })
+    }
+
+    /// From the farthest plane on, evenly.
+    fn inverse_depths(&self, size: [usize; 2], others: &[Other]) -> Vec<f32> {
+        let range = [1.0 / self.far, 1.0 / self.near];
+        let count = self.planes.unwrap_or_else(|| {
+            let shifts = others.iter().map(|other| other.shift(size, range));
+            (shifts.fold(0.0, f32::max) as usize + 1).min(MOST_PLANES)
+        });
+        let count = count.next_multiple_of(LANES);
+        let step = (range[1] - range[0]) / (count - 1) as f64;
+        (0..count).map(|plane| (range[0] + step * plane as f64) as f32).collect()
     }
 }
 
@@ -148,6 +158,21 @@ impl Other {
         }
     }
 
+    /// By how many pixels what the first view has in its middle or in a corner moves at most between two inverse depths.
+    fn shift(&self, [width, height]: [usize; 2], range: [f64; 2]) -> f32 {
+        let (width, height) = (width as f32 - 1.0, height as f32 - 1.0);
+        let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let shifts = places.map(|[x, y]| {
+            let ends = range.map(|inverse| {
+                let to = self.linear * Vec3::new(x * width, y * height, 1.0) + self.offset * inverse as f32;
+                (to.z > 0.0).then(|| to.truncate() / to.z)
+            });
+            let [Some(far), Some(near)] = ends else { return 0.0 };
+            far.distance(near)
+        });
+        shifts.into_iter().fold(0.0, f32::max)
+    }
+
     /// Writes the lines from `from` on of what is seen on a plane, and of which pixels there is something.
     fn lay(&self, inverse_depth: f32, from: usize, width: usize, pixels: &mut [u8], is_seen: &mut [bool]) {
         let offset = self.offset * inverse_depth;
@@ -159,13 +184,14 @@ impl Other {
                 let to = line + self.linear.x_axis * x as f32;
                 let (u, v) = (to.x / to.z, to.y / to.z);
                 *is_seen = to.z > 0.0 && u >= -0.5 && v >= -0.5 && u <= most[0] && v <= most[1];
-                *pixel = if *is_seen { self.image.bilinear(u, v) } else { 0 };
+                // Beyond the border is the border: where all is even, no plane costs more than others.
+                *pixel = self.image.bilinear(u, v);
             }
         }
     }
 }
 
-fn costs(view: &View<'_>, image: &GrayImage, others: &[View<'_>], planes: &[f32]) -> Result<Volume, StereoError> {
+fn costs(image: &GrayImage, others: &[Other], planes: &[f32]) -> Result<Volume, StereoError> {
     let [width, height] = [image.width(), image.height()];
     let line = width * planes.len();
     let needed = line as u64 * height as u64;
@@ -175,13 +201,12 @@ fn costs(view: &View<'_>, image: &GrayImage, others: &[View<'_>], planes: &[f32]
             most_mib: MOST_BYTES >> 20,
         });
     }
-    let others: Vec<_> = others.iter().map(|other| Other::new(other, view)).collect();
     let bits = census(image);
     let mut costs = vec![0; line * height];
     costs.par_chunks_mut(LINES * line).enumerate().for_each(|(task, costs)| {
         let from = task * LINES;
         let lines = from..from + costs.len() / line;
-        let mut slab = Slab::new(&others, lines, [width, height]);
+        let mut slab = Slab::new(others, lines, [width, height]);
         for (plane, &inverse_depth) in planes.iter().enumerate() {
             slab.sweep(inverse_depth, &bits);
             for (costs, cost) in costs.chunks_exact_mut(planes.len()).zip(slab.best_halves()) {
@@ -209,6 +234,8 @@ struct Slab<'a> {
     /// Costs of the others of each pixel, and how many of them see it.
     costs: Vec<u8>,
     counts: Vec<u8>,
+    /// The least cost of each pixel beyond all borders, where no view sees it.
+    beyond: Vec<u8>,
 }
 
 impl<'a> Slab<'a> {
@@ -225,6 +252,7 @@ impl<'a> Slab<'a> {
             bits: vec![0; width],
             costs: vec![0; pixels * others.len()],
             counts: vec![0; pixels],
+            beyond: vec![0; pixels],
             lines,
         }
     }
@@ -233,21 +261,24 @@ impl<'a> Slab<'a> {
     fn sweep(&mut self, inverse_depth: f32, bits: &[u64]) {
         let width = self.width;
         self.counts.fill(0);
+        self.beyond.fill(u8::MAX);
         for other in self.others {
             other.lay(inverse_depth, self.first, width, self.laid.pixels_mut(), &mut self.is_seen);
             let costs = self.costs.chunks_exact_mut(width * self.others.len());
-            let counts = self.counts.chunks_exact_mut(width);
-            for (y, (costs, counts)) in self.lines.clone().zip(costs.zip(counts)) {
+            let counts = self.counts.chunks_exact_mut(width).zip(self.beyond.chunks_exact_mut(width));
+            for (y, (costs, (counts, beyond))) in self.lines.clone().zip(costs.zip(counts)) {
                 let laid = y - self.first;
                 self.bits.fill(0);
                 census_of_row(&self.laid, laid, &mut self.bits);
                 let is_seen = &self.is_seen[laid * width..(laid + 1) * width];
-                let bits = self.bits.iter().zip(&bits[y * width..(y + 1) * width]);
-                let pixels = costs.chunks_exact_mut(self.others.len()).zip(counts).zip(is_seen).zip(bits);
-                for (((costs, count), &is_seen), (a, b)) in pixels {
-                    if is_seen {
-                        costs[usize::from(*count)] = (a ^ b).count_ones() as u8;
-                        *count += 1;
+                let bits = &bits[y * width..(y + 1) * width];
+                for (x, costs) in costs.chunks_exact_mut(self.others.len()).enumerate() {
+                    let cost = (self.bits[x] ^ bits[x]).count_ones() as u8;
+                    if is_seen[x] {
+                        costs[usize::from(counts[x])] = cost;
+                        counts[x] += 1;
+                    } else {
+                        beyond[x] = beyond[x].min(cost);
                     }
                 }
             }
@@ -256,19 +287,17 @@ impl<'a> Slab<'a> {
 
     /// The mean of the better half of the costs of each pixel.
     fn best_halves(&mut self) -> impl Iterator<Item = u8> {
-        let pixels = self.costs.chunks_exact_mut(self.others.len()).zip(&self.counts);
-        pixels.map(|(costs, &count)| best_half(&mut costs[..usize::from(count)]))
+        let pixels = self.costs.chunks_exact_mut(self.others.len()).zip(self.counts.iter().zip(&self.beyond));
+        pixels.map(|(costs, (&count, &beyond))| best_half(&mut costs[..usize::from(count)]).unwrap_or(beyond))
     }
 }
 
-fn best_half(costs: &mut [u8]) -> u8 {
-    let half = costs.len().div_ceil(2);
-    if half == 0 {
-        return COST_OF_NOTHING;
-    }
+/// `None` of none.
+fn best_half(costs: &mut [u8]) -> Option<u8> {
     costs.sort_unstable();
-    let sum: u32 = costs[..half].iter().map(|&cost| u32::from(cost)).sum();
-    ((sum + half as u32 / 2) / half as u32) as u8
+    let half = costs.len().div_ceil(2) as u32;
+    let sum: u32 = costs.iter().take(half as usize).map(|&cost| u32::from(cost)).sum();
+    (sum + half / 2).checked_div(half).map(|mean| mean as u8)
 }
 
 #[cfg(test)]

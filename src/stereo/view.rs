@@ -16,8 +16,6 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// Precondition: none.
-    ///
     /// # Errors
     /// [`StereoError`] of what this view is not; `index` is its place among the views.
     pub(super) fn check(&self, index: usize) -> Result<(), StereoError> {
@@ -30,11 +28,6 @@ impl View<'_> {
             });
         }
         check_pinhole(self.camera, self.camera_from_world, index)
-    }
-
-    /// Where it stands.
-    pub(super) fn place(&self) -> DVec3 {
-        place(self.camera_from_world)
     }
 }
 
