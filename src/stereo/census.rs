@@ -31,7 +31,10 @@ pub(super) fn census(image: &GrayImage) -> Vec<u64> {
 pub(super) fn census_of_row(image: &GrayImage, y: usize, bits: &mut [u64]) {
     let mut padded = vec![0; image.width() + 2 * HALF_WIDTH];
     for dy in 0..=2 * HALF_HEIGHT {
-        pad(image.row((y + dy).saturating_sub(HALF_HEIGHT).min(image.height() - 1)), &mut padded);
+        pad(
+            image.row((y + dy).saturating_sub(HALF_HEIGHT).min(image.height() - 1)),
+            &mut padded,
+        );
         dispatch!(Level::new(), _simd => add_row(image.row(y), &padded, dy == HALF_HEIGHT, bits));
     }
 }
@@ -188,7 +191,11 @@ mod tests {
                 for (beside, cost) in pair.around(at, label).into_iter().enumerate() {
                     let other = label + beside - BESIDE;
                     let partner = (at % 40) as i64 + 3 - other as i64;
-                    let expected = if (0..40).contains(&partner) { costs[at * 32 + other] } else { NO_COST };
+                    let expected = if (0..40).contains(&partner) {
+                        costs[at * 32 + other]
+                    } else {
+                        NO_COST
+                    };
                     assert_eq!(cost, expected, "pixel {at}, label {other}");
                 }
             }

@@ -28,7 +28,7 @@ impl Default for Consistency {
     }
 }
 
-/// The depths of `maps` that enough views agree on; the others become 0. Each map is one of the view of the same number.
+/// The depths of `maps` that enough views agree on; the others become 0. Each map is of the view of the same number.
 ///
 /// # Errors
 /// [`StereoError::CountsDiffer`], [`StereoError::OtherCamera`] of a map that is not of the size of its camera,
@@ -61,7 +61,7 @@ pub fn consistent(
             .map(|other| Other {
                 map: &maps[other],
                 camera: views[other].camera,
-                other_from_this: views[other].camera_from_world * views[index].camera_from_world.inverse(),
+                from_first: views[other].camera_from_world * views[index].camera_from_world.inverse(),
             })
             .collect();
         let (camera, width) = (views[index].camera, maps[index].width());
@@ -69,7 +69,9 @@ pub fn consistent(
             let pixel = DVec2::new((at % width) as f64, (at / width) as f64);
             let ray = camera.ray(pixel).filter(|_| depth > 0.0);
             let is_kept = ray.is_some_and(|ray| {
-                let agreeing = others.iter().filter(|other| other.agrees(ray * f64::from(depth), consistency.tolerance));
+                let agreeing = others
+                    .iter()
+                    .filter(|other| other.agrees(ray * f64::from(depth), consistency.tolerance));
                 // One is the view itself.
                 agreeing.take(needed).count() + 1 >= needed
             });
@@ -84,13 +86,14 @@ pub fn consistent(
 struct Other<'a> {
     map: &'a DepthImage,
     camera: &'a Camera,
-    other_from_this: DAffine3,
+    /// From the frame of the first camera to that of this one.
+    from_first: DAffine3,
 }
 
 impl Other<'_> {
     /// Whether the map of this view has `point` of the frame of the first one.
     fn agrees(&self, point: glam::DVec3, tolerance: f64) -> bool {
-        let point = self.other_from_this.transform_point3(point);
+        let point = self.from_first.transform_point3(point);
         let Some(pixel) = self.camera.pixel(point).filter(|&pixel| self.camera.contains(pixel)) else {
             return false;
         };

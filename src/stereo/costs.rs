@@ -71,7 +71,7 @@ pub(super) mod test_costs {
         }
     }
 
-    /// Numbers without order, the same in every run (SplitMix64).
+    /// Numbers without order, the same in every run (`SplitMix64`).
     pub(in crate::stereo) struct Random(pub(in crate::stereo) u64);
 
     impl Random {

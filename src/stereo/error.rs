@@ -88,7 +88,10 @@ pub enum StereoError {
         most: u8,
     },
     /// Memory beyond what stereo allows itself.
-    #[error("stereo of these images takes {needed_mib} MiB: expected at most {most_mib}; scale the images down or narrow the range")]
+    #[error(
+        "stereo of these images takes {needed_mib} MiB: expected at most {most_mib}; scale the images down or narrow \
+         the range"
+    )]
     TooLarge {
         /// What it takes.
         needed_mib: u64,

@@ -21,8 +21,8 @@ const MOST_LINE_BYTES: usize = 64 << 20;
 
 const _: () = assert!((2 * MOST_RADIUS + 1).pow(2) * MAX_COST as usize <= u16::MAX as usize);
 
-/// Sums costs over squares of 2 `radius` + 1 pixels and writes what `winners` makes of the sums of each line to the line
-/// of `out`. A radius above [`MOST_RADIUS`] is taken as that.
+/// Sums costs over squares of 2 `radius` + 1 pixels and writes what `winners` makes of the sums of each line to the
+/// line of `out`. A radius above [`MOST_RADIUS`] is taken as that.
 ///
 /// # Errors
 /// [`StereoError::TooLarge`].

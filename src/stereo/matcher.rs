@@ -1,6 +1,7 @@
 //! From a rectified pair to disparities: costs, their sums, winners, and what is filtered out of them.
 
 use super::census::CensusPair;
+use super::contrast::remove_even;
 use super::filters::{median, remove_specks};
 use super::local::local;
 use super::refine::refine;
@@ -88,6 +89,7 @@ impl Matching {
             Gathering::SemiGlobal(penalties) => semi_global(&costs, left, penalties, &mut labels, winners)?,
             Gathering::Local { radius_px } => local(&costs, radius_px, &mut labels, winners)?,
         }
+        remove_even(left, &mut labels);
         if self.between == Between::Lines {
             labels = refine(&labels, size[0], |at, label| costs.around(at, label));
         }

@@ -11,6 +11,7 @@
 //! rectification; a pair takes less time.
 
 use super::census::{HALF_HEIGHT, census, census_of_row};
+use super::contrast::remove_even;
 use super::costs::{LANES, Volume};
 use super::filters::{median, remove_specks};
 use super::local::local;
@@ -45,8 +46,8 @@ pub struct PlaneSweep {
     pub near: f64,
     /// Depth of the farthest plane.
     pub far: f64,
-    /// Number of planes, which is rounded up to a multiple of 32. Without one, as many that no view shifts by more than a
-    /// pixel from plane to plane: between finer ones the costs hardly differ.
+    /// Number of planes, which is rounded up to a multiple of 32. Without one, so many that no view shifts by more than
+    /// a pixel from plane to plane: between finer ones the costs hardly differ.
     pub planes: Option<usize>,
     /// How costs are gathered.
     pub gathering: Gathering,
@@ -99,9 +100,12 @@ impl PlaneSweep {
             Gathering::SemiGlobal(penalties) => semi_global(&volume, &image, penalties, &mut labels, winners)?,
             Gathering::Local { radius_px } => local(&volume, radius_px, &mut labels, winners)?,
         }
+        remove_even(&image, &mut labels);
         let labels = refine(&labels, size[0], |at, label| volume.around(at, label));
         let mut labels = median(&labels, size[0]);
-        remove_specks(&mut labels, size[0], self.least_area_px, |a, b| (a - b).abs() <= SPECK_STEP);
+        remove_specks(&mut labels, size[0], self.least_area_px, |a, b| {
+            (a - b).abs() <= SPECK_STEP
+        });
         let step = planes[1] - planes[0];
         let depth = |label: f32| {
             let inverse = planes[0] + step * label;
@@ -134,7 +138,9 @@ impl PlaneSweep {
         });
         let count = count.next_multiple_of(LANES);
         let step = (range[1] - range[0]) / (count - 1) as f64;
-        (0..count).map(|plane| (range[0] + step * plane as f64) as f32).collect()
+        (0..count)
+            .map(|plane| (range[0] + step * plane as f64) as f32)
+            .collect()
     }
 }
 
@@ -158,7 +164,7 @@ impl Other {
         }
     }
 
-    /// By how many pixels what the first view has in its middle or in a corner moves at most between two inverse depths.
+    /// By how many pixels what the first view has in its middle or in a corner moves between two inverse depths.
     fn shift(&self, [width, height]: [usize; 2], range: [f64; 2]) -> f32 {
         let (width, height) = (width as f32 - 1.0, height as f32 - 1.0);
         let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
@@ -203,17 +209,20 @@ fn costs(image: &GrayImage, others: &[Other], planes: &[f32]) -> Result<Volume, 
     }
     let bits = census(image);
     let mut costs = vec![0; line * height];
-    costs.par_chunks_mut(LINES * line).enumerate().for_each(|(task, costs)| {
-        let from = task * LINES;
-        let lines = from..from + costs.len() / line;
-        let mut slab = Slab::new(others, lines, [width, height]);
-        for (plane, &inverse_depth) in planes.iter().enumerate() {
-            slab.sweep(inverse_depth, &bits);
-            for (costs, cost) in costs.chunks_exact_mut(planes.len()).zip(slab.best_halves()) {
-                costs[plane] = cost;
+    costs
+        .par_chunks_mut(LINES * line)
+        .enumerate()
+        .for_each(|(task, costs)| {
+            let from = task * LINES;
+            let lines = from..from + costs.len() / line;
+            let mut slab = Slab::new(others, lines, [width, height]);
+            for (plane, &inverse_depth) in planes.iter().enumerate() {
+                slab.sweep(inverse_depth, &bits);
+                for (costs, cost) in costs.chunks_exact_mut(planes.len()).zip(slab.best_halves()) {
+                    costs[plane] = cost;
+                }
             }
-        }
-    });
+        });
     Ok(Volume {
         size: [width, height],
         count: planes.len(),
@@ -263,9 +272,18 @@ impl<'a> Slab<'a> {
         self.counts.fill(0);
         self.beyond.fill(u8::MAX);
         for other in self.others {
-            other.lay(inverse_depth, self.first, width, self.laid.pixels_mut(), &mut self.is_seen);
+            other.lay(
+                inverse_depth,
+                self.first,
+                width,
+                self.laid.pixels_mut(),
+                &mut self.is_seen,
+            );
             let costs = self.costs.chunks_exact_mut(width * self.others.len());
-            let counts = self.counts.chunks_exact_mut(width).zip(self.beyond.chunks_exact_mut(width));
+            let counts = self
+                .counts
+                .chunks_exact_mut(width)
+                .zip(self.beyond.chunks_exact_mut(width));
             for (y, (costs, (counts, beyond))) in self.lines.clone().zip(costs.zip(counts)) {
                 let laid = y - self.first;
                 self.bits.fill(0);
@@ -287,7 +305,10 @@ impl<'a> Slab<'a> {
 
     /// The mean of the better half of the costs of each pixel.
     fn best_halves(&mut self) -> impl Iterator<Item = u8> {
-        let pixels = self.costs.chunks_exact_mut(self.others.len()).zip(self.counts.iter().zip(&self.beyond));
+        let pixels = self
+            .costs
+            .chunks_exact_mut(self.others.len())
+            .zip(self.counts.iter().zip(&self.beyond));
         pixels.map(|(costs, (&count, &beyond))| best_half(&mut costs[..usize::from(count)]).unwrap_or(beyond))
     }
 }

@@ -1,9 +1,9 @@
 //! Which disparities a pair has, found on smaller copies of it.
 //!
-//! Both images are halved until the longer side is at most 256 pixels. There every disparity up to three quarters of the
-//! width is tried either way, which takes a small part of the time of the whole image. Of what was found, areas of less
-//! than a 400th of the image are left out as mistakes. Two pixels of the small image are added to both ends for what it
-//! did not show, and an eighth of the range to the near one: near things are often thin.
+//! Both images are halved until the longer side is at most 256 pixels. There every disparity up to three quarters of
+//! the width is tried either way, which takes a small part of the time of the whole image. Of what was found, areas of
+//! less than a 400th of the image are left out as mistakes. Two pixels of the small image are added to both ends for
+//! what it did not show, and an eighth of the range to the near one: near things are often thin.
 
 use super::{DisparityRange, GrayImage, Matching, StereoError};
 
@@ -91,8 +91,14 @@ mod tests {
             let [left, right] = pair(900, 400, disparities);
             let range = Matching::default().range(&left, &right).unwrap();
             let (min, max) = (range.min() as f32, range.max() as f32);
-            assert!(min <= disparities[0] && disparities[1] <= max, "{range:?} of {disparities:?}");
-            assert!(min >= disparities[0] - 20.0 && max <= disparities[1] + 20.0 + 32.0, "{range:?}");
+            assert!(
+                min <= disparities[0] && disparities[1] <= max,
+                "{range:?} of {disparities:?}"
+            );
+            assert!(
+                min >= disparities[0] - 20.0 && max <= disparities[1] + 20.0 + 32.0,
+                "{range:?}"
+            );
         }
     }
 
@@ -102,6 +108,9 @@ mod tests {
         assert_eq!(Matching::default().range(&even, &even), Err(StereoError::NothingAlike));
         let mut random = Random(1);
         let mut noise = || GrayImage::new([300, 200], (0..60_000).map(|_| random.next() as u8).collect()).unwrap();
-        assert_eq!(Matching::default().range(&noise(), &noise()), Err(StereoError::NothingAlike));
+        assert_eq!(
+            Matching::default().range(&noise(), &noise()),
+            Err(StereoError::NothingAlike)
+        );
     }
 }

@@ -9,7 +9,7 @@
 //! show is kept. Columns differ by a constant then, which the mapping to places knows ([`Places`]).
 
 use super::view::{check_pinhole, pixels_from_rays, place, through};
-use super::{DisparityMap, Places, StereoError, View};
+use super::{DisparityMap, Places, StereoError};
 use crate::rgbd::{Camera, ColorImage, DepthImage, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -25,8 +25,10 @@ const LEAST_COSINE: f64 = 0.342;
 pub struct Rectified {
     cameras: [Camera; 2],
     camera_from_world: [DAffine3; 2],
-    rectified_from_pixels: [DMat3; 2],
-    pixels_from_rectified: [DMat3; 2],
+    /// From pixels of the photographs to those of rectified images.
+    homographies: [DMat3; 2],
+    /// And back.
+    inverses: [DMat3; 2],
     sources: [Camera; 2],
     first_from_world: DAffine3,
 }
@@ -43,7 +45,10 @@ impl Rectified {
         }
         let places = poses.map(place);
         let rotation = common_rotation(places, poses)?;
-        let focal = cameras.iter().map(|camera| camera.focal_px().element_sum() / 4.0).sum::<f64>();
+        let focal = cameras
+            .iter()
+            .map(|camera| camera.focal_px().element_sum() / 4.0)
+            .sum::<f64>();
         // Pixels around an axis through (0, 0) first, to see how far both images reach.
         let focal_only = DMat3::from_diagonal(DVec3::new(focal, focal, 1.0));
         let turned = [0, 1].map(|index| {
@@ -59,7 +64,9 @@ impl Rectified {
             return Err(StereoError::NotSideBySide("they share no line"));
         }
         if (width + 1.0) * (height + 1.0) > most[0].max(most[1]) {
-            return Err(StereoError::NotSideBySide("one looks almost along the line between them"));
+            return Err(StereoError::NotSideBySide(
+                "one looks almost along the line between them",
+            ));
         }
         let size = [width as u32 + 1, height as u32 + 1];
         // Whole pixels, so that disparities differ from angles by whole numbers.
@@ -70,16 +77,15 @@ impl Rectified {
                 .map_err(|_| StereoError::NotSideBySide("their focal lengths are none"))
         };
         let rectified = [rectified(0)?, rectified(1)?];
-        let rectified_from_pixels =
-            [0, 1].map(|index| DMat3::from_translation(DVec2::new(-left[index], -top)) * turned[index]);
+        let homographies = [0, 1].map(|index| DMat3::from_translation(DVec2::new(-left[index], -top)) * turned[index]);
         Ok(Self {
             cameras: rectified,
             camera_from_world: places.map(|place| DAffine3 {
                 matrix3: rotation,
                 translation: -(rotation * place),
             }),
-            pixels_from_rectified: rectified_from_pixels.map(|homography| homography.inverse()),
-            rectified_from_pixels,
+            inverses: homographies.map(|homography| homography.inverse()),
+            homographies,
             sources: cameras.map(Clone::clone),
             first_from_world: poses[0],
         })
@@ -97,7 +103,7 @@ impl Rectified {
 
     /// Homographies from pixels of the photographs to those of rectified images.
     pub fn rectified_from_pixels(&self) -> &[DMat3; 2] {
-        &self.rectified_from_pixels
+        &self.homographies
     }
 
     /// From disparities to places.
@@ -120,7 +126,7 @@ impl Rectified {
             });
         }
         let size = self.cameras[index].size_px();
-        let homography = &self.pixels_from_rectified[index];
+        let homography = &self.inverses[index];
         let color = |row: u32, column: u32| {
             let pixel = DVec2::new(f64::from(column), f64::from(row));
             through(homography, pixel).map_or([0; 3], |at| photograph.bilinear([at.x as f32, at.y as f32]))
@@ -132,22 +138,25 @@ impl Rectified {
 
     /// Whether photograph `index` shows what is at `pixel` of its rectified image.
     pub fn is_seen(&self, index: usize, pixel: DVec2) -> bool {
-        through(&self.pixels_from_rectified[index], pixel).is_some_and(|at| self.sources[index].contains(at))
+        through(&self.inverses[index], pixel).is_some_and(|at| self.sources[index].contains(at))
     }
 
     /// Takes out of `map` what only comes from the colours beyond a photograph. Precondition: it is of the first
     /// rectified image.
     pub fn keep_seen(&self, map: &mut DisparityMap) {
         let width = map.width();
-        map.pixels_mut().par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, disparity) in row.iter_mut().enumerate() {
-                let pixel = DVec2::new(x as f64, y as f64);
-                let partner = pixel - DVec2::new(f64::from(*disparity), 0.0);
-                if !(self.is_seen(0, pixel) && self.is_seen(1, partner)) {
-                    *disparity = f32::NAN;
+        map.pixels_mut()
+            .par_chunks_exact_mut(width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, disparity) in row.iter_mut().enumerate() {
+                    let pixel = DVec2::new(x as f64, y as f64);
+                    let partner = pixel - DVec2::new(f64::from(*disparity), 0.0);
+                    if !(self.is_seen(0, pixel) && self.is_seen(1, partner)) {
+                        *disparity = f32::NAN;
+                    }
                 }
-            }
-        });
+            });
     }
 
     /// Depths of the pixels of the first photograph, along the axis of its camera; 0 where there are none.
@@ -159,7 +168,7 @@ impl Rectified {
         let places = self.places();
         let depth = |row: u32, column: u32| {
             let pixel = DVec2::new(f64::from(column), f64::from(row));
-            let at = through(&self.rectified_from_pixels[0], pixel)?;
+            let at = through(&self.homographies[0], pixel)?;
             let disparity = map.between(at)?;
             let point = places.point(at, disparity)?;
             Some(self.first_from_world.transform_point3(point).z as f32)
@@ -188,7 +197,9 @@ fn common_rotation(places: [DVec3; 2], poses: [DAffine3; 2]) -> Result<DMat3, St
     let y = y.normalize();
     let z = x.cross(y);
     if axes.iter().any(|axis| axis.dot(z) < LEAST_COSINE) {
-        return Err(StereoError::NotSideBySide("they look along the line between them, or away from each other"));
+        return Err(StereoError::NotSideBySide(
+            "they look along the line between them, or away from each other",
+        ));
     }
     Ok(DMat3::from_cols(x, y, z).transpose())
 }

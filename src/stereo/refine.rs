@@ -27,28 +27,37 @@ pub(super) type Around = [u8; 2 * BESIDE + 1];
 pub(super) fn refine(labels: &[f32], width: usize, around: impl Fn(usize, usize) -> Around + Sync) -> Vec<f32> {
     let height = labels.len() / width;
     let costs: Vec<Around> = (labels.par_iter().enumerate())
-        .map(|(at, label)| if label.is_nan() { [NO_COST; _] } else { around(at, *label as usize) })
+        .map(|(at, label)| {
+            if label.is_nan() {
+                [NO_COST; _]
+            } else {
+                around(at, *label as usize)
+            }
+        })
         .collect();
     let mut refined = labels.to_vec();
-    refined.par_chunks_exact_mut(width).enumerate().for_each(|(y, refined)| {
-        let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
-        for (x, refined) in refined.iter_mut().enumerate().filter(|(_, label)| !label.is_nan()) {
-            let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
-            let mut three = [0; 3];
-            for row in rows.clone() {
-                let line = row * width + columns.start..row * width + columns.end;
-                for (label, costs) in labels[line.clone()].iter().zip(&costs[line]) {
-                    add(*refined - label, costs, &mut three);
+    refined
+        .par_chunks_exact_mut(width)
+        .enumerate()
+        .for_each(|(y, refined)| {
+            let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
+            for (x, refined) in refined.iter_mut().enumerate().filter(|(_, label)| !label.is_nan()) {
+                let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
+                let mut three = [0; 3];
+                for row in rows.clone() {
+                    let line = row * width + columns.start..row * width + columns.end;
+                    for (label, costs) in labels[line.clone()].iter().zip(&costs[line]) {
+                        add(*refined - label, *costs, &mut three);
+                    }
                 }
+                *refined += meeting(three);
             }
-            *refined += meeting(three);
-        }
-    });
+        });
     refined
 }
 
 /// Adds the costs of the label that is `step` above that of a neighbour, and of those beside it.
-fn add(step: f32, costs: &Around, three: &mut [u16; 3]) {
+fn add(step: f32, costs: Around, three: &mut [u16; 3]) {
     // Not a number is not near either.
     if step.abs() <= 1.0 {
         let from = (BESIDE as f32 + step) as usize - 1;

@@ -93,7 +93,10 @@ fn a_slanted_plane_is_found_to_a_tenth_of_a_pixel() {
         let (count, median, most) = errors(&map, &truth);
         // Those whose partners are on the right image: a twelfth of the width is not.
         assert!(count * 100 >= 85 * WIDTH * HEIGHT, "{count} pixels by {matching:?}");
-        assert!(median <= median_px && most <= most_px, "{median} and {most} px by {matching:?}");
+        assert!(
+            median <= median_px && most <= most_px,
+            "{median} and {most} px by {matching:?}"
+        );
     }
 }
 
@@ -108,7 +111,10 @@ fn places_between_pixels_are_not_drawn_to_whole_ones() {
             let map = matching.disparities(&left, &right, range(0, 31)).unwrap();
             let found = map.pixels().iter().filter(|found| !found.is_nan());
             let mean = found.clone().sum::<f32>() / found.count() as f32;
-            assert!((mean - 8.0 - part).abs() <= 0.02, "{part} became {mean} by {matching:?}");
+            assert!(
+                (mean - 8.0 - part).abs() <= 0.02,
+                "{part} became {mean} by {matching:?}"
+            );
         }
     }
 }
@@ -131,11 +137,19 @@ fn what_one_image_alone_sees_has_no_disparity() {
     let is_front = |x: f32, y: usize| (80.0..140.0).contains(&x) && (30..90).contains(&y);
     let left = image(|x, y| {
         let x = x as f32;
-        if is_front(x, y) { front.at(x, y as f32) } else { wall.at(x, y as f32) }
+        if is_front(x, y) {
+            front.at(x, y as f32)
+        } else {
+            wall.at(x, y as f32)
+        }
     });
     let right = image(|x, y| {
         let at = x as f32 + 20.0;
-        if is_front(at, y) { front.at(at, y as f32) } else { wall.at(x as f32 + 4.0, y as f32) }
+        if is_front(at, y) {
+            front.at(at, y as f32)
+        } else {
+            wall.at(x as f32 + 4.0, y as f32)
+        }
     });
     for matching in [Matching::default(), Matching::fast()] {
         let map = matching.disparities(&left, &right, range(0, 31)).unwrap();
@@ -149,7 +163,10 @@ fn what_one_image_alone_sees_has_no_disparity() {
         let of_inside = 52 * inside.len();
         let none = count(hidden, f32::is_nan);
         let front = count(inside, |found| (found - 20.0).abs() <= 0.1);
-        assert!(none * 100 >= 80 * of_hidden, "{none} of {of_hidden} hidden ones by {matching:?}");
+        assert!(
+            none * 100 >= 80 * of_hidden,
+            "{none} of {of_hidden} hidden ones by {matching:?}"
+        );
         assert!(front * 100 >= 99 * of_inside, "{front} of {of_inside} by {matching:?}");
     }
 }
@@ -195,9 +212,15 @@ fn images_that_differ_in_size_or_have_none_are_told() {
     let error = Matching::default()
         .disparities(&of([8, 5]).unwrap(), &of([8, 6]).unwrap(), range(0, 3))
         .unwrap_err();
-    assert!(error.to_string().contains("8 × 5") && error.to_string().contains("8 × 6"), "{error}");
+    assert!(
+        error.to_string().contains("8 × 5") && error.to_string().contains("8 × 6"),
+        "{error}"
+    );
     for (min, max) in [(5, 4), (0, i32::MAX), (i32::MIN, i32::MAX), (i32::MIN, i32::MIN)] {
-        assert!(matches!(DisparityRange::new(min, max), Err(StereoError::NoRange { .. })), "{min} {max}");
+        assert!(
+            matches!(DisparityRange::new(min, max), Err(StereoError::NoRange { .. })),
+            "{min} {max}"
+        );
     }
 }
 
@@ -208,7 +231,10 @@ fn any_number_of_threads_finds_the_same() {
         let of = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let map = pool.install(|| matching.disparities(&left, &right, range(0, 40)).unwrap());
-            map.pixels().iter().map(|disparity| disparity.to_bits()).collect::<Vec<_>>()
+            map.pixels()
+                .iter()
+                .map(|disparity| disparity.to_bits())
+                .collect::<Vec<_>>()
         };
         let one = of(1);
         assert!(of(2) == one && of(5) == one, "{matching:?}");

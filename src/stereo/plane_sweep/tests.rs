@@ -84,7 +84,10 @@ impl Scene {
 
 /// Depths of view `index` from all others.
 fn depths_of(views: &[View<'_>], index: usize, sweep: &PlaneSweep) -> DepthImage {
-    let others: Vec<View<'_>> = (0..views.len()).filter(|&other| other != index).map(|other| views[other]).collect();
+    let others: Vec<View<'_>> = (0..views.len())
+        .filter(|&other| other != index)
+        .map(|other| views[other])
+        .collect();
     sweep.depths(&views[index], &others).unwrap()
 }
 
@@ -108,7 +111,6 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
     }
     errors.sort_by(f64::total_cmp);
     let count = errors.len();
-    println!("{count} of {of_sphere} median {}", errors[count / 2]);
     assert!(count * 100 >= 70 * of_sphere, "{count} of {of_sphere}");
     // A tenth of a pixel of the views beside, to which places of the front move by 10 px a unit of depth.
     assert!(errors[count / 2] <= 0.01, "{}", errors[count / 2]);
@@ -119,14 +121,25 @@ fn the_depths_of_a_sphere_are_found_and_those_that_three_views_agree_on_are_on_i
         panic!("places in the world are not rounded");
     };
     assert_eq!(points.attributes.colors.as_ref().unwrap().len(), positions.len());
-    println!("{} points", positions.len());
-    assert!(positions.len() * 100 >= 5 * 60 * of_sphere, "{} of {of_sphere} in each", positions.len());
-    let mut off: Vec<f64> = positions.iter().map(|&at| (DVec3::from_array(at).length() - 1.0).abs()).collect();
+    assert!(
+        positions.len() * 100 >= 5 * 60 * of_sphere,
+        "{} of {of_sphere} in each",
+        positions.len()
+    );
+    let mut off: Vec<f64> = positions
+        .iter()
+        .map(|&at| (DVec3::from_array(at).length() - 1.0).abs())
+        .collect();
     off.sort_by(f64::total_cmp);
     let of = |percent: usize| off[(off.len() - 1) * percent / 100];
-    println!("{} {} {} {}", of(50), of(90), of(98), of(99));
     // The even colour beside the sphere is as near as its rim to any window that has both.
-    assert!(of(50) <= 0.005 && of(90) <= 0.02 && of(99) <= 0.1, "{} {} {}", of(50), of(90), of(99));
+    assert!(
+        of(50) <= 0.005 && of(90) <= 0.02 && of(99) <= 0.1,
+        "{} {} {}",
+        of(50),
+        of(90),
+        of(99)
+    );
 }
 
 #[test]
@@ -181,13 +194,30 @@ fn views_and_depths_that_are_none_are_told() {
     let sweep = PlaneSweep::between(2.5, 5.0);
     assert_eq!(sweep.depths(&views[0], &[]), Err(StereoError::TooFewViews(1)));
     let small = ColorImage::new([3, 2], vec![[0; 3]; 6]).unwrap();
-    let wrong = View { image: &small, ..views[1] };
+    let wrong = View {
+        image: &small,
+        ..views[1]
+    };
     let error = sweep.depths(&views[0], &[views[1], wrong]).unwrap_err();
     assert!(matches!(error, StereoError::OtherCamera { view: 2, .. }), "{error}");
-    for (near, far, planes) in [(0.0, 1.0, 64), (2.0, 1.0, 64), (1.0, f64::NAN, 64), (1.0, 2.0, 1), (1.0, 2.0, 1 << 40)] {
+    for (near, far, planes) in [
+        (0.0, 1.0, 64),
+        (2.0, 1.0, 64),
+        (1.0, f64::NAN, 64),
+        (1.0, 2.0, 1),
+        (1.0, 2.0, 1 << 40),
+    ] {
         let planes = Some(planes);
-        let sweep = PlaneSweep { near, far, planes, ..sweep.clone() };
-        assert!(matches!(sweep.depths(&views[0], &views[1..]), Err(StereoError::NoDepths { .. })), "{near} {far}");
+        let sweep = PlaneSweep {
+            near,
+            far,
+            planes,
+            ..sweep.clone()
+        };
+        assert!(
+            matches!(sweep.depths(&views[0], &views[1..]), Err(StereoError::NoDepths { .. })),
+            "{near} {far}"
+        );
     }
     let maps = vec![DepthImage::new(SIZE, vec![3.0; (SIZE[0] * SIZE[1]) as usize]).unwrap(); 2];
     let default = Consistency::default();
@@ -195,5 +225,8 @@ fn views_and_depths_that_are_none_are_told() {
         consistent(&maps, &views, default),
         Err(StereoError::CountsDiffer { maps: 2, views: 3 })
     );
-    assert_eq!(cloud(&maps, &views).unwrap_err(), StereoError::CountsDiffer { maps: 2, views: 3 });
+    assert_eq!(
+        cloud(&maps, &views).unwrap_err(),
+        StereoError::CountsDiffer { maps: 2, views: 3 }
+    );
 }

@@ -1,7 +1,7 @@
 //! Pairs of many kinds, and one drawn by rays.
 
 use super::*;
-use crate::stereo::{Matching, depths_of_pair};
+use crate::stereo::{Matching, View, depths_of_pair};
 use glam::DQuat;
 use proptest::prelude::*;
 
@@ -116,10 +116,7 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
         (DVec3::new(0.01, 0.25, 0.0), -0.03),
         (DVec3::new(-0.2, -0.1, 0.02), 0.3),
     ] {
-        let poses = [
-            pose(DVec3::ZERO, DVec3::Z * 3.0, 0.0),
-            pose(step, DVec3::Z * 3.0, turn),
-        ];
+        let poses = [pose(DVec3::ZERO, DVec3::Z * 3.0, 0.0), pose(step, DVec3::Z * 3.0, turn)];
         let photographs = [0, 1].map(|index| photograph(&cameras[index], poses[index], normal));
         let views = [0, 1].map(|index| View {
             image: &photographs[index],
@@ -137,7 +134,10 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
         }
         errors.sort_by(f64::total_cmp);
         let count = errors.len();
-        assert!(count * 100 >= 70 * (width * height) as usize, "{count} of {width} × {height}, {step}");
+        assert!(
+            count * 100 >= 70 * (width * height) as usize,
+            "{count} of {width} × {height}, {step}"
+        );
         // A tenth of a pixel is 3 ‰ of the depth here.
         let (median, most) = (errors[count / 2], errors[count * 95 / 100]);
         assert!(median <= 2e-3 && most <= 8e-3, "{median} {most} of {step}");
@@ -156,7 +156,10 @@ fn views_that_cannot_be_rectified_are_told_apart() {
     let beside = pose(DVec3::X, DVec3::new(1.0, 0.0, 5.0), 0.0);
     let of = |cameras, poses| Rectified::new(cameras, poses).unwrap_err();
     let pinholes = [&pinhole, &pinhole];
-    assert_eq!(of([&pinhole, &bent], [here, beside]), StereoError::NoPinhole { view: 1 });
+    assert_eq!(
+        of([&pinhole, &bent], [here, beside]),
+        StereoError::NoPinhole { view: 1 }
+    );
     let scaled = DAffine3::from_scale(DVec3::splat(2.0)) * here;
     assert_eq!(of(pinholes, [scaled, beside]), StereoError::NoPose { view: 0 });
     let nowhere = DAffine3::from_translation(DVec3::NAN);

@@ -131,7 +131,9 @@ impl Line<'_> {
                 Before {
                     costs: &self.before.costs[place * each..(place + 1) * each],
                     least: self.before.least[x + path][path],
-                    p2: self.table.p2(self.brightness_before[neighbours[path]], self.brightness[x]),
+                    p2: self
+                        .table
+                        .p2(self.brightness_before[neighbours[path]], self.brightness[x]),
                 }
             });
             let (left, others) = after.split_at_mut(each);
@@ -147,7 +149,7 @@ impl Line<'_> {
             } else {
                 &mut *sums
             };
-            *least = step::<_, 3, IS_SUMMED>(simd, costs, self.table.p1, before, after, sums);
+            *least = step::<_, 3, IS_SUMMED>(simd, costs, self.table.p1, before, &mut after, sums);
         }
     }
 }

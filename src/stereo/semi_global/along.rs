@@ -10,7 +10,7 @@ pub(super) fn sum(brightness: &[u8], table: &Table, costs: &[u8], sums: &mut [u1
     let count = costs.len() / brightness.len();
     sums.fill(0);
     dispatch!(Level::new(), simd => {
-        go(simd, (0..brightness.len()).into_iter(), brightness, table, count, costs, sums);
+        go(simd, 0..brightness.len(), brightness, table, count, costs, sums);
         go(simd, (0..brightness.len()).rev(), brightness, table, count, costs, sums);
     });
 }
@@ -39,7 +39,7 @@ fn go<S: Simd>(
         };
         let labels = x * count..(x + 1) * count;
         let costs = &costs[labels.clone()];
-        [least] = step::<_, 1, true>(simd, costs, table.p1, [path], [&mut after], &mut sums[labels]);
+        [least] = step::<_, 1, true>(simd, costs, table.p1, [path], &mut [&mut after], &mut sums[labels]);
         std::mem::swap(&mut before, &mut after);
         if last.is_none() {
             after.fill(u8::MAX - table.p1);

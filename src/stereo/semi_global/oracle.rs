@@ -84,7 +84,7 @@ proptest! {
     ) {
         let volume = Volume::random([width, height], blocks * COUNT, seed);
         let guide = random_guide([width, height], seed ^ 1);
-        let penalties = Penalties { p1, p2_least: p1 + more, p2: p1 + more + most, half_change };
+        let penalties = Penalties { p1, p2: p1 + more + most, p2_least: p1 + more, half_change };
         if let Err(error) = penalties.table() {
             prop_assert!(u16::from(p1) + u16::from(penalties.p2) > 193, "{error}");
             return Ok(());
@@ -112,7 +112,12 @@ fn any_number_of_threads_gives_the_same_sums() {
 fn penalties_that_bytes_cannot_hold_are_refused() {
     let default = Penalties::default();
     for (p1, p2_least, p2) in [(24, 24, 120), (24, 60, 59), (100, 110, 120), (255, 255, 255)] {
-        let penalties = Penalties { p1, p2_least, p2, ..default };
+        let penalties = Penalties {
+            p1,
+            p2,
+            p2_least,
+            ..default
+        };
         let error = penalties.table().unwrap_err();
         assert!(matches!(error, StereoError::NoPenalties { .. }), "{error}");
     }

@@ -27,7 +27,7 @@ pub(super) fn step<S: Simd, const N: usize, const IS_SUMMED: bool>(
     pixel: &[u8],
     p1: u8,
     before: [Before<'_>; N],
-    after: [&mut [u8]; N],
+    after: &mut [&mut [u8]; N],
     sums: &mut [u16],
 ) -> [u8; N] {
     let p1 = u8x32::splat(simd, p1);
