@@ -1,13 +1,15 @@
-//! Calibrated photographs as a sequence of one frame: the sparse points that they were calibrated with.
+//! Calibrated photographs as a sequence of one frame: the sparse points that they were calibrated with, or dense ones
+//! that stereo makes of them.
 //!
 //! The frame is an ordinary cloud, so all that works with clouds works with it. Whoever wants the photographs as well
 //! asks [`Source::photographs`].
 
 use super::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
 use crate::cloud::{Positions, RawCloud};
-use crate::io::{self, Part, ReadOptions};
+use crate::io::{self, Part};
 use crate::photos::{self, PhotosError, ViewSet};
 use crate::progress::Progress;
+use crate::stereo::Dense;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +20,7 @@ pub struct PhotoScene {
     set: Arc<ViewSet>,
     entry: Arc<FrameEntry>,
     inputs: Vec<PathBuf>,
-    read: ReadOptions,
+    options: OpenOptions,
 }
 
 impl PhotoScene {
@@ -38,7 +40,7 @@ impl PhotoScene {
             entry: Arc::new(FrameEntry::file(set.points_file.as_ref().unwrap_or(input))),
             set: Arc::new(set),
             inputs: inputs.to_vec(),
-            read: options.read,
+            options: options.clone(),
         }))
     }
 }
@@ -53,8 +55,8 @@ impl Source for PhotoScene {
     }
 
     fn decoder(&self) -> Box<dyn Decoder> {
-        let (set, read) = (Arc::clone(&self.set), self.read);
-        Box::new(move |_: &FrameEntry, progress: &Progress| cloud(&set, &read, progress))
+        let (set, options) = (Arc::clone(&self.set), self.options.clone());
+        Box::new(move |_: &FrameEntry, progress: &Progress| cloud(&set, &options, progress))
     }
 
     fn inputs(&self) -> &[PathBuf] {
@@ -70,11 +72,16 @@ impl Source for PhotoScene {
     }
 }
 
-/// The sparse points of a set, or of the file that it names.
-fn cloud(set: &ViewSet, read: &ReadOptions, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+/// The sparse points of a set, or of the file that it names; where there are none, and where they are wanted, dense
+/// ones by stereo.
+fn cloud(set: &ViewSet, options: &OpenOptions, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
     let points = &set.points;
-    if let Some(file) = set.points_file.as_ref().filter(|_| points.is_empty()) {
-        return Ok(io::read_part_observed(file, &Part::Whole, read, progress)?);
+    let file = set.points_file.as_ref().filter(|_| points.is_empty());
+    if options.dense || (points.is_empty() && file.is_none()) {
+        return Ok(Dense::default().cloud(set, progress)?);
+    }
+    if let Some(file) = file {
+        return Ok(io::read_part_observed(file, &Part::Whole, &options.read, progress)?);
     }
     let positions = points.positions().iter().map(|position| position.to_array());
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));

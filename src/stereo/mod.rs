@@ -8,6 +8,8 @@
 //! are the same; what three views agree on is kept ([`consistent`]). Either way depths become coloured points
 //! ([`cloud()`]).
 //!
+//! All photographs of a set together become points by [`Dense`].
+//!
 //! Photographs are of pinholes, with centres of pixels at integers; lenses are taken out before. Lengths are in the
 //! unit of the poses. Results are the same bits for any number of threads.
 
@@ -16,6 +18,7 @@ mod cloud;
 mod consistency;
 mod contrast;
 mod costs;
+mod dense;
 mod disparity;
 mod error;
 mod filters;
@@ -35,6 +38,7 @@ mod winner;
 
 pub use cloud::cloud;
 pub use consistency::{Consistency, consistent};
+pub use dense::{Dense, DenseError};
 pub use disparity::DisparityMap;
 pub use error::StereoError;
 pub use image::GrayImage;
