@@ -13,6 +13,7 @@
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
 //! | [`photos`] | calibrated photographs with sparse points, and their textures |
+//! | [`stereo`] | depth from photographs: pairs, many views, dense points |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
@@ -61,4 +62,5 @@ pub mod scene;
 pub mod sequence;
 pub mod serve;
 pub mod source;
+pub mod stereo;
 pub mod timeline;

@@ -32,6 +32,7 @@ const ORDER: &[&[&str]] = &[
     &["cloud"],
     &["rgbd"],
     &["photos"],
+    &["stereo"],
     &["io", "analysis"],
     &["measure"],
     &["levels"],
