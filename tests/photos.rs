@@ -300,6 +300,51 @@ fn a_file_stands_for_its_reconstruction() {
 }
 
 #[test]
+fn the_largest_of_several_models_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    Scene::simple().write_colmap_text(folder.path());
+    fs::rename(folder.path().join("sparse/0"), folder.path().join("sparse/1")).unwrap();
+    let few = Scene {
+        poses: Scene::simple().poses[..2].to_vec(),
+        ..Scene::simple()
+    };
+    few.write_colmap_text(folder.path());
+    assert_eq!(read(folder.path()).photos.len(), 6);
+    assert_eq!(read(&folder.path().join("sparse")).photos.len(), 6);
+    assert_eq!(read(&folder.path().join("sparse/0")).photos.len(), 2);
+}
+
+/// The dense stage undistorts photographs under the same names.
+#[test]
+fn photographs_nearest_to_the_model_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let dense = folder.path().join("dense");
+    Scene::simple().write_photos(&folder.path().join("images"));
+    Scene::simple().write_colmap_binary(&dense);
+    for opened in [folder.path(), &dense, &dense.join("sparse")] {
+        for photo in read(opened).photos {
+            assert!(
+                photo.path.starts_with(&dense),
+                "{} of {}",
+                photo.path.display(),
+                opened.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_project_of_meshroom_is_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("MeshroomCache/StructureFromMotion/0f3a");
+    Scene::simple().write_meshroom(&run, [1, 2, 6]);
+    fs::rename(run.join("sfm.json"), run.join("cameras.sfm")).unwrap();
+    let found = photos::find(folder.path()).unwrap().unwrap();
+    assert_eq!(found.format, Format::Meshroom);
+    assert_eq!(found.read().unwrap().photos.len(), 6);
+}
+
+#[test]
 fn folders_of_anything_else_are_none() {
     let folder = folder_with(&[
         ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
