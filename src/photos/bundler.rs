@@ -148,7 +148,7 @@ fn folders(bundle: &Path) -> Vec<PathBuf> {
         name.is_some_and(|name| name == "bundle" || name == "bundler" || name == "pmvs")
     };
     let above = own.parent().filter(|_| is_of_bundler(own));
-    above.into_iter().chain([own]).map(Path::to_owned).collect()
+    [own].into_iter().chain(above).map(Path::to_owned).collect()
 }
 
 #[cfg(test)]

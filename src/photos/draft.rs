@@ -34,7 +34,7 @@ pub(super) struct Draft {
 pub(super) struct Drafts {
     /// The file.
     pub(super) path: PathBuf,
-    /// Folders around which photographs are looked for.
+    /// Folders around which photographs are looked for, the nearest first.
     pub(super) folders: Vec<PathBuf>,
     pub(super) photos: Vec<Draft>,
     /// Observed pixels are counted from where the lens of their photograph says.

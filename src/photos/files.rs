@@ -57,16 +57,16 @@ struct Listing {
 }
 
 impl Files {
-    /// The pictures around `folders`, for photographs of these `names`.
+    /// The pictures around `folders`, of which the first that has one wins, for photographs of these `names`.
     pub(super) fn around<'a>(folders: &[PathBuf], names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut last_parts = HashMap::new();
         for name in names {
             *last_parts.entry(last_part(name).to_lowercase()).or_insert(0) += 1;
         }
         let listings = |below: &[&str]| {
-            let all = below
+            let all = folders
                 .iter()
-                .flat_map(|&below| folders.iter().map(move |folder| folder.join(below)));
+                .flat_map(|folder| below.iter().map(move |&below| folder.join(below)));
             let mut listings: Vec<Listing> = Vec::new();
             for folder in all {
                 if listings.iter().all(|listing| listing.folder != folder) {

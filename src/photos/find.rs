@@ -10,15 +10,12 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Folders of a scene in which COLMAP's models are.
+/// Folders of a scene in which COLMAP's models are, or folders of them by their numbers.
 const COLMAP_FOLDERS: &[&str] = &[
     "",
-    "0",
-    "sparse/0",
     "sparse",
-    "colmap/sparse/0",
     "colmap/sparse",
-    "colmap_sparse/0",
+    "colmap_sparse",
     "colmap_text",
     "dense/0/sparse",
     "dense/sparse",
@@ -26,11 +23,17 @@ const COLMAP_FOLDERS: &[&str] = &[
     "dslr_calibration_undistorted",
 ];
 
+/// Models of one scene whose numbers are tried: COLMAP makes one of each group of photographs that hangs together.
+const MOST_MODELS: u32 = 50;
+
 /// Bundles, the usual one first.
 const BUNDLES: &[&str] = &["bundle.out", "bundle/bundle.out", "bundle.rd.out", "bundler/bundle.out"];
 
 /// Names of scenes of Meshroom: those with points first.
 const SCENES: &[&str] = &["sfm.json", "sfm.sfm", "cameras.sfm"];
+
+/// Folders of a project of Meshroom that hold scenes, each run in a folder of its own.
+const MESHROOM_NODES: &[&str] = &["MeshroomCache/ConvertSfMFormat", "MeshroomCache/StructureFromMotion"];
 
 const TRANSFORMS: &[&str] = &["transforms.json", "transforms_train.json"];
 
@@ -116,10 +119,7 @@ pub fn find(path: &Path) -> Result<Option<Found>, PhotosError> {
 fn in_folder(folder: &Path) -> Option<Found> {
     let first = |names: &[&str]| names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
     let found = |format: Format| move |path: PathBuf| Found { format, path };
-    let model = COLMAP_FOLDERS
-        .iter()
-        .map(|name| folder.join(name))
-        .find(|model| colmap::is_in(model));
+    let model = COLMAP_FOLDERS.iter().find_map(|name| model_in(&folder.join(name)));
     let known = model.map(found(Format::Colmap)).or_else(|| {
         first(BUNDLES)
             .filter(|path| begins_with(path, bundler::MAGIC))
@@ -137,8 +137,42 @@ fn in_folder(folder: &Path) -> Option<Found> {
         .filter(|path| begins_with(path, nvm::MAGIC))
         .map(found(Format::Nvm))
         .or_else(|| first(SCENES).or_else(|| by_ending(".sfm")).map(found(Format::Meshroom)))
+        .or_else(|| in_meshroom_cache(folder).map(found(Format::Meshroom)))
         .or_else(|| first(TRANSFORMS).map(found(Format::Transforms)))
         .or_else(|| by_ending(middlebury::SUFFIX).map(found(Format::Middlebury)))
+}
+
+/// The folder itself, or the largest of the models that it has by their numbers.
+fn model_in(folder: &Path) -> Option<PathBuf> {
+    if colmap::is_in(folder) {
+        return Some(folder.to_owned());
+    }
+    let numbered = (0..MOST_MODELS).map(|number| folder.join(number.to_string()));
+    let size_of = |model: &PathBuf| {
+        let size = |name: &str| fs::metadata(model.join(name)).map_or(0, |file| file.len());
+        size("images.bin").max(size("images.txt"))
+    };
+    // From the last on, as the last of equals would be taken. A number may be missing; folders without 0 have none.
+    let first = folder.join("0").is_dir();
+    let models: Vec<PathBuf> = numbered
+        .take_while(|_| first)
+        .filter(|model| colmap::is_in(model))
+        .collect();
+    models.into_iter().rev().max_by_key(size_of)
+}
+
+/// The scene that was written last by a project of Meshroom.
+fn in_meshroom_cache(folder: &Path) -> Option<PathBuf> {
+    let scenes = MESHROOM_NODES.iter().flat_map(|node| {
+        let node = folder.join(node);
+        let runs = names_in(&node);
+        runs.into_iter().flat_map(move |run| {
+            let run = node.join(run);
+            SCENES.iter().map(move |scene| run.join(scene))
+        })
+    });
+    let written = |path: PathBuf| Some((fs::metadata(&path).ok()?.modified().ok()?, path));
+    scenes.filter_map(written).max().map(|(_, path)| path)
 }
 
 fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {

@@ -8,10 +8,10 @@ use super::prepared::PreparedPhoto;
 use super::texture::Texture;
 use super::undistort::Extent;
 use super::view_set::ViewSet;
-use super::{Photo, PhotosError};
+use super::{DepthFile, DepthKind, Photo, PhotosError};
 use crate::progress::Progress;
-use crate::rgbd::DepthImage;
-use glam::Vec3;
+use crate::rgbd::{Camera, DepthImage, Distortion};
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -33,6 +33,8 @@ struct Read {
     /// Whether what is transparent is the background, and not only beyond the lens.
     is_masked: bool,
     depth: Option<DepthImage>,
+    /// What of it could not be read.
+    note: Option<String>,
 }
 
 impl LoadedPhotographs {
@@ -57,6 +59,7 @@ impl LoadedPhotographs {
                 read.map_err(|error| notes.push(format!("{error}; the other photographs are used")))
                     .ok()
             });
+            notes.extend(read.as_ref().and_then(|read| read.note.clone()));
             let (photo, other) = read.map(|read| (read.prepared, (read.is_masked, read.depth))).unzip();
             prepared.push(photo);
             others.push(other);
@@ -91,11 +94,40 @@ impl LoadedPhotographs {
     }
 }
 
+/// Broken depths cost these alone.
 fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
     let image = PhotoImage::read(photo)?;
+    let prepared = PreparedPhoto::of(photo, &image, Extent::Same, halvings);
+    let depth = photo.depth.as_ref().map(|file| depth(file, &photo.camera, &prepared.camera));
+    let (depth, note) = match depth.transpose() {
+        Ok(depth) => (depth.flatten(), None),
+        Err(error) => (None, Some(format!("{error}; the photograph is used without depths"))),
+    };
     Ok(Read {
         is_masked: image.pixels().iter().any(|pixel| pixel[3] == 0),
-        prepared: PreparedPhoto::of(photo, &image, Extent::Same, halvings),
-        depth: photo.depth.as_ref().map(|file| file.read()).transpose()?,
+        prepared,
+        depth,
+        note,
     })
+}
+
+/// The depths that a file has of a photograph, as its pinhole sees them. Those of COLMAP are of pinholes already.
+fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
+    let taken = file.read()?;
+    if *camera.distortion() == Distortion::None || file.kind == DepthKind::Colmap {
+        return Ok(Some(taken));
+    }
+    let [width, height] = pinhole.size_px();
+    let size = DVec2::from_array(taken.size_px().map(f64::from));
+    let scale = size / DVec2::from_array(camera.size_px().map(f64::from));
+    let distances = (0..width * height).into_par_iter().map(|at| {
+        let ray = pinhole.ray(DVec2::new(f64::from(at % width), f64::from(at / width)));
+        let place = ray.and_then(|ray| camera.pixel(ray)).filter(|&place| camera.contains(place));
+        // Between depths of two surfaces there is none.
+        place.map_or(0.0, |place| {
+            let [column, row] = ((place + 0.5) * scale).min(size - 1.0).max(DVec2::ZERO).to_array();
+            taken.metres()[taken.width() * row as usize + column as usize]
+        })
+    });
+    Ok(DepthImage::new([width, height], distances.collect()))
 }

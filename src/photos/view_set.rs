@@ -77,7 +77,7 @@ impl ViewSet {
             .collect()
     }
 
-    /// The `count` views beside photograph `photo`, nearest first.
+    /// The `count` views beside photograph `photo`, nearest first. Walks over all points: to be kept by who asks often.
     pub fn neighbours(&self, photo: usize, count: usize) -> Vec<Neighbour> {
         let Some(middle) = self.middles().get(photo).copied() else {
             return Vec::new();

@@ -9,7 +9,7 @@ use glam::DVec3;
 use std::path::Path;
 
 /// Bytes that the shortest row of each file takes.
-const LEAST_CAMERA: usize = 4 + 4 + 16 + 3 * 8;
+const LEAST_CAMERA: usize = 4 + 4 + 16 + 2 * 8;
 const LEAST_IMAGE: usize = 4 + 7 * 8 + 4 + 1 + 8;
 const LEAST_POINT: usize = 8 + 24 + 3 + 8 + 8;
 const FEATURE: usize = 24;

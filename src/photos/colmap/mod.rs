@@ -92,7 +92,8 @@ fn depth_of(folder: &Path, name: &str) -> Option<DepthFile> {
     })
 }
 
-/// The folder of the model, and those above it that are part of its layout: `scene/sparse/0` is of `scene`.
+/// The folder of the model, and those above it that are part of its layout: `scene/sparse/0` is of `scene`. The nearest
+/// comes first, as `dense` has undistorted copies of what the scene has under the same names.
 fn folders_above(model: &Path) -> Vec<PathBuf> {
     let mut folders = vec![model.to_owned()];
     let mut folder = model;
@@ -104,7 +105,7 @@ fn folders_above(model: &Path) -> Vec<PathBuf> {
         if !(is_number || is_of_layout) {
             break;
         }
-        folders.insert(0, parent.to_owned());
+        folders.push(parent.to_owned());
         folder = parent;
     }
     folders

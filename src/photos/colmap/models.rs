@@ -20,7 +20,7 @@ pub(super) struct Model {
 type MakeLens = fn(&[f64]) -> ([f64; 4], Distortion);
 
 /// By their numbers.
-const MODELS: [Model; 12] = [
+const MODELS: [Model; 18] = [
     Model::shown("SIMPLE_PINHOLE", 3, |p| (one_focal(p), Distortion::None)),
     Model::shown("PINHOLE", 4, |p| (two_focals(p), Distortion::None)),
     Model::shown("SIMPLE_RADIAL", 4, |p| {
@@ -42,6 +42,12 @@ const MODELS: [Model; 12] = [
     Model::refused("RADIAL_FISHEYE", 5),
     Model::refused("THIN_PRISM_FISHEYE", 12),
     Model::refused("RAD_TAN_THIN_PRISM_FISHEYE", 16),
+    Model::refused("SIMPLE_DIVISION", 4),
+    Model::refused("DIVISION", 5),
+    Model::refused("SIMPLE_FISHEYE", 3),
+    Model::refused("FISHEYE", 4),
+    Model::refused("EUCM", 6),
+    Model::refused("EQUIRECTANGULAR", 2),
 ];
 
 fn one_focal(p: &[f64]) -> [f64; 4] {
