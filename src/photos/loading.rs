@@ -98,7 +98,10 @@ impl LoadedPhotographs {
 fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
     let image = PhotoImage::read(photo)?;
     let prepared = PreparedPhoto::of(photo, &image, Extent::Same, halvings);
-    let depth = photo.depth.as_ref().map(|file| depth(file, &photo.camera, &prepared.camera));
+    let depth = photo
+        .depth
+        .as_ref()
+        .map(|file| depth(file, &photo.camera, &prepared.camera));
     let (depth, note) = match depth.transpose() {
         Ok(depth) => (depth.flatten(), None),
         Err(error) => (None, Some(format!("{error}; the photograph is used without depths"))),
@@ -122,7 +125,9 @@ fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<D
     let scale = size / DVec2::from_array(camera.size_px().map(f64::from));
     let distances = (0..width * height).into_par_iter().map(|at| {
         let ray = pinhole.ray(DVec2::new(f64::from(at % width), f64::from(at / width)));
-        let place = ray.and_then(|ray| camera.pixel(ray)).filter(|&place| camera.contains(place));
+        let place = ray
+            .and_then(|ray| camera.pixel(ray))
+            .filter(|&place| camera.contains(place));
         // Between depths of two surfaces there is none.
         place.map_or(0.0, |place| {
             let [column, row] = ((place + 0.5) * scale).min(size - 1.0).max(DVec2::ZERO).to_array();

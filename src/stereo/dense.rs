@@ -119,10 +119,16 @@ impl Dense {
     fn read(&self, set: &ViewSet) -> (Vec<Small>, Vec<String>) {
         let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
         let longest = set.photos.iter().map(longest).max().unwrap_or(1);
-        let halvings = (0..32).find(|&halvings| longest >> halvings <= self.most_side_px).unwrap_or(0);
+        let halvings = (0..32)
+            .find(|&halvings| longest >> halvings <= self.most_side_px)
+            .unwrap_or(0);
         let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
             let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
-            let pixels = photo.image.pixels().iter().map(|&[red, green, blue, _]| [red, green, blue]);
+            let pixels = photo
+                .image
+                .pixels()
+                .iter()
+                .map(|&[red, green, blue, _]| [red, green, blue]);
             let image = ColorImage::new(photo.image.size_px(), pixels.collect());
             let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
             Ok(Small { number, photo, image })
@@ -163,7 +169,9 @@ impl Small {
     /// Depths of the object alone.
     fn masked(&self, depths: &DepthImage) -> Vec<f32> {
         let pixels = depths.metres().iter().zip(self.photo.image.pixels());
-        pixels.map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 }).collect()
+        pixels
+            .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
+            .collect()
     }
 }
 
@@ -187,7 +195,10 @@ fn depth_range(set: &ViewSet, number: usize, middle: glam::DVec3) -> Option<[f64
     depths.sort_by(f64::total_cmp);
     if depths.len() >= 8 {
         let aside = depths.len() / 50;
-        return Some([depths[aside] / BEYOND_POINTS, depths[depths.len() - 1 - aside] * BEYOND_POINTS]);
+        return Some([
+            depths[aside] / BEYOND_POINTS,
+            depths[depths.len() - 1 - aside] * BEYOND_POINTS,
+        ]);
     }
     let depth = photo.depth_of(middle);
     (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
