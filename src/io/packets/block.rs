@@ -48,16 +48,18 @@ pub(super) fn matters(head: &[u8], order: ByteOrder) -> bool {
     head.starts_with(&SECTION) || order.u32(head, 0).is_some_and(|kind| PACKETS.contains(&kind))
 }
 
+/// A block that is not as its kind says.
+pub(super) struct Damaged;
+
 /// The packet in a block, if there is one, of an interface that `layout` knows; what else it says goes to `layout`.
-/// `None` of a block that is damaged.
-pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> Option<Option<InBlock>> {
+pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> Result<Option<InBlock>, Damaged> {
     if bytes.starts_with(&SECTION) {
-        parse_sectionheaderblock(bytes).ok()?;
+        parse_sectionheaderblock(bytes).map_err(|_| Damaged)?;
         *layout = Arc::new(Layout::Blocks(Section {
             order,
             interfaces: Vec::new(),
         }));
-        return Some(None);
+        return Ok(None);
     }
     let parsed = match order {
         ByteOrder::Little => parse_block_le(bytes),
@@ -67,11 +69,11 @@ pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> 
         let begin = data.as_ptr() as usize - bytes.as_ptr() as usize;
         begin..begin + data.len().min(captured as usize)
     };
-    Some(match parsed.ok()?.1 {
+    Ok(match parsed.map_err(|_| Damaged)?.1 {
         Block::InterfaceDescription(block) => {
             let interface = Interface {
                 link: Link::of(block.linktype.0),
-                ticks_per_second: ticks_per_second(block.if_tsresol)?,
+                ticks_per_second: ticks_per_second(block.if_tsresol).ok_or(Damaged)?,
                 // The crate reads it as little endian.
                 offset_s: match order {
                     ByteOrder::Little => block.if_tsoffset,

@@ -167,7 +167,7 @@ impl Capture {
             let count = self.take_record(0, length)?;
             let bytes = self.window.taken(count);
             let found = block::read(&mut self.layout, bytes, order);
-            if let Some(found) = found.ok_or_else(|| damaged(offset, length))? {
+            if let Some(found) = found.map_err(|_| damaged(offset, length))? {
                 self.time = found.time.unwrap_or(self.time);
                 let packet = Packet {
                     offset,
