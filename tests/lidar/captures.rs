@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// A file with packets in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Container {
+pub(crate) enum Container {
     Pcap,
     PcapBigNanoseconds,
     PcapNg,
@@ -16,14 +16,14 @@ pub enum Container {
 
 /// What packets begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Link {
+pub(crate) enum Link {
     Ethernet,
     Vlan,
     Cooked,
     Raw,
 }
 
-pub const ALL_CONTAINERS: [Container; 4] = [
+pub(crate) const ALL_CONTAINERS: [Container; 4] = [
     Container::Pcap,
     Container::PcapBigNanoseconds,
     Container::PcapNg,
@@ -32,18 +32,18 @@ pub const ALL_CONTAINERS: [Container; 4] = [
 
 /// Who sends, and to which port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sender {
-    pub host: u8,
-    pub port: u16,
+pub(crate) struct Sender {
+    pub(crate) host: u8,
+    pub(crate) port: u16,
 }
 
-pub const SENDER: Sender = Sender { host: 201, port: 2368 };
+pub(crate) const SENDER: Sender = Sender { host: 201, port: 2368 };
 
 /// A capture that grows.
-pub struct Writer {
-    pub container: Container,
-    pub link: Link,
-    pub bytes: Vec<u8>,
+pub(crate) struct Writer {
+    pub(crate) container: Container,
+    pub(crate) link: Link,
+    pub(crate) bytes: Vec<u8>,
     /// Of the next datagram.
     number: u16,
 }
@@ -52,10 +52,10 @@ pub struct Writer {
 const MTU: usize = 1500;
 
 /// When captures begin, in seconds since 1970.
-pub const BEGIN_S: u64 = 1_700_000_000;
+pub(crate) const BEGIN_S: u64 = 1_700_000_000;
 
 impl Writer {
-    pub fn new(container: Container, link: Link) -> Self {
+    pub(crate) fn new(container: Container, link: Link) -> Self {
         let mut writer = Self {
             container,
             link,
@@ -115,16 +115,24 @@ impl Writer {
     }
 
     fn u16(&mut self, number: u16) {
-        let raw = if self.is_big() { number.to_be_bytes() } else { number.to_le_bytes() };
+        let raw = if self.is_big() {
+            number.to_be_bytes()
+        } else {
+            number.to_le_bytes()
+        };
         self.bytes.extend(raw);
     }
 
     fn u32(&mut self, number: u32) {
-        let raw = if self.is_big() { number.to_be_bytes() } else { number.to_le_bytes() };
+        let raw = if self.is_big() {
+            number.to_be_bytes()
+        } else {
+            number.to_le_bytes()
+        };
         self.bytes.extend(raw);
     }
 
-    pub fn block(&mut self, kind: u32, body: &[u8]) {
+    pub(crate) fn block(&mut self, kind: u32, body: &[u8]) {
         let padding = body.len().next_multiple_of(4) - body.len();
         let length = (12 + body.len() + padding) as u32;
         self.u32(kind);
@@ -135,11 +143,15 @@ impl Writer {
     }
 
     /// Appends a captured packet of a link.
-    pub fn packet(&mut self, time: Duration, bytes: &[u8]) {
+    pub(crate) fn packet(&mut self, time: Duration, bytes: &[u8]) {
         let length = bytes.len() as u32;
         match self.container {
             Container::Pcap | Container::PcapBigNanoseconds => {
-                let ticks = if self.is_big() { time.subsec_nanos() } else { time.subsec_micros() };
+                let ticks = if self.is_big() {
+                    time.subsec_nanos()
+                } else {
+                    time.subsec_micros()
+                };
                 for number in [time.as_secs() as u32, ticks, length, length] {
                     self.u32(number);
                 }
@@ -159,7 +171,7 @@ impl Writer {
     }
 
     /// The packets of a datagram, as the network carries them.
-    pub fn packets_of(&mut self, sender: Sender, payload: &[u8]) -> Vec<Vec<u8>> {
+    pub(crate) fn packets_of(&mut self, sender: Sender, payload: &[u8]) -> Vec<Vec<u8>> {
         let mut udp = Vec::new();
         for number in [sender.port, sender.port, payload.len() as u16 + 8, 0] {
             udp.extend(number.to_be_bytes());
@@ -191,7 +203,7 @@ impl Writer {
     }
 
     /// Appends a datagram, so many microseconds after the capture began.
-    pub fn datagram(&mut self, after_us: u64, sender: Sender, payload: &[u8]) {
+    pub(crate) fn datagram(&mut self, after_us: u64, sender: Sender, payload: &[u8]) {
         for packet in self.packets_of(sender, payload) {
             self.packet(time(after_us), &packet);
         }
@@ -199,23 +211,23 @@ impl Writer {
 }
 
 /// So many microseconds after captures begin.
-pub fn time(after_us: u64) -> Duration {
+pub(crate) fn time(after_us: u64) -> Duration {
     Duration::from_secs(BEGIN_S) + Duration::from_micros(after_us)
 }
 
 /// Files in a folder that is gone with it.
-pub struct Files {
+pub(crate) struct Files {
     folder: tempfile::TempDir,
 }
 
 impl Files {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             folder: tempfile::tempdir().unwrap(),
         }
     }
 
-    pub fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
         path
@@ -223,34 +235,39 @@ impl Files {
 }
 
 /// The clouds of all frames in a file.
-pub fn clouds(path: &Path) -> Vec<RawCloud> {
+pub(crate) fn clouds(path: &Path) -> Vec<RawCloud> {
     let options = ReadOptions::default();
     let entries = io::list(path, &options).unwrap();
     let parts = entries.iter().map(|entry| &entry.part);
-    parts.map(|part: &Part| io::read_part(path, part, &options).unwrap()).collect()
+    parts
+        .map(|part: &Part| io::read_part(path, part, &options).unwrap())
+        .collect()
 }
 
 /// The numbers of this name.
-pub fn scalar<'a>(cloud: &'a RawCloud, name: &str) -> &'a [f32] {
+pub(crate) fn scalar<'a>(cloud: &'a RawCloud, name: &str) -> &'a [f32] {
     let mut fields = cloud.attributes.scalars.iter();
-    &fields.find(|field| field.name == name).unwrap_or_else(|| panic!("no {name}")).values
+    &fields
+        .find(|field| field.name == name)
+        .unwrap_or_else(|| panic!("no {name}"))
+        .values
 }
 
 /// What a point is expected to be.
 #[derive(Debug, Clone)]
-pub struct Expected {
-    pub position: [f64; 3],
-    pub ring: f32,
+pub(crate) struct Expected {
+    pub(crate) position: [f64; 3],
+    pub(crate) ring: f32,
     /// Seconds since the first point of the frame.
-    pub time_s: f64,
-    pub return_number: f32,
+    pub(crate) time_s: f64,
+    pub(crate) return_number: f32,
     /// By name.
-    pub values: Vec<(&'static str, f32)>,
+    pub(crate) values: Vec<(&'static str, f32)>,
 }
 
 /// Holds a cloud against what its points are expected to be, in their order. Single precision has a millionth of the
 /// largest coordinate.
-pub fn check(cloud: &RawCloud, expected: &[Expected], within_m: f64) {
+pub(crate) fn check(cloud: &RawCloud, expected: &[Expected], within_m: f64) {
     assert_eq!(cloud.positions.len(), expected.len());
     assert_eq!(cloud.attributes.other_length(expected.len()), None);
     let first = expected.iter().map(|point| point.time_s).fold(f64::INFINITY, f64::min);
@@ -262,12 +279,19 @@ pub fn check(cloud: &RawCloud, expected: &[Expected], within_m: f64) {
         assert!((0..3).all(is_near), "point {index}: {found:?}, expected {point:?}");
         assert_eq!(rings[index], point.ring, "ring of point {index}, expected {point:?}");
         let time_s = f64::from(times[index]);
-        assert!((time_s - (point.time_s - first)).abs() < 2e-8, "time of point {index}: {time_s}, expected {point:?}");
+        assert!(
+            (time_s - (point.time_s - first)).abs() < 2e-8,
+            "time of point {index}: {time_s}, expected {point:?}"
+        );
         for (name, value) in &point.values {
             assert_eq!(scalar(cloud, name)[index], *value, "{name} of point {index}");
         }
         if has_returns {
-            assert_eq!(scalar(cloud, "return_number")[index], point.return_number, "point {index}");
+            assert_eq!(
+                scalar(cloud, "return_number")[index],
+                point.return_number,
+                "point {index}"
+            );
         }
     }
 }

@@ -4,10 +4,10 @@ use super::captures::{Container, Expected, Files, Link, SENDER, Writer, check, c
 use pointreel::io::{self, ReadOptions};
 
 /// A model, as its manual tells of it.
-pub struct Model {
-    pub name: &'static str,
-    pub product: u8,
-    pub lasers: usize,
+pub(crate) struct Model {
+    pub(crate) name: &'static str,
+    pub(crate) product: u8,
+    pub(crate) lasers: usize,
     unit_m: f64,
     cycle_us: f64,
     /// Elevation and azimuth in degrees, and height in metres, of a laser.
@@ -20,13 +20,18 @@ fn pair(index: usize) -> f64 {
     (index / 2) as f64
 }
 
+/// As the manuals print angles.
+fn hundredths(angle_deg: f64) -> f64 {
+    (angle_deg * 100.0).round() / 100.0
+}
+
 /// The manual's heights are where beams that meet 42 mm before the axis cross it, in tenths of a millimetre.
 fn puck_height(elevation_deg: f64) -> f64 {
     let tan = elevation_deg.to_radians().tan();
     -(41.91 * tan * 10.0).round() / 10_000.0
 }
 
-pub const MODELS: [Model; 5] = [
+pub(crate) const MODELS: [Model; 5] = [
     Model {
         name: "VLP-16",
         product: 0x22,
@@ -34,7 +39,11 @@ pub const MODELS: [Model; 5] = [
         unit_m: 0.002,
         cycle_us: 110.592,
         laser: |laser| {
-            let elevation = if laser % 2 == 0 { laser as f64 - 15.0 } else { laser as f64 };
+            let elevation = if laser % 2 == 0 {
+                laser as f64 - 15.0
+            } else {
+                laser as f64
+            };
             [elevation, 0.0, puck_height(elevation)]
         },
         shot_us: |shot| (shot / 16) as f64 * 55.296 + (shot % 16) as f64 * 2.304,
@@ -46,9 +55,13 @@ pub const MODELS: [Model; 5] = [
         unit_m: 0.002,
         cycle_us: 110.592,
         laser: |laser| {
-            let steps = if laser % 2 == 0 { laser as f64 - 15.0 } else { laser as f64 };
+            let steps = if laser % 2 == 0 {
+                laser as f64 - 15.0
+            } else {
+                laser as f64
+            };
             let elevation = steps * 2.0 / 3.0;
-            [elevation, 0.0, puck_height(elevation)]
+            [hundredths(elevation), 0.0, puck_height(elevation)]
         },
         shot_us: |shot| (shot / 16) as f64 * 55.296 + (shot % 16) as f64 * 2.304,
     },
@@ -60,7 +73,7 @@ pub const MODELS: [Model; 5] = [
         cycle_us: 46.08,
         laser: |laser| {
             let low = if laser % 2 == 0 { -92.0 } else { -28.0 };
-            [(low + pair(laser) * 4.0) / 3.0, 0.0, 0.0]
+            [hundredths((low + pair(laser) * 4.0) / 3.0), 0.0, 0.0]
         },
         shot_us: |shot| shot as f64 * 1.152,
     },
@@ -92,11 +105,38 @@ pub const MODELS: [Model; 5] = [
 
 /// Angles of the manual, lasers 0 to 31.
 const VLP_32C: [(f64, f64); 32] = [
-    (-25.0, 1.4), (-1.0, -4.2), (-1.667, 1.4), (-15.639, -1.4), (-11.31, 1.4), (0.0, -1.4), (-0.667, 4.2),
-    (-8.843, -1.4), (-7.254, 1.4), (0.333, -4.2), (-0.333, 1.4), (-6.148, -1.4), (-5.333, 4.2), (1.333, -1.4),
-    (0.667, 4.2), (-4.0, -1.4), (-4.667, 1.4), (1.667, -4.2), (1.0, 1.4), (-3.667, -4.2), (-3.333, 4.2),
-    (3.333, -1.4), (2.333, 1.4), (-2.667, -1.4), (-3.0, 1.4), (7.0, -1.4), (4.667, 1.4), (-2.333, -4.2), (-2.0, 4.2),
-    (15.0, -1.4), (10.333, 1.4), (-1.333, -1.4),
+    (-25.0, 1.4),
+    (-1.0, -4.2),
+    (-1.667, 1.4),
+    (-15.639, -1.4),
+    (-11.31, 1.4),
+    (0.0, -1.4),
+    (-0.667, 4.2),
+    (-8.843, -1.4),
+    (-7.254, 1.4),
+    (0.333, -4.2),
+    (-0.333, 1.4),
+    (-6.148, -1.4),
+    (-5.333, 4.2),
+    (1.333, -1.4),
+    (0.667, 4.2),
+    (-4.0, -1.4),
+    (-4.667, 1.4),
+    (1.667, -4.2),
+    (1.0, 1.4),
+    (-3.667, -4.2),
+    (-3.333, 4.2),
+    (3.333, -1.4),
+    (2.333, 1.4),
+    (-2.667, -1.4),
+    (-3.0, 1.4),
+    (7.0, -1.4),
+    (4.667, 1.4),
+    (-2.333, -4.2),
+    (-2.0, 4.2),
+    (15.0, -1.4),
+    (10.333, 1.4),
+    (-1.333, -1.4),
 ];
 
 /// Lasers of a group are aside of one another by as much.
@@ -105,9 +145,30 @@ const VLS_AZIMUTHS: [f64; 8] = [0.0, 1.806, 3.622, 5.443, 7.265, 9.086, 10.902, 
 /// Most lasers are in rows of 0.11 degrees; these are all others.
 fn vls_elevation(laser: usize) -> f64 {
     const OTHERS: [(usize, f64); 24] = [
-        (0, -11.742), (8, -6.5), (13, 6.48), (18, -9.244), (31, 7.58), (33, 5.18), (36, -25.0), (41, 9.7), (44, -7.65),
-        (51, 5.73), (54, -16.042), (59, 15.0), (62, -6.85), (66, 5.43), (69, -19.582), (74, 11.75), (77, -7.15),
-        (87, -13.565), (92, 6.08), (95, -6.65), (97, -10.346), (110, 6.98), (115, -8.352), (120, 8.43),
+        (0, -11.742),
+        (8, -6.5),
+        (13, 6.48),
+        (18, -9.244),
+        (31, 7.58),
+        (33, 5.18),
+        (36, -25.0),
+        (41, 9.7),
+        (44, -7.65),
+        (51, 5.73),
+        (54, -16.042),
+        (59, 15.0),
+        (62, -6.85),
+        (66, 5.43),
+        (69, -19.582),
+        (74, 11.75),
+        (77, -7.15),
+        (87, -13.565),
+        (92, 6.08),
+        (95, -6.65),
+        (97, -10.346),
+        (110, 6.98),
+        (115, -8.352),
+        (120, 8.43),
     ];
     if let Some((_, elevation)) = OTHERS.iter().find(|(other, _)| *other == laser) {
         return *elevation;
@@ -116,7 +177,10 @@ fn vls_elevation(laser: usize) -> f64 {
         return 4.98;
     }
     // In the order in which the lasers fire, rows go by as many steps of 0.11 degrees from this one on.
-    VLS_ROWS.iter().position(|row| *row == laser).map_or(f64::NAN, |row| -6.39 + 0.11 * row as f64)
+    VLS_ROWS
+        .iter()
+        .position(|row| *row == laser)
+        .map_or(f64::NAN, |row| -6.39 + 0.11 * row as f64)
 }
 
 /// Lasers of the rows of 0.11 degrees, the lowest first.
@@ -128,18 +192,18 @@ const VLS_ROWS: [usize; 103] = [
 ];
 
 /// A head that turns evenly.
-pub struct Scan<'a> {
-    pub model: &'a Model,
-    pub is_dual: bool,
+pub(crate) struct Scan<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) is_dual: bool,
     /// Hundredths of a degree between cycles.
-    pub step: usize,
+    pub(crate) step: usize,
     /// Of the first cycle.
-    pub begin: usize,
+    pub(crate) begin: usize,
 }
 
 impl Scan<'_> {
     /// Cycles of a packet.
-    pub fn cycles(&self) -> usize {
+    pub(crate) fn cycles(&self) -> usize {
         let banks = (self.model.lasers / 32).max(1);
         12 / (banks * self.returns())
     }
@@ -148,7 +212,7 @@ impl Scan<'_> {
         if self.is_dual { 2 } else { 1 }
     }
 
-    pub fn azimuth(&self, cycle: usize) -> usize {
+    pub(crate) fn azimuth(&self, cycle: usize) -> usize {
         (self.begin + cycle * self.step) % 36_000
     }
 
@@ -165,7 +229,7 @@ impl Scan<'_> {
     }
 
     /// Packet `index`.
-    pub fn packet(&self, index: usize) -> Vec<u8> {
+    pub(crate) fn packet(&self, index: usize) -> Vec<u8> {
         const BANKS: [u8; 4] = [0xee, 0xdd, 0xcc, 0xbb];
         let mut bytes = Vec::new();
         let banks = (self.model.lasers / 32).max(1);
@@ -190,14 +254,16 @@ impl Scan<'_> {
     }
 
     /// Of the first shot of packet `index`, in whole microseconds: shortly before the hour.
-    pub fn time_us(&self, index: usize) -> u64 {
+    pub(crate) fn time_us(&self, index: usize) -> u64 {
         let since = (index * self.cycles()) as f64 * self.model.cycle_us;
         (3_599_999_000 + since as u64) % 3_600_000_000
     }
 
     /// The points of `cycles`, by the formulas of the manuals.
-    pub fn points(&self, cycles: std::ops::Range<usize>) -> Vec<Expected> {
-        let elevations: Vec<f64> = (0..self.model.lasers).map(|laser| (self.model.laser)(laser)[0]).collect();
+    pub(crate) fn points(&self, cycles: std::ops::Range<usize>) -> Vec<Expected> {
+        let elevations: Vec<f64> = (0..self.model.lasers)
+            .map(|laser| (self.model.laser)(laser)[0])
+            .collect();
         let mut points = Vec::new();
         for cycle in cycles.clone() {
             let packet = cycle / self.cycles();
@@ -240,7 +306,7 @@ impl Scan<'_> {
     }
 
     /// Where turns begin, before cycle `end`.
-    pub fn turns(&self, end: usize) -> Vec<std::ops::Range<usize>> {
+    pub(crate) fn turns(&self, end: usize) -> Vec<std::ops::Range<usize>> {
         let begins = (1..end).filter(|&cycle| self.azimuth(cycle) < self.azimuth(cycle - 1));
         let mut places = vec![0];
         places.extend(begins);
@@ -248,7 +314,7 @@ impl Scan<'_> {
         places.windows(2).map(|pair| pair[0]..pair[1]).collect()
     }
 
-    pub fn write(&self, writer: &mut Writer, packets: usize) {
+    pub(crate) fn write(&self, writer: &mut Writer, packets: usize) {
         for index in 0..packets {
             let since = (index * self.cycles()) as f64 * self.model.cycle_us;
             writer.datagram(since as u64, SENDER, &self.packet(index));
@@ -280,9 +346,7 @@ fn points_of_every_model_are_where_the_manuals_say() {
             assert_eq!(clouds.len(), turns.len(), "{} {is_dual}", model.name);
             assert!(turns.len() >= 3);
             for (cloud, turn) in clouds.iter().zip(turns) {
-                // Angles are printed to a hundredth of a degree: 20,000 units of 4 mm.
-                let within_m = if model.name == "HDL-32E" || model.name == "Puck Hi-Res" { 0.01 } else { 2e-5 };
-                check(cloud, &scan.points(turn), within_m);
+                check(cloud, &scan.points(turn), 2e-5);
                 assert_eq!(cloud.sensor, Some(glam::DVec3::ZERO));
                 assert_eq!(cloud.warnings, [""; 0]);
             }
@@ -294,7 +358,10 @@ fn points_of_every_model_are_where_the_manuals_say() {
 fn elevations_of_the_vls_128_are_all_there() {
     let mut elevations: Vec<f64> = (0..128).map(vls_elevation).collect();
     elevations.sort_by(f64::total_cmp);
-    assert!(elevations.windows(2).all(|pair| pair[1] - pair[0] > 0.1), "{elevations:?}");
+    assert!(
+        elevations.windows(2).all(|pair| pair[1] - pair[0] > 0.1),
+        "{elevations:?}"
+    );
 }
 
 #[test]
@@ -385,11 +452,19 @@ fn an_unknown_model_is_named() {
 /// Numbers of laser `laser` in degrees and centimetres: rotation, elevation, far, near X, near Y, height, aside.
 fn corrections(laser: usize) -> [f64; 7] {
     let laser = laser as f64;
-    [laser / 7.0 - 4.0, 2.0 - laser * 0.4, 110.0 + laser, 115.0 - laser, 108.0 + laser / 2.0, 20.0 - laser / 4.0, 2.6]
+    [
+        laser / 7.0 - 4.0,
+        2.0 - laser * 0.4,
+        110.0 + laser,
+        115.0 - laser,
+        108.0 + laser / 2.0,
+        20.0 - laser / 4.0,
+        2.6,
+    ]
 }
 
 /// A calibration as it comes with a sensor.
-pub fn db_xml() -> String {
+pub(crate) fn db_xml() -> String {
     const NAMES: [&str; 7] = [
         "rotCorrection_",
         "vertCorrection_",
@@ -414,7 +489,7 @@ pub fn db_xml() -> String {
 }
 
 /// Packets of an HDL-64E: both banks at a time, in dual mode twice.
-pub fn hdl_64_packet(index: usize, is_dual: bool) -> Vec<u8> {
+pub(crate) fn hdl_64_packet(index: usize, is_dual: bool) -> Vec<u8> {
     let mut bytes = Vec::new();
     for block in 0..12 {
         let firing = index * if is_dual { 3 } else { 6 } + block / if is_dual { 4 } else { 2 };
@@ -496,7 +571,11 @@ fn the_hdl_64e_is_read_by_its_calibration() {
         }
         // The higher the number, the lower the laser looks.
         assert_eq!(scalar(&clouds[0], "ring")[..3], [63.0, 62.0, 61.0]);
-        let has_returns = clouds[0].attributes.scalars.iter().any(|field| field.name == "return_number");
+        let has_returns = clouds[0]
+            .attributes
+            .scalars
+            .iter()
+            .any(|field| field.name == "return_number");
         assert_eq!(has_returns, is_dual);
     }
 }
@@ -510,7 +589,10 @@ fn an_hdl_64e_without_calibration_is_refused_by_the_name_of_the_file() {
     let files = Files::new();
     let path = files.write("old.pcap", &writer.bytes);
     let error = io::read(&path).unwrap_err().to_string();
-    assert!(error.contains("HDL-64E") && error.contains("db.xml") && error.contains("old.xml"), "{error}");
+    assert!(
+        error.contains("HDL-64E") && error.contains("db.xml") && error.contains("old.xml"),
+        "{error}"
+    );
     let cut = db_xml().replace("<id_>9</id_>", "<id_>99</id_>");
     files.write("db.xml", cut.as_bytes());
     let error = io::read(&path).unwrap_err().to_string();

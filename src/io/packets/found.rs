@@ -46,6 +46,8 @@ struct Sensor {
     kind: Kind,
     packets: u64,
     turns: Vec<Row>,
+    /// Of an Ouster, the turn that its last packet is of.
+    current: usize,
 }
 
 enum Kind {
@@ -118,6 +120,7 @@ impl<'a> Found<'a> {
                 kind,
                 packets: 0,
                 turns: Vec::new(),
+                current: 0,
             };
             self.sensors.insert(key, sensor);
         }
@@ -175,8 +178,11 @@ impl<'a> Found<'a> {
 
     /// A later fragment of what `source` sent is at `offset`.
     fn move_end(&mut self, source: IpAddr, offset: u64) {
-        for sensor in self.sensors.range_mut((source, 0)..=(source, u16::MAX)) {
-            if let Some(row) = sensor.1.turns.last_mut() {
+        for (_, sensor) in self.sensors.range_mut((source, 0)..=(source, u16::MAX)) {
+            // Packets of Velodyne are none that networks would take apart.
+            if matches!(sensor.kind, Kind::Ouster { .. })
+                && let Some(row) = sensor.turns.get_mut(sensor.current)
+            {
                 row.place.last = offset;
             }
         }
@@ -273,13 +279,16 @@ impl Sensor {
         let Some(frame) = shape.frame_id(datagram.bytes).filter(|_| is_whole) else {
             return;
         };
-        let recent = self.turns.len().saturating_sub(2);
-        let mut recent = self.turns[recent..].iter_mut().rev();
-        if let Some(row) = recent.find(|row| row.place.part == TurnPart::Frame(frame)) {
+        let mut recent = self.turns.iter().enumerate().rev().take(2);
+        let is_its = |(_, row): &(usize, &Row)| row.place.part == TurnPart::Frame(frame);
+        if let Some((index, _)) = recent.find(is_its) {
+            let row = &mut self.turns[index];
             row.packets += 1;
             row.place.last = packet.offset;
+            self.current = index;
             return;
         }
+        self.current = self.turns.len();
         self.turns.push(Row {
             place: TurnPlace {
                 begin: packet.offset,
