@@ -7,6 +7,8 @@
 mod captures;
 #[path = "lidar/containers.rs"]
 mod containers;
+#[path = "lidar/hdl_64.rs"]
+mod hdl_64;
 #[path = "lidar/hostile.rs"]
 mod hostile;
 #[path = "lidar/ouster.rs"]

@@ -1,8 +1,9 @@
 //! Captures that lie, end early or are noise: always an answer, never a panic.
 
 use super::captures::{ALL_CONTAINERS, Container, Files, Link, SENDER, Sender, Writer};
+use super::hdl_64::{db_xml, hdl_64_packet};
 use super::ouster;
-use super::velodyne::{MODELS, Scan, db_xml, hdl_64_packet};
+use super::velodyne::{MODELS, Scan};
 use pointreel::io::{self, ReadOptions};
 use proptest::prelude::*;
 use std::path::Path;

@@ -105,7 +105,7 @@ impl Sensor {
     /// Range in millimetres, reflectivity, signal and light of the sun, of a shot.
     fn measured(&self, frame: u16, column: usize, beam: usize, echo: usize) -> (u32, u8, u16, u16) {
         let number = usize::from(frame) * 7 + column * 13 + beam * 101;
-        if number % 7 == 0 || (echo == 1 && number % 2 == 0) {
+        if number.is_multiple_of(7) || (echo == 1 && number.is_multiple_of(2)) {
             return (0, 0, 0, 0);
         }
         let range = 800 + (number * 37 % 200_000) as u32 + echo as u32 * 1600;

@@ -2,7 +2,7 @@
 //!
 //! Angles are those of the manuals, in the order of the packets: VLP-16 and Puck Hi-Res 63-9243 table 9-1 with their
 //! vertical corrections, HDL-32E 63-9113 appendix, VLP-32C 63-9325 table 9-3, VLS-128 63-9483 appendix. Times of shots
-//! are of the same manuals, "Precision azimuth calculation".
+//! are of the same manuals, "Precision azimuth calculation". Where beams meet is in the drawings of the sensors.
 
 use super::packet::{DataPacket, SHOTS};
 use super::tables;
@@ -68,20 +68,27 @@ impl Model {
 
     /// Its lasers in the order of the packets; none where they are each sensor's own.
     pub(super) fn lasers(self) -> Vec<Laser> {
-        let laser = |&(elevation_deg, azimuth_deg, height_mm): &(f64, f64, f64)| Laser {
+        let with_height = |&(elevation_deg, height_mm): &(f64, f64)| Laser {
             elevation_deg,
-            azimuth_deg,
+            azimuth_deg: 0.0,
             height_m: height_mm / 1000.0,
         };
-        let plain = |&elevation_deg: &f64| laser(&(elevation_deg, 0.0, 0.0));
-        let turned = |&(elevation_deg, azimuth_deg): &(f64, f64)| laser(&(elevation_deg, azimuth_deg, 0.0));
-        let raised = |&(elevation_deg, height_mm): &(f64, f64)| laser(&(elevation_deg, 0.0, height_mm));
+        // Beams that meet before the axis cross it above and below the origin.
+        let meeting = |focus_mm: f64, elevation_deg: f64, azimuth_deg: f64| Laser {
+            elevation_deg,
+            azimuth_deg,
+            height_m: -focus_mm / 1000.0 * elevation_deg.to_radians().tan(),
+        };
         match self {
-            Self::Vlp16 => tables::VLP_16.iter().map(raised).collect(),
-            Self::PuckHiRes => tables::PUCK_HI_RES.iter().map(raised).collect(),
-            Self::Hdl32 => tables::HDL_32E.iter().map(plain).collect(),
-            Self::Vlp32 => tables::VLP_32C.iter().map(turned).collect(),
-            Self::Vls128 => tables::VLS_128.iter().map(turned).collect(),
+            Self::Vlp16 => tables::VLP_16.iter().map(with_height).collect(),
+            Self::PuckHiRes => tables::PUCK_HI_RES.iter().map(with_height).collect(),
+            Self::Hdl32 => tables::HDL_32E.map(|elevation| meeting(28.83, elevation, 0.0)).to_vec(),
+            Self::Vlp32 => tables::VLP_32C
+                .map(|(elevation, azimuth)| meeting(42.4, elevation, azimuth))
+                .to_vec(),
+            Self::Vls128 => tables::VLS_128
+                .map(|(elevation, azimuth)| meeting(58.63, elevation, azimuth))
+                .to_vec(),
             Self::Hdl64 => Vec::new(),
         }
     }
