@@ -1,6 +1,6 @@
 //! Each model of Velodyne, with one echo and with two.
 
-use super::captures::{Container, Expected, Files, Link, SENDER, Writer, check, clouds, scalar, time};
+use super::captures::{Container, Expected, Files, Link, SENDER, Writer, check, clouds, time};
 use pointreel::io::{self, ReadOptions};
 
 /// A model, as its manual tells of it.
