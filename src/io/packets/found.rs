@@ -13,9 +13,10 @@ use super::capture::Packet;
 use super::companions::{self, Beside};
 use super::layout::Layout;
 use super::link::{Content, Datagram};
-use super::ouster::{self, Metadata, PacketShape};
-use super::turn::{Scanner, Turn, TurnPart, TurnPlace};
-use super::velodyne::{self, DataPacket, Model, Turning};
+use super::ouster::{self, Metadata};
+use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
+use super::turn::{Turn, TurnPart, TurnPlace};
+use super::velodyne::DataPacket;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::Path;
@@ -24,13 +25,6 @@ use std::time::Duration;
 
 /// More sensors are none of a recording, but a network's whole traffic, or noise.
 const MOST_SENSORS: usize = 64;
-
-/// A head that stands turns no more: then so much time is one frame, and so many packets are.
-const LONGEST_TURN: Duration = Duration::from_secs(2);
-const MOST_PACKETS: u64 = 1 << 14;
-
-/// Larger than what else is sent between sensors and those who listen.
-const LEAST_OUSTER_BYTES: usize = 1024;
 
 /// What is found in a capture.
 pub(super) struct Found<'a> {
@@ -48,19 +42,6 @@ struct Sensor {
     turns: Vec<Row>,
     /// Of an Ouster, the turn that its last packet is of.
     current: usize,
-}
-
-enum Kind {
-    Velodyne {
-        turning: Turning,
-        scanner: Arc<Scanner>,
-    },
-    Ouster {
-        shape: PacketShape,
-        scanner: Arc<Scanner>,
-    },
-    /// Its packets cannot be read; why.
-    Unread(String),
 }
 
 /// A turn.
@@ -128,26 +109,7 @@ impl<'a> Found<'a> {
     }
 
     fn velodyne(&self, data: DataPacket<'_>) -> Kind {
-        let model = match Model::of(data) {
-            Ok(model) => model,
-            Err(byte) => {
-                return Kind::Unread(format!(
-                    "it has packets of a sensor of Velodyne whose model is {byte:#04x}, expected one of VLP-16 (0x22), \
-                     Puck Hi-Res (0x24), HDL-32E (0x21), VLP-32C (0x28), VLS-128 (0xa1), or an HDL-64E"
-                ));
-            }
-        };
-        let calibration = match model {
-            Model::Hdl64 => match companions::calibration(self.path, self.options) {
-                Ok(calibration) => Some(calibration),
-                Err(problem) => return Kind::Unread(problem),
-            },
-            _ => None,
-        };
-        Kind::Velodyne {
-            turning: Turning::new(model),
-            scanner: Arc::new(Scanner::Velodyne(velodyne::Scanner::new(model, calibration))),
-        }
+        Kind::velodyne(data, || companions::calibration(self.path, self.options))
     }
 
     fn ouster(&mut self, datagram: &Datagram<'_>) -> Option<Kind> {
@@ -163,10 +125,15 @@ impl<'a> Found<'a> {
             (has_other_serial, !has_port)
         };
         match beside.metadata.iter().filter(fits).min_by_key(rank) {
-            Some(metadata) => Some(Kind::Ouster {
-                shape: metadata.shape,
-                scanner: Arc::new(Scanner::Ouster(Box::new(ouster::Scanner::new(metadata.clone())))),
-            }),
+            Some(metadata) => {
+                if rank(&metadata).0 {
+                    log::warn!(
+                        "{}: the metadata beside it is of another sensor of the same kind, by its serial number",
+                        self.path.display()
+                    );
+                }
+                Some(Kind::ouster(metadata))
+            }
             None if ouster::may_be(datagram.byte_count) => Some(Kind::Unread(companions::no_metadata(
                 self.path,
                 datagram.byte_count,

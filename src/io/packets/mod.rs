@@ -17,7 +17,9 @@ mod layout;
 mod link;
 mod ouster;
 mod points;
+mod sensor;
 mod turn;
+mod unpacking;
 mod velodyne;
 mod window;
 
@@ -29,15 +31,13 @@ use super::error::{Fault, IoError, Place};
 use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
-use capture::Capture;
+use capture::{Capture, Packet};
 use found::Found;
 use fragments::Fragments;
 use link::{Content, Datagram};
-use points::Points;
 use std::fs::File;
 use std::path::Path;
-use turn::{Scanner, TurnPart};
-use velodyne::DataPacket;
+use unpacking::{Position, Unpacking};
 
 /// Packets between two looks at whether the turn is still wanted.
 const PACKETS_PER_LOOK: u32 = 256;
@@ -80,12 +80,16 @@ pub(super) fn read(path: &Path, turn: &Turn, options: &ReadOptions, progress: &P
     let file = File::open(path).map_err(failed)?;
     let layout = std::sync::Arc::clone(&turn.layout);
     let mut capture = Capture::resume(file, layout, turn.place.begin).map_err(failed)?;
-    let mut unpacking = Unpacking::new(turn);
+    let mut reading = Reading {
+        turn,
+        fragments: Fragments::default(),
+        unpacking: Unpacking::new(&turn.scanner, turn.place.part),
+    };
     let mut warning = None;
     let mut until_look = PACKETS_PER_LOOK;
     while capture.offset() <= turn.place.last {
         match capture.next() {
-            Ok(Some((packet, _))) if packet.offset <= turn.place.last => unpacking.packet(&packet),
+            Ok(Some((packet, _))) if packet.offset <= turn.place.last => reading.packet(&packet),
             Ok(_) => break,
             Err(fault) => {
                 warning = Some(fault);
@@ -95,7 +99,8 @@ pub(super) fn read(path: &Path, turn: &Turn, options: &ReadOptions, progress: &P
         until_look -= 1;
         if until_look == 0 {
             until_look = PACKETS_PER_LOOK;
-            unpacking
+            reading
+                .unpacking
                 .points
                 .check(options)
                 .map_err(|fault| fault.of(path, FORMAT))?;
@@ -104,7 +109,7 @@ pub(super) fn read(path: &Path, turn: &Turn, options: &ReadOptions, progress: &P
             }
         }
     }
-    if unpacking.packets == 0 {
+    if reading.unpacking.packets == 0 {
         let place = Place::Byte(turn.place.begin as usize);
         let fault = Fault::new(
             place,
@@ -112,48 +117,21 @@ pub(super) fn read(path: &Path, turn: &Turn, options: &ReadOptions, progress: &P
         );
         return Err(warning.unwrap_or(fault).of(path, FORMAT));
     }
-    let mut cloud = unpacking.points.finish();
-    cloud.unit = FORMAT.unit();
-    cloud.convention = FORMAT.convention();
+    let mut cloud = reading.unpacking.finish();
     let told = |fault: Fault| format!("{}, {}: {} ({FORMAT} file)", path.display(), fault.place, fault.problem);
     cloud.warnings.extend(warning.map(told));
     Ok(cloud)
 }
 
-/// Makes points of the packets of a turn.
-struct Unpacking<'a> {
+/// Finds the packets of a turn in those of a capture.
+struct Reading<'a> {
     turn: &'a Turn,
-    maker: Maker<'a>,
     fragments: Fragments,
-    points: Points,
-    /// Of the turn's sensor, so far.
-    packets: u64,
+    unpacking: Unpacking<'a>,
 }
 
-enum Maker<'a> {
-    Velodyne(velodyne::Unpacking<'a>),
-    Ouster(ouster::Unpacking<'a>),
-}
-
-impl<'a> Unpacking<'a> {
-    fn new(turn: &'a Turn) -> Self {
-        let (maker, names) = match (&*turn.scanner, turn.place.part) {
-            (Scanner::Velodyne(scanner), _) => (Maker::Velodyne(velodyne::Unpacking::new(scanner)), velodyne::NAMES),
-            (Scanner::Ouster(scanner), part) => {
-                let frame = if let TurnPart::Frame(frame) = part { frame } else { 0 };
-                (Maker::Ouster(ouster::Unpacking::new(scanner, frame)), scanner.names())
-            }
-        };
-        Self {
-            turn,
-            maker,
-            fragments: Fragments::default(),
-            points: Points::new(names),
-            packets: 0,
-        }
-    }
-
-    fn packet(&mut self, packet: &capture::Packet<'_>) {
+impl Reading<'_> {
+    fn packet(&mut self, packet: &Packet<'_>) {
         match packet.link.content(packet.bytes) {
             Content::Datagram(datagram) => self.datagram(&datagram, packet.offset),
             Content::Fragment(fragment) if fragment.of.0 == self.turn.sensor.0 => {
@@ -169,28 +147,12 @@ impl<'a> Unpacking<'a> {
 
     /// A datagram whose last piece is in the record at `offset`.
     fn datagram(&mut self, datagram: &Datagram<'_>, offset: u64) {
-        if (datagram.source, datagram.port) != self.turn.sensor {
-            return;
+        if (datagram.source, datagram.port) == self.turn.sensor {
+            let position = Position {
+                is_first: offset == self.turn.place.begin,
+                is_last: offset == self.turn.place.last,
+            };
+            self.unpacking.add(datagram.bytes, position);
         }
-        match &mut self.maker {
-            Maker::Velodyne(unpacking) => {
-                let Some(data) = DataPacket::of(datagram.bytes) else {
-                    return;
-                };
-                let place = self.turn.place;
-                let TurnPart::Cycles { first, end } = place.part else {
-                    return;
-                };
-                let from = if offset == place.begin { usize::from(first) } else { 0 };
-                let to = if offset == place.last {
-                    usize::from(end)
-                } else {
-                    usize::MAX
-                };
-                unpacking.packet(data, from..to, &mut self.points);
-            }
-            Maker::Ouster(unpacking) => unpacking.packet(datagram.bytes, &mut self.points),
-        }
-        self.packets += 1;
     }
 }
