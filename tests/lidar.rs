@@ -11,6 +11,8 @@ mod containers;
 mod hdl_64;
 #[path = "lidar/hostile.rs"]
 mod hostile;
+#[path = "lidar/live.rs"]
+mod live;
 #[path = "lidar/ouster.rs"]
 mod ouster;
 #[path = "lidar/sensors.rs"]

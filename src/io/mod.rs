@@ -34,7 +34,7 @@ mod numbers;
 mod obj;
 mod off;
 mod options;
-mod packets;
+pub(crate) mod packets;
 mod pcd;
 mod picture;
 mod ply;

@@ -15,6 +15,7 @@ mod found;
 mod fragments;
 mod layout;
 mod link;
+mod live;
 mod ouster;
 mod points;
 mod sensor;
@@ -23,6 +24,7 @@ mod unpacking;
 mod velodyne;
 mod window;
 
+pub(crate) use live::{Companion, LiveTurn, LiveTurns};
 pub use turn::Turn;
 
 use super::containers::CAPTURE as FORMAT;
