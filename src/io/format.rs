@@ -135,8 +135,8 @@ impl Format {
         self.0.holds == Holding::Scans
     }
 
-    /// Whether frames lie in a file of this format as whole files, messages or packets: each is read alone, as the file may be
-    /// larger than the memory.
+    /// Whether frames lie in a file of this format as whole files, messages or packets: each is read alone, as the file
+    /// may be larger than the memory.
     pub fn is_container(self) -> bool {
         matches!(self.0.holds, Holding::Members | Holding::Messages | Holding::Turns)
     }

@@ -20,7 +20,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Before the address of what is listened to.
@@ -42,7 +42,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const OTHERS: Duration = Duration::from_secs(1);
 
 /// Between looks at whether anybody listens still.
-const LOOK: Duration = Duration::from_millis(100);
+const LOOK: Duration = Duration::from_millis(50);
 
 /// A laser scanner on the network.
 #[derive(Debug)]
@@ -52,6 +52,8 @@ pub struct LiveScanner {
     /// Frames that were told of.
     told: Mutex<usize>,
     options: ReadOptions,
+    /// Listens as long as the source is there.
+    thread: Option<JoinHandle<()>>,
 }
 
 /// What the thread that listens shares with the source and its decoders.
@@ -99,17 +101,19 @@ impl LiveScanner {
             Ok(socket)
         });
         let socket = socket.map_err(|error| failed(format!("{address} cannot be listened to ({error})")))?;
+        let ring = Arc::<Ring>::default();
+        let listening = Arc::clone(&ring);
+        let thread = thread::Builder::new()
+            .name("laser scanner".to_owned())
+            .spawn(move || listening.listen(&socket, LiveTurns::new(companion)))
+            .map_err(|reason| SequenceError::NoThread { reason })?;
         let scanner = Self {
             input: input.to_owned(),
-            ring: Arc::default(),
+            ring,
             told: Mutex::default(),
             options: *options,
+            thread: Some(thread),
         };
-        let ring = Arc::clone(&scanner.ring);
-        thread::Builder::new()
-            .name("laser scanner".to_owned())
-            .spawn(move || ring.listen(&socket, LiveTurns::new(companion)))
-            .map_err(|reason| SequenceError::NoThread { reason })?;
         let begun = Instant::now();
         loop {
             scanner.look_again()?;
@@ -149,7 +153,8 @@ fn parse(input: &Path) -> Result<(SocketAddr, Option<PathBuf>), String> {
     };
     let parsed = whole.parse().map_err(|_| {
         format!(
-            "{} is no address to listen at, expected one of this machine and a port, or a port alone, as in udp://:2368",
+            "{} is no address to listen at, expected one of this machine and a port, or a port alone, as in \
+             udp://:2368",
             address.escape_default()
         )
     })?;
@@ -221,6 +226,12 @@ fn is_passing(error: &io::Error) -> bool {
 impl Drop for LiveScanner {
     fn drop(&mut self) {
         self.ring.is_closed.store(true, Ordering::Relaxed);
+        // The port is free for whoever opens it next.
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            log::debug!("the thread that listened at {} has panicked", self.input.display());
+        }
     }
 }
 

@@ -60,18 +60,18 @@ impl Drop for Sending {
     }
 }
 
-/// Ten packets a turn, over and over.
+/// Twenty packets a turn, over and over.
 fn velodyne() -> Sending {
     let packet = |index: usize| {
         let scan = Scan {
             model: &MODELS[0],
             is_dual: false,
-            step: 300,
+            step: 150,
             begin: 0,
         };
-        scan.packet(index % 10)
+        scan.packet(index % 20)
     };
-    Sending::new(packet, Duration::from_millis(1))
+    Sending::new(packet, Duration::from_micros(200))
 }
 
 #[test]
@@ -100,10 +100,10 @@ fn turns_of_a_sensor_come_as_frames_and_old_ones_go() {
     let scan = Scan {
         model: &MODELS[0],
         is_dual: false,
-        step: 300,
+        step: 150,
         begin: 0,
     };
-    check(&decoded.cloud, &scan.points(0..120), 2e-5);
+    check(&decoded.cloud, &scan.points(0..240), 2e-5);
     let gone = decoder.decode(0, &source.entry(0), usize::MAX, &progress).unwrap_err();
     assert!(gone.to_string().contains("turn 0 is gone for good"), "{gone}");
 }

@@ -1,4 +1,6 @@
-//! The blocks of pcapng: packets, and what tells of them. <https://www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html>
+//! The blocks of pcapng: packets, and what tells of them.
+//!
+//! <https://www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html>
 
 use super::layout::{ByteOrder, Interface, Layout, Section, ticks_per_second};
 use super::link::Link;

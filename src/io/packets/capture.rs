@@ -1,8 +1,8 @@
 //! Packets in a file of libpcap or in pcapng, one after the other.
 //!
 //! **How it works.** The length of a record is read first and held against a limit; then the record is handed to
-//! `pcap-parser` as it lies in memory. What tells of the packets behind a place, the byte order and the interfaces, is a
-//! [`Layout`]: whoever keeps it with an offset can go on from there without what lies before.
+//! `pcap-parser` as it lies in memory. What tells of the packets behind a place, the byte order and the interfaces, is
+//! a [`Layout`]: whoever keeps it with an offset can go on from there without what lies before.
 //!
 //! libpcap: <https://www.ietf.org/archive/id/draft-ietf-opsawg-pcap-04.html>
 

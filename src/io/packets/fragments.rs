@@ -1,9 +1,9 @@
 //! Datagrams that are larger than the packets of a network, put together again.
 //!
 //! RFC 791 §3.2. The pieces of a datagram have a number in common and say where they belong. `etherparse` joins them;
-//! its pool of datagrams is none for captures of strangers, as its text says, since pieces whose others never come would
-//! fill the memory. So at most [`MOST_OPEN`] datagrams wait here, each of 64 KiB at most, and the one that has waited
-//! longest is given up for the next.
+//! its pool of datagrams is none for captures of strangers, as its text says, since pieces whose others never come
+//! would fill the memory. So at most [`MOST_OPEN`] datagrams wait here, each of 64 KiB at most, and the one that has
+//! waited longest is given up for the next.
 
 use super::link::Fragment;
 use etherparse::IpNumber;

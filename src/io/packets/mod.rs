@@ -2,8 +2,9 @@
 //!
 //! **How it works.** [`list`] walks over the packets once and notes where each turn of each sensor begins and ends
 //! ([`found`]); [`read`] then reads the packets of one turn, and nothing before or behind them. `pcap-parser` reads the
-//! records of a capture ([`capture`], [`block`]), `etherparse` the headers of the network ([`link`]) and what came in fragments
-//! ([`fragments`]). What is in the packets is ours: one room a maker ([`velodyne`], [`ouster`]), after their manuals.
+//! records of a capture ([`capture`], [`block`]), `etherparse` the headers of the network ([`link`]) and what came in
+//! fragments ([`fragments`]). What is in the packets is ours: one room a maker ([`velodyne`], [`ouster`]), after their
+//! manuals. Packets that come from a network instead of a file are turns by [`live`].
 //!
 //! Sensors take the place of the topics of a recording: the one that sent most packets is read unless another is named.
 //! The stamps of frames are the times at which their first packets were captured; times of points are the sensor's.

@@ -1,7 +1,7 @@
 //! The metadata of an Ouster sensor: a JSON file beside the capture, which packets cannot be read without.
 //!
-//! Generations of it differ in where things stand. Those of firmware 1 and 2.0 are one flat object with `data_format` in
-//! it; later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
+//! Generations of it differ in where things stand. Those of firmware 1 and 2.0 are one flat object with `data_format`
+//! in it; later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
 //! `config_params`). Each name is looked for in its section, then at the root, so that mixtures of both are read too.
 //!
 //! Ouster firmware user manual, "Sensor metadata"; what is not told is what sensors had when nothing told it.

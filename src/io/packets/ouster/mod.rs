@@ -1,10 +1,12 @@
 //! Laser scanners of Ouster: from packets and metadata to points.
 //!
-//! **Places** are in the frame of the sensor (X forward, away from the connector, Z up), by the formulas of the firmware
-//! user manual, "Lidar range to XYZ". The head is at θ = 2π (1 − column / columns); a beam looks by its own azimuth aside
-//! of it and begins at a distance n of the axis:
+//! **Places** are in the frame of the sensor (X forward, away from the connector, Z up), by the formulas of the
+//! firmware user manual, "Lidar range to XYZ". The head is at θ = 2π (1 − column / columns); a beam looks by its own
+//! azimuth aside of it and begins at a distance n of the axis:
 //!
-//! `x = (r − n) cos(θ + a) cos φ + b cos θ`, `y = (r − n) sin(θ + a) cos φ + b sin θ`, `z = (r − n) sin φ + h`
+//! - `x = (r − n) cos(θ + a) cos φ + b cos θ`
+//! - `y = (r − n) sin(θ + a) cos φ + b sin θ`
+//! - `z = (r − n) sin φ + h`
 //!
 //! where b and h are how far before and above the origin beams begin, and n is the length of both. Then follows the
 //! transform from the lidar to the sensor.

@@ -5,8 +5,8 @@
 //! cycle, so each shot has its own azimuth, between that of its cycle and that of the next one, by the time at which it
 //! is fired (VLP-16 user manual §9.5, VLS-128 manual "Precision azimuth calculation").
 //!
-//! **Places** are in the frame of the manuals: Z is up, Y is azimuth 0, X is azimuth 90 degrees, which is clockwise from
-//! above:
+//! **Places** are in the frame of the manuals: Z is up, Y is azimuth 0, X is azimuth 90 degrees, which is clockwise
+//! from above:
 //!
 //! `x = r cos ω sin α`, `y = r cos ω cos α`, `z = r sin ω` and the height of the laser.
 
