@@ -110,6 +110,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
         },
         content,
         ground: None,
+        photographs: None,
         bounds,
     }
 }

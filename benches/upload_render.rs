@@ -77,6 +77,7 @@ fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket
             }
         },
         ground: None,
+        photographs: None,
         bounds,
     }
 }

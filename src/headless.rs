@@ -1,7 +1,10 @@
 //! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
 
 use crate::levels::LevelsSize;
+use crate::locks::lock;
 use crate::math::Aabb;
+use crate::photos::{LoadedPhotographs, ViewSet};
+use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{Camera, FirstLook, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
@@ -9,7 +12,10 @@ use crate::timeline::Direction;
 use glam::DVec3;
 use image::RgbaImage;
 use serde::Serialize;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
+
+/// Texels of all photographs together, with their mip levels.
+pub const PHOTOGRAPH_BYTES: u64 = 1 << 30;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -143,6 +149,8 @@ pub struct Headless {
     renderer: AnyRenderer,
     scene: Scene,
     look: OnceLock<Arc<FirstLook>>,
+    /// The photographs that were loaded last.
+    photographs: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotographs>)>>,
 }
 
 impl Headless {
@@ -154,6 +162,7 @@ impl Headless {
             renderer,
             scene: Scene::default(),
             look: OnceLock::new(),
+            photographs: Mutex::default(),
         }
     }
 
@@ -208,6 +217,20 @@ impl Headless {
     /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
     pub fn frame_beside(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
         self.loader.wait(index, &self.needs(style))
+    }
+
+    /// The photographs of what frame `index` shows, if there are some. They are loaded once.
+    pub fn photographs(&self, index: usize) -> Option<Arc<LoadedPhotographs>> {
+        let set = self.sequence.source().photographs(index)?;
+        let mut known = lock(&self.photographs);
+        if let Some((of, loaded)) = &*known
+            && Arc::ptr_eq(of, &set)
+        {
+            return Some(Arc::clone(loaded));
+        }
+        let loaded = Arc::new(LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, &Progress::default()));
+        *known = Some((set, Arc::clone(&loaded)));
+        Some(loaded)
     }
 
     /// What a frame must have to be drawn here with these settings.

@@ -12,6 +12,8 @@
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
+//! | [`photos`] | calibrated photographs with sparse points, and their textures |
+//! | [`stereo`] | depth from photographs: pairs, many views, dense points |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
@@ -49,6 +51,7 @@ pub mod math;
 pub mod measure;
 pub mod memory;
 mod messages;
+pub mod photos;
 pub mod playback;
 mod priority;
 pub mod progress;
@@ -59,4 +62,5 @@ pub mod scene;
 pub mod sequence;
 pub mod serve;
 pub mod source;
+pub mod stereo;
 pub mod timeline;

@@ -31,6 +31,8 @@ const ORDER: &[&[&str]] = &[
     &["math", "memory", "kept", "locks", "messages", "priority", "progress"],
     &["cloud"],
     &["rgbd"],
+    &["photos"],
+    &["stereo"],
     &["io", "analysis"],
     &["measure"],
     &["levels"],

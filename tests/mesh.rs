@@ -111,6 +111,7 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
             ..style
         },
         ground: None,
+        photographs: None,
         bounds: Aabb::from_points(&positions),
     }
 }

@@ -55,6 +55,7 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
         style: style(Primitive::Point),
         content: Content::Points(Arc::new(points)),
         ground: None,
+        photographs: None,
         bounds: Aabb::from_points(&positions),
     }
 }

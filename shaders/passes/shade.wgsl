@@ -1,5 +1,6 @@
 // Deferred shading (paper 003 §3.6): light falls on the blended surface, once for each pixel. Leaves sums of lit
 // colours and weights, as the attribute pass does without it. What light is: `blinn_phong.wgsl`, `physical.wgsl`.
+// What colours are: `own_colors.wgsl`, `photographs.wgsl`.
 
 @group(SOURCE_GROUP) @binding(0) var colors: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(1) var normals: texture_2d<f32>;
@@ -19,16 +20,17 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let albedo = sum.rgb * per_weight;
     let mean_normal = textureLoad(normals, pixel, 0).xyz * per_weight;
     let length2 = dot(mean_normal, mean_normal);
-    if (length2 == 0.0) {
-        return sum;
-    }
     let distance = view.usual_distance / max(1.0 + textureLoad(nearnesses, pixel, 0).r * per_weight, 1e-6);
     let ray = ray_through(position.xy);
     let to_eye = -normalize(ray);
-    let unit = mean_normal / sqrt(length2);
+    let unit = select(mean_normal / sqrt(length2), vec3f(0.0), length2 == 0.0);
     // Surfaces have two sides.
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
+    let surface = surface_color(albedo, ray * distance, normal);
+    if (surface.a == 0.0 || length2 == 0.0) {
+        return vec4f(surface.rgb * sum.a, sum.a * surface.a);
+    }
     let open = openness(depths, vec2i(pixel), normal);
-    let light = min(lit(to_linear(albedo), ray * distance, normal, to_eye, open), vec3f(1.0));
+    let light = min(lit(to_linear(surface.rgb), ray * distance, normal, to_eye, open), vec3f(1.0));
     return vec4f(to_display(light) * sum.a, sum.a);
 }

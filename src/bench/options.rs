@@ -1,6 +1,7 @@
 //! How to measure, and what.
 
 use super::lab::LabPoint;
+use super::leave_out::LeaveOut;
 use super::modes::Modes;
 use super::rate::RatePoint;
 use super::suite::{Defaults, OptionGroup, Suite};
@@ -32,6 +33,8 @@ pub struct BenchOptions {
     pub modes: Modes,
     /// Of how many points the clouds are that are made beside the inputs, by the suite that makes some.
     pub cloud_points: Vec<usize>,
+    /// Which photographs are left out, by the suite that compares with them.
+    pub leave_out: LeaveOut,
     /// Where true pictures are kept for the next run; `None` keeps none.
     #[serde(skip)]
     pub truth_folder: Option<PathBuf>,
@@ -60,6 +63,7 @@ impl BenchOptions {
             } else {
                 Vec::new()
             },
+            leave_out: LeaveOut::default(),
             truth_folder: None,
         }
     }

@@ -89,6 +89,16 @@ impl<'a> Run<'a> {
         BenchError::check_cancelled(self.progress)
     }
 
+    /// By what the run is cancelled.
+    pub(super) fn progress(&self) -> &'a Progress {
+        self.progress
+    }
+
+    /// Says something in the report.
+    pub(super) fn note(&mut self, text: String) {
+        self.report.notes.push(text);
+    }
+
     /// Says what comes next.
     pub(super) fn begin_step(&mut self, label: String) -> Result<(), BenchError> {
         self.check_cancelled()?;

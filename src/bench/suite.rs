@@ -72,6 +72,8 @@ pub enum OptionGroup {
     Clouds,
     /// Which frame is measured first; in the window it is the shown one.
     FirstFrame,
+    /// Which photographs are left out.
+    Photographs,
 }
 
 impl Suite {

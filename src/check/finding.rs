@@ -33,6 +33,8 @@ pub enum FindingKind {
     SuspiciousScale,
     /// Frames that look as if another axis was up.
     ChangedUpAxis,
+    /// A photograph whose camera does not fit the points that were found in it.
+    LooseCamera,
 }
 
 /// Something that a person should look at.

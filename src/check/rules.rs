@@ -24,10 +24,16 @@ const COARSE_STEP: f64 = 1e-5;
 /// Median spacings after which a pause was made.
 const PAUSE_IN_SPACINGS: f64 = 8.0;
 
+/// Reprojection error of a photograph above which its camera is wrong: calibrations end well below a pixel. As a share of
+/// its longer edge, and in pixels.
+const LOOSE_SHARE: f64 = 1e-3;
+const LOOSE_PX: f64 = 2.0;
+
 /// All findings, rule after rule.
 pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     let mut findings = number_gaps(sequence);
     findings.extend(time_jumps(sequence));
+    findings.extend(loose_cameras(sequence));
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
     let attributes = facts.iter().enumerate();
@@ -130,6 +136,29 @@ fn named(frames: &[usize]) -> String {
             format!("{} frames ({first}, {second}, {third}{more})", frames.len())
         }
     }
+}
+
+/// Photographs whose points are far from where their cameras show them.
+fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
+    let Some(set) = sequence.source().photographs(0) else {
+        return Vec::new();
+    };
+    let errors = set.photos.iter().zip(set.reprojection_errors());
+    let loose = errors.filter_map(|(photo, error)| {
+        let [width, height] = photo.camera.size_px();
+        let most_px = LOOSE_PX.max(LOOSE_SHARE * f64::from(width.max(height)));
+        let error = error.filter(|error| error.rms_px > most_px)?;
+        Some(Finding {
+            kind: FindingKind::LooseCamera,
+            frames: vec![0],
+            message: format!(
+                "the {} points of {} are {:.1} pixels from where its camera shows them: its picture will not meet \
+                 the surface, calibrate it again or leave it out",
+                error.count, photo.name, error.rms_px
+            ),
+        })
+    });
+    loose.collect()
 }
 
 fn number_gaps(sequence: &Sequence) -> Vec<Finding> {

@@ -68,6 +68,10 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
     bandwidth: Option<f64>,
 
+    /// Make the points of photographs by stereo, also where sparse ones came with them
+    #[arg(long)]
+    dense: bool,
+
     #[command(flatten)]
     rgbd: RgbdArgs,
 }
@@ -98,6 +102,7 @@ impl ReadArgs {
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
             most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
+            dense: self.dense,
             rgbd: self.rgbd.options(Filters::NONE),
         }
     }

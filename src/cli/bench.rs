@@ -3,7 +3,7 @@
 use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use super::output::{answer, say};
 use crate::app::{self, PresentChoice};
-use crate::bench::{self, BenchOptions, Input, Modes, OptionGroup, Report, Step, Suite, suites};
+use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::messages::listed;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
@@ -28,8 +28,8 @@ pub(super) struct BenchArgs {
     #[arg(default_value = DEMO_INPUT, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
-    /// JSON file to write the report to
-    #[arg(long, value_name = "FILE.json")]
+    /// JSON file to write the report to; without a name it is printed in place of the table
+    #[arg(long, value_name = "FILE.json", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 
     /// CSV file to write the rows to
@@ -67,6 +67,12 @@ pub(super) struct BenchArgs {
         names(OptionGroup::FirstFrame)
     ))]
     first_frame: Option<usize>,
+
+    #[arg(long, value_name = "N,…|every:K", help = format!(
+        "Photographs that {} leaves out to compare with, counted from 0 [default: every:8]",
+        names(OptionGroup::Photographs)
+    ))]
+    leave_out: Option<LeaveOut>,
 
     #[arg(long, value_name = "FPS", value_parser = frame_rate, help = format!(
         "Frames a second at which {} play, in place of those of the sequence",
@@ -168,6 +174,7 @@ fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
             "--first-frame",
             arguments.first_frame.is_some(),
         ),
+        (OptionGroup::Photographs, "--leave-out", arguments.leave_out.is_some()),
         (
             OptionGroup::Window,
             "--present and --renderer",
@@ -188,9 +195,20 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     refuse_foreign_options(arguments)?;
     let open = OpenOptions {
         fps: arguments.fps,
-        ..arguments.read.open_options()
+        ..if arguments.suite.takes(OptionGroup::Photographs) {
+            arguments.read.picture_options()
+        } else {
+            arguments.read.open_options()
+        }
     };
-    let inputs = arguments.inputs.iter().map(|input| open_input(input, &open));
+    let leave_out = arguments.leave_out.clone().unwrap_or_default();
+    let inputs = arguments.inputs.iter().map(|input| {
+        let opened = open_input(input, &open)?;
+        if arguments.suite.takes(OptionGroup::Photographs) {
+            return with_photographs(opened, input, &open, &leave_out);
+        }
+        Ok(opened)
+    });
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
     let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {
@@ -203,6 +221,7 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         truth_folder: BenchOptions::truth_folder_of_person(),
         cloud_points: arguments.points.clone().unwrap_or(default.cloud_points),
         modes: arguments.modes.clone().unwrap_or_default(),
+        leave_out,
         ..default
     };
     let report = if arguments.suite.takes(OptionGroup::Window) {
@@ -213,8 +232,12 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
     } else {
         measure(&inputs, &options)?
     };
-    answer(report.to_table().trim_end());
-    write(arguments.json.as_deref(), &report.to_json())?;
+    if arguments.json.as_deref() == Some(Path::new("-")) {
+        answer(&report.to_json());
+    } else {
+        answer(report.to_table().trim_end());
+        write(arguments.json.as_deref(), &report.to_json())?;
+    }
     write(arguments.html.as_deref(), &report.to_html())?;
     write(arguments.csv.as_deref(), &report.to_csv())
 }
@@ -244,6 +267,23 @@ fn open_input(input: &Path, open: &OpenOptions) -> anyhow::Result<Input> {
         sequence: Arc::new(open_sequence_and_tell(&[input.to_owned()], open)?),
         shape,
     })
+}
+
+/// Depth images with poses become one cloud, whose photographs are their colours; points of those that are left out are
+/// not in it.
+fn with_photographs(opened: Input, path: &Path, open: &OpenOptions, leave_out: &LeaveOut) -> anyhow::Result<Input> {
+    let source = opened.sequence.source();
+    let count = opened.sequence.len();
+    let is_posed = source
+        .sensor(0)
+        .is_some_and(|sensor| sensor.world_from_camera.is_some());
+    if source.photographs(0).is_some() || !is_posed {
+        return Ok(opened);
+    }
+    let mut open = open.clone();
+    open.rgbd.merge = Some((0, count - 1));
+    open.rgbd.left_out = leave_out.of(count);
+    open_input(path, &open)
 }
 
 /// The name of the folder or file, which is what tells sequences apart in a table.

@@ -46,6 +46,10 @@ pub(super) struct CameraArgs {
     /// Look from the depth camera; its image has the pixels of a picture of its size
     #[arg(long, conflicts_with_all = ["view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
     from_sensor: bool,
+
+    /// Look from photograph N, counted from 0; its image has the pixels of a picture of its size
+    #[arg(long, value_name = "N", conflicts_with_all = ["from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
+    photo_camera: Option<usize>,
 }
 
 impl CameraArgs {
@@ -58,14 +62,24 @@ impl CameraArgs {
         size_px: [u32; 2],
     ) -> anyhow::Result<Camera> {
         let origin = sequence.origin();
+        let upright = || self.up.map_or_else(|| look.clone(), |up| look.clone().with_up(up));
+        if let Some(number) = self.photo_camera {
+            let set = sequence.source().photographs(index);
+            let set = set.context("--photo-camera is for calibrated photographs, and the input is none")?;
+            let count = set.photos.len();
+            let photo = set
+                .photos
+                .get(number)
+                .with_context(|| format!("there is no photograph {number}: the input has {count}, counted from 0"))?;
+            return Ok(upright().camera_of_photo(photo, origin));
+        }
         if !self.from_sensor {
             return Ok(self.choice().camera(look, origin, size_px));
         }
         let sensor = sequence.source().sensor(index).with_context(|| {
             format!("nothing says which camera took frame {index}: --from-sensor is for recordings of depth images")
         })?;
-        let look = self.up.map_or_else(|| look.clone(), |up| look.clone().with_up(up));
-        Ok(look.camera_of_sensor(&sensor, origin))
+        Ok(upright().camera_of_sensor(&sensor, origin))
     }
 
     fn choice(&self) -> CameraChoice {

@@ -16,8 +16,9 @@ pub(super) struct CameraInfo {
     poses: Vec<PoseInfo>,
 }
 
+/// Of one camera, pixels; centres of pixels are at integers.
 #[derive(Serialize)]
-struct Intrinsics {
+pub(super) struct Intrinsics {
     width: u32,
     height: u32,
     fx: f64,
@@ -116,7 +117,7 @@ impl CameraInfo {
 }
 
 impl Intrinsics {
-    fn of(camera: &Camera) -> Self {
+    pub(super) fn of(camera: &Camera) -> Self {
         let [width, height] = camera.size_px();
         let (focal, principal) = (camera.focal_px(), camera.principal_px());
         Self {
@@ -134,6 +135,7 @@ impl Intrinsics {
     }
 }
 
-fn rows(transform: &DAffine3) -> [f64; 16] {
+/// A transform as 4 × 4 numbers, row by row.
+pub(super) fn rows(transform: &DAffine3) -> [f64; 16] {
     DMat4::from(*transform).transpose().to_cols_array()
 }

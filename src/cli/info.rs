@@ -3,6 +3,7 @@
 use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::camera_info::CameraInfo;
 use super::output::answer;
+use super::photo_info::PhotoInfo;
 use super::reel_info::ReelInfo;
 use super::warnings;
 use crate::check::changed_attributes;
@@ -50,6 +51,9 @@ struct Info {
     /// Of depth images alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cameras: Vec<CameraInfo>,
+    /// Of calibrated photographs alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    photographs: Vec<PhotoInfo>,
 }
 
 /// How `view` and `render` show the sequence first, with the reasons.
@@ -167,6 +171,10 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         recordings: sequence.source().recordings().iter().map(recording_info).collect(),
         reel: sequence.source().reel().map(|file| ReelInfo::of(&file)),
         cameras: CameraInfo::of(&sequence),
+        photographs: sequence
+            .source()
+            .photographs(0)
+            .map_or_else(Vec::new, |set| PhotoInfo::of(&set)),
     };
     if arguments.json {
         answer(&serde_json::to_string_pretty(&info).context("the answer cannot be written as JSON")?);
@@ -262,6 +270,7 @@ fn table(info: &Info) -> String {
         .chain(info.recordings.iter().map(recording_line))
         .chain(info.reel.as_ref().map(ReelInfo::line))
         .chain(info.cameras.iter().map(CameraInfo::line))
+        .chain(PhotoInfo::line(&info.photographs))
         .chain(info.guess.as_ref().map(guess_line));
     for line in lines {
         text.push_str(&line);

@@ -13,6 +13,7 @@ mod convert;
 mod device_select;
 mod info;
 mod output;
+mod photo_info;
 mod poses;
 mod progress;
 mod reel_arguments;

@@ -34,6 +34,10 @@ pub(super) struct PosesArgs {
     /// Draw the ways of the points of these indices through the frames
     #[arg(long, value_name = "INDEX,…", value_delimiter = ',')]
     trail: Vec<u32>,
+
+    /// Photographs that are not put on surfaces, by their numbers, counted from 0
+    #[arg(long, value_name = "N,…", value_delimiter = ',')]
+    leave_out: Vec<usize>,
 }
 
 impl PosesArgs {
@@ -58,6 +62,7 @@ impl PosesArgs {
                 let looks = looks(&trails);
                 (trails, looks)
             }),
+            left_out_photos: self.leave_out.clone(),
         })
     }
 

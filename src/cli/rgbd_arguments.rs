@@ -50,6 +50,7 @@ impl RgbdArgs {
             depth_scale: self.depth_scale,
             poses: self.poses.clone(),
             merge: self.merge_frames.map(|range| (range.first, range.last)),
+            left_out: Vec::new(),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! What other poses add to pictures: colours by how far each point is from another frame, ghosts, and the ways of
-//! points.
+//! points; and what photographs of them add.
 //!
 //! All of it is a frame made of frames, so that every renderer and every primitive draws it. In the window the same is
 //! made of what is in memory, and trails are lines over the picture; here frames are waited for, and trails are tubes
@@ -25,6 +25,8 @@ pub struct Poses {
     pub onion: Option<OnionSkin>,
     /// The ways of points, and how each is drawn.
     pub trails: Option<(Trails, Vec<TrailLook>)>,
+    /// Photographs that are not put on surfaces, by their numbers.
+    pub left_out_photos: Vec<usize>,
 }
 
 /// Colours by the distance to another pose.
@@ -122,11 +124,29 @@ impl Poses {
             let needs = Needs { levels, ..needs };
             dressed.add(&tubes, &needs, headless)?;
         }
+        if self.change.is_none() && style.draws_photographs() {
+            dressed.add_photographs(headless, &self.left_out_photos);
+        }
         Ok(dressed)
     }
 }
 
 impl Dressed {
+    fn add_photographs(&mut self, headless: &Headless, left_out: &[usize]) {
+        let Some(loaded) = headless.photographs(self.frame.index) else {
+            return;
+        };
+        self.problems.extend_from_slice(&loaded.notes);
+        let photographs = if left_out.is_empty() {
+            Arc::clone(&loaded.photographs)
+        } else {
+            Arc::new(loaded.photographs.without(left_out))
+        };
+        if !photographs.all().is_empty() {
+            self.frame = Arc::new(self.frame.with_photographs(photographs));
+        }
+    }
+
     fn add(&mut self, ghosts: &[Ghost], needs: &Needs, headless: &Headless) -> Result<(), FrameError> {
         if !ghosts.is_empty() {
             let merged = with_ghosts(&self.frame, ghosts, needs);

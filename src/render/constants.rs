@@ -41,6 +41,15 @@ pub(super) const EWA_MEAN_WEIGHT: f32 = 0.5;
 /// Pixels of a filtered splat to the fourth power are not taken for less, so that quotients are numbers.
 pub(super) const EWA_LEAST_DETERMINANT: f32 = 1e-19;
 
+/// Of photographs on surfaces: samples along the long axis of what a pixel covers, at most.
+pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
+
+/// The width of the border to which photographs fade, as a share of an edge: so it is not seen.
+pub(super) const PHOTO_RIM: f32 = 0.02;
+
+/// What a pixel covers of a surface that is seen more from the side than this is that of one that is seen so.
+pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;
+
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;
 /// White that is added where a surface faces the eye.

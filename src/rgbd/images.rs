@@ -87,7 +87,7 @@ impl ColorImage {
 
     /// The colour at a place between pixels, which is taken from the four around it; beyond the border, that of the
     /// border.
-    pub(super) fn bilinear(&self, [x, y]: [f32; 2]) -> [u8; 3] {
+    pub fn bilinear(&self, [x, y]: [f32; 2]) -> [u8; 3] {
         let (columns, rows) = (self.width as usize, self.height as usize);
         let place = |at: f32, count: usize| {
             let at = at.clamp(0.0, (count - 1) as f32);

@@ -62,6 +62,13 @@ impl UpAxis {
         self.basis().col(1)
     }
 
+    /// The axis that points most in a direction.
+    pub(super) fn nearest(direction: DVec3) -> Self {
+        let along = |axis: &Self| axis.direction().dot(direction);
+        let axes = Self::ALL.iter().map(|&(_, axis)| axis);
+        axes.max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or_default()
+    }
+
     /// Azimuth and elevation, degrees, of an eye that is in this direction of the target. Precondition: a unit vector.
     pub fn angles_of(self, toward_eye: DVec3) -> (f64, f64) {
         let seen = self.basis().transpose() * toward_eye;

@@ -6,7 +6,9 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::typical_spacing;
 use super::packet::ScenePacket;
-use super::{Camera, Clip, GroundPlane, PointSizing, Primitive, RendererChoice, Style, ViewTransform};
+use super::{
+    Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
+};
 use crate::cloud::Frame;
 use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
@@ -153,6 +155,19 @@ impl Scene {
         let view = camera.transform(origin, viewport_px);
         let clip = style.of_sequence.clip.filter(|clip| clip.is_on);
         let mut style = *style;
+        style.of_sequence.has_photographs = frame.photographs.is_some();
+        let photographs = frame.photographs.as_ref().filter(|_| style.draws_photographs());
+        let photographs = photographs.map(|photographs| PhotographsInFrame {
+            photographs: Arc::clone(photographs),
+            origin,
+            surface: frame.shapes.as_ref().map(|shapes| Surfels {
+                points: Arc::clone(&frame.points),
+                shapes: Arc::clone(shapes),
+            }),
+        });
+        if photographs.is_some() {
+            style = style.of_photographs();
+        }
         style.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
         style.of_sequence.point_spacing = self.point_spacing(frame, &style);
         let bounds = frame.frame.bounds();
@@ -167,6 +182,7 @@ impl Scene {
             style,
             bounds,
             ground,
+            photographs,
         }
     }
 

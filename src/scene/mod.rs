@@ -18,6 +18,7 @@ mod lights;
 mod on_screen;
 mod packet;
 mod path;
+mod photographs;
 mod physical_light;
 mod pick;
 mod picture_plane;
@@ -45,6 +46,7 @@ pub use legend::{Legend, LegendBody, field_title};
 pub use lights::{Lamp, Lights};
 pub use packet::ScenePacket;
 pub use path::{CameraPath, Keyframe, PathError, PathFileError};
+pub use photographs::{PhotoView, PhotoViews, PhotographsInFrame, seen_by_photograph};
 pub use physical_light::{PhysicalLight, PhysicalTables};
 pub use pick::{Pick, PickedNormal, pick};
 pub use picture_plane::PicturePlane;
@@ -56,7 +58,8 @@ pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
     LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting,
-    Strategy, Style, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
+    VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -1,7 +1,7 @@
 //! Everything that one picture needs.
 
 use super::content::Content;
-use super::{GroundPlane, Lighting, Primitive, Style, ViewTransform};
+use super::{GroundPlane, Lighting, PhotographsInFrame, Primitive, Style, ViewTransform};
 use crate::math::Aabb;
 
 /// Everything a renderer needs for one picture. Equal packets make equal pictures.
@@ -19,6 +19,8 @@ pub struct ScenePacket {
     pub bounds: Aabb,
     /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
+    /// What surfaces have their colours from, if these are not those of points.
+    pub photographs: Option<PhotographsInFrame>,
 }
 
 impl ScenePacket {

@@ -74,6 +74,9 @@ pub enum SequenceError {
     /// A recording of depth images that cannot be opened.
     #[error(transparent)]
     Rgbd(Box<super::rgbd::RgbdError>),
+    /// Photographs that cannot be opened.
+    #[error(transparent)]
+    Photos(Box<crate::photos::PhotosError>),
     /// A sequence file among other inputs.
     #[error(
         "{} holds a whole sequence: open it alone, or join it with others by pointreel convert --join",

@@ -1,4 +1,4 @@
-//! Where frames come from: files and recordings, depth images, sequence files, shapes with a formula, the demo, streams
+//! Where frames come from: files and recordings, depth images, photographs, sequence files, shapes with a formula, the demo, streams
 //! that nobody can rewind.
 //!
 //! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
@@ -17,6 +17,7 @@ mod generated;
 mod http;
 mod list;
 mod options;
+mod photos;
 mod reel;
 mod rgbd;
 mod scanner;
@@ -32,6 +33,7 @@ pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
 pub use options::OpenOptions;
+pub use photos::PhotoScene;
 pub use reel::Reel;
 pub use rgbd::{MergedFrames, RgbdError, RgbdOptions, RgbdRecording};
 pub use scanner::LiveScanner;
@@ -44,9 +46,9 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a sequence file ([`Reel`]), a
-/// recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that
-/// were looked at, and may be cancelled.
+/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a sequence file ([`Reel`]),
+/// calibrated photographs ([`PhotoScene`]), a recording of depth images ([`RgbdRecording`]), else files, folders and
+/// patterns. `progress` counts the files that were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
@@ -67,6 +69,9 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             [_] => Ok(Arc::new(Reel::open(reel, options)?)),
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),
         };
+    }
+    if let Some(scene) = PhotoScene::open(inputs, options).map_err(|error| SequenceError::Photos(Box::new(error)))? {
+        return Ok(Arc::new(scene));
     }
     if let Some(recording) = rgbd::open(inputs, options)? {
         return Ok(recording);

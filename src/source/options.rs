@@ -17,6 +17,8 @@ pub struct OpenOptions {
     pub topic: Option<Arc<str>>,
     /// Bits a second that are read from the web, at most.
     pub most_bits_per_s: Option<f64>,
+    /// Points of photographs are made by stereo, also where there are sparse ones.
+    pub dense: bool,
     /// How recordings of depth images are read.
     pub rgbd: RgbdOptions,
 }

@@ -5,6 +5,7 @@ use super::error::SequenceError;
 use super::files::{Recording, topics_of};
 use crate::cloud::RawCloud;
 use crate::io::Topic;
+use crate::photos::ViewSet;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
 use crate::rgbd::Sensor;
@@ -121,6 +122,11 @@ pub trait Source: Send + Sync {
     /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
     /// anybody knows.
     fn sensor(&self, _index: usize) -> Option<Sensor> {
+        None
+    }
+
+    /// Calibrated photographs of what frame `index` shows, in its coordinates; `None` where there are none.
+    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
         None
     }
 

@@ -112,6 +112,7 @@ pub(crate) fn surfels(surfels: &[Surfel], camera: &Camera, style: Style, viewpor
         },
         style,
         ground: None,
+        photographs: None,
         bounds: Aabb::from_points(&positions),
     }
 }
@@ -135,6 +136,7 @@ pub(crate) fn voxels(
             cube_edge,
         }),
         ground: None,
+        photographs: None,
         bounds: Aabb::from_points(&centers),
     }
 }

@@ -13,6 +13,7 @@ pub(super) mod comparison;
 pub(super) mod export;
 pub(super) mod inspection;
 pub(super) mod palette;
+pub(super) mod photos;
 pub(super) mod quality;
 pub(super) mod save;
 pub(super) mod temporal;

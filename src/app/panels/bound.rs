@@ -14,6 +14,9 @@ use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
 use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::palette::{Action, Entry};
+use crate::app::features::photos::Photos;
+use crate::app::features::photos::frusta::frusta_ui;
+use crate::app::features::photos::panel::{self as photos_panel, PhotosRequest, photos_ui};
 use crate::app::features::save::panel::{SaveRequest, save_ui};
 use crate::app::features::temporal::panel::change_ui;
 use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, timeline_ui};
@@ -183,6 +186,31 @@ pub(super) fn clip_handles(ui: &Ui, state: &mut State) {
     let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
     if let Some(clip) = state.style.of_sequence.clip.as_mut().filter(|clip| clip.is_on) {
         handles_ui(ui, &canvas, (&mut state.clipping, clip), &frames, unit);
+    }
+}
+
+/// Where photographs were taken, over the picture of the open sequence.
+pub(super) fn photo_frusta(ui: &Ui, state: &mut State) {
+    let set = state.player.as_ref().and_then(Photos::set_of);
+    let Some(set) = set.filter(|_| state.photos.shows_frusta) else {
+        return;
+    };
+    let rect = state.viewport.rect;
+    let painter = ui.painter_at(rect);
+    let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
+    if let Some(number) = frusta_ui(ui, &canvas, &set, &state.photos) {
+        state.stand_at_photo(number);
+    }
+}
+
+pub(super) fn photos(ui: &mut Ui, state: &mut State) {
+    let set = state.player.as_ref().and_then(Photos::set_of);
+    let corner = state.viewport.rect.left_top();
+    let mut is_open = state.panels.has(photos_panel::PANEL);
+    let request = photos_ui(ui, &mut is_open, &mut state.photos, set.as_deref(), corner);
+    state.panels.set(photos_panel::PANEL, is_open);
+    if let Some(PhotosRequest::StandAt(number)) = request {
+        state.stand_at_photo(number);
     }
 }
 

@@ -11,7 +11,7 @@ use crate::app::features::trails::panel::field_ui;
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
-use crate::scene::describe::{Section, Word};
+use crate::scene::describe::{Section, When, Word};
 use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
 use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
 use glam::DVec3;
@@ -122,6 +122,9 @@ fn look(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Option<SettingsReques
     rows(ui, "look", |ui| section_rows(ui, style, drawn, Section::Look));
     let shown = context.player.and_then(Player::shown);
     colors_ui(ui, &mut style.colors, shown, context.has_legend);
+    if drawn.is(When::HasPhotographs) {
+        section_ui(ui, style, drawn, ("Photographs", Section::Photographs));
+    }
     for section in [("Light", Section::Shading), ("Background", Section::Background)] {
         section_ui(ui, style, drawn, section);
     }

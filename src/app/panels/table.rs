@@ -11,6 +11,7 @@ use super::question::question_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
 use crate::app::features::palette::Entry;
+use crate::app::features::photos::panel as photos;
 use crate::app::{PanelId, State};
 use egui::Ui;
 use std::ops::RangeInclusive;
@@ -58,6 +59,12 @@ pub(super) const PANELS: &[PanelRow] = &[
         menu: Some("Camera path…"),
         place: Dock::Window,
         show: bound::camera_path,
+    },
+    PanelRow {
+        id: Some(photos::PANEL),
+        menu: Some("Photographs…"),
+        place: Dock::Window,
+        show: bound::photos,
     },
     window(PanelId::EXPORT, bound::export),
     window(PanelId::SAVE, bound::save),

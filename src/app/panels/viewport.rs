@@ -1,6 +1,6 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
-use super::bound::clip_handles;
+use super::bound::{clip_handles, photo_frusta};
 use super::legend::legend_ui;
 use super::marks::marks_ui;
 use super::pair::{lay_out, pair_ui};
@@ -192,6 +192,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
             }
             marks_ui(ui, state);
             clip_handles(ui, state);
+            photo_frusta(ui, state);
             scale_bar_ui(ui, place, state);
             axes(&painter, rect, state);
             legend_ui(&painter, place, state);

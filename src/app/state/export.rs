@@ -141,6 +141,7 @@ impl State {
             }),
             onion: Some(self.temporal.onion).filter(|onion| onion.is_on),
             trails: self.trails.found().map(|trails| (trails.clone(), self.trails.looks())),
+            left_out_photos: self.photos.left_out(),
         }
     }
 

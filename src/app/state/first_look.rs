@@ -6,6 +6,7 @@
 //! markers.
 
 use super::State;
+use crate::app::features::photos::Photos;
 use crate::app::first_look::{Chosen, FirstView, RefinedLook, SequenceLook};
 use crate::math::Aabb;
 use crate::rgbd::Sensor;
@@ -198,6 +199,17 @@ impl State {
             return;
         };
         self.camera = look.camera_of_sensor(&sensor, player.sequence().origin());
+    }
+
+    /// Puts the camera where a photograph was taken, with its view.
+    pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
+        let looked = self.looked.look.as_deref().zip(self.player.as_ref());
+        if let Some((look, player)) = looked
+            && let Some(set) = Photos::set_of(player)
+            && let Some(photo) = set.photos.get(number)
+        {
+            self.camera = look.camera_of_photo(photo, player.sequence().origin());
+        }
     }
 
     /// Width of the picture as a share of its height.

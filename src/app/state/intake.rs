@@ -42,6 +42,11 @@ impl State {
                     self.temporal.take_in(*made);
                 }
             }
+            Outcome::Photos(loaded) => {
+                for note in self.photos.take_in(loaded) {
+                    self.notices.warn(note);
+                }
+            }
             Outcome::Traced(traced) => self.trails.take_in(traced),
             Outcome::Levels(FrameWithLevels(frame)) => {
                 self.main.drawing.take_levels(&frame);

@@ -46,6 +46,7 @@ use crate::app::features::comparison::{Comparison, PicturePair};
 use crate::app::features::export::Export;
 use crate::app::features::inspection::Inspection;
 use crate::app::features::palette::Palette;
+use crate::app::features::photos::Photos;
 use crate::app::features::quality::{MeasuredQuality, MeasuredWay};
 use crate::app::features::save::{Estimates, Save};
 use crate::app::features::temporal::Temporal;
@@ -127,6 +128,8 @@ pub struct State {
     pub estimates: Estimates,
     /// What other poses add to the picture.
     pub temporal: Temporal,
+    /// Photographs of what is shown.
+    pub photos: Photos,
     /// Small pictures of the frames.
     pub thumbnails: Thumbnails,
     /// The ways of points through time.
@@ -185,6 +188,7 @@ impl State {
             save: Save::default(),
             estimates: Estimates::default(),
             temporal: Temporal::default(),
+            photos: Photos::default(),
             thumbnails: Thumbnails::new(options.preferences.thumbnails),
             trails: Trails::default(),
             clipping: Clipping::default(),
@@ -320,6 +324,7 @@ impl State {
             return false;
         };
         let mut visible = self.temporal.follow(player, style, &self.tasks, self.now);
+        self.photos.follow(player, style, &self.tasks);
         if let Some(frame) = player.shown() {
             self.inspection.follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);

@@ -8,6 +8,7 @@ use crate::app::features::beside::FrameDistances;
 use crate::app::features::camera_path::PathFile;
 use crate::app::features::comparison::PictureDifference;
 use crate::app::features::export::ExportEnded;
+use crate::app::features::photos::PhotosLoaded;
 use crate::app::features::save::{Estimated, SaveEnded};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::features::thumbnails::Delivery;
@@ -77,6 +78,8 @@ outcomes! {
     Looked(Box<RefinedLook>),
     /// A small picture of a frame was made.
     Thumbnail(Box<Delivery>),
+    /// Photographs were loaded.
+    Photos(PhotosLoaded),
     /// Points were followed through the frames.
     Traced(Traced),
     /// A benchmark ended.

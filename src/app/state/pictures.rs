@@ -3,6 +3,7 @@
 use super::State;
 use crate::app::drawing::{Drawing, DrawnFrame};
 use crate::app::features::comparison::PicturePair;
+use crate::app::features::photos::Photos;
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
@@ -40,6 +41,8 @@ impl State {
             return None;
         }
         let origin = player.sequence().origin();
+        let set = Photos::set_of(player);
+        let frame = &self.photos.dress(frame, set.as_ref());
         let drawn = DrawnFrame {
             frame: Arc::clone(frame),
             pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
@@ -94,7 +97,8 @@ impl State {
         style.of_sequence.clip = self.style.of_sequence.clip;
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
-        let frame = player.shown()?;
+        let set = Photos::set_of(player);
+        let frame = &self.photos.dress(player.shown()?, set.as_ref());
         if self.viewport.size_px.contains(&0) {
             return None;
         }

@@ -142,6 +142,7 @@ impl State {
         self.motion.glide = None;
         self.main.drawing.forget_frame();
         self.temporal.forget_frames();
+        self.photos.forget();
         self.thumbnails.forget_frames();
         self.trails.forget_points();
         self.inspection.forget_points();

@@ -17,6 +17,7 @@ mod rgbd;
 mod torus_mesh;
 mod traversals;
 mod turning;
+mod vdts;
 mod window;
 
 pub use accuracy::ACCURACY;
@@ -29,6 +30,7 @@ pub use primitives::PRIMITIVES;
 pub use reel::{RATE, REEL};
 pub use render::RENDER;
 pub use rgbd::RGBD;
+pub use vdts::VDTS;
 pub use window::{WINDOW, WindowAction, window_report, window_report_of_json};
 
 use super::error::BenchError;
@@ -53,6 +55,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (REEL, reel::measure),
     (RATE, reel::measure_rates),
     (RGBD, rgbd::measure),
+    (VDTS, vdts::measure),
 ];
 
 /// Every suite.
@@ -96,7 +99,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is no suite: expected surfels, octree, voxels, accuracy, render, play, window, error, lod, \
-             primitives, reel, rate or rgbd"
+             primitives, reel, rate, rgbd or vdts"
         );
     }
 

@@ -2,6 +2,7 @@
 
 use super::ambient_occlusion::Occlusion;
 use super::eight::Vectors;
+use super::photographs::Projected;
 use super::shadow::ShadowMap;
 use crate::scene::{Lamp, Lights, PhysicalLight};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
@@ -14,6 +15,8 @@ pub(super) struct Illumination<'a> {
     pub(super) shadow: Option<ShadowMap<'a>>,
     /// Where surfaces have a material, and there is an environment.
     pub(super) physical: Option<&'a PhysicalLight>,
+    /// What surfaces have their colours from, if these are not those of points.
+    pub(super) photographs: Option<&'a Projected<'a>>,
 }
 
 impl Illumination<'_> {

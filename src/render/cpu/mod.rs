@@ -25,6 +25,7 @@ mod linear;
 mod packed_ellipses;
 mod packed_normals;
 mod painter;
+mod photographs;
 mod physical;
 mod pixels;
 mod primitives;
@@ -46,11 +47,15 @@ mod view;
 use super::gathered::Gathered;
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, PhysicalLight, ScenePacket, Shadow};
+use crate::scene::{
+    AmbientOcclusion, Antialiasing, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow, seen_by_photograph,
+};
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use illumination::Illumination;
 use image::RgbaImage;
+use photographs::Projected;
+pub(in crate::render) use photographs::{DepthMap, DepthMaps};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
@@ -74,6 +79,8 @@ pub struct CpuRenderer {
     occluders: Vec<f32>,
     /// The depths that the key light sees, and what they were drawn from.
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
+    /// The depths that photographs see.
+    photograph_depths: Option<DepthMaps>,
     stats: RenderStats,
 }
 
@@ -149,11 +156,18 @@ impl CpuRenderer {
             depths: depths_from_lamp(&mut self.shadow_map, shadow, blocks),
         });
         let physical = PhysicalLight::of(packet);
+        let photo_views = PhotoViews::of(packet);
+        let photographs = photo_views.as_ref().zip(packet.photographs.as_ref());
+        let projected = photographs.map(|(views, shown)| {
+            let depths = depths_of_photographs(&mut self.photograph_depths, packet);
+            Projected::new(views, shown.photographs.all(), depths)
+        });
         let illumination = Lights::of(packet).map(|lights| Illumination {
             lights,
             occlusion,
             shadow,
             physical: physical.as_ref(),
+            photographs: projected.as_ref(),
         });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
         self.stats.screen_ms = 0.0;
@@ -244,6 +258,43 @@ fn depths_from_lamp<'a>(known: &'a mut Option<(ScenePacket, Vec<f32>)>, shadow: 
         draw_reversed_depths(&Drawable::of_shadow(shadow), packet, blocks, &mut depths);
     }
     &known.insert((packet.clone(), depths)).1
+}
+
+/// The depths that photographs see: those that are known, or drawn now. The GPU's renderer has them from here as well:
+/// they are drawn once for each frame, and not for each picture.
+pub(in crate::render) fn depths_of_photographs<'a>(
+    known: &'a mut Option<DepthMaps>,
+    packet: &ScenePacket,
+) -> &'a [DepthMap] {
+    let Some(shown) = &packet.photographs else {
+        return &[];
+    };
+    let of = (shown.clone(), packet.style.surfels);
+    let kept = known.take().filter(|maps| maps.of == of);
+    let maps = kept.unwrap_or_else(|| {
+        let mut blocks = None;
+        let photographs = shown.photographs.all().iter();
+        let maps = photographs.map(|photograph| {
+            if let Some(depth) = &photograph.depth {
+                return DepthMap::new(depth.size_px(), depth.metres().to_vec(), true);
+            }
+            let Some(seen) = seen_by_photograph(packet, photograph) else {
+                return DepthMap::new([1, 1], vec![0.0], false);
+            };
+            let drawable = Drawable::of_surface(&seen);
+            let blocks = blocks.get_or_insert_with(|| drawable.blocks());
+            let [width, height] = seen.viewport_px.map(|edge| edge as usize);
+            let mut distances = vec![0.0; width * height];
+            draw_reversed_depths(&drawable, &seen, blocks, &mut distances);
+            for distance in &mut distances {
+                *distance = seen.view.near / *distance;
+            }
+            DepthMap::new(seen.viewport_px, distances, false)
+        });
+        let maps = maps.collect();
+        DepthMaps { of, maps }
+    });
+    &known.insert(maps).maps
 }
 
 fn milliseconds_since(start: Instant) -> f64 {

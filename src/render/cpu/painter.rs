@@ -2,6 +2,7 @@
 
 use super::finish::{Finish, Gradient, Held};
 use super::illumination::Illumination;
+use super::photographs::Projected;
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -71,8 +72,20 @@ impl<'a> Painter<'a> {
         let picture = PixelRect::of_picture(self.finish.view.size_px);
         let clip = tile.rect().intersection(picture);
         content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
+        if let Some(photographs) = self.finish.illumination.and_then(|light| light.photographs) {
+            color_tile(simd, photographs, tile, &self.finish.view, clip);
+        }
         finish_tile(simd, tile, &self.finish, rows);
     }
+}
+
+/// Colours the surface in a tile from photographs. Compiled once, and not for each primitive.
+#[inline(never)]
+fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
+    simd.vectorize(
+        #[inline(always)]
+        || photographs.color(tile, view, clip),
+    );
 }
 
 /// Writes the pixels of a tile to the picture. All light falls here: compiled once, and not for each primitive.

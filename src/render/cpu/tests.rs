@@ -23,6 +23,7 @@ pub(super) fn packet_of(size_px: [u32; 2]) -> ScenePacket {
         style: Style::default(),
         content: Content::Nothing,
         ground: None,
+        photographs: None,
         bounds: Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),

@@ -4,16 +4,18 @@ use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
     LIGHTING_PER_VERTEX,
 };
+use super::photographs::{PHOTO_CLIPS_BY_ANY, PHOTO_CLIPS_BY_VOTE, PHOTO_LEAVES_HOLES};
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FACET_LEAST_SIZE,
     FARTHEST_GREY, FINE_LINES, FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST,
     FXAA_LEAST_SHARE, FXAA_MOST_BLENDED, FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR,
-    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII,
-    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, PHOTO_LEAST_COSINE, PHOTO_MOST_TAPS, PHOTO_RIM,
+    SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
 use crate::scene::{
-    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, Shadow, SplatFilter,
+    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, PhotoStyle,
+    PhotoViews, Shadow, SplatFilter,
 };
 use std::fmt::Debug;
 
@@ -89,6 +91,10 @@ const NO_NORMAL: u32 = {
 /// The texture of a vertex without one.
 const NO_TEXTURE: u32 = VertexRecord::NO_TEXTURE;
 
+/// Photographs that are asked at a place, and blended there, at most.
+const PHOTO_MOST_ASKED: u32 = PhotoViews::MOST_ASKED as u32;
+const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
+
 /// The declarations that all shaders share.
 pub(super) fn shared() -> String {
     macro_rules! declared {
@@ -143,6 +149,14 @@ pub(super) fn shared() -> String {
         OCCLUSION_ROUGHNESS,
         OPAQUE_WEIGHT,
         OUTPUT_GROUP,
+        PHOTO_CLIPS_BY_ANY,
+        PHOTO_CLIPS_BY_VOTE,
+        PHOTO_LEAST_COSINE,
+        PHOTO_LEAVES_HOLES,
+        PHOTO_MOST_ASKED,
+        PHOTO_MOST_BLENDED,
+        PHOTO_MOST_TAPS,
+        PHOTO_RIM,
         RADIUS_OF_NOTHING,
         SHADOW_EDGE_PX,
         SHADOW_OFFSET_TEXELS,

@@ -14,6 +14,7 @@ mod gather_tests;
 pub mod gpu_data;
 mod instancing;
 mod passes;
+mod photographs;
 mod picture;
 mod plan;
 mod presence;

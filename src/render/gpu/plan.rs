@@ -7,12 +7,15 @@
 //! shown of it.
 
 use super::gpu_data::ViewUniform;
-use super::passes::screen::{BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SHADE_PHYSICAL, SUPERSAMPLE};
+use super::passes::screen::{
+    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL,
+    SHADE_PHYSICAL, SUPERSAMPLE,
+};
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
 use super::residency::{RecordSource, StreamKey};
 use super::targets::{Precision, Target};
-use crate::scene::{Antialiasing, EyeDomeLight, PhysicalLight, ScenePacket, Shadow, Strategy};
+use crate::scene::{Antialiasing, EyeDomeLight, PhotoViews, PhysicalLight, ScenePacket, Shadow, Strategy};
 
 /// What a packet asks for, as it is drawn ([`ScenePacket::as_drawn`]).
 #[derive(Debug)]
@@ -26,6 +29,8 @@ pub(super) struct Plan<'a> {
     pub(super) shadow: Option<Shadow>,
     /// Of surfaces with a material.
     pub(super) physical: Option<PhysicalLight>,
+    /// Of surfaces that have their colours from photographs.
+    pub(super) photographs: Option<PhotoViews>,
     strategy: Strategy,
     /// What sums are to be held in.
     pub(super) precision: Precision,
@@ -42,7 +47,13 @@ impl<'a> Plan<'a> {
     pub(super) fn new(packet: &'a ScenePacket, blends_single_floats: bool) -> Self {
         let drawable = primitives::drawable(packet);
         let physical = PhysicalLight::of(packet);
-        let shade = if physical.is_some() { &SHADE_PHYSICAL } else { &SHADE };
+        let photographs = PhotoViews::of(packet);
+        let shade = match (&photographs, &physical) {
+            (None, None) => &SHADE,
+            (None, Some(_)) => &SHADE_PHYSICAL,
+            (Some(_), None) => &SHADE_PHOTOGRAPHS,
+            (Some(_), Some(_)) => &SHADE_PHOTOGRAPHS_PHYSICAL,
+        };
         let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
         let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
@@ -65,6 +76,7 @@ impl<'a> Plan<'a> {
             finish: [shade, first, second, grid, antialias].into_iter().flatten().collect(),
             shadow: Shadow::of(packet),
             physical,
+            photographs,
             strategy: packet.style.drawing.strategy,
             precision: if packet.style.filters_splats() && blends_single_floats {
                 Precision::Single

@@ -5,6 +5,7 @@ use super::gather::{Gatherer, Selected};
 use super::gpu_data::ViewUniform;
 use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing, Stream};
 use super::passes::Pipelines;
+use super::photographs::PhotoTextures;
 use super::picture::Recorder;
 use super::plan::{Plan, VIEWS};
 use super::primitives;
@@ -34,6 +35,8 @@ pub struct GpuRenderer {
     gatherer: Gatherer,
     gathered: Gathered,
     targets: Option<Targets>,
+    /// Those of the targets before, until they are needed again.
+    photographs: Option<PhotoTextures>,
     quad_indices: wgpu::Buffer,
     view_group: wgpu::BindGroup,
     view_stride: u32,
@@ -87,6 +90,7 @@ impl GpuRenderer {
             gatherer: Gatherer::new(&context),
             gathered: Gathered::default(),
             targets: None,
+            photographs: None,
             quad_indices: quad_index_buffer(&context, 1),
             quad_capacity: 1,
             timer: Timer::new(&context),
@@ -210,7 +214,8 @@ impl GpuRenderer {
             return Err(RenderError::TooLarge { width, height, max });
         }
         // The old ones go first: both at once may not fit.
-        self.targets = None;
+        let old = self.targets.take();
+        self.photographs = old.and_then(|targets| targets.photographs);
         self.drawn = None;
         let targets = self
             .context
@@ -235,6 +240,18 @@ impl GpuRenderer {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Uploads the photographs that surfaces have their colours from, and where they are in this picture. They stay when
+    /// the picture gets another size.
+    fn ensure_photographs(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
+        if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
+            let known = targets.photographs.take().or_else(|| self.photographs.take());
+            targets.photographs = Some(self.context.catching_out_of_memory("the photographs", || {
+                PhotoTextures::of(&self.context, known, (shown, views), packet)
+            })?);
+        }
+        Ok(())
     }
 
     /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit
@@ -338,6 +355,7 @@ impl Renderer for GpuRenderer {
             self.strategy = strategy;
         }
         self.ensure_surfaces(&plan)?;
+        self.ensure_photographs(&plan, &drawn)?;
         self.ensure_streams(&plan)?;
         self.ensure_quad_indices(&plan)?;
         let instancing = instancing_of(&plan, self.instancing.as_mut(), &mut self.indexed);

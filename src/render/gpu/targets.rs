@@ -1,6 +1,7 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
+use super::photographs::PhotoTextures;
 use crate::scene::{PhysicalTables, ScenePacket, Shadow};
 use std::sync::Arc;
 
@@ -43,6 +44,8 @@ pub(super) enum Source {
     Depths,
     /// Sums of colours, of normals and of nearnesses; depths; the shadow map; and the environment.
     Surfaces,
+    /// The same, and photographs.
+    Photographed,
 }
 
 /// Of the picture that is drawn, and of the one that is shown where that is another.
@@ -84,6 +87,8 @@ pub(super) struct Targets {
     /// The environment that physical shading reads, and what it was made of; a texel until then.
     environment: wgpu::TextureView,
     environment_of: Option<Arc<PhysicalTables>>,
+    /// What surfaces have their colours from, once they had.
+    pub(super) photographs: Option<PhotoTextures>,
 }
 
 impl Targets {
@@ -120,6 +125,7 @@ impl Targets {
                 none,
             )),
             environment_of: None,
+            photographs: None,
         }
     }
 
@@ -212,11 +218,17 @@ impl Targets {
             Source::Picture => vec![&self.color_view],
             Source::Sums => vec![&self.accumulation_view],
             Source::Depths => vec![&self.depth_view],
-            Source::Surfaces => {
-                let others = [&self.depth_view, &self.shadow_map, &self.environment];
-                self.surfaces.iter().flatten().chain(others).collect()
+            Source::Surfaces => self.surface_sources().collect(),
+            Source::Photographed => {
+                let photographs = self.photographs.iter().flat_map(PhotoTextures::views);
+                self.surface_sources().chain(photographs).collect()
             }
         }
+    }
+
+    fn surface_sources(&self) -> impl Iterator<Item = &wgpu::TextureView> {
+        let others = [&self.depth_view, &self.shadow_map, &self.environment];
+        self.surfaces.iter().flatten().chain(others)
     }
 }
 

@@ -23,6 +23,7 @@ use super::pinhole_view::sensor_target_distance;
 use super::{Camera, Primitive, UpAxis};
 use crate::cloud::{AxisConvention, Frame};
 use crate::math::Aabb;
+use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::Sensor;
 use crate::sequence::{Detail, Sequence};
@@ -81,6 +82,8 @@ pub struct FirstLook {
     /// Places that the first picture is to show, of all frames that were looked at.
     shown: Vec<Vec3>,
     eye: Option<Vec3>,
+    /// The first of the photographs that there are of it.
+    photo: Option<Photo>,
 }
 
 impl FirstLook {
@@ -152,6 +155,7 @@ impl FirstLook {
             sample,
             shown,
             eye: told.eye,
+            photo: None,
         }
     }
 
@@ -168,7 +172,38 @@ impl FirstLook {
             })
             .collect();
         let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
-        Self::of(&frames, sequence.origin())
+        let look = Self::of(&frames, sequence.origin());
+        match sequence.source().photographs(0) {
+            Some(set) => look.with_photographs(&set),
+            None => look,
+        }
+    }
+
+    /// The same where there are photographs: they are held upright, are put on a surface, and the first of them is the
+    /// first view.
+    fn with_photographs(mut self, set: &ViewSet) -> Self {
+        let upwards = set.photos.iter().map(|photo| -photo.camera_from_world.matrix3.row(1));
+        if let Some(upwards) = upwards.sum::<DVec3>().try_normalize() {
+            self.up_why = "the photographs are upright";
+            self.up = UpAxis::nearest(upwards);
+        }
+        self.primitive = Primitive::Surfel;
+        self.primitive_why = "there are photographs of a surface";
+        self.photo = set.photos.first().cloned();
+        self
+    }
+
+    /// Whether there are photographs of what is shown.
+    pub fn has_photographs(&self) -> bool {
+        self.photo.is_some()
+    }
+
+    /// The view of a photograph, turning about the middle of what it sees.
+    pub fn camera_of_photo(&self, photo: &Photo, origin: DVec3) -> Camera {
+        let place = photo.camera_from_world.inverse();
+        let middle = origin + self.trimmed.center().as_dvec3();
+        let distance = sensor_target_distance(&place, middle, f64::from(self.trimmed.radius()));
+        Camera::of_pinhole(&photo.camera, place, distance, self.up)
     }
 
     /// What is drawn where somebody has chosen a primitive that the files have not, in words.
@@ -203,6 +238,9 @@ impl FirstLook {
 
     /// The first view, in which what is not an outlier fills a picture whose width is `aspect` of its height.
     pub fn camera(&self, origin: DVec3, aspect: f64) -> Camera {
+        if let Some(photo) = &self.photo {
+            return self.camera_of_photo(photo, origin);
+        }
         let mut camera = Camera::framing(&self.trimmed, origin, self.up);
         camera.azimuth_deg = self.from.azimuth_deg;
         camera.elevation_deg = self.from.elevation_deg;
@@ -230,6 +268,11 @@ impl FirstLook {
     /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to
     /// `origin`), keeping its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, beside: &Aabb) {
+        // The view of a photograph shows what that does.
+        let photo = self.photo.as_ref().filter(|_| beside.is_empty());
+        if photo.is_some_and(|photo| self.camera_of_photo(photo, origin) == *camera) {
+            return;
+        }
         if beside.is_empty() {
             return camera.frame_points(&self.shown, origin, aspect);
         }

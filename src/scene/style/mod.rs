@@ -14,6 +14,7 @@ mod levels;
 mod light;
 mod of_sequence;
 mod parse_error;
+mod photos;
 mod points;
 mod resolved;
 mod shorthands;
@@ -32,6 +33,7 @@ pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
+pub use photos::{PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle};
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Kernel, SplatFilter, SplatGeometry, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
@@ -73,6 +75,9 @@ pub struct Style {
     /// Light that falls on surfaces, and light from depths.
     #[serde(flatten)]
     pub light: LightStyle,
+    /// How photographs are put on surfaces.
+    #[serde(flatten)]
+    pub photos: PhotoStyle,
     /// What is shown beside the cloud.
     #[serde(flatten)]
     pub backdrop: Backdrop,
@@ -120,6 +125,7 @@ impl Style {
         self.primitive.edit(&Self::PRIMITIVE, edit);
         self.surfels.edit(edit);
         self.codes.edit(edit);
+        self.photos.edit(edit);
         self.light.edit(edit);
         self.levels.edit(edit);
         self.voxels.edit(edit);
@@ -181,6 +187,9 @@ impl Style {
             When::Shadows => self.is(When::KeyLight) && self.light.shadows == OnOff::On,
             When::Shaded => self.is_shaded_with_depths(),
             When::Occluded => self.is_shaded_with_depths() && self.light.ao == OnOff::On,
+            When::HasPhotographs => self.of_sequence.has_photographs,
+            When::DrawsPhotographs => self.draws_photographs(),
+            When::BlendsPhotographs => self.draws_photographs() && self.photos.mode == PhotoMode::Vdts,
             When::Gpu => self.drawing.renderer == RendererChoice::Gpu,
         }
     }
@@ -188,6 +197,24 @@ impl Style {
     /// Width and height that are drawn for a picture of `shown_px`; at least 1.
     pub fn drawn_px(&self, shown_px: [u32; 2]) -> [u32; 2] {
         shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
+    }
+
+    /// Whether surfaces have their colours from photographs.
+    pub fn draws_photographs(&self) -> bool {
+        self.of_sequence.has_photographs && self.photos.blended() > 0
+    }
+
+    /// This style with light on the finished surface: white from all sides, where light is none or falls on splats.
+    /// Photographs are put on that surface, and have the light in them that they were taken in.
+    #[must_use]
+    pub fn of_photographs(mut self) -> Self {
+        if !self.light.lighting.is_deferred() {
+            self.light.lighting = Lighting::Lambert;
+            self.light.rig = LightRig::None;
+            self.light.ao = OnOff::Off;
+            self.light.shadows = OnOff::Off;
+        }
+        self
     }
 
     /// Whether surfels are drawn, and blended at the surface that a pass of their depths finds.
@@ -380,6 +407,7 @@ impl Style {
             && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()
+            && !self.draws_photographs()
     }
 }
 
@@ -395,6 +423,7 @@ impl Default for Style {
             levels: LevelStyle::default(),
             codes: CodeStyle::default(),
             light: LightStyle::default(),
+            photos: PhotoStyle::default(),
             backdrop: Backdrop::default(),
             of_sequence: OfSequence::default(),
         }

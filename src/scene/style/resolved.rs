@@ -77,6 +77,7 @@ impl Style {
                 prefers_height: Some(look.prefers_height()),
             };
             style.of_sequence.ground_box = Some(look.trimmed);
+            style.of_sequence.has_photographs = look.has_photographs();
         })
     }
 }

@@ -75,6 +75,7 @@ impl Build<'_> {
             has_ellipses: self.has_ellipses,
             orientation,
             mesh,
+            photographs: None,
             levels,
             timings: self.timings,
             asked: (needs.colors, needs.hints),

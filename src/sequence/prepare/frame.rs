@@ -5,6 +5,7 @@ use super::mesh::PreparedMesh;
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
+use crate::photos::Photographs;
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,6 +30,8 @@ pub struct PreparedFrame {
     pub orientation: Option<Orientation>,
     /// Its triangles, if they were asked for; without any of a frame that has none.
     pub mesh: Option<PreparedMesh>,
+    /// Photographs of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
+    pub photographs: Option<Arc<Photographs>>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
     /// What the last completion took; decoding included if it happened then.
@@ -115,6 +118,15 @@ impl PreparedFrame {
             mesh: None,
             levels,
             paint,
+            ..self.clone()
+        }
+    }
+
+    /// The same with photographs, which are put on it where it is drawn.
+    #[must_use]
+    pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
+        Self {
+            photographs: Some(photographs),
             ..self.clone()
         }
     }

@@ -13,6 +13,7 @@ use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
 use crate::io::raster::{Raster, Samples};
 use crate::locks::lock;
+use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
 use crate::rgbd::{ColorImage, DepthImage, Filters, RayTable, Rig, Sensor, Temporal, TemporalFilter, cloud};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
@@ -31,6 +32,8 @@ pub(super) struct Recorded {
     sizes: Sizes,
     pub(super) filters: Filters,
     pub(super) read: ReadOptions,
+    /// Frames whose points are left out where they are merged.
+    left_out: Vec<usize>,
     /// Of each camera that was needed so far; there is one, or a few.
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
@@ -53,6 +56,7 @@ impl Recorded {
             sizes,
             filters: options.rgbd.filters,
             read: options.read,
+            left_out: options.rgbd.left_out.clone(),
             cameras: Mutex::default(),
         }
     }
@@ -70,6 +74,31 @@ impl Recorded {
     /// Where the camera of frame `index` was, if anybody knows.
     pub(super) fn pose(&self, index: usize) -> Option<DAffine3> {
         self.frames.get(index)?.world_from_camera
+    }
+
+    /// The file with the colours of frame `index`.
+    pub(super) fn color_file(&self, index: usize) -> Option<&Path> {
+        match self.frames.get(index)?.color.as_ref()? {
+            StoredImage::File(path) => Some(path),
+            StoredImage::Message(_) => None,
+        }
+    }
+
+    /// The file with the depths of frame `index`, where its numbers are depths along the axis.
+    pub(super) fn depth_file(&self, index: usize) -> Option<DepthFile> {
+        let frame = self.frames.get(index)?;
+        match &frame.depth {
+            StoredImage::File(path) => Some(DepthFile {
+                path: path.clone(),
+                kind: DepthKind::Scaled(self.code.metres_per_unit()?),
+            }),
+            StoredImage::Message(_) => None,
+        }
+    }
+
+    /// Whether the points of frame `index` are left out where frames are merged.
+    pub(super) fn is_left_out(&self, index: usize) -> bool {
+        self.left_out.contains(&index)
     }
 
     /// Bytes that the points of a frame take, about.

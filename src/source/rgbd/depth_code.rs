@@ -30,6 +30,12 @@ enum Bits {
 const KINECT: [f64; 2] = [351.3, 1092.5];
 
 impl DepthCode {
+    /// How long a unit is, where they are plain depths along the axis.
+    pub(super) fn metres_per_unit(&self) -> Option<f64> {
+        let is_plain = self.bits == Bits::Plain && !self.is_ray_length;
+        is_plain.then(|| self.units_per_metre.recip())
+    }
+
     /// So many units are a metre.
     pub(super) fn per_metre(units_per_metre: f64) -> Self {
         Self {

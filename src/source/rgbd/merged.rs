@@ -3,7 +3,9 @@
 use super::error::RgbdError;
 use super::recording::RgbdRecording;
 use crate::cloud::{LengthUnit, Positions, RawCloud};
+use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
+use crate::rgbd::Camera;
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
 use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
@@ -16,6 +18,8 @@ pub struct MergedFrames {
     range: RangeInclusive<usize>,
     entry: Arc<FrameEntry>,
     notes: Vec<String>,
+    /// The colour images, as photographs of the cloud.
+    photographs: Option<Arc<ViewSet>>,
 }
 
 impl MergedFrames {
@@ -56,7 +60,15 @@ impl MergedFrames {
             name: format!("{}: frames {first} to {last}", entry.name),
             ..FrameEntry::clone(entry)
         };
+        let photos: Vec<Photo> = (first..=last).filter_map(|index| photo(&recording, index)).collect();
+        let photographs = (!photos.is_empty()).then(|| {
+            Arc::new(ViewSet {
+                photos,
+                ..ViewSet::default()
+            })
+        });
         Ok(Self {
+            photographs,
             recording: Arc::new(recording),
             range: first..=last,
             entry: Arc::new(entry),
@@ -85,9 +97,35 @@ impl Source for MergedFrames {
         self.recording.inputs()
     }
 
+    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+        self.photographs.clone()
+    }
+
     fn notes(&self) -> &[String] {
         &self.notes
     }
+}
+
+/// The colour image of a frame as a photograph, with its depth image where both are of one camera. Messages of
+/// recordings are none: photographs are files.
+fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
+    let recorded = &recording.recorded;
+    let path = recorded.color_file(index)?;
+    let sensor = recorded.sensor(index)?;
+    let camera_from_world = sensor.world_from_camera?.inverse();
+    let name = recording.entry(index).name.clone();
+    let photo = |camera: &Camera, camera_from_world, depth| Photo {
+        name,
+        path: path.to_owned(),
+        camera: camera.clone(),
+        camera_from_world,
+        mask: None,
+        depth,
+    };
+    Some(match &sensor.rig.color {
+        Some(color) => photo(&color.camera, color.color_from_depth * camera_from_world, None),
+        None => photo(&sensor.rig.depth, camera_from_world, recorded.depth_file(index)),
+    })
 }
 
 struct MergingDecoder {
@@ -111,7 +149,8 @@ impl Decoder for MergingDecoder {
             if progress.is_cancelled() {
                 break;
             }
-            let Some(pose) = self.recording.recorded.pose(index) else {
+            let pose = self.recording.recorded.pose(index);
+            let Some(pose) = pose.filter(|_| !self.recording.recorded.is_left_out(index)) else {
                 continue;
             };
             let entry = self.recording.entry(index);

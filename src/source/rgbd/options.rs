@@ -20,4 +20,6 @@ pub struct RgbdOptions {
     pub poses: Option<PathBuf>,
     /// Frames, both ends included, that become one cloud by their poses.
     pub merge: Option<(usize, usize)>,
+    /// Frames among these whose points are left out.
+    pub left_out: Vec<usize>,
 }

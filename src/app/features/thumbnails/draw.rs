@@ -126,6 +126,7 @@ fn draw(frame: &PreparedFrame, camera: &Camera, origin: DVec3) -> Result<ColorIm
         }),
         content: Content::Points(points),
         ground: None,
+        photographs: None,
         bounds: frame.frame.bounds(),
     };
     let mut renderer = CpuRenderer::new();

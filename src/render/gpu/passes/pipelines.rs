@@ -47,6 +47,7 @@ pub(crate) struct Pipelines {
     color_source_layout: wgpu::BindGroupLayout,
     depth_source_layout: wgpu::BindGroupLayout,
     surface_source_layout: wgpu::BindGroupLayout,
+    photographed_source_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
@@ -66,13 +67,16 @@ impl Pipelines {
                     entries: &entries,
                 })
         };
-        let texture = |sample_type| wgpu::BindingType::Texture {
+        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
             sample_type,
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension,
             multisampled: false,
         };
-        let color = texture(wgpu::TextureSampleType::Float { filterable: false });
-        let depth = texture(wgpu::TextureSampleType::Depth);
+        let [single, layers] = [wgpu::TextureViewDimension::D2, wgpu::TextureViewDimension::D2Array];
+        let color = texture(wgpu::TextureSampleType::Float { filterable: false }, single);
+        let colors = texture(wgpu::TextureSampleType::Float { filterable: false }, layers);
+        let depth = texture(wgpu::TextureSampleType::Depth, single);
+        let surface = [color, color, color, depth, depth, color];
         let of_fragments = wgpu::ShaderStages::FRAGMENT;
         Self {
             geometry: HashMap::new(),
@@ -88,10 +92,11 @@ impl Pipelines {
             ),
             color_source_layout: layout("color source", of_fragments, &[color]),
             depth_source_layout: layout("depth source", of_fragments, &[depth]),
-            surface_source_layout: layout(
-                "surface source",
+            surface_source_layout: layout("surface source", of_fragments, &surface),
+            photographed_source_layout: layout(
+                "photographed source",
                 of_fragments,
-                &[color, color, color, depth, depth, color],
+                &[&surface[..], &[color, colors, colors]].concat(),
             ),
         }
     }
@@ -102,6 +107,7 @@ impl Pipelines {
             Source::Sums | Source::Picture => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
+            Source::Photographed => &self.photographed_source_layout,
         }
     }
 

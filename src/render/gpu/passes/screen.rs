@@ -4,10 +4,12 @@ use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 10] = [
+pub const SCREEN_PASSES: [&ScreenPass; 12] = [
     &BACKGROUND,
     &SHADE,
     &SHADE_PHYSICAL,
+    &SHADE_PHOTOGRAPHS,
+    &SHADE_PHOTOGRAPHS_PHYSICAL,
     &RESOLVE,
     &DEPTH_VIEW,
     &EYE_DOME,
@@ -38,6 +40,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/blinn_phong.wgsl"),
+        include_str!("../../../../shaders/common/own_colors.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Surfaces),
@@ -56,9 +59,39 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/physical.wgsl"),
+        include_str!("../../../../shaders/common/own_colors.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     ..SHADE
+};
+
+/// The same on surfaces that have their colours from photographs (paper 004 §3).
+pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
+    name: "shade photographs",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
+        include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    source: Some(Source::Photographed),
+    ..SHADE
+};
+
+/// The same with a material, in an environment.
+pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = ScreenPass {
+    name: "shade photographs physically",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/physical.wgsl"),
+        include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    ..SHADE_PHOTOGRAPHS
 };
 
 /// Normalises what the attribute pass summed up, and lays it over the background.

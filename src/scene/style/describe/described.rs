@@ -142,6 +142,8 @@ pub enum Section {
     LevelOfDetail,
     /// Light.
     Shading,
+    /// Photographs on surfaces.
+    Photographs,
     /// What is beside the cloud.
     Background,
     /// A place of its own.
@@ -199,6 +201,12 @@ pub enum When {
     Shaded,
     /// What is near a place of that surface keeps light from it.
     Occluded,
+    /// There are photographs of what the frames show.
+    HasPhotographs,
+    /// Surfaces have their colours from them.
+    DrawsPhotographs,
+    /// Several of them are blended.
+    BlendsPhotographs,
     /// The GPU draws.
     Gpu,
 }

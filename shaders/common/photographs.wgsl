@@ -1,0 +1,223 @@
+// Surfaces have their colours from photographs (paper 004 §3.2-3.4): scene/photographs.rs, render/cpu/photographs.
+
+// Row 0: number of photographs, how many are blended, 1/σ², and what becomes of what they do not show. Then a row for
+// each photograph.
+@group(SOURCE_GROUP) @binding(6) var photo_table: texture_2d<f32>;
+@group(SOURCE_GROUP) @binding(7) var photo_texels: texture_2d_array<f32>;
+@group(SOURCE_GROUP) @binding(8) var photo_depths: texture_2d_array<f32>;
+
+// Where a place is in a photograph: texels from the upper left corner of its finest level, and along its axis.
+struct InPhoto {
+    texel: vec2f,
+    distance: f32,
+    // Of the angle between the ways to the camera and to the eye; below all cosines where it does not look.
+    cosine: f32,
+}
+
+const NOT_LOOKING = -2.0;
+
+fn photo_entry(photo: u32, column: u32) -> vec4f {
+    return textureLoad(photo_table, vec2u(column, photo + 1u), 0);
+}
+
+fn in_photo(photo: u32, place: vec3f, to_eye: vec3f, normal: vec3f) -> InPhoto {
+    let at = vec4f(place, 1.0);
+    let distance = dot(photo_entry(photo, 2u), at);
+    let lens = photo_entry(photo, 4u);
+    let aside = vec2f(dot(photo_entry(photo, 0u), at), dot(photo_entry(photo, 1u), at));
+    let texel = aside * (1.0 / distance) * lens.xy + lens.zw;
+    let to_camera = photo_entry(photo, 3u).xyz - place;
+    let cosine = dot(to_camera, to_eye) / sqrt(max(dot(to_camera, to_camera), 1e-37));
+    let size = photo_entry(photo, 5u).xy;
+    let is_inside = distance > 0.0 && all(texel >= vec2f(0.0)) && all(texel < size);
+    let looks = is_inside && dot(to_camera, normal) >= 0.0;
+    return InPhoto(texel, distance, select(NOT_LOOKING, cosine, looks));
+}
+
+// What a photograph shows where a place is: 0 that place, 1 what hides it, 2 what is behind it.
+fn seen_there(photo: u32, at: InPhoto) -> u32 {
+    let size = photo_entry(photo, 5u).xy;
+    let map = photo_entry(photo, 7u);
+    let texel = min(vec2u(at.texel / size * map.xy), vec2u(map.xy) - 1u);
+    let there = textureLoad(photo_depths, texel, photo, 0).r;
+    // Nothing is known where no distance is.
+    if (there <= 0.0) {
+        return 0u;
+    }
+    let behind = at.distance - there;
+    if (behind > map.z) {
+        return 1u;
+    }
+    return select(0u, 2u, map.w > 0.0 && behind < -map.z);
+}
+
+// Between the four texels of a level around a place; red, green and blue times alpha.
+fn photo_bilinear(photo: u32, level: u32, finest: vec2f, texel: vec2f) -> vec4f {
+    let size = max(vec2u(finest) >> vec2u(level), vec2u(1u));
+    let at = clamp(texel * (vec2f(size) / finest) - 0.5, vec2f(0.0), vec2f(size) - 1.0);
+    let before = vec2u(at);
+    let after = min(before + 1u, size - 1u);
+    let share = at - vec2f(before);
+    var sum = vec4f(0.0);
+    for (var corner = 0u; corner < 4u; corner++) {
+        let is_after = vec2<bool>((corner & 1u) != 0u, (corner & 2u) != 0u);
+        let shares = select(1.0 - share, share, is_after);
+        let color = textureLoad(photo_texels, select(before, after, is_after), photo, level);
+        let alpha = shares.x * shares.y * color.a;
+        sum += vec4f(color.rgb * alpha, alpha);
+    }
+    return sum;
+}
+
+fn photo_trilinear(photo: u32, levels: u32, finest: vec2f, texel: vec2f, lod: f32) -> vec4f {
+    let finer = min(u32(max(lod, 0.0)), levels - 1u);
+    let share = min(max(lod, 0.0) - f32(finer), 1.0);
+    let fine = photo_bilinear(photo, finer, finest, texel);
+    if (share == 0.0 || finer + 1u == levels) {
+        return fine;
+    }
+    return mix(fine, photo_bilinear(photo, finer + 1u, finest, texel), share);
+}
+
+// What a pixel covers of a photograph, several times along its long axis. `per_px` has how far the texel moves for a
+// pixel to the right and for one downwards.
+fn photo_sample(photo: u32, texel: vec2f, per_px: mat2x2f) -> vec4f {
+    let sizes = photo_entry(photo, 5u);
+    let lengths = vec2f(length(per_px[0]), length(per_px[1]));
+    let is_first_long = lengths.x >= lengths.y;
+    let long = select(per_px[1], per_px[0], is_first_long);
+    let long_length = max(lengths.x, lengths.y);
+    let taps = clamp(ceil(long_length / max(min(lengths.x, lengths.y), 1.0)), 1.0, PHOTO_MOST_TAPS);
+    let lod = log2(max(long_length / taps, 1.0));
+    var sum = vec4f(0.0);
+    for (var tap = 0.0; tap < taps; tap += 1.0) {
+        let along = (tap + 0.5) / taps - 0.5;
+        sum += photo_trilinear(photo, u32(sizes.z), sizes.xy, texel + along * long, lod);
+    }
+    return sum / taps;
+}
+
+// How far the surface at a place moves for a pixel along x and y.
+fn steps_on_surface(distance: f32, to_eye: vec3f, normal: vec3f) -> mat2x3f {
+    let right = vec3f(distance / view.px_per_slope.x, 0.0, 0.0);
+    let down = vec3f(0.0, -distance / view.px_per_slope.y, 0.0);
+    if (all(normal == vec3f(0.0))) {
+        return mat2x3f(right, down);
+    }
+    // Along the ray, down to the plane through the place.
+    let per_cosine = 1.0 / max(dot(normal, to_eye), PHOTO_LEAST_COSINE);
+    return mat2x3f(
+        right - to_eye * (dot(normal, right) * per_cosine),
+        down - to_eye * (dot(normal, down) * per_cosine)
+    );
+}
+
+fn photo_per_px(photo: u32, at: InPhoto, steps: mat2x3f) -> mat2x2f {
+    let lens = photo_entry(photo, 4u);
+    let slope = (at.texel - lens.zw) / lens.xy;
+    let rows = mat3x3f(photo_entry(photo, 0u).xyz, photo_entry(photo, 1u).xyz, photo_entry(photo, 2u).xyz);
+    var per_px: mat2x2f;
+    for (var step = 0; step < 2; step++) {
+        let deeper = dot(rows[2], steps[step]);
+        let aside = vec2f(dot(rows[0], steps[step]), dot(rows[1], steps[step]));
+        per_px[step] = lens.xy * (1.0 / at.distance) * (aside - slope * deeper);
+    }
+    return per_px;
+}
+
+// Photographs fade towards their borders.
+fn photo_rim(texel: vec2f, size: vec2f) -> f32 {
+    let inwards = min(texel, size - texel) / (PHOTO_RIM * size);
+    return clamp(min(inwards.x, inwards.y), 1e-3, 1.0);
+}
+
+// The colour of a place in view space; alpha 0 where nothing is to be drawn. `normal` has length 1 and is turned to the
+// eye, or is zero.
+fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
+    let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
+    let photos = u32(header.x);
+    let blended = u32(header.y);
+    let per_sigma2 = header.z;
+    let flags = u32(header.w);
+    let leaves_holes = (flags & PHOTO_LEAVES_HOLES) != 0u;
+    let clips_by_vote = (flags & PHOTO_CLIPS_BY_VOTE) != 0u;
+    let clips_by_any = (flags & PHOTO_CLIPS_BY_ANY) != 0u;
+    let to_eye = -normalize(place);
+    // The nearest to the eye's direction, nearest first.
+    var nearest: array<u32, PHOTO_MOST_ASKED>;
+    var cosines: array<f32, PHOTO_MOST_ASKED>;
+    var count = 0u;
+    for (var photo = 0u; photo < photos; photo++) {
+        let cosine = in_photo(photo, place, to_eye, normal).cosine;
+        if (cosine == NOT_LOOKING || count == PHOTO_MOST_ASKED && cosine <= cosines[count - 1u]) {
+            continue;
+        }
+        var slot = min(count, PHOTO_MOST_ASKED - 1u);
+        while (slot > 0u && cosines[slot - 1u] < cosine) {
+            cosines[slot] = cosines[slot - 1u];
+            nearest[slot] = nearest[slot - 1u];
+            slot--;
+        }
+        cosines[slot] = cosine;
+        nearest[slot] = photo;
+        count = min(count + 1u, PHOTO_MOST_ASKED);
+    }
+    // Those that see the place, one more than is blended: weights are relative to that of the last.
+    var seeing: array<u32, PHOTO_MOST_BLENDED + 1u>;
+    var weights: array<f32, PHOTO_MOST_BLENDED + 1u>;
+    var found = 0u;
+    var through = 0.0;
+    var seen = 0.0;
+    var least = 0.0;
+    for (var at = 0u; at < count && found <= blended; at++) {
+        let angle = acos(clamp(cosines[at], -1.0, 1.0));
+        if (at == 0u) {
+            least = angle * angle;
+        }
+        let weight = exp((least - angle * angle) * per_sigma2);
+        let what = seen_there(nearest[at], in_photo(nearest[at], place, to_eye, normal));
+        if (what == 2u) {
+            through += weight;
+        } else if (what == 0u) {
+            seeing[found] = nearest[at];
+            weights[found] = weight;
+            seen += weight;
+            found++;
+        }
+    }
+    if (clips_by_vote && through > seen || clips_by_any && through > 0.0) {
+        return vec4f(0.0);
+    }
+    let unseen = vec4f(own, select(1.0, 0.0, leaves_holes));
+    if (found == 0u) {
+        return unseen;
+    }
+    var beyond = select(0.0, weights[blended] / weights[0], found > blended);
+    // Where that is as near as the nearest, all count alike.
+    beyond = select(0.0, beyond, beyond < 0.999);
+    let steps = steps_on_surface(-place.z, to_eye, normal);
+    var color = vec3f(0.0);
+    var sum = 0.0;
+    var object = 0.0;
+    var background = 0.0;
+    for (var which = 0u; which < min(found, blended); which++) {
+        let photo = seeing[which];
+        let at = in_photo(photo, place, to_eye, normal);
+        let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
+        let sizes = photo_entry(photo, 5u);
+        let weight = (weights[which] / weights[0] - beyond) * photo_rim(at.texel, sizes.xy);
+        color += weight * photo_entry(photo, 6u).xyz * sampled.rgb;
+        sum += weight * sampled.a;
+        if (sizes.w > 0.0) {
+            object += weight * sampled.a;
+            background += weight * (1.0 - sampled.a);
+        }
+    }
+    if (clips_by_vote && background > object || clips_by_any && background > 0.0) {
+        return vec4f(0.0);
+    }
+    if (sum <= 0.0) {
+        return unseen;
+    }
+    return vec4f(min(color / sum, vec3f(1.0)), 1.0);
+}

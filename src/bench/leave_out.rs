@@ -1,0 +1,64 @@
+//! Which photographs are left out, to be compared with.
+
+use std::str::FromStr;
+
+/// Which photographs are left out.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LeaveOut {
+    /// The first, and every so many after it.
+    Every(usize),
+    /// Those of these numbers, counted from 0.
+    Numbers(Vec<usize>),
+}
+
+impl LeaveOut {
+    /// Their numbers in a set of `count`.
+    pub fn of(&self, count: usize) -> Vec<usize> {
+        match self {
+            Self::Every(step) => (0..count).step_by((*step).max(1)).collect(),
+            Self::Numbers(numbers) => numbers.iter().copied().filter(|&number| number < count).collect(),
+        }
+    }
+}
+
+impl Default for LeaveOut {
+    fn default() -> Self {
+        Self::Every(8)
+    }
+}
+
+/// A text that names no photographs.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` names no photographs: expected numbers counted from 0 such as 2,5, or every:8")]
+pub struct ParseLeaveOutError(String);
+
+impl FromStr for LeaveOut {
+    type Err = ParseLeaveOutError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let wrong = || ParseLeaveOutError(text.to_owned());
+        if let Some(step) = text.strip_prefix("every:") {
+            let step: usize = step.parse().map_err(|_| wrong())?;
+            return if step > 1 { Ok(Self::Every(step)) } else { Err(wrong()) };
+        }
+        let numbers: Result<Vec<usize>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+        numbers.map(Self::Numbers).map_err(|_| wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_and_numbers_name_photographs() {
+        let of = |text: &str| text.parse::<LeaveOut>().map(|choice| choice.of(10));
+        assert_eq!(of("every:4"), Ok(vec![0, 4, 8]));
+        assert_eq!(of("2, 5,17"), Ok(vec![2, 5]));
+        for wrong in ["", "every:", "every:1", "every:0", "a", "1,,2", "-1"] {
+            assert!(of(wrong).unwrap_err().to_string().contains("every:8"), "{wrong}");
+        }
+        assert_eq!(LeaveOut::default().of(3), [0]);
+    }
+}

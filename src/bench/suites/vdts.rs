@@ -1,0 +1,243 @@
+//! Photographs on points (paper 004): pictures seen from photographs that were left out, beside these.
+//!
+//! How it works: some photographs of each set are left out, all at once, and drawn from where they were taken by the
+//! others. What they show there is the truth. It is compared where something was drawn: a hole says nothing of colours,
+//! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`).
+
+use crate::bench::report::{Cell, Column, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::Runner;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, OptionGroup, Suite};
+use crate::bench::{BenchError, Quantiles};
+use crate::headless::PHOTOGRAPH_BYTES;
+use crate::measure::{flip, psnr_db};
+use crate::photos::{LoadedPhotographs, Photograph, Photographs};
+use crate::render::AnyRenderer;
+use crate::scene::{Background, Camera, FirstLook, PhotoMode, Primitive, Scene, ScenePacket, Style};
+use crate::sequence::PreparedFrame;
+use glam::DVec3;
+use image::{Rgba, RgbaImage};
+use std::sync::Arc;
+
+/// In the order in which [`Compared::row`] fills them.
+const COLUMNS: &[Column] = &[
+    Column::text("sequence", "sequence"),
+    Column::text("photo", "photograph"),
+    Column::number("number", "number", 0).hidden(),
+    Column::text("mode", "mode"),
+    Column::number("points", "points", 0),
+    Column::number("photographs", "photographs", 0),
+    Column::number("width", "width", 0).hidden(),
+    Column::number("height", "height", 0).hidden(),
+    Column::number("covered", "covered", 3),
+    Column::number("psnr_db", "PSNR, dB", 2),
+    Column::number("flip", "FLIP", 4),
+    Column::number("ms", "ms", 1),
+    Column::number("ms_q3", "75 %", 1).hidden(),
+];
+
+/// Photographs that are left out, drawn by the others.
+pub const VDTS: &Suite = &Suite {
+    name: "vdts",
+    brief: "photographs on points",
+    title: "Photographs",
+    hint: "How near pictures by photographs are to photographs that were left out",
+    description: "views of photographs that were left out, drawn by the others: view-dependent, by the nearest one, \
+        and in the colours of the points (paper 004)",
+    measured: "error beside the photograph that was left out, without its lens and times its gain, of the pixels in \
+        which something is drawn; `covered` is their share. ms: a picture by the software renderer, depth maps of the \
+        photographs known",
+    not_measured: "reading photographs, depth maps, uploads",
+    covered_by: "points",
+    defaults: Defaults {
+        viewport_px: [1280, 720],
+        viewpoints: 1,
+        frames: 1,
+    },
+    takes: &[OptionGroup::Photographs],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: COLUMNS,
+    headline: "psnr_db",
+    bars_title: "PSNR beside the photograph, dB",
+    bar_labels: 3,
+};
+
+const MODES: [PhotoMode; 3] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single];
+
+/// Two backgrounds: what shows both of them is not covered.
+const BACKGROUNDS: [[u8; 3]; 2] = [[0; 3], [255; 3]];
+
+/// A picture beside the photograph that was left out.
+struct Compared<'a> {
+    photograph: &'a Photograph,
+    mode: PhotoMode,
+    covered: f64,
+    psnr_db: f64,
+    flip: f64,
+    times_ms: Vec<f64>,
+}
+
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let mut runner = Runner::new(AnyRenderer::cpu());
+    for subject in run.subjects(1)? {
+        let Some(set) = subject.sequence.source().photographs(0) else {
+            let name = subject.name;
+            return Err(BenchError::Nothing(format!(
+                "{name} has no photographs: expected those of COLMAP, Bundler, NVM, Meshroom, Middlebury or \
+                 transforms.json, or depth images with poses"
+            )));
+        };
+        let style = style();
+        let Ok(frame) = run.load(&subject, 0, 1, &Scene::needs(&style))? else {
+            continue;
+        };
+        run.check_cancelled()?;
+        let loaded = LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, run.progress());
+        for note in &loaded.notes {
+            run.note(format!("{}: {note}", subject.name));
+        }
+        let left_out = run.options.leave_out.of(set.photos.len());
+        let used = Arc::new(loaded.photographs.without(&left_out));
+        let look = FirstLook::of_sequence(&frame.frame, subject.sequence);
+        let mut rows = Vec::new();
+        run.add_steps(left_out.len());
+        let all = loaded.photographs.all().iter();
+        for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
+            run.begin_step(format!("{}: {}", subject.name, photograph.name))?;
+            let camera = camera_of(photograph, &look, subject.sequence.origin());
+            for mode in MODES {
+                let style = style.with(|style| style.photos.mode = mode);
+                let compared = compare(
+                    run,
+                    &mut runner,
+                    (photograph, &used),
+                    &frame,
+                    (&camera, &style),
+                    &subject,
+                )?;
+                rows.push(compared.row(subject.name, frame.frame.len(), used.all().len()));
+            }
+        }
+        run.finish(&subject, &[frame.frame.len() as f64], &[], rows);
+    }
+    Ok(())
+}
+
+/// Photographs have their light in them.
+fn style() -> Style {
+    Style::default().with(|style| {
+        style.primitive = Primitive::Surfel;
+        style.light.lighting = crate::scene::Lighting::Unlit;
+        style.of_sequence.has_photographs = true;
+    })
+}
+
+fn camera_of(photograph: &Photograph, look: &FirstLook, origin: DVec3) -> Camera {
+    let place = photograph.camera_from_world.inverse();
+    let middle = origin + look.trimmed.center().as_dvec3();
+    let distance = (middle - place.translation).length().max(f64::MIN_POSITIVE.sqrt());
+    Camera::of_pinhole(&photograph.pinhole, place, distance, look.up)
+}
+
+fn compare<'a>(
+    run: &Run<'_>,
+    runner: &mut Runner,
+    (photograph, used): (&'a Photograph, &Arc<Photographs>),
+    frame: &PreparedFrame,
+    (camera, style): (&Camera, &Style),
+    subject: &Subject<'_>,
+) -> Result<Compared<'a>, BenchError> {
+    let frame = frame.with_photographs(Arc::clone(used));
+    let mut scene = Scene::default();
+    let mut packet_on = |background: [u8; 3]| -> ScenePacket {
+        let style = style.with(|style| style.backdrop.background = Background::solid(background));
+        scene.packet(
+            &frame,
+            subject.sequence.origin(),
+            camera,
+            &style,
+            photograph.texture.size_px(),
+        )
+    };
+    let packets = BACKGROUNDS.map(&mut packet_on);
+    let mut times_ms = Vec::new();
+    for round in 0..run.options.warmup + run.options.repeat {
+        run.check_cancelled()?;
+        let time = runner.draw(&packets[0])?;
+        if round >= run.options.warmup {
+            times_ms.push(time.wall_ms);
+        }
+    }
+    let [on_dark, on_bright] = [runner.image(&packets[0])?, runner.image(&packets[1])?];
+    let truth = truth_of(photograph);
+    // Pixels of the photograph that show nothing (beyond its lens, or masked out) are no truth.
+    let is_compared = |(dark, bright, truth): (&Rgba<u8>, &Rgba<u8>, &Rgba<u8>)| {
+        let is_free = dark.0[..3] == BACKGROUNDS[0] && bright.0[..3] == BACKGROUNDS[1];
+        !is_free && dark.0[..3] == bright.0[..3] && truth[3] == u8::MAX
+    };
+    let pixels = on_dark.pixels().zip(on_bright.pixels()).zip(truth.pixels());
+    let compared: Vec<bool> = pixels
+        .map(|((dark, bright), truth)| is_compared((dark, bright, truth)))
+        .collect();
+    let count = compared.iter().filter(|&&is_compared| is_compared).count();
+    let mut picture = on_dark;
+    let (mut squares, mut pairs) = (0.0, 0_usize);
+    for ((pixel, truth), &is_compared) in picture.pixels_mut().zip(truth.pixels()).zip(&compared) {
+        if !is_compared {
+            *pixel = *truth;
+            continue;
+        }
+        for channel in 0..3 {
+            squares += (f64::from(pixel[channel]) - f64::from(truth[channel])).powi(2);
+            pairs += 1;
+        }
+    }
+    let errors = flip(&truth, &picture).map_err(|error| BenchError::Nothing(error.to_string()))?;
+    Ok(Compared {
+        photograph,
+        mode: style.photos.mode,
+        covered: count as f64 / compared.len().max(1) as f64,
+        psnr_db: psnr_db(squares / pairs.max(1) as f64),
+        flip: errors.mean_where(|pixel| compared[pixel]),
+        times_ms,
+    })
+}
+
+/// What a photograph shows, as bright as the others.
+fn truth_of(photograph: &Photograph) -> RgbaImage {
+    let picture = &photograph.texture.levels()[0];
+    let [width, height] = picture.size_px();
+    let gain = photograph.gain.to_array();
+    RgbaImage::from_fn(width, height, |x, y| {
+        let [red, green, blue, alpha] = picture.pixels()[(width * y + x) as usize];
+        let [red, green, blue] = [0, 1, 2].map(|at| {
+            let value = f32::from([red, green, blue][at]) * gain[at];
+            value.min(255.0).round() as u8
+        });
+        Rgba([red, green, blue, alpha])
+    })
+}
+
+impl Compared<'_> {
+    fn row(&self, sequence: &str, points: usize, photographs: usize) -> Row {
+        let [width, height] = self.photograph.texture.size_px();
+        let times = Quantiles::of(&self.times_ms);
+        Row::new(vec![
+            Cell::Text(sequence.to_owned()),
+            Cell::Text(self.photograph.name.clone()),
+            Cell::Number(self.photograph.number as f64),
+            Cell::Text(self.mode.to_string()),
+            Cell::Number(points as f64),
+            Cell::Number(photographs as f64),
+            Cell::Number(f64::from(width)),
+            Cell::Number(f64::from(height)),
+            Cell::Number(self.covered),
+            Cell::Number(self.psnr_db),
+            Cell::Number(self.flip),
+            Cell::maybe(times.map(|times| times.median)),
+            Cell::maybe(times.map(|times| times.q3)),
+        ])
+    }
+}

@@ -1,0 +1,112 @@
+//! COLMAP: cameras, images and points, as text or binary.
+//!
+//! Its manual, *Output format*: a pose takes points of the world to the camera (x right, y down, z forward), turned by
+//! the quaternion w x y z and then shifted; the middle of the first pixel is at (½, ½). The rows of a file come in any
+//! order and are told by their numbers; photographs are ordered by theirs, so that text and binary files agree.
+
+mod binary;
+mod depth;
+mod models;
+mod records;
+mod text;
+
+pub use depth::colmap_depth;
+
+use super::depth_file::{DepthFile, DepthKind};
+use super::draft::{Draft, Drafts};
+use super::error::PhotosError;
+use super::view_set::ViewSet;
+use glam::{DMat3, DQuat};
+use records::{Cameras, Features, Image};
+use std::path::{Path, PathBuf};
+
+/// Whether the folder holds a model.
+pub(super) fn is_in(folder: &Path) -> bool {
+    let has = |name: &str| folder.join(name).is_file();
+    ["bin", "txt"]
+        .iter()
+        .any(|extension| has(&format!("cameras.{extension}")) && has(&format!("images.{extension}")))
+}
+
+/// The photographs of the model in `folder`.
+pub(super) fn read(folder: &Path) -> Result<ViewSet, PhotosError> {
+    let is_binary = folder.join("cameras.bin").is_file() && folder.join("images.bin").is_file();
+    let extension = if is_binary { "bin" } else { "txt" };
+    let file = |name: &str| folder.join(format!("{name}.{extension}"));
+    let (cameras, mut images) = if is_binary {
+        (binary::cameras(&file("cameras"))?, binary::images(&file("images"))?)
+    } else {
+        (text::cameras(&file("cameras"))?, text::images(&file("images"))?)
+    };
+    images.sort_by_key(|image| image.id);
+    let features = Features {
+        images: images
+            .iter()
+            .enumerate()
+            .map(|(index, image)| (image.id, (index as u32, image.features.as_slice())))
+            .collect(),
+    };
+    let mut drafts = Drafts::new(&file("images"), folders_above(folder));
+    let points = file("points3D");
+    if !points.is_file() {
+        drafts.notes.push(format!("no points: {} is missing", points.display()));
+    } else if is_binary {
+        drafts.points = binary::points(&points, &features)?;
+    } else {
+        drafts.points = text::points(&points, &features)?;
+    }
+    drafts.photos = images
+        .iter()
+        .map(|image| draft(image, &cameras, &drafts.folders))
+        .collect();
+    drafts.into_view_set()
+}
+
+fn draft(image: &Image, cameras: &Cameras, folders: &[PathBuf]) -> Draft {
+    let lens = cameras.get(&image.camera).cloned();
+    let lens = lens.unwrap_or_else(|| Err(format!("its camera, number {}, is not among the cameras", image.camera)));
+    let [w, x, y, z] = image.quaternion;
+    let quaternion = DQuat::from_xyzw(x, y, z, w);
+    // A quaternion without length is no rotation, and refused as such.
+    let turn = if quaternion.length_squared() > 0.0 {
+        DMat3::from_quat(quaternion.normalize())
+    } else {
+        DMat3::ZERO
+    };
+    let depth = folders.iter().find_map(|folder| depth_of(folder, &image.name));
+    Draft {
+        depth,
+        ..Draft::new(image.name.clone(), lens, turn, image.shift)
+    }
+}
+
+/// The depths of the dense stage that were checked against other views, else those that were not.
+fn depth_of(folder: &Path, name: &str) -> Option<DepthFile> {
+    let maps = folder.join("stereo").join("depth_maps");
+    ["geometric", "photometric"].into_iter().find_map(|kind| {
+        let path = maps.join(format!("{name}.{kind}.bin"));
+        path.is_file().then_some(DepthFile {
+            path,
+            kind: DepthKind::Colmap,
+        })
+    })
+}
+
+/// The folder of the model, and those above it that are part of its layout: `scene/sparse/0` is of `scene`. The nearest
+/// comes first, as `dense` has undistorted copies of what the scene has under the same names.
+fn folders_above(model: &Path) -> Vec<PathBuf> {
+    let mut folders = vec![model.to_owned()];
+    let mut folder = model;
+    while let (Some(name), Some(parent)) = (folder.file_name(), folder.parent()) {
+        let name = name.to_string_lossy();
+        let is_number = name.bytes().all(|byte| byte.is_ascii_digit());
+        let is_of_layout = ["sparse", "colmap", "colmap_text", "dense", "undistorted"].contains(&name.as_ref())
+            || name.starts_with("dslr_calibration");
+        if !(is_number || is_of_layout) {
+            break;
+        }
+        folders.push(parent.to_owned());
+        folder = parent;
+    }
+    folders
+}

@@ -1,0 +1,322 @@
+//! From what a file lists to photographs that can be shown: files are found, sizes looked at, poses held to be poses.
+//!
+//! What is wrong with one photograph costs that photograph: it is left out, the tracks with it, and a note says so. A
+//! set of which nothing is left is an error that says why.
+
+use super::depth_file::DepthFile;
+use super::error::PhotosError;
+use super::files::Files;
+use super::lens::Lens;
+use super::photo::Photo;
+use super::points::{Observation, SparsePoints};
+use super::view_set::ViewSet;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use image::ImageReader;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// A photograph as a file lists it.
+#[derive(Debug, Clone)]
+pub(super) struct Draft {
+    pub(super) name: String,
+    /// Or why it has none.
+    pub(super) lens: Result<Lens, String>,
+    /// Turns directions of the world into those of the camera (x right, y down, z forward).
+    pub(super) turn: DMat3,
+    /// Where the origin of the world is for the camera.
+    pub(super) shift: DVec3,
+    pub(super) mask: Option<PathBuf>,
+    pub(super) depth: Option<DepthFile>,
+}
+
+/// All that a file lists.
+#[derive(Debug)]
+pub(super) struct Drafts {
+    /// The file.
+    pub(super) path: PathBuf,
+    /// Folders around which photographs are looked for, the nearest first.
+    pub(super) folders: Vec<PathBuf>,
+    pub(super) photos: Vec<Draft>,
+    /// Observed pixels are counted from where the lens of their photograph says.
+    pub(super) points: SparsePoints,
+    pub(super) points_file: Option<PathBuf>,
+    pub(super) notes: Vec<String>,
+}
+
+/// How far products of the axes of a turn may be from 0 and 1: files are written with as few as four digits.
+const MOST_SKEW: f64 = 0.01;
+
+/// Names that a note lists before it says how many more there are.
+const MOST_NAMES: usize = 3;
+
+/// Damage can make a reason for every photograph: who reads a hundred knows.
+const MOST_REASONS: usize = 100;
+
+impl Draft {
+    /// A photograph at `center` in the world, whose axes (x right, y down, z forward) are the columns of
+    /// `world_from_camera`.
+    pub(super) fn at(name: String, lens: Result<Lens, String>, world_from_camera: DMat3, center: DVec3) -> Self {
+        let turn = world_from_camera.transpose();
+        Self::new(name, lens, turn, -(turn * center))
+    }
+
+    /// A photograph of which points of the camera are `turn` · x + `shift`.
+    pub(super) fn new(name: String, lens: Result<Lens, String>, turn: DMat3, shift: DVec3) -> Self {
+        Self {
+            name,
+            lens,
+            turn,
+            shift,
+            mask: None,
+            depth: None,
+        }
+    }
+
+    fn photo(&self, files: &Files) -> Result<Photo, Reason> {
+        let lens = self.lens.as_ref().map_err(|reason| Reason::Wrong(reason.clone()))?;
+        let camera_from_world = pose(self.turn, self.shift).map_err(Reason::Wrong)?;
+        let path = files.photo(&self.name).ok_or(Reason::Missing)?;
+        let image_px = image_size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
+        Ok(Photo {
+            camera: lens.camera(image_px).map_err(Reason::Wrong)?,
+            mask: self.mask.clone().or_else(|| files.mask(&self.name)),
+            depth: self.depth.clone(),
+            name: self.name.clone(),
+            path,
+            camera_from_world,
+        })
+    }
+}
+
+/// Why a photograph is left out.
+enum Reason {
+    Missing,
+    Wrong(String),
+}
+
+impl Drafts {
+    /// What is listed by the file `path`, of nothing yet. Photographs are looked for around `folders`.
+    pub(super) fn new(path: &Path, folders: Vec<PathBuf>) -> Self {
+        Self {
+            path: path.into(),
+            folders,
+            photos: Vec::new(),
+            points: SparsePoints::default(),
+            points_file: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The photographs that can be shown.
+    pub(super) fn into_view_set(self) -> Result<ViewSet, PhotosError> {
+        let files = Files::around(&self.folders, self.photos.iter().map(|draft| draft.name.as_str()));
+        let photos: Vec<Result<Photo, Reason>> = self.photos.par_iter().map(|draft| draft.photo(&files)).collect();
+        let mut set = ViewSet {
+            points_file: self.points_file,
+            notes: self.notes,
+            ..ViewSet::default()
+        };
+        let (mut kept, mut missing, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+        for (draft, photo) in self.photos.iter().zip(photos) {
+            kept.push(photo.is_ok().then_some(set.photos.len() as u32));
+            match photo {
+                Ok(photo) => set.photos.push(photo),
+                Err(Reason::Missing) => missing.push(draft.name.as_str()),
+                Err(Reason::Wrong(reason)) => wrong.push((draft.name.as_str(), reason)),
+            }
+        }
+        set.notes.extend(note_of_missing(&missing, &files));
+        set.notes.extend(notes_of_wrong(&wrong));
+        if set.photos.is_empty() {
+            return Err(PhotosError::NoPhotos {
+                path: self.path,
+                count: self.photos.len(),
+                reason: reason_of_nothing(&set.notes),
+            });
+        }
+        set.points = self.points.with_observations(|seen| {
+            let photo = (*kept.get(seen.photo as usize)?)?;
+            let lens = self.photos[seen.photo as usize].lens.as_ref().ok()?;
+            let image_px = set.photos[photo as usize].camera.size_px();
+            let pixel = lens.pixel(seen.pixel.as_dvec2(), image_px).as_vec2();
+            pixel.is_finite().then_some(Observation { photo, pixel })
+        });
+        Ok(set)
+    }
+}
+
+fn reason_of_nothing(notes: &[String]) -> String {
+    let nothing = "the list is empty, calibrate the photographs first";
+    if notes.is_empty() {
+        nothing.to_owned()
+    } else {
+        notes.join("; ")
+    }
+}
+
+/// Width and height of a picture, as its header says; the turn that a camera noted in EXIF is not applied, as
+/// programs that calibrate do not apply it.
+pub(super) fn image_size_px(path: &Path) -> Result<[u32; 2], PhotosError> {
+    let of_io = |source| PhotosError::Io {
+        path: path.into(),
+        source,
+    };
+    let reader = ImageReader::open(path)
+        .map_err(of_io)?
+        .with_guessed_format()
+        .map_err(of_io)?;
+    let (width, height) = reader.into_dimensions().map_err(|source| PhotosError::Picture {
+        path: path.into(),
+        source,
+    })?;
+    Ok([width, height])
+}
+
+/// A turn and a shift, or why they are none. What a text has rounded is a turn again.
+fn pose(turn: DMat3, shift: DVec3) -> Result<DAffine3, String> {
+    if !turn.is_finite() || !shift.is_finite() {
+        return Err("its pose has numbers that are not finite".into());
+    }
+    let products = turn.transpose() * turn;
+    let difference = (products - DMat3::IDENTITY).to_cols_array();
+    let skew = difference.into_iter().map(f64::abs).fold(0.0, f64::max);
+    let determinant = turn.determinant();
+    if skew > MOST_SKEW || determinant < 0.0 {
+        return Err(format!(
+            "its pose is no rotation (determinant {determinant:.3}, expected 1): it is singular, mirrored or scaled"
+        ));
+    }
+    let turn = DQuat::from_mat3(&turn).normalize();
+    Ok(DAffine3::from_rotation_translation(turn, shift))
+}
+
+fn note_of_missing(names: &[&str], files: &Files) -> Option<String> {
+    let folders: Vec<String> = files.folders().map(|folder| folder.display().to_string()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} left out, as no such file was found in {}: {}",
+            photographs(names.len()),
+            folders.join(", "),
+            some_of(names)
+        )
+    })
+}
+
+/// A note for each reason, in the order in which they occurred first.
+fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (name, reason) in wrong {
+        if let Some((_, names)) = reasons.iter_mut().find(|(known, _)| known == reason) {
+            names.push(name);
+        } else if reasons.len() < MOST_REASONS {
+            reasons.push((reason, vec![name]));
+        }
+    }
+    let note = |(reason, names): (&str, Vec<&str>)| {
+        format!("{} left out: {}: {reason}", photographs(names.len()), some_of(&names))
+    };
+    reasons.into_iter().map(note).collect()
+}
+
+fn photographs(count: usize) -> String {
+    if count == 1 {
+        "1 photograph was".into()
+    } else {
+        format!("{count} photographs were")
+    }
+}
+
+fn some_of(names: &[&str]) -> String {
+    let shown = names.iter().take(MOST_NAMES).copied().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photos::lens::Origin;
+    use glam::DVec2;
+
+    fn draft(name: &str) -> Draft {
+        let lens = Lens::pinhole(None, DVec2::splat(100.0), Origin::Middle, DVec2::ZERO);
+        Draft::new(name.into(), Ok(lens), DMat3::IDENTITY, DVec3::ZERO)
+    }
+
+    #[test]
+    fn what_is_wrong_with_one_photograph_costs_that_one() {
+        let folder = tempfile::tempdir().unwrap();
+        image::RgbImage::new(8, 6).save(folder.path().join("a.png")).unwrap();
+        std::fs::write(folder.path().join("broken.png"), b"no picture").unwrap();
+        let mut drafts = Drafts::new(Path::new("list"), vec![folder.path().into()]);
+        let singular = Draft {
+            turn: DMat3::ZERO,
+            ..draft("a.png")
+        };
+        let mirrored = Draft {
+            turn: DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
+            ..draft("a.png")
+        };
+        let nowhere = Draft {
+            shift: DVec3::NAN,
+            ..draft("a.png")
+        };
+        let blind = Draft {
+            lens: Err("of a model that is not known".into()),
+            ..draft("a.png")
+        };
+        drafts.photos = vec![
+            draft("gone.png"),
+            singular,
+            mirrored,
+            nowhere,
+            blind,
+            draft("broken.png"),
+            draft("a.png"),
+        ];
+        // The name is used more than once here, which is fine where the file is found as it is written.
+        let set = drafts.into_view_set().unwrap();
+        assert_eq!(set.photos.len(), 1);
+        assert_eq!(set.photos[0].camera.size_px(), [8, 6]);
+        let notes = set.notes.join("\n");
+        for words in [
+            "gone.png",
+            "determinant 0.000",
+            "determinant -1.000",
+            "not finite",
+            "of a model",
+            "broken.png",
+        ] {
+            assert!(notes.contains(words), "{words} in {notes}");
+        }
+    }
+
+    #[test]
+    fn a_set_of_nothing_says_why() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut drafts = Drafts::new(Path::new("list"), vec![folder.path().into()]);
+        drafts.photos = (0..5).map(|index| draft(&format!("{index}.png"))).collect();
+        let error = drafts.into_view_set().unwrap_err().to_string();
+        assert!(
+            error.starts_with("list lists 5 photographs and none of them can be shown"),
+            "{error}"
+        );
+        assert!(error.contains("0.png, 1.png, 2.png and 2 more"), "{error}");
+        let error = Drafts::new(Path::new("list"), Vec::new())
+            .into_view_set()
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("the list is empty"), "{error}");
+    }
+
+    #[test]
+    fn rounded_rotations_are_rotations_again() {
+        let exact = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-0.3);
+        let rounded = DMat3::from_cols_array(&exact.to_cols_array().map(|x| (x * 1e4).round() / 1e4));
+        let pose = pose(rounded, DVec3::ONE).unwrap();
+        let products = pose.matrix3.transpose() * pose.matrix3;
+        assert!(products.abs_diff_eq(DMat3::IDENTITY, 1e-12) && pose.matrix3.abs_diff_eq(exact, 1e-4));
+    }
+}

@@ -1,0 +1,90 @@
+//! Why there are no photographs: which file, where in it, what was expected and what to do.
+
+use std::path::{Path, PathBuf};
+
+/// Why a set of photographs, or one of its files, cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhotosError {
+    /// The system could not read a file.
+    #[error("{} cannot be read ({source}): check that it exists and its permissions", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file breaks the rules of its format.
+    #[error("{}, {place}: {problem}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: String,
+        /// What was expected there, and what was found.
+        problem: String,
+    },
+    /// A file that is no JSON, or JSON of another shape.
+    #[error(
+        "{} is not understood ({source}): export it again, it may not have been written to its end",
+        path.display()
+    )]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// The parser's reason, with line and column.
+        source: serde_json::Error,
+    },
+    /// None of the photographs that a file lists can be shown.
+    #[error("{} lists {count} photographs and none of them can be shown: {reason}", path.display())]
+    NoPhotos {
+        /// The file.
+        path: PathBuf,
+        /// How many it lists.
+        count: usize,
+        /// What is wrong with them, and what to do.
+        reason: String,
+    },
+    /// A photograph that cannot be decoded.
+    #[error(
+        "{} cannot be decoded ({source}): open it in a viewer of pictures to see whether it is whole",
+        path.display()
+    )]
+    Picture {
+        /// The file.
+        path: PathBuf,
+        /// The decoder's reason.
+        source: image::ImageError,
+    },
+    /// A photograph that has changed its size.
+    #[error(
+        "{} has {} × {} pixels, its camera is one of {} × {}: put the photograph back that was calibrated",
+        path.display(), found_px[0], found_px[1], expected_px[0], expected_px[1]
+    )]
+    WrongSize {
+        /// The file.
+        path: PathBuf,
+        /// Width and height of the camera's image.
+        expected_px: [u32; 2],
+        /// Those of the file.
+        found_px: [u32; 2],
+    },
+}
+
+impl PhotosError {
+    pub(super) fn invalid(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Invalid {
+            path: path.into(),
+            place: place.into(),
+            problem: problem.into(),
+        }
+    }
+}
+
+/// The bytes of a file.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, PhotosError> {
+    std::fs::read(path).map_err(|source| PhotosError::Io {
+        path: path.into(),
+        source,
+    })
+}

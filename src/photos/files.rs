@@ -1,0 +1,241 @@
+//! Where photographs are, from the names that a reconstruction has for them.
+//!
+//! *How it works.* Names are paths of another machine, often: absolute, with the separators of another system, with
+//! another extension after undistortion, or in another case. A name is tried as it stands below each folder in which
+//! photographs usually are; then its last part alone is looked up in lists of these folders, without regard to case,
+//! and then without its extension. The last part alone has to be that of one name only: `left/1.jpg` and
+//! `right/1.jpg` are never the same photograph.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Folders below that of a reconstruction in which photographs usually are. The first that has one wins.
+const FOLDERS: &[&str] = &[
+    "images",
+    "",
+    "image",
+    "undistorted/images",
+    "undistorted",
+    "dense/images",
+    "dense/0/images",
+    "photos",
+    "rgb",
+    "imgs",
+    "input",
+    "visualize",
+    "images_2",
+    "images_4",
+    "images_8",
+];
+
+/// Folders of masks.
+const MASK_FOLDERS: &[&str] = &["masks", "mask", "images/masks", "silhouettes"];
+
+/// What the decoder of pictures reads.
+const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm", "gif", "hdr"];
+
+/// Entries of a folder that are looked at: a folder of more is not one of photographs alone.
+const MOST_ENTRIES: usize = 200_000;
+
+/// Lists of the folders in which photographs and masks may be.
+#[derive(Debug)]
+pub(super) struct Files {
+    photos: Vec<Listing>,
+    masks: Vec<Listing>,
+    /// How many names have the same last part.
+    last_parts: HashMap<String, usize>,
+}
+
+/// The pictures in a folder.
+#[derive(Debug)]
+struct Listing {
+    folder: PathBuf,
+    /// By names in lower case.
+    by_name: HashMap<String, PathBuf>,
+    /// By names in lower case, without the extension.
+    by_stem: HashMap<String, PathBuf>,
+}
+
+impl Files {
+    /// The pictures around `folders`, of which the first that has one wins, for photographs of these `names`.
+    pub(super) fn around<'a>(folders: &[PathBuf], names: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut last_parts = HashMap::new();
+        for name in names {
+            *last_parts.entry(last_part(name).to_lowercase()).or_insert(0) += 1;
+        }
+        let listings = |below: &[&str]| {
+            let all = folders
+                .iter()
+                .flat_map(|folder| below.iter().map(move |&below| folder.join(below)));
+            let mut listings: Vec<Listing> = Vec::new();
+            for folder in all {
+                if listings.iter().all(|listing| listing.folder != folder) {
+                    listings.extend(Listing::of(folder));
+                }
+            }
+            listings
+        };
+        Self {
+            photos: listings(FOLDERS),
+            masks: listings(MASK_FOLDERS),
+            last_parts,
+        }
+    }
+
+    /// The file of the photograph `name`.
+    pub(super) fn photo(&self, name: &str) -> Option<PathBuf> {
+        let relative = name.replace('\\', "/");
+        let relative = relative.trim_start_matches("./");
+        let as_written = self.photos.iter().map(|listing| listing.folder.join(relative));
+        let is_picture = |path: &PathBuf| !relative.is_empty() && path.is_file();
+        as_written
+            .into_iter()
+            .find(is_picture)
+            .or_else(|| self.by_last_part(&self.photos, relative))
+    }
+
+    /// The mask of the photograph `name`: as COLMAP names them, `photo.jpg.png`, or by the same stem.
+    pub(super) fn mask(&self, name: &str) -> Option<PathBuf> {
+        if self.masks.is_empty() {
+            return None;
+        }
+        let relative = name.replace('\\', "/");
+        let named = format!("{relative}.png");
+        let as_written = self.masks.iter().map(|listing| listing.folder.join(&named));
+        as_written
+            .into_iter()
+            .find(|path| path.is_file())
+            .or_else(|| self.by_last_part(&self.masks, &relative))
+    }
+
+    /// The folders that were looked through.
+    pub(super) fn folders(&self) -> impl Iterator<Item = &Path> {
+        self.photos.iter().map(|listing| listing.folder.as_path())
+    }
+
+    fn by_last_part(&self, listings: &[Listing], name: &str) -> Option<PathBuf> {
+        let last = last_part(name).to_lowercase();
+        if self.last_parts.get(&last).is_some_and(|&count| count > 1) {
+            return None;
+        }
+        let exact = listings.iter().find_map(|listing| listing.by_name.get(&last));
+        let stem = || {
+            let stem = stem_of_picture(&last).unwrap_or(&last);
+            listings.iter().find_map(|listing| listing.by_stem.get(stem))
+        };
+        exact.or_else(stem).cloned()
+    }
+}
+
+impl Listing {
+    /// `None` where the folder cannot be listed, or does not exist.
+    fn of(folder: PathBuf) -> Option<Self> {
+        let mut paths: Vec<PathBuf> = std::fs::read_dir(&folder)
+            .ok()?
+            .take(MOST_ENTRIES)
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .collect();
+        // Of names that differ by case or extension alone, the same one each time.
+        paths.sort_unstable();
+        let (mut by_name, mut by_stem) = (HashMap::new(), HashMap::new());
+        for path in paths {
+            let Some(name) = path.file_name().map(|name| name.to_string_lossy().to_lowercase()) else {
+                continue;
+            };
+            let Some(stem) = stem_of_picture(&name) else { continue };
+            by_stem.entry(stem.to_owned()).or_insert_with(|| path.clone());
+            by_name.entry(name).or_insert(path);
+        }
+        Some(Self {
+            folder,
+            by_name,
+            by_stem,
+        })
+    }
+}
+
+/// The part of a path behind its last separator, of whichever system.
+pub(super) fn last_part(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+/// The name without its extension, if that is one of a picture. `name` is in lower case.
+fn stem_of_picture(name: &str) -> Option<&str> {
+    let (stem, extension) = name.rsplit_once('.')?;
+    (!stem.is_empty() && EXTENSIONS.contains(&extension)).then_some(stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn folder(files: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for file in files {
+            let path = folder.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, b"").unwrap();
+        }
+        folder
+    }
+
+    #[test]
+    fn photographs_are_found_by_the_names_of_other_machines() {
+        let folder = folder(&[
+            "images/IMG_1.JPG",
+            "images/b c.png",
+            "beside.jpg",
+            "undistorted/d.png",
+            "notes.txt",
+        ]);
+        let names = [
+            "img_1.jpg",
+            "C:\\scan\\b c.png",
+            "/home/them/beside.jpg",
+            "./beside.jpg",
+            "images/IMG_1.JPG",
+            "d.jpg",
+            "notes.txt",
+            "b c",
+            "",
+        ];
+        let files = Files::around(&[folder.path().into()], []);
+        let found = names.map(|name| {
+            let path = files.photo(name)?;
+            Some(path.strip_prefix(folder.path()).unwrap().to_str().unwrap().to_owned())
+        });
+        let expected = [
+            Some("images/IMG_1.JPG"),
+            Some("images/b c.png"),
+            Some("beside.jpg"),
+            Some("beside.jpg"),
+            Some("images/IMG_1.JPG"),
+            Some("undistorted/d.png"),
+            Some("notes.txt"),
+            Some("images/b c.png"),
+            None,
+        ];
+        assert_eq!(found.each_ref().map(Option::as_deref), expected);
+    }
+
+    #[test]
+    fn photographs_of_two_cameras_are_not_confused() {
+        let folder = folder(&["images/left/1.jpg", "images/1.jpg"]);
+        let names = ["left/1.jpg", "right/1.jpg"];
+        let files = Files::around(&[folder.path().into()], names);
+        assert!(files.photo(names[0]).unwrap().ends_with("left/1.jpg"));
+        assert_eq!(files.photo(names[1]), None);
+        let alone = Files::around(&[folder.path().into()], [names[1]]);
+        assert!(alone.photo(names[1]).unwrap().ends_with("images/1.jpg"));
+    }
+
+    #[test]
+    fn masks_are_named_after_their_photographs() {
+        let folder = folder(&["masks/a.jpg.png", "masks/B.png", "images/a.jpg"]);
+        let files = Files::around(&[folder.path().into()], []);
+        assert!(files.mask("a.jpg").unwrap().ends_with("masks/a.jpg.png"));
+        assert!(files.mask("b.jpg").unwrap().ends_with("masks/B.png"));
+        assert_eq!(files.mask("c.jpg"), None);
+    }
+}

@@ -1,0 +1,236 @@
+//! What a folder holds: the model of a reconstruction, by the names that programs give to their files.
+//!
+//! Every folder that somebody opens is asked, so the usual names are looked up one by one, and the folder is listed
+//! once for names that vary. Formats with points come first: many folders hold a copy of the same cameras without.
+
+use super::error::PhotosError;
+use super::view_set::ViewSet;
+use super::{bundler, colmap, meshroom, middlebury, nvm, transforms};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Folders of a scene in which COLMAP's models are, or folders of them by their numbers.
+const COLMAP_FOLDERS: &[&str] = &[
+    "",
+    "sparse",
+    "colmap/sparse",
+    "colmap_sparse",
+    "colmap_text",
+    "dense/0/sparse",
+    "dense/sparse",
+    "undistorted/sparse",
+    "dslr_calibration_undistorted",
+];
+
+/// Models of one scene whose numbers are tried: COLMAP makes one of each group of photographs that hangs together.
+const MOST_MODELS: u32 = 50;
+
+/// Bundles, the usual one first.
+const BUNDLES: &[&str] = &["bundle.out", "bundle/bundle.out", "bundle.rd.out", "bundler/bundle.out"];
+
+/// Names of scenes of Meshroom: those with points first.
+const SCENES: &[&str] = &["sfm.json", "sfm.sfm", "cameras.sfm"];
+
+/// Folders of a project of Meshroom that hold scenes, each run in a folder of its own.
+const MESHROOM_NODES: &[&str] = &["MeshroomCache/ConvertSfMFormat", "MeshroomCache/StructureFromMotion"];
+
+const TRANSFORMS: &[&str] = &["transforms.json", "transforms_train.json"];
+
+/// Entries of a folder that are listed: a folder of more is one of frames.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Bytes of a JSON file that tell what it is.
+const HEAD: u64 = 1 << 16;
+
+/// The format of a reconstruction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// COLMAP, text or binary.
+    Colmap,
+    /// Bundler v0.3.
+    Bundler,
+    /// VisualSFM.
+    Nvm,
+    /// Meshroom (AliceVision).
+    Meshroom,
+    /// Par files of Middlebury.
+    Middlebury,
+    /// instant-ngp, nerfstudio and NeRF.
+    Transforms,
+}
+
+/// A reconstruction that was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Found {
+    /// Its format.
+    pub format: Format,
+    /// Its file; of COLMAP the folder of its files.
+    pub path: PathBuf,
+}
+
+impl Format {
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Colmap => "COLMAP",
+            Self::Bundler => "Bundler",
+            Self::Nvm => "NVM (VisualSFM)",
+            Self::Meshroom => "Meshroom",
+            Self::Middlebury => "Middlebury par",
+            Self::Transforms => "transforms.json",
+        }
+    }
+}
+
+impl Found {
+    /// Its photographs.
+    ///
+    /// # Errors
+    /// Where the files break the rules of their format, and where none of the photographs can be shown. What is wrong
+    /// with some of them alone is a note of the set.
+    pub fn read(&self) -> Result<ViewSet, PhotosError> {
+        match self.format {
+            Format::Colmap => colmap::read(&self.path),
+            Format::Bundler => bundler::read(&self.path),
+            Format::Nvm => nvm::read(&self.path),
+            Format::Meshroom => meshroom::read(&self.path),
+            Format::Middlebury => middlebury::read(&self.path),
+            Format::Transforms => transforms::read(&self.path),
+        }
+    }
+}
+
+/// The reconstruction in a folder, or the one that a file is of; `None` where there is none.
+///
+/// # Errors
+/// Where a file that has the name of one cannot be read.
+pub fn find(path: &Path) -> Result<Option<Found>, PhotosError> {
+    if path.is_dir() {
+        Ok(in_folder(path))
+    } else if path.is_file() {
+        of_file(path)
+    } else {
+        Ok(None)
+    }
+}
+
+fn in_folder(folder: &Path) -> Option<Found> {
+    let first = |names: &[&str]| names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+    let found = |format: Format| move |path: PathBuf| Found { format, path };
+    let model = COLMAP_FOLDERS.iter().find_map(|name| model_in(&folder.join(name)));
+    let known = model.map(found(Format::Colmap)).or_else(|| {
+        first(BUNDLES)
+            .filter(|path| begins_with(path, bundler::MAGIC))
+            .map(found(Format::Bundler))
+    });
+    if known.is_some() {
+        return known;
+    }
+    let names = names_in(folder);
+    let by_ending = |ending: &str| {
+        let name = names.iter().find(|name| name.to_lowercase().ends_with(ending))?;
+        Some(folder.join(name))
+    };
+    by_ending(".nvm")
+        .filter(|path| begins_with(path, nvm::MAGIC))
+        .map(found(Format::Nvm))
+        .or_else(|| first(SCENES).or_else(|| by_ending(".sfm")).map(found(Format::Meshroom)))
+        .or_else(|| in_meshroom_cache(folder).map(found(Format::Meshroom)))
+        .or_else(|| first(TRANSFORMS).map(found(Format::Transforms)))
+        .or_else(|| by_ending(middlebury::SUFFIX).map(found(Format::Middlebury)))
+}
+
+/// The folder itself, or the largest of the models that it has by their numbers.
+fn model_in(folder: &Path) -> Option<PathBuf> {
+    if colmap::is_in(folder) {
+        return Some(folder.to_owned());
+    }
+    let numbered = (0..MOST_MODELS).map(|number| folder.join(number.to_string()));
+    let size_of = |model: &PathBuf| {
+        let size = |name: &str| fs::metadata(model.join(name)).map_or(0, |file| file.len());
+        size("images.bin").max(size("images.txt"))
+    };
+    // From the last on, as the last of equals would be taken. A number may be missing; folders without 0 have none.
+    let first = folder.join("0").is_dir();
+    let models: Vec<PathBuf> = numbered
+        .take_while(|_| first)
+        .filter(|model| colmap::is_in(model))
+        .collect();
+    models.into_iter().rev().max_by_key(size_of)
+}
+
+/// The scene that was written last by a project of Meshroom.
+fn in_meshroom_cache(folder: &Path) -> Option<PathBuf> {
+    let scenes = MESHROOM_NODES.iter().flat_map(|node| {
+        let node = folder.join(node);
+        let runs = names_in(&node);
+        runs.into_iter().flat_map(move |run| {
+            let run = node.join(run);
+            SCENES.iter().map(move |scene| run.join(scene))
+        })
+    });
+    let written = |path: PathBuf| Some((fs::metadata(&path).ok()?.modified().ok()?, path));
+    scenes.filter_map(written).max().map(|(_, path)| path)
+}
+
+fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let of = |format: Format| {
+        Ok(Some(Found {
+            format,
+            path: path.into(),
+        }))
+    };
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
+    match extension {
+        "bin" | "txt" if ["cameras", "images", "points3d"].contains(&stem) => {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            Ok(colmap::is_in(folder).then(|| Found {
+                format: Format::Colmap,
+                path: folder.into(),
+            }))
+        }
+        "txt" if name.ends_with(middlebury::SUFFIX) => of(Format::Middlebury),
+        "out" if begins_with(path, bundler::MAGIC) => of(Format::Bundler),
+        "nvm" => of(Format::Nvm),
+        "sfm" => of(Format::Meshroom),
+        "json" => {
+            let head = head_of(path, HEAD).map_err(|source| PhotosError::Io {
+                path: path.into(),
+                source,
+            })?;
+            let head = String::from_utf8_lossy(&head);
+            if transforms::is_transforms(&head) {
+                of(Format::Transforms)
+            } else if meshroom::is_scene(&head) {
+                of(Format::Meshroom)
+            } else {
+                Ok(None)
+            }
+        }
+        _ => Ok(None),
+    }
+}
+
+/// In order, so that the same one of several is taken each time.
+fn names_in(folder: &Path) -> Vec<String> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let names = entries.take(MOST_ENTRIES).flatten();
+    let mut names: Vec<String> = names.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    names
+}
+
+fn begins_with(path: &Path, magic: &[u8]) -> bool {
+    head_of(path, magic.len() as u64).is_ok_and(|head| head == magic)
+}
+
+fn head_of(path: &Path, size: u64) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    File::open(path)?.take(size).read_to_end(&mut head)?;
+    Ok(head)
+}

@@ -1,0 +1,86 @@
+//! Numbers of JSON as programs write them: some as numbers, some as text.
+
+use super::error::{PhotosError, read_file};
+use serde_json::Value;
+use std::path::Path;
+
+/// The value in the file `path`.
+pub(super) fn read(path: &Path) -> Result<Value, PhotosError> {
+    let file = read_file(path)?;
+    serde_json::from_slice(&file).map_err(|source| PhotosError::Json {
+        path: path.into(),
+        source,
+    })
+}
+
+/// A finite number, be it text.
+pub(super) fn number(value: &Value) -> Option<f64> {
+    let number = match value {
+        Value::Number(number) => number.as_f64()?,
+        Value::String(text) => text.trim().parse().ok()?,
+        _ => return None,
+    };
+    number.is_finite().then_some(number)
+}
+
+/// The number `key` of an object.
+pub(super) fn number_at(object: &Value, key: &str) -> Option<f64> {
+    number(object.get(key)?)
+}
+
+/// `N` numbers of an array.
+pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let array = value.as_array()?;
+    let numbers: Vec<f64> = array.iter().map_while(number).collect();
+    (array.len() == N).then_some(numbers)?.try_into().ok()
+}
+
+/// The `N` numbers `key` of an object.
+pub(super) fn numbers_at<const N: usize>(object: &Value, key: &str) -> Option<[f64; N]> {
+    numbers(object.get(key)?)
+}
+
+/// A whole number of pixels above 0.
+pub(super) fn side(number: f64) -> Option<u32> {
+    (number >= 1.0 && number <= f64::from(u32::MAX)).then_some(number as u32)
+}
+
+/// What `key` of an object says in the form in which it is compared: numbers and texts of the same digits are equal.
+pub(super) fn key_at(object: &Value, key: &str) -> Option<String> {
+    match object.get(key)? {
+        Value::String(text) => Some(text.clone()),
+        Value::Number(number) => Some(number.to_string()),
+        _ => None,
+    }
+}
+
+/// The elements of the array `key`; none where there is no such array.
+pub(super) fn array_at<'a>(object: &'a Value, key: &str) -> &'a [Value] {
+    object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn numbers_may_be_text() {
+        let object =
+            json!({"a": "1.5", "b": 1.5, "c": [1, "2"], "d": "x", "e": "nan", "f": null, "id": 7, "name": "7"});
+        assert_eq!(
+            (number_at(&object, "a"), number_at(&object, "b")),
+            (Some(1.5), Some(1.5))
+        );
+        assert_eq!(numbers_at(&object, "c"), Some([1.0, 2.0]));
+        assert_eq!(numbers_at::<3>(&object, "c"), None);
+        for none in ["d", "e", "f", "g"] {
+            assert_eq!(number_at(&object, none), None, "{none}");
+        }
+        assert_eq!(key_at(&object, "id"), key_at(&object, "name"));
+        assert_eq!(
+            (side(640.0), side(0.0), side(-1.0), side(1e30)),
+            (Some(640), None, None, None)
+        );
+    }
+}

@@ -1,0 +1,57 @@
+//! Sets of calibrated photographs with sparse points: what programs of reconstruction write, made ready to be drawn.
+//!
+//! [`find`] says what a folder holds, and [`Found::read`] reads it into a [`ViewSet`], whatever the format: cameras
+//! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
+//!
+//! Readers write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
+//! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
+//! the set says so.
+//!
+//! [`PreparedPhoto`] is a photograph as drawing takes it: masked, undistorted to a pinhole, and halved as often as
+//! [`halvings_within`] a budget of memory says. [`gains`] makes photographs of different exposures agree.
+//! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
+
+mod budget;
+mod bundler;
+mod bytes;
+mod colmap;
+mod depth_file;
+mod draft;
+mod error;
+mod files;
+mod find;
+mod gains;
+mod json;
+mod lens;
+mod loading;
+mod meshroom;
+mod middlebury;
+mod mips;
+mod nvm;
+mod photo;
+mod photo_image;
+mod photographs;
+mod points;
+mod prepared;
+mod text;
+mod texture;
+mod transforms;
+mod undistort;
+mod view_set;
+
+pub use budget::{halvings_within, texture_bytes};
+pub use colmap::colmap_depth;
+pub use depth_file::{DepthFile, DepthKind};
+pub use error::PhotosError;
+pub use find::{Format, Found, find};
+pub use gains::gains;
+pub use loading::LoadedPhotographs;
+pub use mips::{halved, mips};
+pub use photo::{Photo, resized};
+pub use photo_image::PhotoImage;
+pub use photographs::{Photograph, Photographs};
+pub use points::{Observation, SparsePoints};
+pub use prepared::PreparedPhoto;
+pub use texture::Texture;
+pub use undistort::{Extent, pinhole_of, undistort};
+pub use view_set::{Neighbour, ReprojectionError, ViewSet};

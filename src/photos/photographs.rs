@@ -1,0 +1,112 @@
+//! Photographs as a renderer needs them: without distortion, scaled to their budget, with all their mip levels.
+
+use super::texture::Texture;
+use crate::rgbd::{Camera, DepthImage};
+use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
+
+/// Photographs of one scene, ready to be put on its surface (paper 004 §3). Immutable; shared by packets.
+#[derive(Debug)]
+pub struct Photographs {
+    photographs: Vec<Arc<Photograph>>,
+    neighbour_angle: f32,
+}
+
+/// One photograph, and where it was taken.
+#[derive(Debug)]
+pub struct Photograph {
+    /// Its name in its set.
+    pub name: String,
+    /// Its number in its set, from 0.
+    pub number: usize,
+    /// The pinhole of the finest level of its texture, without distortion; centres of pixels are at integers.
+    pub pinhole: Camera,
+    /// From the world's axes to the camera's: x to the right, y down, z forward.
+    pub camera_from_world: DAffine3,
+    /// Its colours. Where alpha is 0, it shows nothing of the scene: beyond the lens, or masked out.
+    pub texture: Texture,
+    /// Whether alpha tells the scene from its background.
+    pub is_masked: bool,
+    /// What its colours are multiplied with, so that those of all photographs agree.
+    pub gain: Vec3,
+    /// How far away what it shows is, along its axis in units of the scene, where a file says that.
+    pub depth: Option<DepthImage>,
+}
+
+impl Photograph {
+    /// Where it was taken from.
+    pub fn center(&self) -> DVec3 {
+        self.camera_from_world.inverse().translation
+    }
+}
+
+impl Photographs {
+    /// The angle between neighbours of a single photograph, and of those that were all taken from one place, radians.
+    const USUAL_ANGLE: f64 = 0.3;
+
+    /// These photographs, with the median angle between each and its nearest neighbour, radians
+    /// ([`ViewSet::median_neighbour_angle`](super::ViewSet::median_neighbour_angle)).
+    pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
+        Self {
+            photographs: photographs.into_iter().map(Arc::new).collect(),
+            neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
+        }
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[Arc<Photograph>] {
+        &self.photographs
+    }
+
+    /// The same without some, by their numbers in the set. How far apart views are stays as it is.
+    #[must_use]
+    pub fn without(&self, left_out: &[usize]) -> Self {
+        let kept = self
+            .photographs
+            .iter()
+            .filter(|photograph| !left_out.contains(&photograph.number));
+        Self {
+            photographs: kept.cloned().collect(),
+            ..*self
+        }
+    }
+
+    /// Median angle between a view and the nearest other one as the middle of the scene sees them, radians.
+    pub fn neighbour_angle(&self) -> f32 {
+        self.neighbour_angle
+    }
+
+    /// Bytes of their texels.
+    pub fn byte_size(&self) -> usize {
+        let textures = self.photographs.iter().map(|photograph| &photograph.texture);
+        textures.map(Texture::byte_size).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::photo_image::PhotoImage;
+    use super::*;
+    use crate::rgbd::Distortion;
+    use glam::{DMat3, DVec2};
+
+    #[test]
+    fn a_photograph_knows_where_it_was_taken() {
+        let place = DVec3::new(4.0, -2.0, 0.5);
+        let photograph = Photograph {
+            name: String::new(),
+            number: 0,
+            pinhole: Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap(),
+            camera_from_world: DAffine3::from_mat3_translation(DMat3::IDENTITY, -place),
+            texture: Texture::new(PhotoImage::new([4, 4], vec![[0; 4]; 16]).unwrap()),
+            is_masked: false,
+            gain: Vec3::ONE,
+            depth: None,
+        };
+        assert!((photograph.center() - place).length() < 1e-12);
+        let all = Photographs::new(vec![photograph], None);
+        assert_eq!(all.byte_size(), 4 * (16 + 4 + 1));
+        assert!(all.neighbour_angle() > 0.0);
+        assert!(all.without(&[0]).all().is_empty() && all.without(&[1]).all().len() == 1);
+    }
+}

@@ -1,0 +1,144 @@
+//! `transforms.json` of instant-ngp, nerfstudio and the synthetic sets of NeRF.
+//!
+//! *How it works.* Each frame has a matrix from camera to world, whose camera has x right, y up and z backward
+//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or `camera_angle_x`) are those of the file unless a frame has its own.
+//! The corner of the image is at 0, so the middle of the first pixel is at ½: both programs send the ray of a pixel
+//! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
+//! points, but nerfstudio may name a file of them (`ply_file_path`).
+
+use super::depth_file::{DepthFile, DepthKind};
+use super::draft::{Draft, Drafts};
+use super::error::PhotosError;
+use super::json::{array_at, number, number_at, read as read_json, side};
+use super::lens::{Focal, Lens, Origin};
+use super::view_set::ViewSet;
+use crate::rgbd::Distortion;
+use glam::{DMat3, DVec2, DVec3};
+use serde_json::Value;
+use std::path::Path;
+
+/// Metres in a unit of nerfstudio's depth images, unless the file says otherwise.
+const USUAL_DEPTH_SCALE: f64 = 1e-3;
+
+/// Whether a file that begins with `head` is one of these.
+pub(super) fn is_transforms(head: &str) -> bool {
+    head.contains("\"transform_matrix\"") || (head.contains("\"frames\"") && head.contains("\"file_path\""))
+}
+
+/// The photographs of the file `path`.
+pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+    let file = read_json(path)?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut drafts = Drafts::new(path, vec![folder.clone()]);
+    for frame in array_at(&file, "frames") {
+        drafts.photos.push(draft(&file, frame, &folder));
+    }
+    if drafts.photos.is_empty() {
+        return Err(PhotosError::invalid(
+            path,
+            "frames",
+            "expected a list of photographs, found none",
+        ));
+    }
+    let points = file
+        .get("ply_file_path")
+        .and_then(Value::as_str)
+        .map(|points| folder.join(points));
+    match points {
+        Some(points) if points.is_file() => drafts.points_file = Some(points),
+        Some(points) => drafts.notes.push(format!("no points: {} is missing", points.display())),
+        None => {}
+    }
+    drafts.into_view_set()
+}
+
+fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
+    let text = |key: &str| frame.get(key).and_then(Value::as_str);
+    let existing = |key: &str| text(key).map(|path| folder.join(path)).filter(|path| path.is_file());
+    let name = text("file_path").unwrap_or_default().to_owned();
+    let (axes, center) = pose(frame).unwrap_or((DMat3::NAN, DVec3::NAN));
+    let scale = number_at(file, "depth_unit_scale_factor").or_else(|| number_at(file, "integer_depth_scale"));
+    Draft {
+        mask: existing("mask_path"),
+        depth: existing("depth_file_path")
+            .or_else(|| existing("depth_path"))
+            .map(|path| DepthFile {
+                path,
+                kind: DepthKind::Scaled(scale.unwrap_or(USUAL_DEPTH_SCALE)),
+            }),
+        ..Draft::at(name, lens(file, frame), axes, center)
+    }
+}
+
+/// The axes of the camera (x right, y down, z forward) as columns, of length 1, and its centre.
+fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
+    let rows = array_at(frame, "transform_matrix");
+    let row = |row: usize| {
+        let numbers: Vec<f64> = rows.get(row)?.as_array()?.iter().map_while(number).collect();
+        <[f64; 4]>::try_from(numbers).ok()
+    };
+    let [x, y, z] = [row(0)?, row(1)?, row(2)?];
+    let column = |at: usize| DVec3::new(x[at], y[at], z[at]);
+    let axes = DMat3::from_cols(column(0), -column(1), -column(2));
+    // Scenes are scaled to fit a cube, by some with the axes too.
+    let scale = axes.determinant().abs().cbrt();
+    let axes = if scale > 0.0 { axes * scale.recip() } else { axes };
+    Some((axes, column(3)))
+}
+
+fn lens(file: &Value, frame: &Value) -> Result<Lens, String> {
+    let at = |key: &str| number_at(frame, key).or_else(|| number_at(file, key));
+    let size_px = Option::zip(at("w").and_then(side), at("h").and_then(side)).map(|(width, height)| [width, height]);
+    let focal = match (at("fl_x").or_else(|| at("fl_y")), at("camera_angle_x")) {
+        (Some(x), _) => Focal::Pixels(DVec2::new(x, at("fl_y").unwrap_or(x))),
+        (None, Some(angle)) => Focal::WidthAngle(angle),
+        (None, None) => return Err("it has no focal length: expected fl_x or camera_angle_x".into()),
+    };
+    let principal = Option::zip(at("cx"), at("cy"));
+    let (origin, principal_px) = match principal {
+        Some((x, y)) => (Origin::Corner, DVec2::new(x, y)),
+        None => (Origin::Middle, DVec2::ZERO),
+    };
+    Ok(Lens {
+        size_px,
+        focal,
+        origin,
+        principal_px,
+        distortion: distortion(file, frame)?,
+    })
+}
+
+fn distortion(file: &Value, frame: &Value) -> Result<Distortion, String> {
+    let at = |key: &str| number_at(frame, key).or_else(|| number_at(file, key)).unwrap_or(0.0);
+    let is_set = |key: &str| {
+        let flag = frame.get(key).or_else(|| file.get(key));
+        flag.and_then(Value::as_bool).unwrap_or(false)
+    };
+    let k = ["k1", "k2", "k3", "k4"].map(at);
+    let p = ["p1", "p2"].map(at);
+    let model = frame
+        .get("camera_model")
+        .or_else(|| file.get("camera_model"))
+        .and_then(Value::as_str);
+    if is_set("is_fisheye") || model == Some("OPENCV_FISHEYE") {
+        return Ok(Distortion::Fisheye { k });
+    }
+    match model {
+        None | Some("OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "SIMPLE_RADIAL" | "RADIAL") => {}
+        Some(model) => {
+            return Err(format!(
+                "its camera is of the model {model}, expected OPENCV or OPENCV_FISHEYE: undistort the photographs first"
+            ));
+        }
+    }
+    if k[3] != 0.0 {
+        return Err("its lens has a k4 and is no fisheye: undistort the photographs first".into());
+    }
+    if k[..3] == [0.0; 3] && p == [0.0; 2] {
+        return Ok(Distortion::None);
+    }
+    Ok(Distortion::Brown {
+        k: [k[0], k[1], k[2]],
+        p,
+    })
+}

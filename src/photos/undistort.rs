@@ -1,0 +1,227 @@
+//! Photographs taken apart from their lens, once, so that drawing has pinholes alone.
+//!
+//! *How it works.* A pixel of the pinhole looks along a ray; the lens shows that ray at a place of the photograph,
+//! whose colour is taken between four pixels. What the photograph does not show gets alpha 0. The focal length stays,
+//! so that the middle keeps its resolution; towards the corners of a barrel lens the result is softer than the
+//! photograph.
+
+use super::photo_image::PhotoImage;
+use crate::rgbd::{Camera, Distortion};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// What an undistorted photograph shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Extent {
+    /// As many pixels as the photograph: corners of barrel lenses are cut off.
+    #[default]
+    Same,
+    /// All that the photograph shows, up to twice its width and height.
+    Covering,
+}
+
+/// How much wider and higher than the photograph the pinhole of all that it shows may be: images of fisheyes have no
+/// end.
+const MOST_GROWTH: i64 = 2;
+
+/// Places on a side of the border that are looked at.
+const BORDER_STEPS: u32 = 256;
+
+/// Places between the axis and the border.
+const WAY_STEPS: u32 = 64;
+
+/// The pinhole that shows what `camera` shows. Its pixels are those of `camera` around the axis.
+pub fn pinhole_of(camera: &Camera, extent: Extent) -> Camera {
+    let [width, height] = camera.size_px();
+    let is_pinhole = *camera.distortion() == Distortion::None;
+    let (size_px, shift_px) = match extent {
+        Extent::Covering if !is_pinhole => covering(camera),
+        Extent::Same | Extent::Covering => ([width, height], DVec2::ZERO),
+    };
+    let principal_px = camera.principal_px() + shift_px;
+    // A camera without its lens, of an image that has pixels, is a camera.
+    Camera::new(size_px, camera.focal_px(), principal_px, Distortion::None).unwrap_or_else(|_| camera.clone())
+}
+
+/// The size of the image of all directions, and how far its pixels are moved.
+fn covering(camera: &Camera) -> ([u32; 2], DVec2) {
+    let [width, height] = camera.size_px();
+    let (right, bottom) = (f64::from(width) - 0.5, f64::from(height) - 0.5);
+    let border = (0..=BORDER_STEPS).flat_map(|step| {
+        let share = f64::from(step) / f64::from(BORDER_STEPS);
+        let (x, y) = (-0.5 + share * f64::from(width), -0.5 + share * f64::from(height));
+        [[x, -0.5], [x, bottom], [-0.5, y], [right, y]].map(DVec2::from_array)
+    });
+    // Where the lens does not show the border, what it shows on the way there.
+    let middle = camera.principal_px();
+    let straight = border.filter_map(|pixel| {
+        let on_the_way = |step: u32| middle + (pixel - middle) * (f64::from(step) / f64::from(WAY_STEPS));
+        let ray = (1..=WAY_STEPS).rev().find_map(|step| camera.ray(on_the_way(step)))?;
+        Some(ray.truncate() * camera.focal_px() + middle)
+    });
+    let same = (DVec2::splat(-0.5), DVec2::new(right, bottom));
+    let (low, high) = straight
+        .map(|at| (at, at))
+        .reduce(|(low, high), (at, _)| (low.min(at), high.max(at)))
+        .unwrap_or(same);
+    // A little less than a whole pixel more is not worth one.
+    let low_px = (low + 0.5 + 1e-6).floor();
+    let high_px = (high + 0.5 - 1e-6).ceil();
+    let side = |axis: usize, side: u32| {
+        let (side, from, to) = (i64::from(side), low_px[axis] as i64, high_px[axis] as i64);
+        let room = (MOST_GROWTH - 1) * side / 2;
+        let (from, to) = (from.clamp(-room, side - 1), to.clamp(1, side + room));
+        (from, (to - from).clamp(1, MOST_GROWTH * side) as u32)
+    };
+    let ((left, columns), (top, rows)) = (side(0, width), side(1, height));
+    ([columns, rows], -DVec2::new(left as f64, top as f64))
+}
+
+/// What `to` shows of the photograph `image` of `from`. Both cameras stand at the same place and look the same way.
+pub fn undistort(image: &PhotoImage, from: &Camera, to: &Camera) -> PhotoImage {
+    if from == to && image.size_px() == to.size_px() {
+        return image.clone();
+    }
+    let [width, _] = to.size_px();
+    let [columns, rows] = to.size_px().map(|side| side as usize);
+    let mut pixels = vec![[0; 4]; columns * rows];
+    pixels
+        .par_chunks_exact_mut(columns)
+        .enumerate()
+        .for_each(|(row, line)| {
+            for (pixel, column) in line.iter_mut().zip(0..width) {
+                let ray = to.ray(DVec2::new(f64::from(column), row as f64));
+                let at = ray.and_then(|ray| from.pixel(ray)).filter(|&at| from.contains(at));
+                if let Some(at) = at {
+                    *pixel = image.bilinear(at).map(|value| (value + 0.5) as u8);
+                }
+            }
+        });
+    PhotoImage::new(to.size_px(), pixels).unwrap_or_else(|| image.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(distortion: Distortion) -> Camera {
+        Camera::new(
+            [200, 150],
+            DVec2::new(160.0, 158.0),
+            DVec2::new(104.0, 71.0),
+            distortion,
+        )
+        .unwrap()
+    }
+
+    fn lenses() -> Vec<Distortion> {
+        let p = [1e-3, -2e-3];
+        vec![
+            Distortion::Brown {
+                k: [-0.25, 0.06, 0.0],
+                p,
+            },
+            Distortion::Brown { k: [0.2, 0.0, 0.0], p },
+            Distortion::Fisheye {
+                k: [-0.01, 0.02, 0.0, 0.0],
+            },
+        ]
+    }
+
+    /// A smooth colour for each direction.
+    fn color(at: DVec2) -> [f64; 3] {
+        [7.0 * at.x, 6.0 * at.y, 5.0 * (at.x + at.y)].map(|angle| 127.0 + 120.0 * angle.sin())
+    }
+
+    fn painted(camera: &Camera) -> PhotoImage {
+        let [width, height] = camera.size_px();
+        let pixel = |column: u32, row: u32| {
+            let ray = camera.ray(DVec2::new(f64::from(column), f64::from(row)));
+            ray.map_or([0; 4], |ray| {
+                let [r, g, b] = color(ray.truncate()).map(|value| value.round() as u8);
+                [r, g, b, 255]
+            })
+        };
+        let pixels = (0..height).flat_map(|row| (0..width).map(move |column| pixel(column, row)));
+        PhotoImage::new([width, height], pixels.collect()).unwrap()
+    }
+
+    #[test]
+    fn straight_photographs_show_each_direction_where_a_pinhole_does() {
+        for lens in lenses() {
+            let bent = camera(lens);
+            for extent in [Extent::Same, Extent::Covering] {
+                let straight = pinhole_of(&bent, extent);
+                let image = undistort(&painted(&bent), &bent, &straight);
+                let expected = painted(&straight);
+                assert_eq!(image.size_px(), expected.size_px());
+                let (mut seen, mut worst) = (0, 0);
+                for (at, (found, expected)) in image.pixels().iter().zip(expected.pixels()).enumerate() {
+                    let column = at as u32 % image.size_px()[0];
+                    let row = at as u32 / image.size_px()[0];
+                    let ray = straight.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
+                    let from = bent.pixel(ray).unwrap_or(DVec2::NAN);
+                    // Beyond the middles of the border pixels there is nothing to take the colour between.
+                    if from.cmpge(DVec2::ZERO).all() && from.cmple(DVec2::new(199.0, 149.0)).all() {
+                        seen += 1;
+                        worst = (0..4).map(|c| found[c].abs_diff(expected[c])).fold(worst, u8::max);
+                    }
+                }
+                assert!(worst <= 2, "{worst} of {lens:?}");
+                assert!(seen > 20_000, "{seen} of {lens:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_covering_pinhole_loses_nothing() {
+        for lens in lenses() {
+            let bent = camera(lens);
+            let straight = pinhole_of(&bent, Extent::Covering);
+            let (mut shown, mut all) = (0, 0);
+            for row in 0..150 {
+                for column in 0..200 {
+                    let ray = bent.ray(DVec2::new(f64::from(column), f64::from(row))).unwrap();
+                    all += 1;
+                    shown += u32::from(straight.pixel(ray).is_some_and(|pixel| straight.contains(pixel)));
+                }
+            }
+            assert_eq!(shown, all, "{lens:?} in {:?}", straight.size_px());
+            // And is not larger than that: a border of it is reached on each side.
+            let image = undistort(&painted(&bent), &bent, &straight);
+            let [width, height] = image.size_px().map(|side| side as usize);
+            let alpha = |column: usize, row: usize| image.pixels()[row * width + column][3] > 0;
+            // Up to the half pixel that the first and the last row cover.
+            let on_border = [1, height - 2].map(|row| (0..width).any(|column| alpha(column, row)));
+            let beside = [1, width - 2].map(|column| (0..height).any(|row| alpha(column, row)));
+            assert_eq!((on_border, beside), ([true; 2], [true; 2]), "{lens:?}");
+        }
+        let wide = Camera::new(
+            [200, 200],
+            DVec2::splat(64.0),
+            DVec2::splat(99.5),
+            Distortion::Fisheye { k: [0.0; 4] },
+        );
+        assert_eq!(pinhole_of(&wide.unwrap(), Extent::Covering).size_px(), [400, 400]);
+    }
+
+    #[test]
+    fn what_a_photograph_does_not_show_has_no_alpha() {
+        let pincushion = camera(lenses()[1]);
+        let straight = pinhole_of(&pincushion, Extent::Same);
+        let image = undistort(&painted(&pincushion), &pincushion, &straight);
+        // A pincushion lens moves outward, so that corners of a pinhole are beyond its image.
+        assert_eq!(image.pixels()[0], [0; 4]);
+        assert_eq!(image.pixels()[75 * 200 + 100][3], 255);
+    }
+
+    #[test]
+    fn a_pinhole_is_left_as_it_is() {
+        let pinhole = camera(Distortion::None);
+        for extent in [Extent::Same, Extent::Covering] {
+            let same = pinhole_of(&pinhole, extent);
+            assert_eq!(same, pinhole);
+            assert_eq!(undistort(&painted(&pinhole), &pinhole, &same), painted(&pinhole));
+        }
+    }
+}

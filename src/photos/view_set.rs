@@ -1,0 +1,198 @@
+//! Calibrated photographs of one scene with its sparse points, and what can be measured of them.
+//!
+//! *Angles between views.* Views are weighted by the angle between two directions from a point of the surface (paper
+//! 004, section 3.2). Here the point is the middle of what a photograph sees: the median of the points in its tracks;
+//! where a format has no tracks, the place that the axes of all cameras come nearest to.
+
+use super::photo::Photo;
+use super::points::SparsePoints;
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// Photographs of a scene.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ViewSet {
+    /// In the order of the file that lists them.
+    pub photos: Vec<Photo>,
+    /// Sparse points; their tracks name photographs by index.
+    pub points: SparsePoints,
+    /// A file of points that the format names instead of holding them.
+    pub points_file: Option<PathBuf>,
+    /// What was left out or taken for granted, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Distances between where points were found in a photograph and where its camera shows them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReprojectionError {
+    /// Observations that were measured.
+    pub count: usize,
+    /// Observations of points that the camera cannot show, as they are behind it. They are not in the distances.
+    pub behind: usize,
+    /// Root of the mean square, in pixels.
+    pub rms_px: f64,
+    /// Half of the distances are shorter, in pixels.
+    pub median_px: f64,
+}
+
+/// A view beside another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    /// Index of the photograph.
+    pub photo: usize,
+    /// Angle between the two cameras, seen from the middle of what the first one sees, in radians.
+    pub angle: f64,
+}
+
+/// Points of a track that the middle of a view is taken from: more move it by less than a pixel.
+const MOST_POINTS_OF_A_MIDDLE: usize = 4096;
+
+/// Where a single one of 2^53 steps would matter: axes as parallel as that meet nowhere.
+const PARALLEL: f64 = 1e-6;
+
+impl ViewSet {
+    /// How far the observations of photograph `photo` are from where its camera shows their points; `None` where no
+    /// point was observed in it.
+    pub fn reprojection_error(&self, photo: usize) -> Option<ReprojectionError> {
+        self.reprojection_errors().get(photo).copied().flatten()
+    }
+
+    /// [`Self::reprojection_error`] of every photograph, by one walk over the points.
+    pub fn reprojection_errors(&self) -> Vec<Option<ReprojectionError>> {
+        let mut squares: Vec<Vec<f64>> = vec![Vec::new(); self.photos.len()];
+        let mut behind = vec![0; self.photos.len()];
+        for (point, &position) in self.points.positions().iter().enumerate() {
+            for seen in self.points.track(point) {
+                let index = seen.photo as usize;
+                let Some(photo) = self.photos.get(index) else { continue };
+                match photo.project(position) {
+                    Some(pixel) => squares[index].push(pixel.distance_squared(seen.pixel.as_dvec2())),
+                    None => behind[index] += 1,
+                }
+            }
+        }
+        let both = squares.into_iter().zip(behind);
+        both.map(|(squares, behind)| ReprojectionError::of(squares, behind))
+            .collect()
+    }
+
+    /// The `count` views beside photograph `photo`, nearest first. Walks over all points: to be kept by who asks often.
+    pub fn neighbours(&self, photo: usize, count: usize) -> Vec<Neighbour> {
+        let Some(middle) = self.middles().get(photo).copied() else {
+            return Vec::new();
+        };
+        let mut found = self.seen_from(middle, photo);
+        let nearer = |a: &Neighbour, b: &Neighbour| a.angle.total_cmp(&b.angle).then(a.photo.cmp(&b.photo));
+        if count < found.len() {
+            found.select_nth_unstable_by(count, nearer);
+            found.truncate(count);
+        }
+        found.sort_unstable_by(nearer);
+        found
+    }
+
+    /// The median of the angles between each view and the one nearest to it, in radians; `None` with less than two
+    /// views, and where all are from the same place.
+    pub fn median_neighbour_angle(&self) -> Option<f64> {
+        let nearest = |(photo, &middle): (usize, &DVec3)| {
+            let others = self.seen_from(middle, photo);
+            others.into_iter().map(|other| other.angle).min_by(f64::total_cmp)
+        };
+        let mut angles: Vec<f64> = self
+            .middles()
+            .par_iter()
+            .enumerate()
+            .filter_map(nearest)
+            .filter(|&angle| angle > 0.0)
+            .collect();
+        median(&mut angles)
+    }
+
+    /// The place in the world that each photograph looks at.
+    pub fn middles(&self) -> Vec<DVec3> {
+        let mut seen: Vec<Vec<DVec3>> = vec![Vec::new(); self.photos.len()];
+        for (point, &position) in self.points.positions().iter().enumerate() {
+            for observation in self.points.track(point) {
+                let Some(of_photo) = seen.get_mut(observation.photo as usize) else {
+                    continue;
+                };
+                if of_photo.len() < MOST_POINTS_OF_A_MIDDLE {
+                    of_photo.push(position);
+                }
+            }
+        }
+        let crossing = self.crossing_of_axes();
+        let photos = self.photos.iter().zip(seen);
+        photos
+            .map(|(photo, points)| {
+                median_place(&points)
+                    .or(crossing)
+                    .unwrap_or_else(|| photo.center() + photo.forward())
+            })
+            .collect()
+    }
+
+    /// All views but `photo`, by their angles at `middle`.
+    fn seen_from(&self, middle: DVec3, photo: usize) -> Vec<Neighbour> {
+        let direction = |photo: &Photo| photo.center() - middle;
+        let own = self.photos.get(photo).map_or(DVec3::ZERO, direction);
+        let others = self.photos.iter().enumerate().filter(|&(other, _)| other != photo);
+        others
+            .map(|(photo, other)| Neighbour {
+                photo,
+                angle: angle_between(own, direction(other)),
+            })
+            .collect()
+    }
+
+    /// The place that the axes of all cameras come nearest to: least squares of the distances to them.
+    fn crossing_of_axes(&self) -> Option<DVec3> {
+        let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+        for photo in &self.photos {
+            let axis = photo.forward();
+            let across = DMat3::IDENTITY - DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+            matrix += across;
+            right += across * photo.center();
+        }
+        let count = self.photos.len() as f64;
+        let is_well_posed = matrix.determinant() > PARALLEL * count.powi(3);
+        let crossing = matrix.inverse() * right;
+        // Axes that lead apart cross behind their cameras, where nothing is seen.
+        let ahead = self.photos.iter().filter(|photo| photo.depth_of(crossing) > 0.0);
+        (is_well_posed && crossing.is_finite() && 2 * ahead.count() > self.photos.len()).then_some(crossing)
+    }
+}
+
+impl ReprojectionError {
+    fn of(mut squares: Vec<f64>, behind: usize) -> Option<Self> {
+        let count = squares.len();
+        if count + behind == 0 {
+            return None;
+        }
+        let rms_px = (squares.iter().sum::<f64>() / count.max(1) as f64).sqrt();
+        Some(Self {
+            count,
+            behind,
+            rms_px,
+            median_px: median(&mut squares).map_or(0.0, f64::sqrt),
+        })
+    }
+}
+
+/// The upper median; `None` of nothing.
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Median of each coordinate.
+fn median_place(points: &[DVec3]) -> Option<DVec3> {
+    let of = |axis: usize| median(&mut points.iter().map(|point| point[axis]).collect::<Vec<_>>());
+    Some(DVec3::new(of(0)?, of(1)?, of(2)?))
+}
+
+/// In radians; exact for small angles too, and 0 where one has no direction.
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}

@@ -1,0 +1,205 @@
+//! Which photographs look at a place, and from how near to the eye's direction: eight of them at a time.
+
+use crate::scene::PhotoView;
+use glam::Vec3;
+
+/// Photographs that are asked together.
+const LANES: usize = 8;
+
+/// A number of each of eight photographs.
+type Eight = [f32; LANES];
+
+/// Eight photographs; those that are none have no pixels.
+#[derive(Debug, Clone, Default)]
+struct Group {
+    /// Rows of the matrices into the spaces of their cameras.
+    rows: [[Eight; 4]; 3],
+    center: [Eight; 3],
+    focal: [Eight; 2],
+    principal: [Eight; 2],
+    size: [Eight; 2],
+}
+
+/// All photographs of a picture.
+#[derive(Debug)]
+pub(super) struct Candidates {
+    groups: Vec<Group>,
+}
+
+/// How photographs see one place.
+#[derive(Debug, Default)]
+pub(super) struct Scores {
+    /// The cosine of the angle between the ways to the camera and to the eye; [`Scores::NONE`] where it does not look.
+    cosines: Vec<f32>,
+    /// Where it is in them, texels from the upper left corner.
+    places: [Vec<f32>; 2],
+    /// Along the axes of their cameras.
+    distances: Vec<f32>,
+}
+
+impl Candidates {
+    pub(super) fn of(views: &[PhotoView]) -> Self {
+        let group = |views: &[PhotoView]| {
+            let mut group = Group::default();
+            for (lane, view) in views.iter().enumerate() {
+                for (row, of_view) in group.rows.iter_mut().zip(&view.camera_from_view) {
+                    for (column, value) in row.iter_mut().zip(of_view.to_array()) {
+                        column[lane] = value;
+                    }
+                }
+                for axis in 0..3 {
+                    group.center[axis][lane] = view.center[axis];
+                }
+                for axis in 0..2 {
+                    group.focal[axis][lane] = view.focal[axis];
+                    group.principal[axis][lane] = view.principal[axis];
+                    group.size[axis][lane] = view.size[axis];
+                }
+            }
+            group
+        };
+        Self {
+            groups: views.chunks(LANES).map(group).collect(),
+        }
+    }
+
+    /// Scores all photographs for a place in view space. `to_eye` has length 1, and `normal` too if it is known.
+    #[inline(always)]
+    pub(super) fn score(&self, place: Vec3, to_eye: Vec3, normal: Vec3, scores: &mut Scores) {
+        scores.resize(LANES * self.groups.len());
+        let (cosines, _) = scores.cosines.as_chunks_mut::<LANES>();
+        let [columns, rows] = &mut scores.places;
+        let (columns, _) = columns.as_chunks_mut::<LANES>();
+        let (rows, _) = rows.as_chunks_mut::<LANES>();
+        let (distances, _) = scores.distances.as_chunks_mut::<LANES>();
+        let of_groups = cosines.iter_mut().zip(columns).zip(rows.iter_mut().zip(distances));
+        for (group, ((cosines, columns), (rows, distances))) in self.groups.iter().zip(of_groups) {
+            for lane in 0..LANES {
+                let along = |row: &[Eight; 4]| {
+                    row[0][lane] * place.x + row[1][lane] * place.y + row[2][lane] * place.z + row[3][lane]
+                };
+                let distance = along(&group.rows[2]);
+                let per_distance = 1.0 / distance;
+                let column = along(&group.rows[0]) * per_distance * group.focal[0][lane] + group.principal[0][lane];
+                let row = along(&group.rows[1]) * per_distance * group.focal[1][lane] + group.principal[1][lane];
+                let [x, y, z] = [
+                    group.center[0][lane] - place.x,
+                    group.center[1][lane] - place.y,
+                    group.center[2][lane] - place.z,
+                ];
+                let length2 = x * x + y * y + z * z;
+                let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) / length2.max(f32::MIN_POSITIVE).sqrt();
+                let facing = x * normal.x + y * normal.y + z * normal.z;
+                let is_inside = (distance > 0.0)
+                    & (column >= 0.0)
+                    & (column < group.size[0][lane])
+                    & (row >= 0.0)
+                    & (row < group.size[1][lane]);
+                // Without a normal that is 0 everywhere.
+                let looks = is_inside & (facing >= 0.0);
+                cosines[lane] = if looks { cosine } else { Scores::NONE };
+                columns[lane] = column;
+                rows[lane] = row;
+                distances[lane] = distance;
+            }
+        }
+    }
+}
+
+impl Scores {
+    /// Below all cosines.
+    const NONE: f32 = -2.0;
+
+    fn resize(&mut self, count: usize) {
+        if self.cosines.len() != count {
+            let [columns, rows] = &mut self.places;
+            for values in [&mut self.cosines, columns, rows, &mut self.distances] {
+                values.resize(count, Self::NONE);
+            }
+        }
+    }
+
+    /// The photograph that looks from nearest to the eye's direction, with the cosine between both; it is not found
+    /// again.
+    #[inline(always)]
+    pub(super) fn take_best(&mut self) -> Option<(usize, f32)> {
+        let (mut best, mut cosine) = (0, Self::NONE);
+        for (at, &value) in self.cosines.iter().enumerate() {
+            if value > cosine {
+                (best, cosine) = (at, value);
+            }
+        }
+        if cosine == Self::NONE {
+            return None;
+        }
+        self.cosines[best] = Self::NONE;
+        Some((best, cosine))
+    }
+
+    /// Where the place is in a photograph, texels from its upper left corner.
+    pub(super) fn place(&self, view: usize) -> [f32; 2] {
+        [self.places[0][view], self.places[1][view]]
+    }
+
+    /// How far away it is along the axis of its camera.
+    pub(super) fn distance(&self, view: usize) -> f32 {
+        self.distances[view]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec4;
+
+    /// Cameras at these places of view space that look along −z.
+    fn looking_down(centers: &[Vec3]) -> Vec<PhotoView> {
+        let of = |&center: &Vec3| PhotoView {
+            camera_from_view: [
+                Vec4::new(1.0, 0.0, 0.0, -center.x),
+                Vec4::new(0.0, -1.0, 0.0, center.y),
+                Vec4::new(0.0, 0.0, -1.0, center.z),
+            ],
+            center,
+            focal: [100.0; 2],
+            principal: [50.0, 40.0],
+            size: [100.0, 80.0],
+            gain: Vec3::ONE,
+        };
+        centers.iter().map(of).collect()
+    }
+
+    #[test]
+    fn the_nearest_direction_comes_first_and_each_comes_once() {
+        let centers: Vec<Vec3> = (0..11).map(|at| Vec3::new(0.1 * at as f32 - 0.42, 0.0, 2.0)).collect();
+        let candidates = Candidates::of(&looking_down(&centers));
+        let mut scores = Scores::default();
+        candidates.score(Vec3::new(0.0, 0.0, -1.0), Vec3::Z, Vec3::ZERO, &mut scores);
+        let mut found = Vec::new();
+        while let Some((view, cosine)) = scores.take_best() {
+            let expected = (centers[view] + Vec3::Z).normalize().z;
+            assert!((cosine - expected).abs() < 1e-6);
+            found.push(view);
+        }
+        assert_eq!(found, [4, 5, 3, 6, 2, 7, 1, 8, 0, 9, 10]);
+        assert_eq!(scores.distance(4), 3.0);
+        let [column, row] = scores.place(4);
+        assert!((column - (50.0 + 100.0 * 0.02 / 3.0)).abs() < 1e-4 && (row - 40.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_does_not_look_at_a_place_is_none() {
+        let behind = Vec3::new(0.0, 0.0, -3.0);
+        let aside = Vec3::new(3.0, 0.0, 2.0);
+        let above = Vec3::new(0.0, 0.1, 2.0);
+        let candidates = Candidates::of(&looking_down(&[behind, aside, above]));
+        let mut scores = Scores::default();
+        let place = Vec3::new(0.0, 0.0, -1.0);
+        candidates.score(place, Vec3::Z, Vec3::ZERO, &mut scores);
+        assert_eq!(scores.take_best().map(|(view, _)| view), Some(2));
+        assert_eq!(scores.take_best(), None);
+        // A surface that faces away from it.
+        candidates.score(place, Vec3::Z, Vec3::new(0.0, -1.0, 0.0), &mut scores);
+        assert_eq!(scores.take_best(), None);
+    }
+}

@@ -1,0 +1,257 @@
+//! Surfaces have their colours from photographs (paper 004 §3.2–3.4); what that is: `scene/photographs.rs`.
+//!
+//! How it works: when all splats of a tile are summed up, each pixel of the surface asks where all photographs have it,
+//! eight of them at a time. It then goes through those that look at it, the nearest to the eye's direction first, and
+//! leaves out those from which something hides it, until there are enough. Only these are sampled.
+
+mod candidates;
+mod depths;
+mod sampling;
+
+pub(in crate::render) use depths::{DepthMap, DepthMaps};
+
+use super::tile::{Tile, WIDTH};
+use super::view::{PixelRect, PixelView};
+use crate::photos::Photograph;
+use crate::render::constants::{PHOTO_LEAST_COSINE, PHOTO_RIM};
+use crate::scene::{PhotoClipping, PhotoHoles, PhotoStyle, PhotoViews};
+use candidates::{Candidates, Scores};
+use depths::Seen;
+use glam::Vec3;
+use sampling::{Footprint, sample};
+use std::sync::Arc;
+
+/// The photographs of a picture.
+#[derive(Debug)]
+pub(super) struct Projected<'a> {
+    views: &'a PhotoViews,
+    photographs: &'a [Arc<Photograph>],
+    depths: &'a [DepthMap],
+    candidates: Candidates,
+}
+
+/// A place of the surface, in view space.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    position: Vec3,
+    /// Of length 1.
+    to_eye: Vec3,
+    /// Of length 1, towards the eye; zero where nobody knows it.
+    normal: Vec3,
+    /// How far the place moves for a pixel to the right, and for one downwards.
+    per_px: [Vec3; 2],
+}
+
+/// A photograph that sees a place.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seeing {
+    view: usize,
+    /// Square of the angle between the ways to it and to the eye.
+    angle2: f32,
+}
+
+/// What the photographs say of a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Found {
+    Color([f32; 3]),
+    /// None of them sees it.
+    Unseen,
+    /// It is not there.
+    Clipped,
+}
+
+impl<'a> Projected<'a> {
+    /// Precondition: there is a depth map for each photograph, in their order.
+    pub(super) fn new(views: &'a PhotoViews, photographs: &'a [Arc<Photograph>], depths: &'a [DepthMap]) -> Self {
+        Self {
+            views,
+            photographs,
+            depths,
+            candidates: Candidates::of(&views.views),
+        }
+    }
+
+    /// Colours the surface in a tile. Precondition: it holds sums of surfaces.
+    #[inline(always)]
+    pub(super) fn color(&self, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
+        let mut scores = Scores::default();
+        for y in clip.start[1]..clip.end[1] {
+            let first = WIDTH * (y - tile.origin[1]) as usize;
+            for x in clip.start[0]..clip.end[0] {
+                let at = first + (x - tile.origin[0]) as usize;
+                let weight = tile.weight[at];
+                if weight <= 0.0 {
+                    continue;
+                }
+                let [nx, ny, nz, depth] = [0, 1, 2, 3].map(|sum| tile.surfaces[sum][at] / weight);
+                let place = Place::at(
+                    view,
+                    [x, y],
+                    view.near / depth.max(f32::MIN_POSITIVE),
+                    Vec3::new(nx, ny, nz),
+                );
+                match self.find(&place, &mut scores) {
+                    Found::Color(color) => {
+                        for (sum, value) in tile.colors.iter_mut().zip(color) {
+                            sum[at] = value * weight;
+                        }
+                    }
+                    Found::Unseen if self.views.holes == PhotoHoles::Points => {}
+                    Found::Unseen | Found::Clipped => {
+                        tile.weight[at] = 0.0;
+                        tile.depth[at] = 0.0;
+                        let sums = tile.colors.iter_mut().chain(&mut tile.surfaces);
+                        sums.for_each(|sum| sum[at] = 0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The colour of a place.
+    #[inline(always)]
+    fn find(&self, place: &Place, scores: &mut Scores) -> Found {
+        self.candidates
+            .score(place.position, place.to_eye, place.normal, scores);
+        // One more than is blended: weights are relative to that of the last.
+        let mut seeing = [Seeing::default(); PhotoStyle::MOST_VIEWS + 1];
+        let wanted = self.views.blended + 1;
+        let (mut count, mut through, mut nearest) = (0, 0.0, None);
+        for _ in 0..PhotoViews::MOST_ASKED {
+            let Some((view, cosine)) = scores.take_best() else {
+                break;
+            };
+            let angle = cosine.clamp(-1.0, 1.0).acos();
+            let angle2 = angle * angle;
+            let least = *nearest.get_or_insert(angle2);
+            let of_view = &self.views.views[view];
+            let [column, row] = scores.place(view);
+            let share = [column / of_view.size[0], row / of_view.size[1]];
+            match self.depths[view].seen(share, scores.distance(view)) {
+                Seen::Hidden => continue,
+                Seen::Through => {
+                    through += self.weight(angle2 - least);
+                    continue;
+                }
+                Seen::There => {}
+            }
+            seeing[count] = Seeing { view, angle2 };
+            count += 1;
+            if count == wanted {
+                break;
+            }
+        }
+        let seeing = &seeing[..count];
+        let is_clipped = match self.views.clipping {
+            PhotoClipping::Off => false,
+            PhotoClipping::Paper => through > 0.0,
+            PhotoClipping::Vote => {
+                let least = nearest.unwrap_or_default();
+                through > seeing.iter().map(|seen| self.weight(seen.angle2 - least)).sum::<f32>()
+            }
+        };
+        if is_clipped {
+            return Found::Clipped;
+        }
+        self.blend(place, seeing, scores)
+    }
+
+    /// The weight of a view whose squared angle is so much larger than that of the nearest (Eq. 2).
+    #[inline(always)]
+    fn weight(&self, angle2: f32) -> f32 {
+        (-angle2 * self.views.per_sigma2).exp()
+    }
+
+    /// What those that see a place show there, nearest first, with one more than is blended if there are as many.
+    #[inline(always)]
+    fn blend(&self, place: &Place, seeing: &[Seeing], scores: &Scores) -> Found {
+        let Some(nearest) = seeing.first() else {
+            return Found::Unseen;
+        };
+        let weight = |seen: &Seeing| self.weight(seen.angle2 - nearest.angle2);
+        let blended = &seeing[..seeing.len().min(self.views.blended)];
+        let beyond = seeing.get(self.views.blended).map_or(0.0, weight);
+        // Where that is as near as the nearest, all count alike.
+        let beyond = if beyond < 0.999 { beyond } else { 0.0 };
+        let (mut color, mut sum, mut object, mut background) = (Vec3::ZERO, 0.0, 0.0, 0.0);
+        for seen in blended {
+            let view = &self.views.views[seen.view];
+            let photograph = &self.photographs[seen.view];
+            let footprint = self.footprint(seen.view, place, scores);
+            let [red, green, blue, alpha] = sample(&photograph.texture, &footprint);
+            let weight = (weight(seen) - beyond) * rim(scores.place(seen.view), view.size);
+            color += weight * view.gain * Vec3::new(red, green, blue);
+            sum += weight * alpha;
+            if photograph.is_masked {
+                object += weight * alpha;
+                background += weight * (1.0 - alpha);
+            }
+        }
+        let is_background = match self.views.clipping {
+            PhotoClipping::Off => false,
+            PhotoClipping::Vote => background > object,
+            PhotoClipping::Paper => background > 0.0,
+        };
+        if is_background {
+            Found::Clipped
+        } else if sum > 0.0 {
+            Found::Color((color / sum).min(Vec3::ONE).to_array())
+        } else {
+            Found::Unseen
+        }
+    }
+
+    /// What a pixel covers of a photograph: the derivative of its projection.
+    #[inline(always)]
+    fn footprint(&self, view: usize, place: &Place, scores: &Scores) -> Footprint {
+        let of_view = &self.views.views[view];
+        let at = scores.place(view);
+        let per_distance = 1.0 / scores.distance(view);
+        let [x, y, z] = of_view.camera_from_view.map(|row| row.truncate());
+        let per_px = place.per_px.map(|step| {
+            let deeper = z.dot(step);
+            [(x, 0), (y, 1)].map(|(row, axis)| {
+                let slope = (at[axis] - of_view.principal[axis]) / of_view.focal[axis];
+                of_view.focal[axis] * per_distance * (row.dot(step) - slope * deeper)
+            })
+        });
+        Footprint { place: at, per_px }
+    }
+}
+
+/// Photographs fade towards their borders.
+#[inline(always)]
+fn rim(place: [f32; 2], size: [f32; 2]) -> f32 {
+    let inwards = |axis: usize| place[axis].min(size[axis] - place[axis]) / (PHOTO_RIM * size[axis]);
+    inwards(0).min(inwards(1)).clamp(1e-3, 1.0)
+}
+
+impl Place {
+    /// The surface at a pixel, `distance` along the view axis.
+    #[inline(always)]
+    fn at(view: &PixelView, [x, y]: [i32; 2], distance: f32, normal: Vec3) -> Self {
+        let right = (x as f32 + 0.5 - view.middle_px[0]) / view.px_per_slope[0];
+        let down = (y as f32 + 0.5 - view.middle_px[1]) / view.px_per_slope[1];
+        let ray = Vec3::new(right, down, -1.0);
+        let to_eye = -ray.normalize();
+        let facing = normal.dot(to_eye);
+        let normal = (normal * facing.signum()).normalize_or_zero();
+        let per_px = [
+            Vec3::X * (distance / view.px_per_slope[0]),
+            Vec3::Y * (distance / view.px_per_slope[1]),
+        ];
+        let cosine = normal.dot(to_eye);
+        let per_px = if normal == Vec3::ZERO {
+            per_px
+        } else {
+            // Along the ray, down to the plane through the place.
+            per_px.map(|step| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_LEAST_COSINE)))
+        };
+        Self {
+            position: distance * ray,
+            to_eye,
+            normal,
+            per_px,
+        }
+    }
+}

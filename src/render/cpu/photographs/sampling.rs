@@ -1,0 +1,70 @@
+//! Colours of photographs between and across texels (paper 004 §3.4): trilinear along the short axis of what a pixel
+//! covers, several times along its long one.
+
+use crate::photos::Texture;
+use crate::render::constants::PHOTO_MOST_TAPS;
+
+/// A place in a photograph, and what one pixel of the picture covers there; all in texels of the finest level.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    pub(super) place: [f32; 2],
+    /// How far the place moves for a pixel to the right, and for one downwards.
+    pub(super) per_px: [[f32; 2]; 2],
+}
+
+/// Red, green and blue times alpha, and alpha, 0 to 1.
+#[inline(always)]
+pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
+    let [first, second] = footprint.per_px;
+    let [first_len, second_len] = [first, second].map(|[x, y]| x.hypot(y));
+    let (long, long_len, short_len) = if first_len >= second_len {
+        (first, first_len, second_len)
+    } else {
+        (second, second_len, first_len)
+    };
+    let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MOST_TAPS);
+    let lod = (long_len / taps).max(1.0).log2();
+    let mut sum = [0.0; 4];
+    for tap in 0..taps as usize {
+        let along = (tap as f32 + 0.5) / taps - 0.5;
+        let place = [0, 1].map(|axis| footprint.place[axis] + along * long[axis]);
+        let found = texture.between_texels(place, lod);
+        for (sum, value) in sum.iter_mut().zip(found) {
+            *sum += value;
+        }
+    }
+    sum.map(|sum| sum / taps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photos::PhotoImage;
+
+    fn footprint(place: [f32; 2], right: [f32; 2], down: [f32; 2]) -> Footprint {
+        Footprint {
+            place,
+            per_px: [right, down],
+        }
+    }
+
+    fn textured(texels: Vec<[u8; 4]>) -> Texture {
+        Texture::new(PhotoImage::new([8, 8], texels).unwrap())
+    }
+
+    /// A checker of single texels seen from afar is grey; seen from the side it is so as well, and stays sharp across.
+    #[test]
+    fn what_a_pixel_covers_is_averaged() {
+        let checker = (0..64).map(|at| [255 * ((at % 8 + at / 8) % 2) as u8; 3]);
+        let checker = checker.map(|[red, green, blue]| [red, green, blue, 255]);
+        let checker = textured(checker.collect());
+        let [far, ..] = sample(&checker, &footprint([4.0, 4.0], [4.0, 0.0], [0.0, 4.0]));
+        assert!((far - 0.5).abs() < 0.01, "{far}");
+        let stripes = (0..64).map(|at| [255 * (at / 8 % 2) as u8, 0, 0, 255]);
+        let stripes = textured(stripes.collect());
+        let [along, ..] = sample(&stripes, &footprint([4.0, 3.5], [4.0, 0.0], [0.0, 1.0]));
+        assert!((along - 1.0).abs() < 0.01, "{along}");
+        let [across, ..] = sample(&stripes, &footprint([3.5, 4.0], [1.0, 0.0], [0.0, 4.0]));
+        assert!((across - 0.5).abs() < 0.01, "{across}");
+    }
+}

@@ -1,0 +1,224 @@
+//! Photographs as textures, for the passes that put them on surfaces (`shaders/common/photographs.wgsl`).
+//!
+//! All of them are layers of one texture, each in the upper left corner, with mip levels of their own: shaders read
+//! texels and filter them themselves, as the processor does. Depths are drawn by the processor, once for each frame.
+//! A small table says where the photographs are in this picture.
+
+use super::context::Context;
+use crate::photos::Photographs;
+use crate::render::cpu::{DepthMap, DepthMaps, depths_of_photographs};
+use crate::scene::{PhotoClipping, PhotoHoles, PhotoView, PhotoViews, PhotographsInFrame, ScenePacket};
+use std::sync::Arc;
+
+/// What shaders read of the choices that are no numbers.
+pub(super) const PHOTO_LEAVES_HOLES: u32 = 1;
+pub(super) const PHOTO_CLIPS_BY_VOTE: u32 = 2;
+pub(super) const PHOTO_CLIPS_BY_ANY: u32 = 4;
+
+/// Entries of a row of the table.
+const COLUMNS: usize = 8;
+
+/// Photographs on the graphics card.
+#[derive(Debug)]
+pub(super) struct PhotoTextures {
+    texels_of: Arc<Photographs>,
+    texels: wgpu::TextureView,
+    depth_maps: Option<DepthMaps>,
+    depths_of: PhotographsInFrame,
+    depths: wgpu::TextureView,
+    table: wgpu::TextureView,
+}
+
+impl PhotoTextures {
+    /// Those of a packet. What `known` has of it stays.
+    pub(super) fn of(
+        context: &Context,
+        known: Option<Self>,
+        (shown, views): (&PhotographsInFrame, &PhotoViews),
+        packet: &ScenePacket,
+    ) -> Self {
+        let (mut depth_maps, known_textures) = match known {
+            Some(known) => (
+                known.depth_maps,
+                Some((known.texels_of, known.texels, known.depths_of, known.depths)),
+            ),
+            None => (None, None),
+        };
+        let style_before = depth_maps.as_ref().map(|maps| maps.of.1);
+        let maps = depths_of_photographs(&mut depth_maps, packet);
+        let table = table(context, views, shown, maps);
+        let known_texels = known_textures
+            .as_ref()
+            .filter(|(of, ..)| Arc::ptr_eq(of, &shown.photographs));
+        let texels = known_texels.map_or_else(|| texels(context, &shown.photographs), |(_, texels, ..)| texels.clone());
+        let has_same_style = style_before == Some(packet.style.surfels);
+        let known_depths = known_textures
+            .as_ref()
+            .filter(|(_, _, of, _)| has_same_style && of == shown)
+            .map(|(.., depths)| depths.clone());
+        let depths = known_depths.unwrap_or_else(|| depths(context, maps));
+        Self {
+            texels_of: Arc::clone(&shown.photographs),
+            texels,
+            depth_maps,
+            depths_of: shown.clone(),
+            depths,
+            table,
+        }
+    }
+
+    /// In the order of their bindings.
+    pub(super) fn views(&self) -> [&wgpu::TextureView; 3] {
+        [&self.table, &self.texels, &self.depths]
+    }
+}
+
+/// Layers of a texture that an adapter has at most: photographs behind these are left out.
+fn layers(context: &Context, photographs: usize) -> usize {
+    photographs.min(context.limits.max_texture_array_layers as usize).max(1)
+}
+
+/// The largest width and height of some.
+fn largest(sizes: impl Iterator<Item = [u32; 2]>) -> [u32; 2] {
+    sizes.fold([1; 2], |largest, size| [0, 1].map(|axis| largest[axis].max(size[axis])))
+}
+
+fn texels(context: &Context, photographs: &Photographs) -> wgpu::TextureView {
+    let all = photographs.all();
+    let count = layers(context, all.len());
+    let size = largest(all.iter().map(|photograph| photograph.texture.size_px()));
+    let levels = 32 - size[0].max(size[1]).leading_zeros();
+    let texture = layered(
+        context,
+        "photographs",
+        (size, count, levels),
+        wgpu::TextureFormat::Rgba8Unorm,
+    );
+    for (layer, photograph) in (0..).zip(&all[..count.min(all.len())]) {
+        for (level, of_level) in (0..).zip(photograph.texture.levels()) {
+            write(
+                context,
+                &texture,
+                (layer, level),
+                of_level.size_px(),
+                bytemuck::cast_slice(of_level.pixels()),
+            );
+        }
+    }
+    view(&texture, wgpu::TextureViewDimension::D2Array)
+}
+
+fn depths(context: &Context, maps: &[DepthMap]) -> wgpu::TextureView {
+    let count = layers(context, maps.len());
+    let size = largest(maps.iter().map(|map| map.size));
+    let texture = layered(
+        context,
+        "depths of photographs",
+        (size, count, 1),
+        wgpu::TextureFormat::R32Float,
+    );
+    for (layer, map) in (0..).zip(&maps[..count.min(maps.len())]) {
+        write(
+            context,
+            &texture,
+            (layer, 0),
+            map.size,
+            bytemuck::cast_slice(&map.distances),
+        );
+    }
+    view(&texture, wgpu::TextureViewDimension::D2Array)
+}
+
+fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps: &[DepthMap]) -> wgpu::TextureView {
+    let count = layers(context, views.views.len()).min(views.views.len());
+    let mut flags = match views.clipping {
+        PhotoClipping::Vote => PHOTO_CLIPS_BY_VOTE,
+        PhotoClipping::Paper => PHOTO_CLIPS_BY_ANY,
+        PhotoClipping::Off => 0,
+    };
+    if views.holes == PhotoHoles::Left {
+        flags |= PHOTO_LEAVES_HOLES;
+    }
+    let mut rows = vec![[0.0; 4]; COLUMNS];
+    rows[0] = [count as f32, views.blended as f32, views.per_sigma2, flags as f32];
+    for ((view, photograph), map) in views.views.iter().zip(shown.photographs.all()).zip(maps).take(count) {
+        let levels = photograph.texture.levels().len();
+        rows.extend(row(view, (levels, photograph.is_masked), map));
+    }
+    let size = [COLUMNS as u32, (rows.len() / COLUMNS) as u32];
+    let texture = layered(
+        context,
+        "table of photographs",
+        (size, 1, 1),
+        wgpu::TextureFormat::Rgba32Float,
+    );
+    write(context, &texture, (0, 0), size, bytemuck::cast_slice(&rows));
+    view(&texture, wgpu::TextureViewDimension::D2)
+}
+
+fn row(view: &PhotoView, (levels, is_masked): (usize, bool), map: &DepthMap) -> [[f32; 4]; COLUMNS] {
+    let [x, y, z] = view.camera_from_view.map(|row| row.to_array());
+    let one_if = |condition: bool| if condition { 1.0 } else { 0.0 };
+    let [width, height] = map.size.map(|edge| edge as f32);
+    [
+        x,
+        y,
+        z,
+        view.center.extend(0.0).to_array(),
+        [view.focal[0], view.focal[1], view.principal[0], view.principal[1]],
+        [view.size[0], view.size[1], levels as f32, one_if(is_masked)],
+        view.gain.extend(0.0).to_array(),
+        [width, height, map.tolerance, one_if(map.is_measured)],
+    ]
+}
+
+fn layered(
+    context: &Context,
+    label: &str,
+    ([width, height], layers, mip_level_count): ([u32; 2], usize, u32),
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layers as u32,
+        },
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// Writes the upper left corner of a level of a layer.
+fn write(context: &Context, texture: &wgpu::Texture, (layer, level): (u32, u32), size: [u32; 2], texels: &[u8]) {
+    let [width, height] = size;
+    let to = wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: level,
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+        aspect: wgpu::TextureAspect::All,
+    };
+    let rows = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(texels.len() as u32 / height),
+        rows_per_image: None,
+    };
+    let extent = wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    };
+    context.queue.write_texture(to, texels, rows, extent);
+}
+
+fn view(texture: &wgpu::Texture, dimension: wgpu::TextureViewDimension) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(dimension),
+        ..wgpu::TextureViewDescriptor::default()
+    })
+}

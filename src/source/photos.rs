@@ -1,0 +1,97 @@
+//! Calibrated photographs as a sequence of one frame: the sparse points that they were calibrated with, or dense ones
+//! that stereo makes of them.
+//!
+//! The frame is an ordinary cloud, so all that works with clouds works with it. Whoever wants the photographs as well
+//! asks [`Source::photographs`].
+
+use super::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
+use crate::cloud::{Positions, RawCloud};
+use crate::io::{self, Part};
+use crate::photos::{self, PhotosError, ViewSet};
+use crate::progress::Progress;
+use crate::stereo::Dense;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Photographs of one scene.
+#[derive(Debug)]
+pub struct PhotoScene {
+    set: Arc<ViewSet>,
+    entry: Arc<FrameEntry>,
+    inputs: Vec<PathBuf>,
+    options: OpenOptions,
+}
+
+impl PhotoScene {
+    /// The photographs of the folder or file that is the one input; `None` if it is of another kind.
+    ///
+    /// # Errors
+    /// [`PhotosError`], once something says that there are calibrated photographs.
+    pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Self>, PhotosError> {
+        let [input] = inputs else {
+            return Ok(None);
+        };
+        let Some(found) = photos::find(input)? else {
+            return Ok(None);
+        };
+        let set = found.read()?;
+        Ok(Some(Self {
+            entry: Arc::new(FrameEntry::file(set.points_file.as_ref().unwrap_or(input))),
+            set: Arc::new(set),
+            inputs: inputs.to_vec(),
+            options: options.clone(),
+        }))
+    }
+}
+
+impl Source for PhotoScene {
+    fn frames(&self) -> Range<usize> {
+        0..1
+    }
+
+    fn entry(&self, _index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&self.entry)
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        let (set, options) = (Arc::clone(&self.set), self.options.clone());
+        Box::new(move |_: &FrameEntry, progress: &Progress| cloud(&set, &options, progress))
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+        Some(Arc::clone(&self.set))
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.set.notes
+    }
+}
+
+/// The sparse points of a set, or of the file that it names; where there are none, and where they are wanted, dense
+/// ones by stereo.
+fn cloud(set: &ViewSet, options: &OpenOptions, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+    let points = &set.points;
+    let file = set.points_file.as_ref().filter(|_| points.is_empty());
+    if options.dense || (points.is_empty() && file.is_none()) {
+        return Ok(Dense::default().cloud(set, progress)?);
+    }
+    if let Some(file) = file {
+        return Ok(io::read_part_observed(file, &Part::Whole, &options.read, progress)?);
+    }
+    let positions = points.positions().iter().map(|position| position.to_array());
+    let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
+    let colors = points
+        .colors()
+        .iter()
+        .map(|&[red, green, blue]| [red, green, blue, 255]);
+    cloud.attributes.colors = Some(colors.collect());
+    cloud.attributes.normals = points
+        .normals()
+        .map(|normals| normals.iter().map(|normal| normal.to_array()).collect());
+    Ok(cloud)
+}

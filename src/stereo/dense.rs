@@ -1,0 +1,205 @@
+//! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
+//!
+//! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
+//! points or, without any, around the place that all cameras look at; depths that views do not agree on are dropped,
+//! and what is left becomes points.
+
+use super::{Consistency, PlaneSweep, StereoError, View, cloud, consistent};
+use crate::cloud::RawCloud;
+use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
+use crate::progress::Progress;
+use crate::rgbd::{ColorImage, DepthImage};
+use rayon::prelude::*;
+
+/// How dense points are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dense {
+    /// Photographs are halved until no side is longer.
+    pub most_side_px: u32,
+    /// Other photographs that each is compared with.
+    pub neighbours: usize,
+    /// Which depths are kept.
+    pub consistency: Consistency,
+}
+
+impl Default for Dense {
+    fn default() -> Self {
+        Self {
+            most_side_px: 640,
+            neighbours: 4,
+            consistency: Consistency::default(),
+        }
+    }
+}
+
+/// Why photographs have no dense points.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DenseError {
+    /// Too few of them can be read.
+    #[error("depth needs two photographs that see the same, and {count} could be read: {reason}")]
+    TooFew {
+        /// How many could be read.
+        count: usize,
+        /// Why others could not.
+        reason: String,
+    },
+    /// They show nothing that two of them agree on.
+    #[error(
+        "no depth was found in {photos} photographs: they show too little in common, or their cameras do not fit them"
+    )]
+    Nothing {
+        /// How many there are.
+        photos: usize,
+    },
+    /// Views that do not fit together.
+    #[error(transparent)]
+    Stereo(#[from] StereoError),
+}
+
+/// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
+const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
+
+/// How much nearer and farther than its sparse points the surface may be.
+const BEYOND_POINTS: f64 = 1.3;
+
+/// Depths that are tried around the place that all cameras look at, in depths of that place.
+const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
+
+/// A photograph that was read.
+struct Small {
+    number: usize,
+    photo: PreparedPhoto,
+    image: ColorImage,
+}
+
+impl Dense {
+    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how many photographs are done;
+    /// what it returns after that was cancelled is of no use.
+    ///
+    /// # Errors
+    /// [`DenseError`].
+    pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
+        let (small, reasons) = self.read(set);
+        if small.len() < 2 {
+            return Err(DenseError::TooFew {
+                count: small.len(),
+                reason: reasons.join("; "),
+            });
+        }
+        let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
+        let middles = set.middles();
+        let mut maps = Vec::with_capacity(small.len());
+        progress.set(0, small.len());
+        for (of_one, view) in small.iter().zip(&views) {
+            if progress.is_cancelled() {
+                return Err(DenseError::Nothing { photos: small.len() });
+            }
+            let others = self.others(set, of_one, &small, &views);
+            let nothing = || vec![0.0; of_one.image.pixels().len()];
+            let depths = match depth_range(set, of_one.number, middles[of_one.number]) {
+                Some([near, far]) if !others.is_empty() => {
+                    let found = PlaneSweep::between(near, far).depths(view, &others)?;
+                    of_one.masked(&found)
+                }
+                _ => nothing(),
+            };
+            maps.extend(DepthImage::new(of_one.image.size_px(), depths));
+            progress.advance(1);
+        }
+        let kept = consistent(&maps, &views, self.consistency)?;
+        let mut cloud = cloud(&kept, &views)?;
+        if cloud.positions.is_empty() {
+            return Err(DenseError::Nothing { photos: small.len() });
+        }
+        cloud.warnings = reasons;
+        Ok(cloud)
+    }
+
+    fn read(&self, set: &ViewSet) -> (Vec<Small>, Vec<String>) {
+        let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
+        let longest = set.photos.iter().map(longest).max().unwrap_or(1);
+        let halvings = (0..32)
+            .find(|&halvings| longest >> halvings <= self.most_side_px)
+            .unwrap_or(0);
+        let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
+            let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
+            let pixels = photo
+                .image
+                .pixels()
+                .iter()
+                .map(|&[red, green, blue, _]| [red, green, blue]);
+            let image = ColorImage::new(photo.image.size_px(), pixels.collect());
+            let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
+            Ok(Small { number, photo, image })
+        };
+        let read: Vec<Result<Small, PhotosError>> = set.photos.par_iter().enumerate().map(read).collect();
+        let (mut small, mut reasons) = (Vec::new(), Vec::new());
+        for read in read {
+            match read {
+                Ok(read) => small.push(read),
+                Err(error) => reasons.push(error.to_string()),
+            }
+        }
+        (small, reasons)
+    }
+
+    /// The views beside one, nearest first.
+    fn others<'a>(&self, set: &ViewSet, one: &Small, small: &[Small], views: &[View<'a>]) -> Vec<View<'a>> {
+        let around = set.neighbours(one.number, set.photos.len());
+        let is_told = |angle: f64| ANGLES_DEG.contains(&angle.to_degrees());
+        let place = |number: usize| small.iter().position(|other| other.number == number);
+        let others = around.iter().filter(|other| is_told(other.angle));
+        others
+            .filter_map(|other| Some(views[place(other.photo)?]))
+            .take(self.neighbours)
+            .collect()
+    }
+}
+
+impl Small {
+    fn view(&self) -> View<'_> {
+        View {
+            image: &self.image,
+            camera: &self.photo.camera,
+            camera_from_world: self.photo.camera_from_world,
+        }
+    }
+
+    /// Depths of the object alone.
+    fn masked(&self, depths: &DepthImage) -> Vec<f32> {
+        let pixels = depths.metres().iter().zip(self.photo.image.pixels());
+        pixels
+            .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
+            .collect()
+    }
+}
+
+/// Between which depths the surface before a photograph is.
+fn depth_range(set: &ViewSet, number: usize, middle: glam::DVec3) -> Option<[f64; 2]> {
+    let photo = set.photos.get(number)?;
+    let points = set.points.positions().iter().enumerate();
+    let is_seen = |point: usize, position| {
+        let track = set.points.track(point);
+        if track.is_empty() {
+            photo.pixel(position).is_some()
+        } else {
+            track.iter().any(|seen| seen.photo as usize == number)
+        }
+    };
+    let mut depths: Vec<f64> = points
+        .filter(|&(point, &position)| is_seen(point, position))
+        .map(|(_, &position)| photo.depth_of(position))
+        .filter(|&depth| depth > 0.0 && depth.is_finite())
+        .collect();
+    depths.sort_by(f64::total_cmp);
+    if depths.len() >= 8 {
+        let aside = depths.len() / 50;
+        return Some([
+            depths[aside] / BEYOND_POINTS,
+            depths[depths.len() - 1 - aside] * BEYOND_POINTS,
+        ]);
+    }
+    let depth = photo.depth_of(middle);
+    (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+}

@@ -1,0 +1,112 @@
+//! Why there is no depth from some photographs.
+
+/// What is wrong with photographs, cameras or settings of stereo.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StereoError {
+    /// Images of one pair that differ in size.
+    #[error(
+        "the left image has {} × {} pixels and the right one {} × {}: expected images of one size; rectify them first",
+        left[0], left[1], right[0], right[1]
+    )]
+    SizesDiffer {
+        /// Width and height of the left image.
+        left: [u32; 2],
+        /// Width and height of the right image.
+        right: [u32; 2],
+    },
+    /// An image that its camera does not have.
+    #[error(
+        "view {view} has an image of {} × {} pixels and a camera of {} × {}: expected one size; scale the camera with \
+         the image",
+        image[0], image[1], camera[0], camera[1]
+    )]
+    OtherCamera {
+        /// Which view, from 0.
+        view: usize,
+        /// Width and height of the image.
+        image: [u32; 2],
+        /// Width and height of the camera's image.
+        camera: [u32; 2],
+    },
+    /// A lens that has to be taken out before.
+    #[error("view {view} has a lens that bends lines: expected a pinhole; undistort the photograph first")]
+    NoPinhole {
+        /// Which view, from 0.
+        view: usize,
+    },
+    /// A pose that is none.
+    #[error("the pose of view {view} is no rotation with a finite place: expected camera_from_world without scale")]
+    NoPose {
+        /// Which view, from 0.
+        view: usize,
+    },
+    /// Two views from one place.
+    #[error("both views stand at one place: expected two places, for depth is seen from where they differ")]
+    NoBaseline,
+    /// Views that look along the line between them, or away from each other.
+    #[error("the views cannot be rectified: {0}; choose a pair that stands side by side and looks the same way")]
+    NotSideBySide(&'static str),
+    /// A range of disparities that is none.
+    #[error("disparities from {min} to {max} px: expected the smaller first and at most {most} between them")]
+    NoRange {
+        /// Smallest disparity.
+        min: i32,
+        /// Largest disparity.
+        max: i32,
+        /// Most disparities that are tried.
+        most: usize,
+    },
+    /// Images that show nothing of the same.
+    #[error(
+        "the images have too little in common to find their disparities: expected two photographs of one textured \
+         scene; give the range if they are"
+    )]
+    NothingAlike,
+    /// Distances that are none.
+    #[error("depths from {near} to {far} m in {planes} planes: expected 0 < near < far, and 2 to {most} planes")]
+    NoDepths {
+        /// Nearest distance in metres.
+        near: f64,
+        /// Farthest distance in metres.
+        far: f64,
+        /// Number of planes.
+        planes: usize,
+        /// Most planes that are tried.
+        most: usize,
+    },
+    /// Penalties that bytes cannot hold.
+    #[error("penalties P1 = {p1} and P2 from {p2_least} to {p2}: expected P1 < least P2 ≤ P2 and P1 + P2 ≤ {most}")]
+    NoPenalties {
+        /// For a step of one disparity.
+        p1: u8,
+        /// For more, where brightness changes most.
+        p2_least: u8,
+        /// For more, where brightness is even.
+        p2: u8,
+        /// What P1 and P2 may be together.
+        most: u8,
+    },
+    /// Memory beyond what stereo allows itself.
+    #[error(
+        "stereo of these images takes {needed_mib} MiB: expected at most {most_mib}; scale the images down or narrow \
+         the range"
+    )]
+    TooLarge {
+        /// What it takes.
+        needed_mib: u64,
+        /// What is allowed.
+        most_mib: u64,
+    },
+    /// Fewer views than a plane sweep has to have.
+    #[error("{0} views: expected at least 2")]
+    TooFewViews(usize),
+    /// Depth maps that are not as many as views.
+    #[error("{maps} depth maps of {views} views: expected as many")]
+    CountsDiffer {
+        /// Number of depth maps.
+        maps: usize,
+        /// Number of views.
+        views: usize,
+    },
+}
