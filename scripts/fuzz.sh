@@ -15,10 +15,10 @@ export RUSTC_BOOTSTRAP=1
 cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuzz
 
 # The extensions in the order of `Format`'s table: the first byte of a seed chooses among them.
-extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 zip tar tgz gz)
+extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 pcap pcapng zip tar tgz gz)
 lists=(zip tar tgz mcap bag db3 e57 glb)
 cameras=(bag mcap db3)
-mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel
+mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel fuzz/corpus/packets
 cp src/reel/tests/*.reel fuzz/corpus/reel/
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
@@ -47,6 +47,6 @@ while IFS= read -r -d '' file; do
 # Large files make slow seeds; what is in them is in small ones too.
 done < <(find tests/data "$@" -type f -size -64k -print0)
 
-for target in read list cameras reel; do
+for target in read list cameras reel packets; do
     cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
 done

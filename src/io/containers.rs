@@ -1,7 +1,7 @@
 //! Formats whose frames lie in them as whole files or messages.
 
 use super::format::{Format, Holding, Magic, Traits};
-use crate::cloud::LengthUnit;
+use crate::cloud::{AxisConvention, LengthUnit};
 
 const RECORDING: Traits = Traits {
     holds: Holding::Messages,
@@ -32,6 +32,26 @@ pub(super) const DB3: Format = Format::new(&Traits {
     extensions: &["db3"],
     magic: &[Magic::start(b"SQLite format 3\0")],
     ..RECORDING
+});
+
+/// Packets of laser scanners, as `tcpdump` and Wireshark capture them.
+pub(super) const CAPTURE: Format = Format::new(&Traits {
+    name: "packet capture",
+    extensions: &["pcap", "pcapng"],
+    magic: &[
+        // Seconds and microseconds, or nanoseconds, in either order of bytes; with more in each record.
+        Magic::start(b"\xd4\xc3\xb2\xa1"),
+        Magic::start(b"\xa1\xb2\xc3\xd4"),
+        Magic::start(b"\x4d\x3c\xb2\xa1"),
+        Magic::start(b"\xa1\xb2\x3c\x4d"),
+        Magic::start(b"\x34\xcd\xb2\xa1"),
+        Magic::start(b"\x0a\x0d\x0d\x0a"),
+    ],
+    holds: Holding::Turns,
+    // As the manuals of the sensors have it.
+    convention: Some(AxisConvention::UsuallyZUp),
+    unit: Some(LengthUnit::Metre),
+    ..Traits::PLAIN
 });
 
 /// ZIP archive of files of the other formats.

@@ -1,6 +1,7 @@
 //! What frames are in a file: most files are one, archives, recordings and animated models are many.
 
 use super::archive::Member;
+use super::packets::Turn;
 use super::recording::Message;
 use std::time::Duration;
 
@@ -19,6 +20,8 @@ pub enum Part {
     Member(Member),
     /// A message of a recording.
     Message(Message),
+    /// A turn of a laser scanner in a capture of packets.
+    Turn(Turn),
 }
 
 /// A frame in a file.
@@ -43,12 +46,12 @@ impl Entry {
     }
 }
 
-/// A topic of a recording with point clouds.
+/// A topic of a recording with point clouds, or a sensor of a capture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Topic {
-    /// Its name, such as `/lidar/points`.
+    /// Its name, such as `/lidar/points`; of a sensor its address with the port that it sends to.
     pub name: String,
-    /// Number of its messages.
+    /// Number of its messages, or turns.
     pub cloud_count: usize,
     /// Whether its point clouds are the frames.
     pub is_read: bool,
@@ -59,7 +62,8 @@ pub struct Topic {
 pub struct Contents {
     /// The frames, in the order of time or of their names.
     pub entries: Vec<Entry>,
-    /// The topics with point clouds of a recording, in the order of their names; other files have none.
+    /// The topics with point clouds of a recording, or the sensors of a capture, in the order of their names; other
+    /// files have none.
     pub topics: Vec<Topic>,
 }
 

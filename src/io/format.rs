@@ -44,6 +44,8 @@ pub(super) enum Holding {
     Members,
     /// Messages with clouds among others.
     Messages,
+    /// Packets of laser scanners, of which each turn is a frame.
+    Turns,
 }
 
 /// Bytes that a file has at a place.
@@ -133,10 +135,10 @@ impl Format {
         self.0.holds == Holding::Scans
     }
 
-    /// Whether frames lie in a file of this format as whole files or messages: each is read alone, as the file may be
-    /// larger than the memory.
+    /// Whether frames lie in a file of this format as whole files, messages or packets: each is read alone, as the file
+    /// may be larger than the memory.
     pub fn is_container(self) -> bool {
-        matches!(self.0.holds, Holding::Members | Holding::Messages)
+        matches!(self.0.holds, Holding::Members | Holding::Messages | Holding::Turns)
     }
 
     /// Whether files of this format are surfaces of which the vertices alone show little.

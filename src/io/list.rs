@@ -5,7 +5,7 @@ use super::error::IoError;
 use super::format::{Format, Holding};
 use super::options::ReadOptions;
 use super::recording::camera::CameraTopics;
-use super::{archive, recording};
+use super::{archive, packets, recording};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -43,6 +43,7 @@ pub(super) fn list_format(
 ) -> Result<Contents, IoError> {
     let entries = match format.holds() {
         Holding::Messages => return recording::list(path, format, topic, options),
+        Holding::Turns => return packets::list(path, topic, options),
         Holding::Members => archive::list(path, format, options)?,
         Holding::Cloud | Holding::Scans | Holding::Moments => match format.codec().and_then(|codec| codec.list) {
             Some(list) => list(path, options)?,

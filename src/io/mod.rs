@@ -34,6 +34,7 @@ mod numbers;
 mod obj;
 mod off;
 mod options;
+pub(crate) mod packets;
 mod pcd;
 mod picture;
 mod ply;
@@ -60,6 +61,7 @@ pub(crate) use list::cameras;
 pub use list::{contents, list};
 pub use natural::natural_order;
 pub use options::ReadOptions;
+pub use packets::Turn;
 pub(crate) use read::read_sample;
 pub use read::{read, read_bytes, read_part, read_part_observed};
 pub use recording::Message;
@@ -129,6 +131,7 @@ const TABLE: &[Codec] = &[
     Codec::container(containers::MCAP),
     Codec::container(containers::BAG),
     Codec::container(containers::DB3),
+    Codec::container(containers::CAPTURE),
     Codec::container(containers::ZIP),
     Codec::container(containers::TAR),
 ];

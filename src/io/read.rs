@@ -7,7 +7,7 @@ use super::fixed_rows::FixedRows;
 use super::format::Format;
 use super::list::{first_bytes, list_format};
 use super::options::ReadOptions;
-use super::{archive, mesh, recording, watched};
+use super::{archive, mesh, packets, recording, watched};
 use crate::cloud::{RawCloud, even_places};
 use crate::progress::Progress;
 use std::path::Path;
@@ -53,6 +53,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             return read_bytes_with(&name, &bytes, &Part::Whole, options, progress);
         }
         Part::Message(message) => return recording::read(path, message, options),
+        Part::Turn(turn) => return packets::read(path, turn, options, progress),
         Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
     }
     let magic = first_bytes(path)?;

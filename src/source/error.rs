@@ -63,6 +63,14 @@ pub enum SequenceError {
     /// A sequence file that cannot be opened.
     #[error(transparent)]
     Reel(Box<crate::reel::ReelError>),
+    /// A laser scanner that cannot be listened to.
+    #[error("{input}: {problem}")]
+    Scanner {
+        /// The input as given.
+        input: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A recording of depth images that cannot be opened.
     #[error(transparent)]
     Rgbd(Box<super::rgbd::RgbdError>),

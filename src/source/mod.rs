@@ -20,6 +20,7 @@ mod options;
 mod photos;
 mod reel;
 mod rgbd;
+mod scanner;
 mod shapes;
 mod spin;
 mod traits;
@@ -35,6 +36,7 @@ pub use options::OpenOptions;
 pub use photos::PhotoScene;
 pub use reel::Reel;
 pub use rgbd::{MergedFrames, RgbdError, RgbdOptions, RgbdRecording};
+pub use scanner::LiveScanner;
 pub use shapes::Shape;
 pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
@@ -44,14 +46,23 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], a sequence file ([`Reel`]), calibrated photographs
-/// ([`PhotoScene`]), a recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that were looked at, and may be
-/// cancelled.
+/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a sequence file ([`Reel`]),
+/// calibrated photographs ([`PhotoScene`]), a recording of depth images ([`RgbdRecording`]), else files, folders and
+/// patterns. `progress` counts the files that were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
     {
         return Ok(generated.source());
+    }
+    if let Some(scanner) = inputs.iter().find(|input| LiveScanner::is_one(input)) {
+        return match inputs {
+            [_] => Ok(Arc::new(LiveScanner::open(scanner, &options.read, progress)?)),
+            _ => Err(SequenceError::Scanner {
+                input: scanner.display().to_string(),
+                problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
+            }),
+        };
     }
     if let Some(reel) = inputs.iter().find(|input| Reel::is_url(input) || Reel::is_one(input)) {
         return match inputs {

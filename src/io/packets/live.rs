@@ -1,0 +1,247 @@
+//! Turns of a sensor as its packets come, from a network instead of a file.
+//!
+//! The first sensor whose packets can be read is the one; packets of others are left out. A turn is handed over when
+//! the next one begins, as its packets: whoever shows it makes points of them. The turn in which packets begin to come
+//! is no whole one, and is left out.
+
+use super::super::error::Fault;
+use super::super::options::ReadOptions;
+use super::ouster::{self, Metadata};
+use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
+use super::turn::{Scanner, TurnPart};
+use super::unpacking::{Position, Unpacking};
+use super::velodyne::{self, Calibration, DataPacket};
+use crate::cloud::RawCloud;
+use std::fs::File;
+use std::io::Read as _;
+use std::net::IpAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What the packets of some sensors cannot be read without.
+#[derive(Debug, Clone)]
+pub(crate) struct Companion(Contents);
+
+#[derive(Debug, Clone)]
+enum Contents {
+    /// Of a sensor of Ouster.
+    Metadata(Box<Metadata>),
+    /// Of an HDL-64E.
+    Calibration(Box<Calibration>),
+}
+
+/// A turn, as its packets.
+#[derive(Debug, Clone)]
+pub(crate) struct LiveTurn {
+    scanner: Arc<Scanner>,
+    part: TurnPart,
+    /// When its first packet came.
+    pub(crate) time: Duration,
+    packets: Vec<Box<[u8]>>,
+}
+
+/// Finds the turns of a sensor.
+pub(crate) struct LiveTurns {
+    companion: Option<Companion>,
+    sensor: Option<(IpAddr, Kind)>,
+    /// The turn whose packets come now.
+    current: Option<LiveTurn>,
+    /// Whether the current one was there from its beginning.
+    is_whole: bool,
+}
+
+impl Companion {
+    /// What the file at `path` is.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its name.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let mut bytes = Vec::new();
+        let most = ouster::MOST_METADATA_BYTES.max(velodyne::MOST_CALIBRATION_BYTES);
+        let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
+        read.map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let told = |fault: Fault| format!("{}, {}: {}", path.display(), fault.place, fault.problem);
+        if velodyne::is_calibration(&text) {
+            let calibration = velodyne::parse(&text).map_err(told)?;
+            return Ok(Self(Contents::Calibration(Box::new(calibration))));
+        }
+        let metadata = ouster::parse(&text).map_err(told)?;
+        Ok(Self(Contents::Metadata(Box::new(metadata))))
+    }
+}
+
+impl LiveTurns {
+    /// No packets yet, of a sensor with that file.
+    pub(crate) fn new(companion: Option<Companion>) -> Self {
+        Self {
+            companion,
+            sensor: None,
+            current: None,
+            is_whole: false,
+        }
+    }
+
+    /// A datagram from `source` that came at `time`; the turn that is over with it, if one is.
+    ///
+    /// # Errors
+    /// Why the packets of a sensor cannot be read: what is missing beside them.
+    pub(crate) fn add(&mut self, source: IpAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
+        let data = DataPacket::of(bytes);
+        if self.sensor.is_none() {
+            let kind = match data {
+                Some(data) => Kind::velodyne(data, || self.calibration()),
+                None => match self.ouster(bytes) {
+                    Some(kind) => kind,
+                    None => return Ok(None),
+                },
+            };
+            if let Kind::Unread(problem) = kind {
+                return Err(problem);
+            }
+            self.sensor = Some((source, kind));
+        }
+        let Some((sensor, kind)) = &mut self.sensor else {
+            return Ok(None);
+        };
+        if *sensor != source {
+            return Ok(None);
+        }
+        Ok(match (kind, data) {
+            (Kind::Velodyne { turning, scanner }, Some(data)) => {
+                let begins_at = turning.begins_at(data);
+                let scanner = Arc::clone(scanner);
+                self.velodyne(begins_at, scanner, time, bytes)
+            }
+            (Kind::Ouster { shape, scanner }, None) if bytes.len() == shape.packet_bytes() => {
+                let (frame, scanner) = (shape.frame_id(bytes), Arc::clone(scanner));
+                frame.and_then(|frame| self.ouster_packet(TurnPart::Frame(frame), scanner, time, bytes))
+            }
+            _ => None,
+        })
+    }
+
+    fn calibration(&self) -> Result<Calibration, String> {
+        match &self.companion {
+            Some(Companion(Contents::Calibration(calibration))) => Ok(Calibration::clone(calibration)),
+            _ => Err(
+                "it has packets of an HDL-64E, whose lasers are calibrated one by one: expected its calibration \
+                      behind the address, as in udp://:2368?db.xml"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    fn ouster(&self, bytes: &[u8]) -> Option<Kind> {
+        if bytes.len() < LEAST_OUSTER_BYTES {
+            return None;
+        }
+        match &self.companion {
+            Some(Companion(Contents::Metadata(metadata))) if metadata.shape.packet_bytes() == bytes.len() => {
+                Some(Kind::ouster(metadata))
+            }
+            _ if ouster::may_be(bytes.len()) => Some(Kind::Unread(format!(
+                "it has packets of {} bytes as sensors of Ouster send them: expected the metadata of the sensor behind \
+                 the address, as in udp://:7502?os1.json",
+                bytes.len()
+            ))),
+            _ => None,
+        }
+    }
+
+    fn velodyne(
+        &mut self,
+        begins_at: Option<u8>,
+        scanner: Arc<Scanner>,
+        time: Duration,
+        bytes: &[u8],
+    ) -> Option<LiveTurn> {
+        let is_over = self.is_over(time).then_some(0);
+        let Some(first) = begins_at.or(is_over) else {
+            self.push(bytes);
+            return None;
+        };
+        if first > 0 {
+            self.push(bytes);
+            if let Some(LiveTurn {
+                part: TurnPart::Cycles { end, .. },
+                ..
+            }) = &mut self.current
+            {
+                *end = first;
+            }
+        }
+        self.begin(TurnPart::Cycles { first, end: u8::MAX }, scanner, time, bytes)
+    }
+
+    /// Packets that come late go with the turn that has begun, which has no use for them: turns that are handed over
+    /// are not waited for.
+    fn ouster_packet(
+        &mut self,
+        part: TurnPart,
+        scanner: Arc<Scanner>,
+        time: Duration,
+        bytes: &[u8],
+    ) -> Option<LiveTurn> {
+        let is_before = |now: TurnPart| match (part, now) {
+            (TurnPart::Frame(frame), TurnPart::Frame(now)) => frame.wrapping_add(1) == now,
+            _ => false,
+        };
+        let now = self.current.as_ref().map(|turn| turn.part);
+        if !self.is_over(time) && now.is_some_and(|now| now == part || is_before(now)) {
+            self.push(bytes);
+            return None;
+        }
+        self.begin(part, scanner, time, bytes)
+    }
+
+    fn is_over(&self, time: Duration) -> bool {
+        self.current.as_ref().is_some_and(|turn| {
+            turn.packets.len() as u64 >= MOST_PACKETS || time.saturating_sub(turn.time) >= LONGEST_TURN
+        })
+    }
+
+    fn push(&mut self, bytes: &[u8]) {
+        if let Some(turn) = &mut self.current {
+            turn.packets.push(bytes.into());
+        }
+    }
+
+    /// Begins a turn with a packet; the one before is over.
+    fn begin(&mut self, part: TurnPart, scanner: Arc<Scanner>, time: Duration, bytes: &[u8]) -> Option<LiveTurn> {
+        let turn = LiveTurn {
+            scanner,
+            part,
+            time,
+            packets: vec![bytes.into()],
+        };
+        let before = self.current.replace(turn)?;
+        let was_whole = std::mem::replace(&mut self.is_whole, true);
+        was_whole.then_some(before)
+    }
+}
+
+impl LiveTurn {
+    /// Bytes of its packets.
+    pub(crate) fn byte_size(&self) -> usize {
+        self.packets.iter().map(|packet| packet.len()).sum()
+    }
+
+    /// Its points.
+    ///
+    /// # Errors
+    /// More points than `options` have memory for, as the end of a sentence.
+    pub(crate) fn cloud(&self, options: &ReadOptions) -> Result<RawCloud, String> {
+        let mut unpacking = Unpacking::new(&self.scanner, self.part);
+        for (index, packet) in self.packets.iter().enumerate() {
+            let position = Position {
+                is_first: index == 0,
+                is_last: index + 1 == self.packets.len(),
+            };
+            unpacking.add(packet, position);
+        }
+        unpacking.points.check(options).map_err(|fault| fault.problem)?;
+        Ok(unpacking.finish())
+    }
+}

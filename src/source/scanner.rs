@@ -1,0 +1,332 @@
+//! A laser scanner that sends packets to this machine: `udp://:2368`, live.
+//!
+//! **How it works.** A thread receives datagrams and finds where turns begin, which takes microseconds a packet, so
+//! that nothing queues but what the system holds for the socket. Turns that are over go to a ring, as their packets;
+//! points are made of them by whoever wants the frame. The ring has the newest [`RING_LENGTH`] turns and no more than
+//! [`RING_BYTES`] of packets: what is older is gone for good.
+//!
+//! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
+//! Ouster, or the calibration of an HDL-64E.
+
+use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use crate::io::ReadOptions;
+use crate::io::packets::{Companion, LiveTurn, LiveTurns};
+use crate::locks::lock;
+use crate::progress::Progress;
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind};
+use std::net::{SocketAddr, UdpSocket};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Before the address of what is listened to.
+const SCHEME: &str = "udp://";
+
+/// The newest so many turns can be decoded: two seconds of the fastest sensors, five of most.
+const RING_LENGTH: usize = 48;
+
+/// Packets of as many turns are seldom more: 20 turns a second of the largest sensor are 10 MB each.
+const RING_BYTES: usize = 512 << 20;
+
+/// A datagram has no more.
+const MOST_DATAGRAM_BYTES: usize = 1 << 16;
+
+/// How long a sensor that is on may take until its first turn is over.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// How long other sensors are waited for where the packets of one cannot be read.
+const OTHERS: Duration = Duration::from_secs(1);
+
+/// Between looks at whether anybody listens still.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A laser scanner on the network.
+#[derive(Debug)]
+pub struct LiveScanner {
+    input: PathBuf,
+    ring: Arc<Ring>,
+    /// Frames that were told of.
+    told: Mutex<usize>,
+    options: ReadOptions,
+    /// Listens as long as the source is there.
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What the thread that listens shares with the source and its decoders.
+#[derive(Debug, Default)]
+struct Ring {
+    turns: Mutex<Turns>,
+    comes: Condvar,
+    is_closed: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Turns {
+    /// The newest last.
+    newest: VecDeque<Arc<LiveTurn>>,
+    byte_size: usize,
+    /// Turns that have come.
+    count: usize,
+    /// Why some packets cannot be read, or why there will be no more.
+    problem: Option<String>,
+}
+
+impl LiveScanner {
+    /// Whether `input` is the address of one.
+    pub(super) fn is_one(input: &Path) -> bool {
+        input.to_str().is_some_and(|input| input.starts_with(SCHEME))
+    }
+
+    /// Listens at `input`, such as `udp://:2368` or `udp://192.168.1.100:7502?os1.json`, until the first turn is over.
+    /// `progress` may be cancelled.
+    ///
+    /// # Errors
+    /// [`SequenceError::Scanner`], and [`SequenceError::Cancelled`].
+    pub fn open(input: &Path, options: &ReadOptions, progress: &Progress) -> Result<Self, SequenceError> {
+        let failed = |problem: String| SequenceError::Scanner {
+            input: input.display().to_string(),
+            problem,
+        };
+        let (address, companion) = parse(input).map_err(failed)?;
+        let companion = companion
+            .map(|path| Companion::read(&path))
+            .transpose()
+            .map_err(failed)?;
+        let socket = UdpSocket::bind(address).and_then(|socket| {
+            socket.set_read_timeout(Some(LOOK))?;
+            Ok(socket)
+        });
+        let socket = socket.map_err(|error| failed(format!("{address} cannot be listened to ({error})")))?;
+        let ring = Arc::<Ring>::default();
+        let listening = Arc::clone(&ring);
+        let thread = thread::Builder::new()
+            .name("laser scanner".to_owned())
+            .spawn(move || listening.listen(&socket, LiveTurns::new(companion)))
+            .map_err(|reason| SequenceError::NoThread { reason })?;
+        let scanner = Self {
+            input: input.to_owned(),
+            ring,
+            told: Mutex::default(),
+            options: *options,
+            thread: Some(thread),
+        };
+        let begun = Instant::now();
+        loop {
+            scanner.look_again()?;
+            let problem = lock(&scanner.ring.turns).problem.clone();
+            match problem {
+                _ if !scanner.frames().is_empty() => return Ok(scanner),
+                Some(problem) if begun.elapsed() >= OTHERS => return Err(failed(problem)),
+                _ if progress.is_cancelled() => return Err(SequenceError::Cancelled),
+                _ if begun.elapsed() >= PATIENCE => {
+                    return Err(failed(format!(
+                        "no turn of a laser scanner came within {} seconds: check that the sensor is on, that it sends \
+                         to this machine and this port, and that no firewall is between",
+                        PATIENCE.as_secs()
+                    )));
+                }
+                _ => scanner.ring.wait(0, LOOK),
+            }
+        }
+    }
+}
+
+/// The address to listen at, and the file behind it.
+fn parse(input: &Path) -> Result<(SocketAddr, Option<PathBuf>), String> {
+    let text = input
+        .to_str()
+        .and_then(|input| input.strip_prefix(SCHEME))
+        .unwrap_or_default();
+    let (address, companion) = match text.split_once('?') {
+        Some((address, companion)) => (address, Some(PathBuf::from(companion))),
+        None => (text, None),
+    };
+    let address = address.trim_end_matches('/');
+    let whole = if address.starts_with(':') {
+        format!("0.0.0.0{address}")
+    } else {
+        address.to_owned()
+    };
+    let parsed = whole.parse().map_err(|_| {
+        format!(
+            "{} is no address to listen at, expected one of this machine and a port, or a port alone, as in \
+             udp://:2368",
+            address.escape_default()
+        )
+    })?;
+    Ok((parsed, companion))
+}
+
+impl Ring {
+    /// Receives packets until nobody wants them.
+    fn listen(&self, socket: &UdpSocket, mut found: LiveTurns) {
+        let mut buffer = vec![0; MOST_DATAGRAM_BYTES];
+        while !self.is_closed.load(Ordering::Relaxed) {
+            let (count, source) = match socket.recv_from(&mut buffer) {
+                Ok(received) => received,
+                Err(error) if is_passing(&error) => continue,
+                Err(error) => return self.end(format!("nothing can be received any more ({error})")),
+            };
+            let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+            match found.add(source.ip(), time, &buffer[..count]) {
+                Ok(None) => {}
+                Ok(Some(turn)) => self.push(turn),
+                // Another sensor may send what can be read.
+                Err(problem) => lock(&self.turns).problem = Some(problem),
+            }
+        }
+    }
+
+    fn push(&self, turn: LiveTurn) {
+        let mut turns = lock(&self.turns);
+        turns.byte_size += turn.byte_size();
+        turns.newest.push_back(Arc::new(turn));
+        turns.count += 1;
+        while turns.newest.len() > RING_LENGTH || (turns.byte_size > RING_BYTES && turns.newest.len() > 1) {
+            let gone = turns.newest.pop_front().map_or(0, |turn| turn.byte_size());
+            turns.byte_size -= gone;
+        }
+        drop(turns);
+        self.comes.notify_all();
+    }
+
+    fn end(&self, problem: String) {
+        log::warn!("the laser scanner: {problem}");
+        lock(&self.turns).problem = Some(problem);
+    }
+
+    /// Until there are more than `count` turns, or that time is over.
+    fn wait(&self, count: usize, at_most: Duration) {
+        let turns = lock(&self.turns);
+        let nothing_new = |turns: &mut Turns| turns.count <= count;
+        let waited = self.comes.wait_timeout_while(turns, at_most, nothing_new);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Turn `index`; `None` where it is gone.
+    fn turn(&self, index: usize) -> Option<Arc<LiveTurn>> {
+        let turns = lock(&self.turns);
+        let oldest = turns.count - turns.newest.len();
+        turns.newest.get(index.checked_sub(oldest)?).cloned()
+    }
+}
+
+/// Errors after which packets come again: nothing came, or an answer to nobody.
+fn is_passing(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::ConnectionReset
+    )
+}
+
+impl Drop for LiveScanner {
+    fn drop(&mut self) {
+        self.ring.is_closed.store(true, Ordering::Relaxed);
+        // The port is free for whoever opens it next.
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            log::debug!("the thread that listened at {} has panicked", self.input.display());
+        }
+    }
+}
+
+impl Source for LiveScanner {
+    fn frames(&self) -> Range<usize> {
+        let told = *lock(&self.told);
+        let turns = lock(&self.ring.turns);
+        (turns.count - turns.newest.len()).min(told)..told
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::new(FrameEntry {
+            name: format!("{} {index}", self.input.display()),
+            number: Some(index as u64),
+            time: self.ring.turn(index).map(|turn| turn.time),
+            ..FrameEntry::embedded(self.input.clone(), &[])
+        })
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(ScannerDecoder {
+            input: self.input.clone(),
+            ring: Arc::clone(&self.ring),
+            options: self.options,
+        })
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn may_grow(&self) -> bool {
+        true
+    }
+
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        // Held first, so that the number never falls.
+        let mut told = lock(&self.told);
+        let count = lock(&self.ring.turns).count;
+        let before = std::mem::replace(&mut *told, count);
+        Ok(count - before)
+    }
+
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        let told = *lock(&self.told);
+        self.ring.wait(told, at_most);
+        self.look_again()
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        std::slice::from_ref(&self.input)
+    }
+}
+
+struct ScannerDecoder {
+    input: PathBuf,
+    ring: Arc<Ring>,
+    options: ReadOptions,
+}
+
+impl Decoder for ScannerDecoder {
+    fn decode(
+        &mut self,
+        index: usize,
+        _entry: &FrameEntry,
+        _most_points: usize,
+        _progress: &Progress,
+    ) -> Result<DecodedFrame, DecodeFailure> {
+        let turn = self.ring.turn(index);
+        let turn = turn.ok_or_else(|| format!("{}: turn {index} is gone for good", self.input.display()))?;
+        let cloud = turn.cloud(&self.options);
+        let cloud = cloud.map_err(|problem| format!("{}, turn {index}: {problem}", self.input.display()))?;
+        Ok(cloud.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(input: &str) -> Result<(String, Option<PathBuf>), String> {
+        parse(Path::new(input)).map(|(address, companion)| (address.to_string(), companion))
+    }
+
+    #[test]
+    fn addresses_have_a_port_and_may_have_a_file() {
+        assert_eq!(parsed("udp://:2368"), Ok(("0.0.0.0:2368".to_owned(), None)));
+        assert_eq!(parsed("udp://127.0.0.1:9/"), Ok(("127.0.0.1:9".to_owned(), None)));
+        assert_eq!(parsed("udp://[::1]:7502"), Ok(("[::1]:7502".to_owned(), None)));
+        let with_file = Ok(("0.0.0.0:7502".to_owned(), Some(PathBuf::from("a/os1.json"))));
+        assert_eq!(parsed("udp://:7502?a/os1.json"), with_file);
+        for wrong in ["udp://", "udp://:", "udp://:99999", "udp://sensor", "udp://2368"] {
+            let problem = parsed(wrong).unwrap_err();
+            assert!(problem.contains("udp://:2368"), "{problem}");
+        }
+        assert!(LiveScanner::is_one(Path::new("udp://:1")) && !LiveScanner::is_one(Path::new("drive.pcap")));
+    }
+}
