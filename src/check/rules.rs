@@ -24,8 +24,8 @@ const COARSE_STEP: f64 = 1e-5;
 /// Median spacings after which a pause was made.
 const PAUSE_IN_SPACINGS: f64 = 8.0;
 
-/// Reprojection error of a photograph above which its camera is wrong: calibrations end well below a pixel. As a share of
-/// its longer edge, and in pixels.
+/// Reprojection error of a photograph above which its camera is wrong: calibrations end well below a pixel. As a share
+/// of its longer edge, and in pixels.
 const LOOSE_SHARE: f64 = 1e-3;
 const LOOSE_PX: f64 = 2.0;
 

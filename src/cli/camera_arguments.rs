@@ -48,7 +48,11 @@ pub(super) struct CameraArgs {
     from_sensor: bool,
 
     /// Look from photograph N, counted from 0; its image has the pixels of a picture of its size
-    #[arg(long, value_name = "N", conflicts_with_all = ["from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"])]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"]
+    )]
     photo_camera: Option<usize>,
 }
 

@@ -11,31 +11,9 @@
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 
 use super::style::{Antialiasing, BackFaces, Lighting, Primitive, Splatting};
-use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, ScenePacket, Surfels, ViewTransform};
-use crate::photos::{Photograph, Photographs};
+use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, ScenePacket, ViewTransform};
+use crate::photos::Photograph;
 use glam::{DMat3, DVec3, Vec3, Vec4};
-use std::sync::Arc;
-
-/// Photographs for the frames of a packet.
-#[derive(Debug, Clone)]
-pub struct PhotographsInFrame {
-    /// The photographs.
-    pub photographs: Arc<Photographs>,
-    /// What places of the frame are relative to.
-    pub origin: DVec3,
-    /// All of the surface, whatever of it is drawn: what photographs see of it does not change with the view.
-    pub surface: Option<Surfels>,
-}
-
-/// Equal if they are the same allocations.
-impl PartialEq for PhotographsInFrame {
-    fn eq(&self, other: &Self) -> bool {
-        let content = |surface: &Option<Surfels>| surface.clone().map_or(Content::Nothing, Content::Surfels);
-        Arc::ptr_eq(&self.photographs, &other.photographs)
-            && self.origin == other.origin
-            && content(&self.surface) == content(&other.surface)
-    }
-}
 
 /// What is needed of photographs to colour one picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,8 +48,8 @@ pub struct PhotoView {
 }
 
 impl PhotoViews {
-    /// How many photographs are asked at a place at most, those first that look at it as the eye does: in a hollow, most
-    /// are asked in vain.
+    /// How many photographs are asked at a place at most, those first that look at it as the eye does: in a hollow,
+    /// most are asked in vain.
     pub const MOST_ASKED: usize = 16;
 
     /// The longest edge of a depth map that is drawn.

@@ -1,5 +1,5 @@
-//! Where frames come from: files and recordings, depth images, photographs, sequence files, shapes with a formula, the demo, streams
-//! that nobody can rewind.
+//! Where frames come from: files and recordings, depth images, photographs, sequence files, shapes with a formula, the
+//! demo, streams that nobody can rewind.
 //!
 //! A [`Source`] knows which frames there are and what can be said of each without reading it; a [`Decoder`], one for
 //! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and

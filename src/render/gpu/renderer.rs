@@ -242,8 +242,8 @@ impl GpuRenderer {
         }
     }
 
-    /// Uploads the photographs that surfaces have their colours from, and where they are in this picture. They stay when
-    /// the picture gets another size.
+    /// Uploads the photographs that surfaces have their colours from, and where they are in this picture. They stay
+    /// when the picture gets another size.
     fn ensure_photographs(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
             let known = targets.photographs.take().or_else(|| self.photographs.take());
