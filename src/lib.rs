@@ -12,6 +12,7 @@
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
+//! | [`stereo`] | depth from photographs: rectified pairs, semi-global matching, plane sweep |
 //! | [`io`] | files of other programs, decoded into [`cloud::RawCloud`] |
 //! | [`analysis`] | neighbours, normals, splat radii, colours |
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
@@ -59,4 +60,5 @@ pub mod scene;
 pub mod sequence;
 pub mod serve;
 pub mod source;
+pub mod stereo;
 pub mod timeline;

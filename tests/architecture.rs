@@ -31,6 +31,7 @@ const ORDER: &[&[&str]] = &[
     &["math", "memory", "kept", "locks", "messages", "priority", "progress"],
     &["cloud"],
     &["rgbd"],
+    &["stereo"],
     &["io", "analysis"],
     &["measure"],
     &["levels"],
