@@ -6,11 +6,11 @@
 //! cores, everything allocated, from grey (aloe, 128) or coloured images (sweep) in memory.
 //!
 //! Before, errors of aloe are printed: over all pixels whose truth is known, and over those that OpenCV's SGBM answers
-//! where `target/opencv_sgbm.f32` is there (`scripts/opencv_sgbm.py` writes it and prints OpenCV's own times and errors).
+//! where `target/opencv_sgbm.f32` is there (`scripts/opencv_sgbm.py` writes it and prints OpenCV's times and errors).
 //! The truth is in whole pixels, and the median of signed errors is no 0 for any matcher, OpenCV's included. So the
 //! median is told as it is, in steps of 1/16 px (OpenCV's answers have no finer ones), and less the signed median.
 //!
-//! Not measured: decoding, rectification (a few milliseconds a megapixel).
+//! Not measured: decoding, rectification.
 
 #![expect(clippy::print_stdout, reason = "a bench prints")]
 
@@ -197,8 +197,8 @@ fn print_errors_over(name: &str, pixels: &str, map: &DisparityMap, truth: &[u8],
     let beyond = errors.iter().filter(|error| error.abs() > 2.0).count();
     let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
     println!(
-        "aloe, {name}, {pixels}: {:.1} % answered, {:.2} % of them beyond 2 px; median error {:.3} px, in steps of 1/16 \
-         {:.3}, less the signed median ({signed:.3}) {:.3}",
+        "aloe, {name}, {pixels}: {:.1} % answered, {:.2} % of them beyond 2 px; median error {:.3} px, in steps of \
+         1/16 {:.3}, less the signed median ({signed:.3}) {:.3}",
         percent(errors.len(), asked.len()),
         percent(beyond, errors.len()),
         median(&f32::abs),

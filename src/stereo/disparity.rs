@@ -70,3 +70,27 @@ impl DisparityMap {
         self.pixels.iter().filter(|disparity| !disparity.is_nan()).count()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn disparities_are_mixed_on_one_surface_and_taken_from_the_nearest_across_a_step() {
+        let map = DisparityMap::new([3, 2], vec![4.0, 5.0, 9.0, 4.0, 5.0, f32::NAN]);
+        for (at, expected) in [
+            ([0.25, 0.5], Some(4.25)),
+            ([0.0, 0.0], Some(4.0)),
+            ([-0.4, 1.4], Some(4.0)),
+            ([1.4, 0.0], Some(5.0)),
+            ([1.6, 0.2], Some(9.0)),
+            ([1.9, 0.9], None),
+            ([2.6, 0.0], None),
+            ([0.0, -0.6], None),
+            ([f64::NAN, 0.0], None),
+        ] {
+            assert_eq!(map.between(at.into()), expected, "{at:?}");
+        }
+        assert_eq!(map.found_count(), 5);
+    }
+}

@@ -6,7 +6,7 @@
 //! one, which is linear in 1 / z.
 //!
 //! Costs are those of the census of what was laid on the plane. Of the costs of all views that see the place, the mean
-//! of the better half counts (Kang, Szeliski and Chai 2001): what hides a surface from some views hides it from one
+//! of the better half counts (Kang et al. 2001): what hides a surface from some views hides it from one
 //! side. They are gathered as those of pairs are. It wins over pairs where many views are near each other, and needs no
 //! rectification; a pair takes less time.
 

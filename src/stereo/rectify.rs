@@ -1,6 +1,6 @@
 //! Rectification: two views turned about their places until partners are in one line.
 //!
-//! Fusiello, Trucco and Verri (2000): both get one orientation. Its x axis is the line from the first place to the
+//! Fusiello et al. (2000): both get one orientation. Its x axis is the line from the first place to the
 //! second; its y axis is at right angles to that and to where the views look (the mean of both here, so that neither is
 //! turned more than the other); z follows. A turn of a pinhole is a homography of its image. So a pair one above the
 //! other becomes one side by side, turned by 90°, and disparities are above 0 for whatever is before both.

@@ -2,7 +2,7 @@
 //!
 //! Sums along paths hold labels to whole ones: a neighbour of the winner costs P1 more on each of eight paths, on both
 //! sides alike, and the lowest place of a curve through such sums is drawn to the middle (measured: 0.25 px became
-//! 0.05). So this curve goes through what was matched: costs at three labels, summed over a square of 5 × 5. Of the
+//! 0.05). So this curve goes through what was matched: costs at three labels, summed over a square of 7 × 7. Of the
 //! square count the pixels whose own label is the same or one off, so nothing is added across a step.
 //!
 //! Hamming distances of the census rise from the right place in straight lines. So the place is where two lines of one
@@ -11,7 +11,7 @@
 use rayon::prelude::*;
 
 /// Pixels of a square to each side.
-const REACH: usize = 2;
+const REACH: usize = 3;
 
 /// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
 pub(super) const BESIDE: usize = 2;

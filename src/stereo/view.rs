@@ -4,6 +4,9 @@ use super::StereoError;
 use crate::rgbd::{Camera, ColorImage, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+/// By how much the columns of a rotation may be off: files tell them with a few digits.
+const ROTATION_ERROR: f64 = 1e-4;
+
 /// A photograph and the pinhole that took it.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
@@ -39,7 +42,8 @@ pub(super) fn check_pinhole(camera: &Camera, camera_from_world: DAffine3, index:
     }
     let rotation = camera_from_world.matrix3;
     let off = rotation * rotation.transpose() - DMat3::IDENTITY;
-    let is_rotation = off.to_cols_array().iter().all(|entry| entry.abs() <= 1e-6) && rotation.determinant() > 0.0;
+    let is_rotation =
+        off.to_cols_array().iter().all(|entry| entry.abs() <= ROTATION_ERROR) && rotation.determinant() > 0.0;
     if is_rotation && camera_from_world.translation.is_finite() {
         Ok(())
     } else {

@@ -18,8 +18,8 @@ const REACH: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Between {
-    /// Where two lines of one slope meet, that of the steeper side, through the costs of pixels alone: see
-    /// [`super::refine`]. True to a hundredth of a pixel in the mean.
+    /// Where two lines of one slope meet, that of the steeper side, through the costs of pixels alone (Shimizu and
+    /// Okutomi 2001). True to a hundredth of a pixel in the mean.
     #[default]
     Lines,
     /// The lowest place of a parabola through the sums (Hirschmüller 2008, section 2.4). Less noisy, but drawn to whole
