@@ -38,6 +38,8 @@ mod mouse;
 mod notices;
 #[path = "panels/opening.rs"]
 mod opening;
+#[path = "panels/photos.rs"]
+mod photos;
 #[path = "panels/points.rs"]
 mod points;
 #[path = "panels/reading.rs"]

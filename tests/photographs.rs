@@ -10,7 +10,7 @@ mod common;
 #[path = "common/photo_scene.rs"]
 mod photo_scene;
 
-use common::{draw, plain};
+use common::draw;
 use glam::{DAffine3, DVec3, Vec3};
 use image::RgbaImage;
 use photo_scene::{DISTANCE, SCENE_RADIUS, cloud, frame, hit, photographed, photographs, pinhole, pose, poses, style};
@@ -331,7 +331,8 @@ fn measured_depths_clip_what_they_contradict() {
 #[test]
 fn no_photographs_change_nothing() {
     let camera = camera_at(&held_out()[0]);
-    let bare = draw_on_cpu(&packet(&FRAME, &camera, &plain()));
+    let bare = style().with(|style| style.of_sequence.has_photographs = false);
+    let bare = draw_on_cpu(&packet(&FRAME, &camera, &bare));
     let none = FRAME.with_photographs(Arc::new(Photographs::new(Vec::new(), None)));
     let with_none = draw_on_cpu(&packet(&none, &camera, &style()));
     let far = bare

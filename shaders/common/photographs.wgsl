@@ -34,21 +34,25 @@ fn in_photo(photo: u32, place: vec3f, to_eye: vec3f, normal: vec3f) -> InPhoto {
     return InPhoto(texel, distance, select(NOT_LOOKING, cosine, looks));
 }
 
-// What a photograph shows where a place is: 0 that place, 1 what hides it, 2 what is behind it.
+// What a photograph shows where a place is: 0 that place, 1 what hides it, 2 what is behind it, 3 that place near a
+// step.
 fn seen_there(photo: u32, at: InPhoto) -> u32 {
     let size = photo_entry(photo, 5u).xy;
     let map = photo_entry(photo, 7u);
     let texel = min(vec2u(at.texel / size * map.xy), vec2u(map.xy) - 1u);
     let there = textureLoad(photo_depths, texel, photo, 0).r;
     // Nothing is known where no distance is.
-    if (there <= 0.0) {
+    if (there == 0.0) {
         return 0u;
     }
-    let behind = at.distance - there;
+    let behind = at.distance - abs(there);
     if (behind > map.z) {
         return 1u;
     }
-    return select(0u, 2u, map.w > 0.0 && behind < -map.z);
+    if (map.w > 0.0 && behind < -map.z) {
+        return 2u;
+    }
+    return select(0u, 3u, there < 0.0);
 }
 
 // Between the four texels of a level around a place; red, green and blue times alpha.
@@ -165,6 +169,7 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     // Those that see the place, one more than is blended: weights are relative to that of the last.
     var seeing: array<u32, PHOTO_MOST_BLENDED + 1u>;
     var weights: array<f32, PHOTO_MOST_BLENDED + 1u>;
+    var trusts: array<f32, PHOTO_MOST_BLENDED + 1u>;
     var found = 0u;
     var through = 0.0;
     var seen = 0.0;
@@ -178,7 +183,8 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
         let what = seen_there(nearest[at], in_photo(nearest[at], place, to_eye, normal));
         if (what == 2u) {
             through += weight;
-        } else if (what == 0u) {
+        } else if (what != 1u) {
+            trusts[found] = select(1.0, PHOTO_TRUST_NEAR_STEPS, what == 3u);
             seeing[found] = nearest[at];
             weights[found] = weight;
             seen += weight;
@@ -205,7 +211,7 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
         let at = in_photo(photo, place, to_eye, normal);
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
         let sizes = photo_entry(photo, 5u);
-        let weight = (weights[which] / weights[0] - beyond) * photo_rim(at.texel, sizes.xy);
+        let weight = (weights[which] / weights[0] - beyond) * trusts[which] * photo_rim(at.texel, sizes.xy);
         color += weight * photo_entry(photo, 6u).xyz * sampled.rgb;
         sum += weight * sampled.a;
         if (sizes.w > 0.0) {

@@ -47,6 +47,9 @@ pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
 /// The width of the border to which photographs fade, as a share of an edge: so it is not seen.
 pub(super) const PHOTO_RIM: f32 = 0.02;
 
+/// The weight of a photograph where a step of depths is near: a little beside, it shows something else.
+pub(super) const PHOTO_TRUST_NEAR_STEPS: f32 = 0.02;
+
 /// What a pixel covers of a surface that is seen more from the side than this is that of one that is seen so.
 pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;
 

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
 use pointreel::photos::{PhotoImage, Photograph, Photographs, Texture};
 use pointreel::rgbd::{Camera, Distortion};
-use pointreel::scene::{Scene, Style};
+use pointreel::scene::{Scene, Splatting, Style};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -205,7 +205,10 @@ pub(crate) fn frame(count: usize, style: &Style) -> PreparedFrame {
     )
 }
 
-/// Settings without light, with a black background.
+/// Settings without light, with a black background; disks as large as points are apart.
 pub(crate) fn style() -> Style {
-    plain().with(|style| style.of_sequence.has_photographs = true)
+    plain().with(|style| {
+        style.surfels.splatting = Splatting::TwoPass;
+        style.of_sequence.has_photographs = true;
+    })
 }

@@ -6,9 +6,9 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointLight,
-    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy,
-    SurfelStyle, VoxelLight, VoxelStyle,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff,
+    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
+    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -64,6 +64,14 @@ fn unusual() -> Preferences {
                 eye_dome: EyeDome::On,
                 eye_dome_strength: 2.5,
             },
+            photos: PhotoStyle {
+                mode: PhotoMode::Single,
+                views: 2.0,
+                angle: 2.5,
+                clipping: PhotoClipping::Paper,
+                holes: PhotoHoles::Left,
+                gains: PhotoGains::Off,
+            },
             backdrop: Backdrop {
                 grid: true,
                 background: Background {
@@ -75,6 +83,7 @@ fn unusual() -> Preferences {
                 ground_box: None,
                 color_hints: ColorHints::NONE,
                 point_spacing: 0.0,
+                has_photographs: false,
                 clip: None,
             },
             drawing: DrawingStyle {
@@ -127,6 +136,7 @@ fn of_version_6() -> Preferences {
             style.light.eye_dome = EyeDome::Auto;
             style.light.eye_dome_strength = 1.0;
             style.backdrop.grid = false;
+            style.photos = PhotoStyle::default();
             style.points = PointStyle {
                 size_px: style.points.size_px,
                 ..PointStyle::default()
@@ -201,6 +211,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
             };
             style.points = of_version_6().settings.points;
             style.drawing = of_version_6().settings.drawing;
+            style.photos = PhotoStyle::default();
             style.light = LightStyle {
                 eye_dome: style.light.eye_dome,
                 eye_dome_strength: style.light.eye_dome_strength,

@@ -54,18 +54,6 @@ impl Model {
         }
     }
 
-    /// For people.
-    pub(in super::super) fn name(self) -> &'static str {
-        match self {
-            Self::Vlp16 => "VLP-16",
-            Self::PuckHiRes => "Puck Hi-Res",
-            Self::Hdl32 => "HDL-32E",
-            Self::Vlp32 => "VLP-32C",
-            Self::Vls128 => "VLS-128",
-            Self::Hdl64 => "HDL-64E",
-        }
-    }
-
     /// Its lasers in the order of the packets; none where they are each sensor's own.
     pub(super) fn lasers(self) -> Vec<Laser> {
         let with_height = |&(elevation_deg, height_mm): &(f64, f64)| Laser {

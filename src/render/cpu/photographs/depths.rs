@@ -1,12 +1,16 @@
 //! How far away what each photograph shows is (paper 004 §3.3).
 
 use crate::scene::{PhotographsInFrame, SurfelStyle};
+use rayon::prelude::*;
+
+/// How near a step has to be to count, texels.
+const STEP_TEXELS: usize = 2;
 
 /// Distances along the axis of a photograph's camera.
 #[derive(Debug)]
 pub(in crate::render) struct DepthMap {
     pub(in crate::render) size: [u32; 2],
-    /// 0 where nothing is known.
+    /// 0 where nothing is known; negative near steps.
     pub(in crate::render) distances: Vec<f32>,
     /// Places that are so much behind what is there are hidden by it.
     pub(in crate::render) tolerance: f32,
@@ -38,6 +42,7 @@ impl DepthMap {
             }
         }
         let tolerance = Self::TOLERANCE * extent(&distances);
+        mark_steps(&mut distances, size[0] as usize, tolerance);
         Self {
             size,
             distances,
@@ -46,16 +51,16 @@ impl DepthMap {
         }
     }
 
-    /// What is at `share` of its width and height, 0 to 1, beside a place at `distance`.
+    /// What is at `share` of its width and height, 0 to 1, beside a place at `distance`; and whether a step is near.
     #[inline(always)]
-    pub(super) fn seen(&self, share: [f32; 2], distance: f32) -> Seen {
+    pub(super) fn seen(&self, share: [f32; 2], distance: f32) -> (Seen, bool) {
         let [column, row] = [0, 1].map(|axis| {
             let texel = share[axis] * self.size[axis] as f32;
             (texel as usize).min(self.size[axis] as usize - 1)
         });
         let there = self.distances[self.size[0] as usize * row + column];
-        let behind = distance - there;
-        if there == 0.0 {
+        let behind = distance - there.abs();
+        let seen = if there == 0.0 {
             Seen::There
         } else if behind > self.tolerance {
             Seen::Hidden
@@ -63,8 +68,36 @@ impl DepthMap {
             Seen::Through
         } else {
             Seen::There
-        }
+        };
+        (seen, there < 0.0)
     }
+}
+
+/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of nothing: a little beside
+/// there, a photograph shows something else. Least and largest are found along lines, then across them.
+fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
+    let height = distances.len() / width.max(1);
+    let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
+    let both = |values: &mut dyn Iterator<Item = [f32; 2]>| {
+        values.fold([f32::INFINITY, 0.0_f32], |[least, most], [low, high]| {
+            [least.min(low), most.max(high)]
+        })
+    };
+    let along: Vec<[f32; 2]> = (0..distances.len())
+        .into_par_iter()
+        .map(|at| {
+            let (row, column) = (at / width, at % width);
+            let line = &distances[width * row..width * (row + 1)];
+            both(&mut line[window(column, width)].iter().map(|&distance| [distance; 2]))
+        })
+        .collect();
+    distances.par_iter_mut().enumerate().for_each(|(at, distance)| {
+        let (row, column) = (at / width, at % width);
+        let [least, most] = both(&mut window(row, height).map(|row| along[width * row + column]));
+        if least == 0.0 || most - least > tolerance {
+            *distance = -*distance;
+        }
+    });
 }
 
 /// From the nearest to the farthest of some distances, without a fiftieth of them at both ends.
@@ -97,21 +130,34 @@ mod tests {
     fn what_is_behind_is_hidden_and_what_is_before_a_measured_surface_is_seen_through() {
         // Half of the map is 10 away and half 30: the tolerance is a twentieth of 20.
         let distances = || [[10.0; 50], [30.0; 50]].concat();
-        let map = DepthMap::new([50, 2], distances(), true);
-        assert_eq!(map.seen([0.5, 0.25], 10.9), Seen::There);
-        assert_eq!(map.seen([0.5, 0.25], 11.1), Seen::Hidden);
-        assert_eq!(map.seen([0.5, 0.75], 28.9), Seen::Through);
-        let drawn = DepthMap::new([50, 2], distances(), false);
-        assert_eq!(drawn.seen([0.5, 0.75], 28.9), Seen::There);
+        let map = DepthMap::new([10, 10], distances(), true);
+        assert_eq!(map.seen([0.5, 0.05], 10.9), (Seen::There, false));
+        assert_eq!(map.seen([0.5, 0.05], 11.1), (Seen::Hidden, false));
+        assert_eq!(map.seen([0.5, 0.95], 28.9), (Seen::Through, false));
+        let drawn = DepthMap::new([10, 10], distances(), false);
+        assert_eq!(drawn.seen([0.5, 0.95], 28.9), (Seen::There, false));
         // The last line and column belong to the edge itself.
-        assert_eq!(map.seen([1.0, 1.0], 31.1), Seen::Hidden);
+        assert_eq!(map.seen([1.0, 1.0], 31.1), (Seen::Hidden, false));
+    }
+
+    #[test]
+    fn steps_are_told_two_texels_around_them() {
+        let map = DepthMap::new([10, 10], [[10.0; 50], [30.0; 50]].concat(), false);
+        let is_near = |row: usize| map.seen([0.5, 0.1 * row as f32 + 0.05], 10.0).1;
+        let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
+        assert_eq!(near, [3, 4, 5, 6]);
+        assert_eq!(map.seen([0.5, 0.35], 10.9).0, Seen::There);
+        let mut hole = vec![1.0; 100];
+        hole[44] = 0.0;
+        let around = DepthMap::new([10, 10], hole, false);
+        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 24);
     }
 
     #[test]
     fn unknown_distances_hide_nothing() {
         let map = DepthMap::new([3, 1], vec![0.0, f32::INFINITY, f32::NAN], true);
         for share in [0.1, 0.5, 0.9] {
-            assert_eq!(map.seen([share, 0.5], 1e6), Seen::There);
+            assert_eq!(map.seen([share, 0.5], 1e6).0, Seen::There);
         }
     }
 

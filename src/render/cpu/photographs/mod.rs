@@ -13,7 +13,7 @@ pub(in crate::render) use depths::{DepthMap, DepthMaps};
 use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::photos::Photograph;
-use crate::render::constants::{PHOTO_LEAST_COSINE, PHOTO_RIM};
+use crate::render::constants::{PHOTO_LEAST_COSINE, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS};
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoStyle, PhotoViews};
 use candidates::{Candidates, Scores};
 use depths::Seen;
@@ -48,6 +48,8 @@ struct Seeing {
     view: usize,
     /// Square of the angle between the ways to it and to the eye.
     angle2: f32,
+    /// A factor on its weight.
+    trust: f32,
 }
 
 /// What the photographs say of a place.
@@ -127,7 +129,8 @@ impl<'a> Projected<'a> {
             let of_view = &self.views.views[view];
             let [column, row] = scores.place(view);
             let share = [column / of_view.size[0], row / of_view.size[1]];
-            match self.depths[view].seen(share, scores.distance(view)) {
+            let (seen, is_near_step) = self.depths[view].seen(share, scores.distance(view));
+            match seen {
                 Seen::Hidden => continue,
                 Seen::Through => {
                     through += self.weight(angle2 - least);
@@ -135,7 +138,8 @@ impl<'a> Projected<'a> {
                 }
                 Seen::There => {}
             }
-            seeing[count] = Seeing { view, angle2 };
+            let trust = if is_near_step { PHOTO_TRUST_NEAR_STEPS } else { 1.0 };
+            seeing[count] = Seeing { view, angle2, trust };
             count += 1;
             if count == wanted {
                 break;
@@ -179,7 +183,7 @@ impl<'a> Projected<'a> {
             let photograph = &self.photographs[seen.view];
             let footprint = self.footprint(seen.view, place, scores);
             let [red, green, blue, alpha] = sample(&photograph.texture, &footprint);
-            let weight = (weight(seen) - beyond) * rim(scores.place(seen.view), view.size);
+            let weight = (weight(seen) - beyond) * seen.trust * rim(scores.place(seen.view), view.size);
             color += weight * view.gain * Vec3::new(red, green, blue);
             sum += weight * alpha;
             if photograph.is_masked {

@@ -1,0 +1,90 @@
+//! Photographs: they are put on what is shown once they are loaded, can be left out, and stood at.
+
+use super::{click, window};
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use image::{Rgb, RgbImage};
+use pointreel::app::{PanelId, State};
+use pointreel::scene::PhotoMode;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Two photographs of a wall of points, as COLMAP writes them.
+fn write_set(folder: &Path) {
+    let model = folder.join("sparse/0");
+    fs::create_dir_all(&model).unwrap();
+    fs::create_dir_all(folder.join("images")).unwrap();
+    fs::write(model.join("cameras.txt"), "1 PINHOLE 64 48 60 60 32 24\n").unwrap();
+    fs::write(
+        model.join("images.txt"),
+        "1 1 0 0 0 0 0 4 1 left.png\n\n2 1 0 0 0 -0.5 0 4 1 right.png\n\n",
+    )
+    .unwrap();
+    let mut points = String::new();
+    for at in 0..400 {
+        let [x, y] = [at % 20, at / 20].map(|step| 0.1 * f64::from(step) - 0.95);
+        writeln!(points, "{} {x} {y} 0 90 90 90 0.1", at + 1).unwrap();
+    }
+    fs::write(model.join("points3D.txt"), points).unwrap();
+    for (name, color) in [("left.png", [200, 40, 40]), ("right.png", [40, 40, 200])] {
+        RgbImage::from_pixel(64, 48, Rgb(color))
+            .save(folder.join("images").join(name))
+            .unwrap();
+    }
+}
+
+/// Photographs in the packet that is drawn next.
+fn drawn(harness: &mut Harness<'_, State>) -> usize {
+    harness.state_mut().forget_picture();
+    let packet = harness.state_mut().next_packet();
+    let photographs = packet.and_then(|packet| packet.photographs);
+    photographs.map_or(0, |shown| shown.photographs.all().len())
+}
+
+fn until_drawn(harness: &mut Harness<'_, State>, photographs: usize) {
+    let begin = Instant::now();
+    while drawn(harness) != photographs {
+        assert!(
+            begin.elapsed() < Duration::from_secs(30),
+            "{photographs} photographs are never drawn"
+        );
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    harness.run();
+}
+
+#[test]
+fn photographs_are_put_on_points_left_out_and_stood_at() {
+    let folder = tempfile::tempdir().unwrap();
+    write_set(folder.path());
+    let mut harness = window();
+    harness.state_mut().open_paths(vec![folder.path().to_owned()]);
+    until_drawn(&mut harness, 2);
+    harness.state_mut().panels.set(PanelId::new("photographs"), true);
+    harness.run();
+    assert!(harness.query_by_label("2 photographs").is_some());
+    let used = harness.get_by_role_and_label(Role::CheckBox, "Use right.png");
+    used.click();
+    harness.run();
+    assert_eq!(drawn(&mut harness), 1);
+    click(&mut harness, "Use all");
+    assert_eq!(drawn(&mut harness), 2);
+    // The first view is that of the first photograph.
+    let first = harness.state().camera;
+    harness.get_by_label("right.png").click();
+    harness.run();
+    let second = harness.state().camera;
+    let moved = second.eye_in_world() - first.eye_in_world();
+    assert!((moved.length() - 0.5).abs() < 1e-9, "{moved}");
+    click(&mut harness, "Cameras in the picture");
+    harness.get_by_label("Stand at left.png").click();
+    harness.run();
+    assert!((harness.state().camera.eye_in_world() - first.eye_in_world()).length() < 1e-9);
+    harness.state_mut().style.photos.mode = PhotoMode::Colored;
+    assert_eq!(drawn(&mut harness), 0);
+}
