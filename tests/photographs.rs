@@ -73,6 +73,8 @@ fn views_between_photographs_show_what_is_there() {
     let with_photographs = FRAME.with_photographs(Arc::clone(&PHOTOGRAPHS));
     for (at, view) in held_out().iter().enumerate() {
         let truth = photographed(&pinhole(EDGE_PX), view);
+        let picture = RgbaImage::from_raw(EDGE_PX, EDGE_PX, truth.as_flattened().to_vec());
+        keep(&picture.unwrap(), &format!("truth_{at}.png"));
         let camera = camera_at(view);
         let by = |mode: PhotoMode| {
             let style = style().with(|style| style.photos.mode = mode);
@@ -301,10 +303,9 @@ fn measured_depths_clip_what_they_contradict() {
             gain: Vec3::ONE,
         }
     };
-    let measured: Vec<Photograph> = PHOTOGRAPHS.all().iter().step_by(2).map(with_depths).collect();
-    // Few points: their disks reach far beyond the silhouette.
-    let sparse = frame(700, &style());
-    let sparse = sparse.with_photographs(Arc::new(Photographs::new(measured, Some(0.5))));
+    let measured: Vec<Photograph> = PHOTOGRAPHS.all().iter().map(with_depths).collect();
+    let neighbour_angle = f64::from(PHOTOGRAPHS.neighbour_angle());
+    let sparse = FRAME.with_photographs(Arc::new(Photographs::new(measured, Some(neighbour_angle))));
     let view = held_out()[0];
     let truth = photographed(&pinhole(EDGE_PX), &view);
     let extra = |clipping: PhotoClipping| {

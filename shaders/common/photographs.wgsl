@@ -12,9 +12,9 @@ struct InPhoto {
     distance: f32,
     // Of the angle between the ways to the camera and to the eye; below all cosines where it does not look.
     cosine: f32,
+    // Between the way to the camera and the normal.
+    facing: f32,
 }
-
-const NOT_LOOKING = -2.0;
 
 fn photo_entry(photo: u32, column: u32) -> vec4f {
     return textureLoad(photo_table, vec2u(column, photo + 1u), 0);
@@ -27,11 +27,13 @@ fn in_photo(photo: u32, place: vec3f, to_eye: vec3f, normal: vec3f) -> InPhoto {
     let aside = vec2f(dot(photo_entry(photo, 0u), at), dot(photo_entry(photo, 1u), at));
     let texel = aside * (1.0 / distance) * lens.xy + lens.zw;
     let to_camera = photo_entry(photo, 3u).xyz - place;
-    let cosine = dot(to_camera, to_eye) / sqrt(max(dot(to_camera, to_camera), 1e-37));
+    let per_length = 1.0 / sqrt(max(dot(to_camera, to_camera), 1e-37));
+    let cosine = dot(to_camera, to_eye) * per_length;
+    let facing = dot(to_camera, normal) * per_length;
     let size = photo_entry(photo, 5u).xy;
     let is_inside = distance > 0.0 && all(texel >= vec2f(0.0)) && all(texel < size);
-    let looks = is_inside && dot(to_camera, normal) >= 0.0;
-    return InPhoto(texel, distance, select(NOT_LOOKING, cosine, looks));
+    let looks = is_inside && facing >= 0.0;
+    return InPhoto(texel, distance, select(PHOTO_NOT_LOOKING, cosine, looks), facing);
 }
 
 // What a photograph shows where a place is: 0 that place, 1 what hides it, 2 what is behind it, 3 that place near a
@@ -129,13 +131,24 @@ fn photo_per_px(photo: u32, at: InPhoto, steps: mat2x3f) -> mat2x2f {
     return per_px;
 }
 
+// What a photograph shows of a surface beside what the eye sees of it.
+fn share_seen(facing_eye: f32, facing: f32) -> f32 {
+    let share = select(1.0, min(facing / max(facing_eye, PHOTO_LEAST_COSINE), 1.0), facing_eye > 0.0);
+    return share * share;
+}
+
+// How much a photograph is to be believed beside others: render/cpu/photographs/mod.rs.
+fn trust(angle2: f32, is_near_step: bool) -> f32 {
+    return select(1.0, mix(PHOTO_TRUST_NEAR_STEPS, 1.0, exp(-angle2 * PHOTO_PER_STEP_ANGLE2)), is_near_step);
+}
+
 // Photographs fade towards their borders.
 fn photo_rim(texel: vec2f, size: vec2f) -> f32 {
     let inwards = min(texel, size - texel) / (PHOTO_RIM * size);
     return clamp(min(inwards.x, inwards.y), 1e-3, 1.0);
 }
 
-// The colour of a place in view space; alpha 0 where nothing is to be drawn. `normal` has length 1 and is turned to the
+// The colour of a place in view space; alpha is a factor on its opacity. `normal` has length 1 and is turned to the
 // eye, or is zero.
 fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
@@ -153,7 +166,7 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     var count = 0u;
     for (var photo = 0u; photo < photos; photo++) {
         let cosine = in_photo(photo, place, to_eye, normal).cosine;
-        if (cosine == NOT_LOOKING || count == PHOTO_MOST_ASKED && cosine <= cosines[count - 1u]) {
+        if (cosine == PHOTO_NOT_LOOKING || count == PHOTO_MOST_ASKED && cosine <= cosines[count - 1u]) {
             continue;
         }
         var slot = min(count, PHOTO_MOST_ASKED - 1u);
@@ -180,14 +193,16 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
             least = angle * angle;
         }
         let weight = exp((least - angle * angle) * per_sigma2);
-        let what = seen_there(nearest[at], in_photo(nearest[at], place, to_eye, normal));
+        let asked = in_photo(nearest[at], place, to_eye, normal);
+        let what = seen_there(nearest[at], asked);
+        let seen_of_it = share_seen(dot(normal, to_eye), asked.facing);
         if (what == 2u) {
-            through += weight;
+            through += seen_of_it * weight;
         } else if (what != 1u) {
-            trusts[found] = select(1.0, PHOTO_TRUST_NEAR_STEPS, what == 3u);
+            trusts[found] = seen_of_it * trust(angle * angle, what == 3u);
             seeing[found] = nearest[at];
             weights[found] = weight;
-            seen += weight;
+            seen += seen_of_it * weight;
             found++;
         }
     }
@@ -225,5 +240,5 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     if (sum <= 0.0) {
         return unseen;
     }
-    return vec4f(min(color / sum, vec3f(1.0)), 1.0);
+    return vec4f(min(color / sum, vec3f(1.0)), PHOTO_OPACITY);
 }

@@ -28,9 +28,9 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let normal = select(unit, -unit, dot(unit, to_eye) < 0.0);
     let surface = surface_color(albedo, ray * distance, normal);
     if (surface.a == 0.0 || length2 == 0.0) {
-        return vec4f(surface.rgb * sum.a, sum.a * surface.a);
+        return vec4f(surface.rgb, 1.0) * (sum.a * surface.a);
     }
     let open = openness(depths, vec2i(pixel), normal);
     let light = min(lit(to_linear(surface.rgb), ray * distance, normal, to_eye, open), vec3f(1.0));
-    return vec4f(to_display(light) * sum.a, sum.a);
+    return vec4f(to_display(light), 1.0) * (sum.a * surface.a);
 }

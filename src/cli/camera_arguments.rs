@@ -51,7 +51,9 @@ pub(super) struct CameraArgs {
     #[arg(
         long,
         value_name = "N",
-        conflicts_with_all = ["from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all"]
+        conflicts_with_all = [
+            "from_sensor", "view", "azimuth", "elevation", "distance", "fov", "orthographic", "frame_all",
+        ]
     )]
     photo_camera: Option<usize>,
 }

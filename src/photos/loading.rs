@@ -5,6 +5,7 @@ use super::gains::gains;
 use super::photo_image::PhotoImage;
 use super::photographs::{Photograph, Photographs};
 use super::prepared::PreparedPhoto;
+use super::shared_points::shared_points;
 use super::texture::Texture;
 use super::undistort::Extent;
 use super::view_set::ViewSet;
@@ -53,28 +54,34 @@ impl LoadedPhotographs {
             Some(read)
         };
         let read: Vec<Option<Result<Read, PhotosError>>> = set.photos.par_iter().map(read_one).collect();
-        let (mut notes, mut prepared, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut notes, mut prepared) = (Vec::new(), Vec::new());
+        let (mut are_masked, mut depths) = (Vec::new(), Vec::new());
         for read in read {
             let read = read.and_then(|read| {
                 read.map_err(|error| notes.push(format!("{error}; the other photographs are used")))
                     .ok()
             });
             notes.extend(read.as_ref().and_then(|read| read.note.clone()));
-            let (photo, other) = read.map(|read| (read.prepared, (read.is_masked, read.depth))).unzip();
+            are_masked.push(read.as_ref().is_some_and(|read| read.is_masked));
+            let (photo, depth) = read.map(|read| (read.prepared, read.depth)).unzip();
             prepared.push(photo);
-            others.push(other);
+            depths.push(depth.flatten());
         }
-        let gains = gains(&set.points, &prepared);
-        let all = set.photos.iter().zip(prepared).zip(others.into_iter().zip(gains));
+        let gains = if set.points.observations().is_empty() {
+            gains(&shared_points(&prepared, &depths), &prepared)
+        } else {
+            gains(&set.points, &prepared)
+        };
+        let pixels = prepared.into_iter().zip(are_masked);
+        let all = set.photos.iter().zip(pixels).zip(depths.into_iter().zip(gains));
         let photographs = all
             .enumerate()
-            .filter_map(|(number, ((photo, prepared), (other, gain)))| {
+            .filter_map(|(number, ((photo, (prepared, is_masked)), (depth, gain)))| {
                 let PreparedPhoto {
                     camera,
                     camera_from_world,
                     image,
                 } = prepared?;
-                let (is_masked, depth) = other?;
                 Some(Photograph {
                     name: photo.name.clone(),
                     number,

@@ -33,6 +33,7 @@ mod photo_image;
 mod photographs;
 mod points;
 mod prepared;
+mod shared_points;
 mod text;
 mod texture;
 mod transforms;

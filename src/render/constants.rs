@@ -47,8 +47,17 @@ pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
 /// The width of the border to which photographs fade, as a share of an edge: so it is not seen.
 pub(super) const PHOTO_RIM: f32 = 0.02;
 
+/// In place of the cosine of a photograph that does not look at a place: below all cosines.
+pub(super) const PHOTO_NOT_LOOKING: f32 = -2.0;
+
+/// A factor on the opacity of what has its colour from photographs: rims of disks are no softer than these.
+pub(super) const PHOTO_OPACITY: f32 = 3.0;
+
 /// The weight of a photograph where a step of depths is near: a little beside, it shows something else.
 pub(super) const PHOTO_TRUST_NEAR_STEPS: f32 = 0.02;
+
+/// The same counts in full where it looks as the eye does: 1 over the square of the angle at which it does not, 3°.
+pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 
 /// What a pixel covers of a surface that is seen more from the side than this is that of one that is seen so.
 pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;

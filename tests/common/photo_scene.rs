@@ -45,7 +45,7 @@ fn color(place: DVec3, is_ring: bool) -> DVec3 {
     } else {
         DVec3::new(0.35, 0.5, 0.65)
     };
-    base + 0.14 * waves(9.0) + 0.1 * waves(31.0)
+    base + 0.1 * waves(9.0) + 0.14 * waves(37.0)
 }
 
 /// The place that a ray meets, with the colour there.

@@ -1,6 +1,6 @@
 //! What is made of the open sequence where nothing is chosen, and what a person has chosen for it instead.
 //!
-//! **How it works.** The first frame that is shown tells what is looked at and where to stand ([`FirstLook::of`]). Of a
+//! **How it works.** The first frame that is shown tells what is looked at and where to stand ([`FirstLook::of_first`]). Of a
 //! sequence of many frames a thread looks at some others meanwhile; when it is done, and nobody has moved the camera,
 //! the view is that of all of them. What a person chooses for a sequence, up axis and primitive, is kept with its
 //! markers.
@@ -74,7 +74,7 @@ impl State {
     pub(super) fn look_first(&mut self, frame: &Arc<PreparedFrame>) {
         let Some(player) = &self.player else { return };
         let sequence = Arc::clone(player.sequence());
-        let look = FirstLook::of(&[&frame.frame], sequence.origin());
+        let look = FirstLook::of_first(&frame.frame, &sequence);
         self.take_look(look);
         if let Some(view) = self.options.view.take() {
             self.camera = view;

@@ -273,13 +273,14 @@ pub(in crate::render) fn depths_of_photographs<'a>(
     let kept = known.take().filter(|maps| maps.of == of);
     let maps = kept.unwrap_or_else(|| {
         let mut blocks = None;
+        let most_extent = 2.0 * packet.bounds.radius();
         let photographs = shown.photographs.all().iter();
         let maps = photographs.map(|photograph| {
             if let Some(depth) = &photograph.depth {
-                return DepthMap::new(depth.size_px(), depth.metres().to_vec(), true);
+                return DepthMap::new(depth.size_px(), depth.metres().to_vec(), most_extent, true);
             }
             let Some(seen) = seen_by_photograph(packet, photograph) else {
-                return DepthMap::new([1, 1], vec![0.0], false);
+                return DepthMap::new([1, 1], vec![0.0], 0.0, false);
             };
             let drawable = Drawable::of_surface(&seen);
             let blocks = blocks.get_or_insert_with(|| drawable.blocks());
@@ -289,7 +290,7 @@ pub(in crate::render) fn depths_of_photographs<'a>(
             for distance in &mut distances {
                 *distance = seen.view.near / *distance;
             }
-            DepthMap::new(seen.viewport_px, distances, false)
+            DepthMap::new(seen.viewport_px, distances, most_extent, false)
         });
         let maps = maps.collect();
         DepthMaps { of, maps }

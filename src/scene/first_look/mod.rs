@@ -172,10 +172,18 @@ impl FirstLook {
             })
             .collect();
         let frames: Vec<&Frame> = std::iter::once(first).chain(&others).collect();
-        let look = Self::of(&frames, sequence.origin());
+        Self::of(&frames, sequence.origin()).with_photographs_of(sequence)
+    }
+
+    /// Guesses from the first frame of `sequence` alone.
+    pub fn of_first(first: &Frame, sequence: &Sequence) -> Self {
+        Self::of(&[first], sequence.origin()).with_photographs_of(sequence)
+    }
+
+    fn with_photographs_of(self, sequence: &Sequence) -> Self {
         match sequence.source().photographs(0) {
-            Some(set) => look.with_photographs(&set),
-            None => look,
+            Some(set) => self.with_photographs(&set),
+            None => self,
         }
     }
 

@@ -47,7 +47,7 @@ group! {
             flag: "photos",
             value_name: "MODE",
             help: "Colours where there are photographs",
-            title: "Photographs",
+            title: "Colours from",
             hint: "What surfaces have their colours from where there are photographs of them",
             section: Section::Photographs,
             when: When::HasPhotographs,

@@ -39,6 +39,7 @@ pub(in crate::app) fn photos_ui(
             head_ui(ui, photos, set);
             ui.separator();
             ScrollArea::both()
+                .id_salt("list of photographs")
                 .auto_shrink(false)
                 .show(ui, |ui| request = list_ui(ui, photos, set));
         });
@@ -66,7 +67,7 @@ fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
 
 fn list_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) -> Option<PhotosRequest> {
     let mut request = None;
-    Grid::new("photographs").num_columns(5).striped(true).show(ui, |ui| {
+    Grid::new("table of photographs").num_columns(5).striped(true).show(ui, |ui| {
         for (title, tooltip) in [
             ("", "Whether it is put on the surface"),
             ("Photograph", "A click looks from where it was taken"),

@@ -1,5 +1,6 @@
 //! Which photographs look at a place, and from how near to the eye's direction: eight of them at a time.
 
+use crate::render::constants::PHOTO_NOT_LOOKING;
 use crate::scene::PhotoView;
 use glam::Vec3;
 
@@ -35,6 +36,8 @@ pub(super) struct Scores {
     places: [Vec<f32>; 2],
     /// Along the axes of their cameras.
     distances: Vec<f32>,
+    /// The cosine between the way to the camera and the normal; 0 without one.
+    facings: Vec<f32>,
 }
 
 impl Candidates {
@@ -72,8 +75,12 @@ impl Candidates {
         let (columns, _) = columns.as_chunks_mut::<LANES>();
         let (rows, _) = rows.as_chunks_mut::<LANES>();
         let (distances, _) = scores.distances.as_chunks_mut::<LANES>();
-        let of_groups = cosines.iter_mut().zip(columns).zip(rows.iter_mut().zip(distances));
-        for (group, ((cosines, columns), (rows, distances))) in self.groups.iter().zip(of_groups) {
+        let (facings, _) = scores.facings.as_chunks_mut::<LANES>();
+        let of_groups = cosines
+            .iter_mut()
+            .zip(columns)
+            .zip(rows.iter_mut().zip(distances.iter_mut().zip(facings)));
+        for (group, ((cosines, columns), (rows, (distances, facings)))) in self.groups.iter().zip(of_groups) {
             for lane in 0..LANES {
                 let along = |row: &[Eight; 4]| {
                     row[0][lane] * place.x + row[1][lane] * place.y + row[2][lane] * place.z + row[3][lane]
@@ -88,8 +95,9 @@ impl Candidates {
                     group.center[2][lane] - place.z,
                 ];
                 let length2 = x * x + y * y + z * z;
-                let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) / length2.max(f32::MIN_POSITIVE).sqrt();
-                let facing = x * normal.x + y * normal.y + z * normal.z;
+                let per_length = 1.0 / length2.max(f32::MIN_POSITIVE).sqrt();
+                let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) * per_length;
+                let facing = (x * normal.x + y * normal.y + z * normal.z) * per_length;
                 let is_inside = (distance > 0.0)
                     & (column >= 0.0)
                     & (column < group.size[0][lane])
@@ -101,19 +109,19 @@ impl Candidates {
                 columns[lane] = column;
                 rows[lane] = row;
                 distances[lane] = distance;
+                facings[lane] = facing;
             }
         }
     }
 }
 
 impl Scores {
-    /// Below all cosines.
-    const NONE: f32 = -2.0;
+    const NONE: f32 = PHOTO_NOT_LOOKING;
 
     fn resize(&mut self, count: usize) {
         if self.cosines.len() != count {
             let [columns, rows] = &mut self.places;
-            for values in [&mut self.cosines, columns, rows, &mut self.distances] {
+            for values in [&mut self.cosines, columns, rows, &mut self.distances, &mut self.facings] {
                 values.resize(count, Self::NONE);
             }
         }
@@ -139,6 +147,11 @@ impl Scores {
     /// Where the place is in a photograph, texels from its upper left corner.
     pub(super) fn place(&self, view: usize) -> [f32; 2] {
         [self.places[0][view], self.places[1][view]]
+    }
+
+    /// The cosine between the way to its camera and the normal of the place; 0 without one.
+    pub(super) fn facing(&self, view: usize) -> f32 {
+        self.facings[view]
     }
 
     /// How far away it is along the axis of its camera.

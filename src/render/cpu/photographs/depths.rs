@@ -4,7 +4,7 @@ use crate::scene::{PhotographsInFrame, SurfelStyle};
 use rayon::prelude::*;
 
 /// How near a step has to be to count, texels.
-const STEP_TEXELS: usize = 2;
+const STEP_TEXELS: usize = 3;
 
 /// Distances along the axis of a photograph's camera.
 #[derive(Debug)]
@@ -33,15 +33,20 @@ impl DepthMap {
     /// How much of the depth of what is seen a place may be behind it (paper 004 §4.1).
     const TOLERANCE: f32 = 0.05;
 
+    /// The same of how large the surface is, at least: a wall has no depth.
+    const LEAST_TOLERANCE: f32 = 0.01;
+
     /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
-    pub(in crate::render) fn new(size: [u32; 2], mut distances: Vec<f32>, is_measured: bool) -> Self {
+    /// `most_extent` is how large the whole surface is.
+    pub(in crate::render) fn new(size: [u32; 2], mut distances: Vec<f32>, most_extent: f32, is_measured: bool) -> Self {
         debug_assert_eq!(distances.len(), size[0] as usize * size[1] as usize);
         for distance in &mut distances {
             if !(distance.is_finite() && *distance > 0.0) {
                 *distance = 0.0;
             }
         }
-        let tolerance = Self::TOLERANCE * extent(&distances);
+        let of_depths = Self::TOLERANCE * extent(&distances).min(most_extent);
+        let tolerance = of_depths.max(Self::LEAST_TOLERANCE * most_extent);
         mark_steps(&mut distances, size[0] as usize, tolerance);
         Self {
             size,
@@ -126,36 +131,43 @@ pub(in crate::render) struct DepthMaps {
 mod tests {
     use super::*;
 
+    /// Half of it is 10 away and half 30.
+    fn distances() -> Vec<f32> {
+        [[10.0; 50], [30.0; 50]].concat()
+    }
+
     #[test]
     fn what_is_behind_is_hidden_and_what_is_before_a_measured_surface_is_seen_through() {
-        // Half of the map is 10 away and half 30: the tolerance is a twentieth of 20.
-        let distances = || [[10.0; 50], [30.0; 50]].concat();
-        let map = DepthMap::new([10, 10], distances(), true);
+        // The tolerance is a twentieth of 20.
+        let map = DepthMap::new([10, 10], distances(), 30.0, true);
         assert_eq!(map.seen([0.5, 0.05], 10.9), (Seen::There, false));
         assert_eq!(map.seen([0.5, 0.05], 11.1), (Seen::Hidden, false));
         assert_eq!(map.seen([0.5, 0.95], 28.9), (Seen::Through, false));
-        let drawn = DepthMap::new([10, 10], distances(), false);
+        let drawn = DepthMap::new([10, 10], distances(), 30.0, false);
         assert_eq!(drawn.seen([0.5, 0.95], 28.9), (Seen::There, false));
         // The last line and column belong to the edge itself.
         assert_eq!(map.seen([1.0, 1.0], 31.1), (Seen::Hidden, false));
     }
 
     #[test]
-    fn steps_are_told_two_texels_around_them() {
-        let map = DepthMap::new([10, 10], [[10.0; 50], [30.0; 50]].concat(), false);
+    fn steps_are_told_three_texels_around_them() {
+        let map = DepthMap::new([10, 10], [[10.0; 50], [30.0; 50]].concat(), 30.0, false);
         let is_near = |row: usize| map.seen([0.5, 0.1 * row as f32 + 0.05], 10.0).1;
         let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
-        assert_eq!(near, [3, 4, 5, 6]);
+        assert_eq!(near, [2, 3, 4, 5, 6, 7]);
         assert_eq!(map.seen([0.5, 0.35], 10.9).0, Seen::There);
         let mut hole = vec![1.0; 100];
         hole[44] = 0.0;
-        let around = DepthMap::new([10, 10], hole, false);
-        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 24);
+        let around = DepthMap::new([10, 10], hole, 30.0, false);
+        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 48);
+        // A wall far behind the surface does not widen the tolerance.
+        let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
+        assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, Seen::Hidden);
     }
 
     #[test]
     fn unknown_distances_hide_nothing() {
-        let map = DepthMap::new([3, 1], vec![0.0, f32::INFINITY, f32::NAN], true);
+        let map = DepthMap::new([3, 1], vec![0.0, f32::INFINITY, f32::NAN], 1.0, true);
         for share in [0.1, 0.5, 0.9] {
             assert_eq!(map.seen([share, 0.5], 1e6).0, Seen::There);
         }

@@ -13,7 +13,9 @@ pub(in crate::render) use depths::{DepthMap, DepthMaps};
 use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::photos::Photograph;
-use crate::render::constants::{PHOTO_LEAST_COSINE, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS};
+use crate::render::constants::{
+    PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
+};
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoStyle, PhotoViews};
 use candidates::{Candidates, Scores};
 use depths::Seen;
@@ -94,8 +96,12 @@ impl<'a> Projected<'a> {
                 );
                 match self.find(&place, &mut scores) {
                     Found::Color(color) => {
+                        tile.weight[at] *= PHOTO_OPACITY;
+                        for sum in &mut tile.surfaces {
+                            sum[at] *= PHOTO_OPACITY;
+                        }
                         for (sum, value) in tile.colors.iter_mut().zip(color) {
-                            sum[at] = value * weight;
+                            sum[at] = value * weight * PHOTO_OPACITY;
                         }
                     }
                     Found::Unseen if self.views.holes == PhotoHoles::Points => {}
@@ -118,7 +124,7 @@ impl<'a> Projected<'a> {
         // One more than is blended: weights are relative to that of the last.
         let mut seeing = [Seeing::default(); PhotoStyle::MOST_VIEWS + 1];
         let wanted = self.views.blended + 1;
-        let (mut count, mut through, mut nearest) = (0, 0.0, None);
+        let (mut count, mut through, mut votes, mut nearest) = (0, 0.0, 0.0, None);
         for _ in 0..PhotoViews::MOST_ASKED {
             let Some((view, cosine)) = scores.take_best() else {
                 break;
@@ -130,15 +136,17 @@ impl<'a> Projected<'a> {
             let [column, row] = scores.place(view);
             let share = [column / of_view.size[0], row / of_view.size[1]];
             let (seen, is_near_step) = self.depths[view].seen(share, scores.distance(view));
+            let seen_of_it = share_seen(place, scores.facing(view));
             match seen {
                 Seen::Hidden => continue,
                 Seen::Through => {
-                    through += self.weight(angle2 - least);
+                    through += seen_of_it * self.weight(angle2 - least);
                     continue;
                 }
                 Seen::There => {}
             }
-            let trust = if is_near_step { PHOTO_TRUST_NEAR_STEPS } else { 1.0 };
+            votes += seen_of_it * self.weight(angle2 - least);
+            let trust = seen_of_it * trust(angle2, is_near_step);
             seeing[count] = Seeing { view, angle2, trust };
             count += 1;
             if count == wanted {
@@ -149,10 +157,7 @@ impl<'a> Projected<'a> {
         let is_clipped = match self.views.clipping {
             PhotoClipping::Off => false,
             PhotoClipping::Paper => through > 0.0,
-            PhotoClipping::Vote => {
-                let least = nearest.unwrap_or_default();
-                through > seeing.iter().map(|seen| self.weight(seen.angle2 - least)).sum::<f32>()
-            }
+            PhotoClipping::Vote => through > votes,
         };
         if is_clipped {
             return Found::Clipped;
@@ -221,6 +226,28 @@ impl<'a> Projected<'a> {
         });
         Footprint { place: at, per_px }
     }
+}
+
+/// What a photograph shows of a surface beside what the eye sees of it: less, if it sees it more from the side.
+#[inline(always)]
+fn share_seen(place: &Place, facing: f32) -> f32 {
+    let facing_eye = place.normal.dot(place.to_eye);
+    if facing_eye <= 0.0 {
+        return 1.0;
+    }
+    let share = (facing / facing_eye.max(PHOTO_LEAST_COSINE)).min(1.0);
+    share * share
+}
+
+/// How much a photograph is to be believed beside others. The surface is not quite where the points say it is: near a
+/// step that is seen from another direction than the eye's, a photograph shows what is beside.
+#[inline(always)]
+fn trust(angle2: f32, is_near_step: bool) -> f32 {
+    if !is_near_step {
+        return 1.0;
+    }
+    let near = (-angle2 * PHOTO_PER_STEP_ANGLE2).exp();
+    PHOTO_TRUST_NEAR_STEPS + (1.0 - PHOTO_TRUST_NEAR_STEPS) * near
 }
 
 /// Photographs fade towards their borders.
