@@ -490,8 +490,8 @@ fn bench_names_its_suites() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output).contains(
-            "expected surfels, octree, voxels, accuracy, render, play, window, error, lod, primitives, reel, rate or \
-             rgbd"
+            "expected surfels, octree, voxels, accuracy, render, play, window, error, lod, primitives, reel, rate, \
+             rgbd or vdts"
         ),
         "{}",
         stderr(&output)

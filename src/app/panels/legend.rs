@@ -12,8 +12,9 @@ const RAMP: Vec2 = vec2(15.0, 190.0);
 
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
-    // The window of changes has one of its own, in the same place.
-    if !state.panels.has(PanelId::LEGEND) || state.temporal.change.is_on {
+    // The window of changes has one of its own, in the same place; colours of photographs mean nothing.
+    let is_elsewhere = state.temporal.change.is_on || state.drawn_style().draws_photographs();
+    if !state.panels.has(PanelId::LEGEND) || is_elsewhere {
         return;
     }
     let Some(legend) = state.drawn_frame().and_then(|frame| Legend::of(frame)) else {

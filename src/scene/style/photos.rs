@@ -94,7 +94,7 @@ group! {
             flag: "clipping",
             value_name: "HOW",
             help: "Leave out what photographs see through",
-            title: "Clipping",
+            title: "Silhouettes",
             hint: "What becomes of places where photographs show something that is nearer or farther",
             section: Section::Photographs,
             when: When::DrawsPhotographs,

@@ -1,7 +1,9 @@
 //! Photographs of what has none: pictures of all its points, and a few of the points to put them on.
 //!
-//! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with photographs show of a dense cloud.
+//! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with photographs show of a dense
+//! cloud.
 
+use super::backgrounds::{BOTH, is_covered};
 use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
@@ -53,20 +55,18 @@ pub(super) fn make(
         let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
         let mut pictures = Vec::new();
-        for background in super::BACKGROUNDS {
+        for background in BOTH {
             let style = style.with(|style| style.backdrop.background = Background::solid(background));
             let packet = Scene::default().packet(frame, origin, &camera, &style, [EDGE_PX; 2]);
             pictures.push(runner.image(&packet)?);
         }
         let pixels = pictures[0].pixels().zip(pictures[1].pixels());
         let texels = pixels.map(|(dark, bright)| {
-            let shown = (0..3).map(|at| bright[at].saturating_sub(dark[at])).max().unwrap_or(0);
             let [red, green, blue, _] = dark.0;
-            // The object alone, without what shows through.
-            if shown > super::MOST_SHOWN_THROUGH {
-                [0; 4]
-            } else {
+            if is_covered(dark, bright) {
                 [red, green, blue, 255]
+            } else {
+                [0; 4]
             }
         });
         let Some(image) = PhotoImage::new([EDGE_PX; 2], texels.collect()) else {

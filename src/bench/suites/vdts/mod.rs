@@ -5,6 +5,7 @@
 //! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`).
 //! Sequences without photographs are photographed: see `made.rs`.
 
+mod backgrounds;
 mod made;
 
 use crate::bench::report::{Cell, Column, Row};
@@ -69,12 +70,6 @@ pub const VDTS: &Suite = &Suite {
 };
 
 const MODES: [PhotoMode; 3] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single];
-
-/// Two backgrounds: what shows either of them through is not covered.
-const BACKGROUNDS: [[u8; 3]; 2] = [[0; 3], [255; 3]];
-
-/// So much of 255 of the background may show through: 3 %.
-const MOST_SHOWN_THROUGH: u8 = 8;
 
 /// A picture beside the photograph that was left out.
 struct Compared<'a> {
@@ -177,7 +172,7 @@ fn compare<'a>(
             photograph.texture.size_px(),
         )
     };
-    let packets = BACKGROUNDS.map(&mut packet_on);
+    let packets = backgrounds::BOTH.map(&mut packet_on);
     let mut times_ms = Vec::new();
     for round in 0..run.options.warmup + run.options.repeat {
         run.check_cancelled()?;
@@ -190,8 +185,7 @@ fn compare<'a>(
     let truth = truth_of(photograph);
     // Pixels of the photograph that show nothing (beyond its lens, or masked out) are no truth.
     let is_compared = |(dark, bright, truth): (&Rgba<u8>, &Rgba<u8>, &Rgba<u8>)| {
-        let shines_through = (0..3).map(|at| dark[at].abs_diff(bright[at])).max();
-        shines_through <= Some(MOST_SHOWN_THROUGH) && truth[3] == u8::MAX
+        backgrounds::is_covered(dark, bright) && truth[3] == u8::MAX
     };
     let pixels = on_dark.pixels().zip(on_bright.pixels()).zip(truth.pixels());
     let compared: Vec<bool> = pixels
