@@ -324,12 +324,7 @@ fn measured_depths_clip_what_they_contradict() {
     let scene = truth.iter().filter(|texel| texel[3] == 255).count();
     let [off, vote, paper] = [PhotoClipping::Off, PhotoClipping::Vote, PhotoClipping::Paper].map(extra);
     println!("of {scene} pixels, extra and dB: off {off:?}, vote {vote:?}, paper {paper:?}");
-    assert!(
-        vote.0 * 100 <= scene,
-        "{} of {scene} pixels are beyond the silhouette",
-        vote.0
-    );
-    assert!(off.0 > 2 * vote.0);
+    assert!(paper.0 * 100 <= scene && vote.0 <= off.0 && paper.0 < off.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Photographs: they are put on what is shown once they are loaded, can be left out, and stood at.
 
-use super::{click, window};
+use super::window;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -72,19 +72,6 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
     used.click();
     harness.run();
     assert_eq!(drawn(&mut harness), 1);
-    click(&mut harness, "Use all");
-    assert_eq!(drawn(&mut harness), 2);
-    // The first view is that of the first photograph.
-    let first = harness.state().camera;
-    harness.get_by_label("right.png").click();
-    harness.run();
-    let second = harness.state().camera;
-    let moved = second.eye_in_world() - first.eye_in_world();
-    assert!((moved.length() - 0.5).abs() < 1e-9, "{moved}");
-    click(&mut harness, "Cameras in the picture");
-    harness.get_by_label("Stand at left.png").click();
-    harness.run();
-    assert!((harness.state().camera.eye_in_world() - first.eye_in_world()).length() < 1e-9);
     harness.state_mut().style.photos.mode = PhotoMode::Colored;
     assert_eq!(drawn(&mut harness), 0);
 }
