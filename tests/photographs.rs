@@ -77,18 +77,19 @@ fn views_between_photographs_show_what_is_there() {
         keep(&picture.unwrap(), &format!("truth_{at}.png"));
         let camera = camera_at(view);
         let by = |mode: PhotoMode| {
-            let style = style().with(|style| {
-                style.photos.mode = mode;
-                if let Ok(angle) = std::env::var("POINTREEL_ANGLE") {
-                    style.photos.angle = angle.parse().unwrap();
-                }
-            });
+            let style = style().with(|style| style.photos.mode = mode);
             let picture = draw_on_cpu(&packet(&with_photographs, &camera, &style));
             keep(&picture, &format!("{mode}_{at}.png"));
             foreground_psnr_db(&picture, &truth)
         };
         let [vdts, colored, single] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single].map(by);
-        println!("view {at}: {vdts:.1} dB, colours of points {colored:.1} dB, nearest photograph {single:.1} dB");
+        // View 0 has the long outline of the ring before the ball, where disks reach beyond it by a pixel.
+        let least = if at == 0 { 28.0 } else { 30.0 };
+        assert!(
+            vdts >= least && vdts >= colored + 3.5,
+            "view {at}: {vdts} dB beside {colored} dB"
+        );
+        assert!(vdts > single, "view {at}: {vdts} dB beside {single} dB");
     }
 }
 
@@ -102,7 +103,6 @@ fn the_view_of_a_photograph_is_that_photograph() {
         let picture = draw_on_cpu(&packet(&with_photographs, &camera_at(&view), &style));
         keep(&picture, &format!("own_{number}.png"));
         let psnr = foreground_psnr_db(&picture, &truth);
-        println!("photograph {number}: {psnr:.1} dB");
         assert!(psnr >= 35.0, "photograph {number}: {psnr} dB");
     }
 }
@@ -216,7 +216,6 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
                 at(0.5).truncate().abs().max_element() > 0.46 && at(-0.5).truncate().abs().max_element() < 1.4;
             wrong += u32::from(is_behind && pixel[0] > pixel[2].max(60));
         }
-        println!("{azimuth_deg}: {wrong} red pixels behind");
         assert!(wrong <= 40, "{wrong} pixels behind are red from {azimuth_deg}");
     }
 }
@@ -237,13 +236,7 @@ fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
     let left = style().with(|style| style.photos.holes = PhotoHoles::Left);
     let left = draw_on_cpu(&packet(&frame, &back, &left));
     let lit = |picture: &RgbaImage| picture.pixels().filter(|pixel| pixel.0[..3] != [0, 0, 0]).count();
-    println!(
-        "{} colored, {} filled, {} left",
-        lit(&colored),
-        lit(&filled),
-        lit(&left)
-    );
-    assert!(lit(&left) < lit(&filled) / 4);
+    assert!(lit(&left) < lit(&filled) / 4, "{} left of {}", lit(&left), lit(&filled));
     let far = colored.pixels().zip(filled.pixels());
     let same = far
         .filter(|(a, b)| (0..3).all(|channel| a[channel].abs_diff(b[channel]) <= 1))
@@ -274,11 +267,7 @@ fn both_renderers_put_the_same_photographs_on_the_surface() {
         keep(&gpu, "gpu.png");
         let channels = cpu.as_raw().iter().zip(gpu.as_raw());
         let far = channels.filter(|(a, b)| a.abs_diff(**b) > 8).count();
-        println!(
-            "{primitive}: {far} channels of {} differ by more than 8",
-            cpu.as_raw().len()
-        );
-        assert!(far * 200 <= cpu.as_raw().len(), "{far} channels differ");
+        assert!(far * 200 <= cpu.as_raw().len(), "{primitive}: {far} channels differ");
     }
 }
 
@@ -323,8 +312,8 @@ fn measured_depths_clip_what_they_contradict() {
     };
     let scene = truth.iter().filter(|texel| texel[3] == 255).count();
     let [off, vote, paper] = [PhotoClipping::Off, PhotoClipping::Vote, PhotoClipping::Paper].map(extra);
-    println!("of {scene} pixels, extra and dB: off {off:?}, vote {vote:?}, paper {paper:?}");
-    assert!(paper.0 * 100 <= scene && vote.0 <= off.0 && paper.0 < off.0);
+    let told = format!("of {scene} pixels, beyond the outline and dB: off {off:?}, vote {vote:?}, paper {paper:?}");
+    assert!(paper.0 * 100 <= scene && vote.0 <= off.0 && paper.0 < off.0, "{told}");
 }
 
 #[test]

@@ -181,7 +181,7 @@ mod tests {
         let photograph = photograph();
         let origin = DVec3::new(100.0, -50.0, 20.0);
         let mut moved = photograph;
-        moved.camera_from_world = moved.camera_from_world * DAffine3::from_translation(-origin);
+        moved.camera_from_world *= DAffine3::from_translation(-origin);
         let mut camera = crate::scene::Camera::framing(&crate::math::Aabb::EMPTY, origin, UpAxis::Y);
         camera.distance = 3.0;
         camera.target_in_world = origin;

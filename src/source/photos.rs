@@ -10,6 +10,7 @@ use crate::io::{self, Part};
 use crate::photos::{self, PhotosError, ViewSet};
 use crate::progress::Progress;
 use crate::stereo::Dense;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -83,7 +84,7 @@ fn cloud(set: &ViewSet, options: &OpenOptions, progress: &Progress) -> Result<Ra
     if let Some(file) = file {
         return Ok(io::read_part_observed(file, &Part::Whole, &options.read, progress)?);
     }
-    let positions = points.positions().iter().map(|position| position.to_array());
+    let positions = points.positions().iter().map(DVec3::to_array);
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
     let colors = points
         .colors()
@@ -92,6 +93,6 @@ fn cloud(set: &ViewSet, options: &OpenOptions, progress: &Progress) -> Result<Ra
     cloud.attributes.colors = Some(colors.collect());
     cloud.attributes.normals = points
         .normals()
-        .map(|normals| normals.iter().map(|normal| normal.to_array()).collect());
+        .map(|normals| normals.iter().map(Vec3::to_array).collect());
     Ok(cloud)
 }

@@ -1,6 +1,6 @@
 //! Photographs: they are put on what is shown once they are loaded, can be left out, and stood at.
 
-use super::window;
+use super::{click, window};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -72,6 +72,21 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
     used.click();
     harness.run();
     assert_eq!(drawn(&mut harness), 1);
+    click(&mut harness, "Use all");
+    assert_eq!(drawn(&mut harness), 2);
+    // The first view is that of the first photograph.
+    let first = harness.state().camera;
+    harness.get_by_label("right.png").click();
+    harness.run();
+    let second = harness.state().camera;
+    let moved = second.eye_in_world() - first.eye_in_world();
+    assert!((moved.length() - 0.5).abs() < 1e-9, "{moved}");
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Cameras in the picture")
+        .click();
+    harness.run();
+    click(&mut harness, "Stand at left.png");
+    assert!((harness.state().camera.eye_in_world() - first.eye_in_world()).length() < 1e-9);
     harness.state_mut().style.photos.mode = PhotoMode::Colored;
     assert_eq!(drawn(&mut harness), 0);
 }

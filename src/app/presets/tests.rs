@@ -4,8 +4,8 @@ use super::*;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PointStyle,
-    RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, PhotoStyle,
+    PointStyle, RendererChoice, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorSource, Coloring};
 
@@ -90,6 +90,7 @@ fn of_version_1() -> Style {
             eye_dome: EyeDome::Auto,
             eye_dome_strength: 1.0,
         },
+        photos: PhotoStyle::default(),
         backdrop: Backdrop {
             grid: false,
             background: Background {
@@ -101,6 +102,7 @@ fn of_version_1() -> Style {
             ground_box: None,
             color_hints: ColorHints::default(),
             point_spacing: 0.0,
+            has_photographs: false,
             clip: None,
         },
         drawing: DrawingStyle {

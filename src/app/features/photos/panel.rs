@@ -2,6 +2,7 @@
 
 use super::Photos;
 use crate::app::open_panels::PanelId;
+use crate::app::widgets::names::named;
 use crate::app::widgets::numbers::significant;
 use crate::app::widgets::tool_window::tool_window;
 use crate::photos::ViewSet;
@@ -89,7 +90,7 @@ fn list_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) -> Option<PhotosRequ
             let mut is_used = photos.is_used(number);
             let used = ui.add(Checkbox::without_text(&mut is_used));
             let used = used.on_hover_text("Put on the surface");
-            crate::app::widgets::names::named(&used, &format!("Use {}", photo.name));
+            named(&used, format!("Use {}", photo.name));
             if used.changed() {
                 photos.set_used(number, is_used);
             }

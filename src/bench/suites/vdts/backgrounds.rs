@@ -9,6 +9,6 @@ pub(super) const BOTH: [[u8; 3]; 2] = [[0; 3], [255; 3]];
 const MOST_SHOWN_THROUGH: u8 = 8;
 
 /// Whether a pixel, as it is on each of them, is covered.
-pub(super) fn is_covered(dark: &Rgba<u8>, bright: &Rgba<u8>) -> bool {
+pub(super) fn is_covered(dark: Rgba<u8>, bright: Rgba<u8>) -> bool {
     (0..3).all(|channel| dark[channel].abs_diff(bright[channel]) <= MOST_SHOWN_THROUGH)
 }

@@ -63,7 +63,7 @@ pub(super) fn make(
         let pixels = pictures[0].pixels().zip(pictures[1].pixels());
         let texels = pixels.map(|(dark, bright)| {
             let [red, green, blue, _] = dark.0;
-            if is_covered(dark, bright) {
+            if is_covered(*dark, *bright) {
                 [red, green, blue, 255]
             } else {
                 [0; 4]

@@ -20,6 +20,7 @@ use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;
 use crate::scene::{Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
+use backgrounds::is_covered;
 use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use std::sync::Arc;
@@ -184,12 +185,9 @@ fn compare<'a>(
     let [on_dark, on_bright] = [runner.image(&packets[0])?, runner.image(&packets[1])?];
     let truth = truth_of(photograph);
     // Pixels of the photograph that show nothing (beyond its lens, or masked out) are no truth.
-    let is_compared = |(dark, bright, truth): (&Rgba<u8>, &Rgba<u8>, &Rgba<u8>)| {
-        backgrounds::is_covered(dark, bright) && truth[3] == u8::MAX
-    };
     let pixels = on_dark.pixels().zip(on_bright.pixels()).zip(truth.pixels());
     let compared: Vec<bool> = pixels
-        .map(|((dark, bright), truth)| is_compared((dark, bright, truth)))
+        .map(|((dark, bright), truth)| is_covered(*dark, *bright) && truth[3] == u8::MAX)
         .collect();
     let count = compared.iter().filter(|&&is_compared| is_compared).count();
     let mut picture = on_dark;

@@ -98,13 +98,13 @@ impl Candidates {
                 let per_length = 1.0 / length2.max(f32::MIN_POSITIVE).sqrt();
                 let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) * per_length;
                 let facing = (x * normal.x + y * normal.y + z * normal.z) * per_length;
-                let is_inside = (distance > 0.0)
-                    & (column >= 0.0)
-                    & (column < group.size[0][lane])
-                    & (row >= 0.0)
-                    & (row < group.size[1][lane]);
+                let is_inside = distance > 0.0
+                    && column >= 0.0
+                    && column < group.size[0][lane]
+                    && row >= 0.0
+                    && row < group.size[1][lane];
                 // Without a normal that is 0 everywhere.
-                let looks = is_inside & (facing >= 0.0);
+                let looks = is_inside && facing >= 0.0;
                 cosines[lane] = if looks { cosine } else { Scores::NONE };
                 columns[lane] = column;
                 rows[lane] = row;

@@ -19,7 +19,7 @@ use crate::render::constants::{
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoStyle, PhotoViews};
 use candidates::{Candidates, Scores};
 use depths::Seen;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use sampling::{Footprint, sample};
 use std::sync::Arc;
 
@@ -216,7 +216,7 @@ impl<'a> Projected<'a> {
         let of_view = &self.views.views[view];
         let at = scores.place(view);
         let per_distance = 1.0 / scores.distance(view);
-        let [x, y, z] = of_view.camera_from_view.map(|row| row.truncate());
+        let [x, y, z] = of_view.camera_from_view.map(Vec4::truncate);
         let per_px = place.per_px.map(|step| {
             let deeper = z.dot(step);
             [(x, 0), (y, 1)].map(|(row, axis)| {
