@@ -21,6 +21,7 @@ static NO_POSES: Poses = Poses {
     change: None,
     onion: None,
     trails: None,
+    left_out_photos: Vec::new(),
 };
 
 /// Seven pictures around the demo, 30 a second, a frame of it each.
