@@ -58,7 +58,8 @@ fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32
     let [(left, right, across), (top, bottom, down)] = [0, 1].map(|axis| {
         let edge = size_px[axis];
         let at = place[axis] * (edge as f32 / finest[axis] as f32) - 0.5;
-        let at = at.clamp(0.0, edge as f32 - 1.0);
+        // Not `clamp`: what is no number is at the border.
+        let at = at.max(0.0).min(edge as f32 - 1.0);
         let before = at as usize;
         (before, (before + 1).min(edge as usize - 1), at - before as f32)
     });

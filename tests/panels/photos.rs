@@ -85,6 +85,10 @@ fn photographs_are_put_on_points_left_out_and_stood_at() {
         .get_by_role_and_label(Role::CheckBox, "Cameras in the picture")
         .click();
     harness.run();
+    // From behind both of them, without the list over the picture.
+    harness.state_mut().panels.set(PanelId::new("photographs"), false);
+    harness.state_mut().camera.zoom(2.0);
+    harness.run();
     click(&mut harness, "Stand at left.png");
     assert!((harness.state().camera.eye_in_world() - first.eye_in_world()).length() < 1e-9);
     harness.state_mut().style.photos.mode = PhotoMode::Colored;

@@ -1,10 +1,9 @@
 //! What is made of the open sequence where nothing is chosen, and what a person has chosen for it instead.
 //!
 //! **How it works.** The first frame that is shown tells what is looked at and where to stand
-//! ([`FirstLook::of_first`]). Of a sequence of
-//! many frames a thread looks at some others meanwhile; when it is done, and nobody has moved the camera,
-//! the view is that of all of them. What a person chooses for a sequence, up axis and primitive, is kept with its
-//! markers.
+//! ([`FirstLook::of_first`]). Of a sequence of many frames a thread looks at some others meanwhile; when it is done,
+//! and nobody has moved the camera, the view is that of all of them. What a person chooses for a sequence, up axis and
+//! primitive, is kept with its markers.
 
 use super::State;
 use crate::app::features::photos::Photos;
