@@ -15,7 +15,7 @@ use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
 use std::sync::Arc;
 
 /// The two backgrounds that tell covered pixels from free ones.
-const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255]];
+pub(super) const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255]];
 
 /// One run of a suite.
 pub(super) struct Run<'a> {

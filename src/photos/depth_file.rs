@@ -2,8 +2,9 @@
 
 use super::colmap::colmap_depth;
 use super::error::PhotosError;
+use super::picture_file::decode;
 use crate::rgbd::DepthImage;
-use image::{DynamicImage, ImageReader};
+use image::DynamicImage;
 use std::path::{Path, PathBuf};
 
 /// A file of the depths of a photograph. Its image may be smaller than the photograph.
@@ -39,18 +40,7 @@ impl DepthFile {
 }
 
 fn scaled(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
-    let of_io = |source| PhotosError::Io {
-        path: path.into(),
-        source,
-    };
-    let reader = ImageReader::open(path)
-        .map_err(of_io)?
-        .with_guessed_format()
-        .map_err(of_io)?;
-    let picture = reader.decode().map_err(|source| PhotosError::Picture {
-        path: path.into(),
-        source,
-    })?;
+    let picture = decode(path)?;
     let size_px = [picture.width(), picture.height()];
     let depth = |value: u16| (f64::from(value) * scale) as f32;
     let depths: Vec<f32> = match picture {

@@ -8,10 +8,10 @@ use super::error::PhotosError;
 use super::files::Files;
 use super::lens::Lens;
 use super::photo::Photo;
+use super::picture_file::size_px;
 use super::points::{Observation, SparsePoints};
 use super::view_set::ViewSet;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use image::ImageReader;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -76,7 +76,7 @@ impl Draft {
         let lens = self.lens.as_ref().map_err(|reason| Reason::Wrong(reason.clone()))?;
         let camera_from_world = pose(self.turn, self.shift).map_err(Reason::Wrong)?;
         let path = files.photo(&self.name).ok_or(Reason::Missing)?;
-        let image_px = image_size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
+        let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
         Ok(Photo {
             camera: lens.camera(image_px).map_err(Reason::Wrong)?,
             mask: self.mask.clone().or_else(|| files.mask(&self.name)),
@@ -152,24 +152,6 @@ fn reason_of_nothing(notes: &[String]) -> String {
     } else {
         notes.join("; ")
     }
-}
-
-/// Width and height of a picture, as its header says; the turn that a camera noted in EXIF is not applied, as
-/// programs that calibrate do not apply it.
-pub(super) fn image_size_px(path: &Path) -> Result<[u32; 2], PhotosError> {
-    let of_io = |source| PhotosError::Io {
-        path: path.into(),
-        source,
-    };
-    let reader = ImageReader::open(path)
-        .map_err(of_io)?
-        .with_guessed_format()
-        .map_err(of_io)?;
-    let (width, height) = reader.into_dimensions().map_err(|source| PhotosError::Picture {
-        path: path.into(),
-        source,
-    })?;
-    Ok([width, height])
 }
 
 /// A turn and a shift, or why they are none. What a text has rounded is a turn again.

@@ -28,8 +28,7 @@ pub struct Photo {
 impl Photo {
     /// Where its camera stood, in the world.
     pub fn center(&self) -> DVec3 {
-        let world_from_camera = self.camera_from_world.matrix3.transpose();
-        -(world_from_camera * self.camera_from_world.translation)
+        center_of(self.camera_from_world)
     }
 
     /// The direction that its camera looked to, of length 1, in the world.
@@ -54,6 +53,11 @@ impl Photo {
     pub fn depth_of(&self, point_in_world: DVec3) -> f64 {
         self.camera_from_world.transform_point3(point_in_world).z
     }
+}
+
+/// Where a camera stood, in the world. Precondition: `camera_from_world` is a turn and a shift.
+pub fn center_of(camera_from_world: DAffine3) -> DVec3 {
+    -(camera_from_world.matrix3.transpose() * camera_from_world.translation)
 }
 
 /// The camera of the same image with `size_px` pixels: borders stay borders, so centres of pixels move.

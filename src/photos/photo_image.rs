@@ -1,11 +1,10 @@
 //! The pixels of a photograph, with how much each of them belongs to the object.
 
-use super::draft::image_size_px;
 use super::error::PhotosError;
 use super::photo::Photo;
+use super::picture_file::{decode, size_px};
 use glam::DVec2;
-use image::{DynamicImage, ImageReader};
-use std::path::Path;
+use image::DynamicImage;
 
 /// Red, green, blue (display values) and alpha, line by line from the top. Colours are not multiplied by alpha: 255 is
 /// a pixel of the object, 0 one of which nothing is known.
@@ -29,7 +28,7 @@ impl PhotoImage {
     pub fn read(photo: &Photo) -> Result<Self, PhotosError> {
         let expected_px = photo.camera.size_px();
         // The header first: a file that has changed to a huge one is not decoded.
-        let found_px = image_size_px(&photo.path)?;
+        let found_px = size_px(&photo.path)?;
         if found_px != expected_px {
             return Err(PhotosError::WrongSize {
                 path: photo.path.clone(),
@@ -128,21 +127,6 @@ impl WeightedColor {
     pub(super) fn rounded(&self) -> [u8; 4] {
         self.mean().map(|value| (value + 0.5) as u8)
     }
-}
-
-fn decode(path: &Path) -> Result<DynamicImage, PhotosError> {
-    let of_io = |source| PhotosError::Io {
-        path: path.into(),
-        source,
-    };
-    let reader = ImageReader::open(path)
-        .map_err(of_io)?
-        .with_guessed_format()
-        .map_err(of_io)?;
-    reader.decode().map_err(|source| PhotosError::Picture {
-        path: path.into(),
-        source,
-    })
 }
 
 /// Multiplies alpha by the brightness of a mask, which is stretched over the image.

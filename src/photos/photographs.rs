@@ -1,5 +1,6 @@
 //! Photographs as a renderer needs them: without distortion, scaled to their budget, with all their mip levels.
 
+use super::photo::center_of;
 use super::texture::Texture;
 use crate::rgbd::{Camera, DepthImage};
 use glam::{DAffine3, DVec3, Vec3};
@@ -36,7 +37,7 @@ pub struct Photograph {
 impl Photograph {
     /// Where it was taken from.
     pub fn center(&self) -> DVec3 {
-        self.camera_from_world.inverse().translation
+        center_of(self.camera_from_world)
     }
 }
 
@@ -44,7 +45,7 @@ impl Photographs {
     /// The angle between neighbours of a single photograph, and of those that were all taken from one place, radians.
     const USUAL_ANGLE: f64 = 0.3;
 
-    /// These photographs, with the median angle between each and its nearest neighbour, radians
+    /// These photographs, whose numbers grow, with the median angle between each and its nearest neighbour, radians
     /// ([`ViewSet::median_neighbour_angle`](super::ViewSet::median_neighbour_angle)).
     pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
         Self {
@@ -53,7 +54,15 @@ impl Photographs {
         }
     }
 
-    /// All of them.
+    /// The one of this number in its set.
+    pub fn numbered(&self, number: usize) -> Option<&Photograph> {
+        let found = self
+            .photographs
+            .binary_search_by_key(&number, |photograph| photograph.number);
+        found.ok().map(|at| &*self.photographs[at])
+    }
+
+    /// All of them, by their numbers.
     pub fn all(&self) -> &[Arc<Photograph>] {
         &self.photographs
     }

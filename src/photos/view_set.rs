@@ -79,9 +79,12 @@ impl ViewSet {
 
     /// The `count` views beside photograph `photo`, nearest first. Walks over all points: to be kept by who asks often.
     pub fn neighbours(&self, photo: usize, count: usize) -> Vec<Neighbour> {
-        let Some(middle) = self.middles().get(photo).copied() else {
-            return Vec::new();
-        };
+        let middle = self.middles().get(photo).copied();
+        middle.map_or_else(Vec::new, |middle| self.neighbours_around(middle, photo, count))
+    }
+
+    /// [`Self::neighbours`] where the middle of what `photo` sees is known ([`Self::middles`]).
+    pub fn neighbours_around(&self, middle: DVec3, photo: usize, count: usize) -> Vec<Neighbour> {
         let mut found = self.seen_from(middle, photo);
         let nearer = |a: &Neighbour, b: &Neighbour| a.angle.total_cmp(&b.angle).then(a.photo.cmp(&b.photo));
         if count < found.len() {

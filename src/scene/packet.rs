@@ -1,6 +1,7 @@
 //! Everything that one picture needs.
 
 use super::content::Content;
+use super::style::{Antialiasing, BackFaces, Splatting};
 use super::{GroundPlane, Lighting, PhotographsInFrame, Primitive, Style, ViewTransform};
 use crate::math::Aabb;
 
@@ -58,6 +59,24 @@ impl ScenePacket {
         } else {
             Lighting::Unlit
         }
+    }
+
+    /// The same records in another view, for the depths alone that the visibility pass leaves: without light, and with
+    /// what faces away.
+    #[must_use]
+    pub(super) fn for_depths(&self, view: ViewTransform, viewport_px: [u32; 2]) -> Self {
+        let mut packet = self.clone();
+        packet.viewport_px = viewport_px;
+        packet.view = view;
+        packet.ground = None;
+        packet.photographs = None;
+        packet.style.light.lighting = Lighting::Unlit;
+        packet.style.drawing.antialiasing = Antialiasing::None;
+        let surfels = &mut packet.style.surfels;
+        surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
+        surfels.splatting = Splatting::Visibility;
+        surfels.back_faces = BackFaces::Drawn;
+        packet
     }
 
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:

@@ -10,7 +10,7 @@
 //! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 
-use super::style::{Antialiasing, BackFaces, Lighting, Primitive, Splatting};
+use super::style::Primitive;
 use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, ScenePacket, ViewTransform};
 use crate::photos::Photograph;
 use glam::{DMat3, DVec3, Vec3, Vec4};
@@ -107,19 +107,10 @@ pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Opti
     let longest = size_px[0].max(size_px[1]);
     let scale = f64::from(longest.min(PhotoViews::MOST_DEPTH_EDGE_PX)) / f64::from(longest);
     let viewport_px = size_px.map(|edge| ((f64::from(edge) * scale).round() as u32).max(1));
-    let mut seen = packet.clone();
-    seen.viewport_px = viewport_px;
-    seen.view = view_of(photograph, shown.origin, packet, viewport_px);
+    let view = view_of(photograph, shown.origin, packet, viewport_px);
+    let mut seen = packet.for_depths(view, viewport_px);
     seen.content = Content::Surfels(surface);
-    seen.photographs = None;
-    seen.ground = None;
     seen.style.primitive = Primitive::Surfel;
-    seen.style.light.lighting = Lighting::Unlit;
-    seen.style.drawing.antialiasing = Antialiasing::None;
-    let surfels = &mut seen.style.surfels;
-    surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
-    surfels.splatting = Splatting::Visibility;
-    surfels.back_faces = BackFaces::Drawn;
     Some(seen)
 }
 

@@ -18,8 +18,8 @@
 //! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it as it is.
 
 use super::camera::TELEPHOTO_FOCAL;
+use super::style::Primitive;
 use super::style::describe::When;
-use super::style::{Antialiasing, BackFaces, Lighting, Primitive, Splatting};
 use super::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
@@ -107,19 +107,10 @@ fn lamp_from_view(view: &ViewTransform, lamp_view: &ViewTransform) -> [Vec4; 3] 
 /// A packet for the depths of the same records. Surfaces cast shadows to both sides. What points cast is that of their
 /// surfels: the size of a point in a picture is none in the scene.
 fn seen_from_lamp(packet: &ScenePacket, view: ViewTransform) -> ScenePacket {
-    let mut seen = packet.clone();
-    seen.viewport_px = [Shadow::EDGE_PX; 2];
-    seen.view = view;
-    seen.ground = None;
-    seen.style.light.lighting = Lighting::Unlit;
-    seen.style.drawing.antialiasing = Antialiasing::None;
-    let surfels = &mut seen.style.surfels;
-    surfels.splat_scale *= surfels.splatting.scales(surfels.enlargement)[0];
+    let mut seen = packet.for_depths(view, [Shadow::EDGE_PX; 2]);
     if seen.style.primitive == Primitive::Point {
         seen.style.primitive = Primitive::Surfel;
-        surfels.splat_scale = 1.0;
+        seen.style.surfels.splat_scale = 1.0;
     }
-    surfels.splatting = Splatting::Visibility;
-    surfels.back_faces = BackFaces::Drawn;
     seen
 }

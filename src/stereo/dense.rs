@@ -9,6 +9,7 @@ use crate::cloud::RawCloud;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{ColorImage, DepthImage};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// How dense points are made.
@@ -95,9 +96,10 @@ impl Dense {
             if progress.is_cancelled() {
                 return Err(DenseError::Nothing { photos: small.len() });
             }
-            let others = self.others(set, of_one, &small, &views);
+            let middle = middles[of_one.number];
+            let others = self.others(set, (of_one, middle), &small, &views);
             let nothing = || vec![0.0; of_one.image.pixels().len()];
-            let depths = match depth_range(set, of_one.number, middles[of_one.number]) {
+            let depths = match depth_range(set, of_one.number, middle) {
                 Some([near, far]) if !others.is_empty() => {
                     let found = PlaneSweep::between(near, far).depths(view, &others)?;
                     of_one.masked(&found)
@@ -145,8 +147,14 @@ impl Dense {
     }
 
     /// The views beside one, nearest first.
-    fn others<'a>(&self, set: &ViewSet, one: &Small, small: &[Small], views: &[View<'a>]) -> Vec<View<'a>> {
-        let around = set.neighbours(one.number, set.photos.len());
+    fn others<'a>(
+        &self,
+        set: &ViewSet,
+        (one, middle): (&Small, DVec3),
+        small: &[Small],
+        views: &[View<'a>],
+    ) -> Vec<View<'a>> {
+        let around = set.neighbours_around(middle, one.number, set.photos.len());
         let is_told = |angle: f64| ANGLES_DEG.contains(&angle.to_degrees());
         let place = |number: usize| small.iter().position(|other| other.number == number);
         let others = around.iter().filter(|other| is_told(other.angle));
@@ -176,7 +184,7 @@ impl Small {
 }
 
 /// Between which depths the surface before a photograph is.
-fn depth_range(set: &ViewSet, number: usize, middle: glam::DVec3) -> Option<[f64; 2]> {
+fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> {
     let photo = set.photos.get(number)?;
     let points = set.points.positions().iter().enumerate();
     let is_seen = |point: usize, position| {

@@ -5,7 +5,8 @@
 //! M₁(1), M₂(1), M₁(2), M₁(3). So q = A⁻¹ [u, u + d, v, 1]ᵀ: one product of a matrix and a vector for each pixel. The d
 //! of the paper is the negative of disparities here.
 
-use super::view::{pixels_from_rays, place};
+use super::view::pixels_from_rays;
+use crate::photos::center_of;
 use crate::rgbd::Camera;
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 
@@ -20,7 +21,7 @@ pub struct Places {
 impl Places {
     /// Of rectified cameras: of one focal length, one row of their middle and one rotation, parted along x.
     pub(super) fn new(cameras: &[Camera; 2], poses: &[DAffine3; 2]) -> Self {
-        let origin = place(poses[0]);
+        let origin = center_of(poses[0]);
         let rows = [0, 1].map(|index| {
             let pixels = pixels_from_rays(&cameras[index]);
             let rotation = pixels * poses[index].matrix3;

@@ -8,8 +8,9 @@
 //! Each image keeps a middle of its own along x, so that both are filled by what they show. Along y only what both
 //! show is kept. Columns differ by a constant then, which the mapping to places knows ([`Places`]).
 
-use super::view::{check_pinhole, pixels_from_rays, place, through};
+use super::view::{check_pinhole, pixels_from_rays, through};
 use super::{DisparityMap, Places, StereoError};
+use crate::photos::center_of;
 use crate::rgbd::{Camera, ColorImage, DepthImage, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -43,7 +44,7 @@ impl Rectified {
         for index in 0..2 {
             check_pinhole(cameras[index], poses[index], index)?;
         }
-        let places = poses.map(place);
+        let places = poses.map(center_of);
         let rotation = common_rotation(places, poses)?;
         let focal = cameras
             .iter()

@@ -51,11 +51,6 @@ pub(super) fn check_pinhole(camera: &Camera, camera_from_world: DAffine3, index:
     }
 }
 
-/// The place of a camera. Precondition: a rotation.
-pub(super) fn place(camera_from_world: DAffine3) -> DVec3 {
-    -(camera_from_world.matrix3.transpose() * camera_from_world.translation)
-}
-
 /// Pixels from directions of length 1 along z.
 pub(super) fn pixels_from_rays(camera: &Camera) -> DMat3 {
     let (focal, principal) = (camera.focal_px(), camera.principal_px());

@@ -6,7 +6,7 @@ use super::ouster;
 use super::velodyne::{MODELS, Scan};
 use pointreel::io::{self, ReadOptions};
 use proptest::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A few packets of everything.
 fn capture(container: Container) -> Vec<u8> {
@@ -87,8 +87,8 @@ fn claims_of_length_take_no_memory() {
     }
 }
 
-#[test]
-fn turns_that_take_more_memory_than_allowed_are_refused() {
+/// A capture of one turn of 600 packets, and what is in it.
+fn one_large_turn() -> (Files, PathBuf, Vec<io::Entry>) {
     let scan = Scan {
         model: &MODELS[0],
         is_dual: false,
@@ -99,8 +99,14 @@ fn turns_that_take_more_memory_than_allowed_are_refused() {
     scan.write(&mut writer, 600);
     let files = Files::new();
     let path = files.write("slow.pcap", &writer.bytes);
+    let entries = io::list(&path, &ReadOptions::default()).unwrap();
+    (files, path, entries)
+}
+
+#[test]
+fn turns_that_take_more_memory_than_allowed_are_refused() {
+    let (_files, path, entries) = one_large_turn();
     let options = ReadOptions::default();
-    let entries = io::list(&path, &options).unwrap();
     assert_eq!(entries.len(), 1);
     assert!(io::read_part(&path, &entries[0].part, &options).is_ok());
     let error = io::read_part(&path, &entries[0].part, &options.with_max_memory(1 << 20));
@@ -110,18 +116,8 @@ fn turns_that_take_more_memory_than_allowed_are_refused() {
 
 #[test]
 fn a_cancelled_turn_ends_soon() {
-    let scan = Scan {
-        model: &MODELS[0],
-        is_dual: false,
-        step: 1,
-        begin: 0,
-    };
-    let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
-    scan.write(&mut writer, 600);
-    let files = Files::new();
-    let path = files.write("slow.pcap", &writer.bytes);
+    let (_files, path, entries) = one_large_turn();
     let options = ReadOptions::default();
-    let entries = io::list(&path, &options).unwrap();
     let progress = pointreel::progress::Progress::default();
     progress.cancel();
     let error = io::read_part_observed(&path, &entries[0].part, &options, &progress);

@@ -198,7 +198,7 @@ pub(super) fn photo_frusta(ui: &Ui, state: &mut State) {
     let rect = state.viewport.rect;
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
-    if let Some(number) = frusta_ui(ui, &canvas, &set, &state.photos) {
+    if let Some(number) = frusta_ui(ui, &canvas, &set, &mut state.photos) {
         state.stand_at_photo(number);
     }
 }

@@ -106,13 +106,10 @@ impl CpuRenderer {
             return Err(RenderError::NothingPrepared);
         };
         let packet = of_surfaces(packet);
-        let size_px = packet.viewport_px;
-        let mut depth = vec![0.0; size_px.map(|edge| edge as usize).iter().product()];
-        draw_reversed_depths(&Drawable::of_surface(&packet), &packet, blocks, &mut depth);
-        for depth in &mut depth {
-            *depth = packet.view.near / *depth;
-        }
-        Ok(DepthImage { size_px, depth })
+        Ok(DepthImage {
+            size_px: packet.viewport_px,
+            depth: draw_distances(&Drawable::of_surface(&packet), &packet, blocks),
+        })
     }
 
     /// The last picture.
@@ -248,6 +245,17 @@ fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &
     drawable.draw(packet, blocks, None, bands.collect());
 }
 
+/// Distances of all pixels of a packet along the view axis; infinite where nothing is.
+fn draw_distances(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks) -> Vec<f32> {
+    let [width, height] = packet.viewport_px.map(|edge| edge as usize);
+    let mut distances = vec![0.0; width * height];
+    draw_reversed_depths(drawable, packet, blocks, &mut distances);
+    for distance in &mut distances {
+        *distance = packet.view.near / *distance;
+    }
+    distances
+}
+
 /// The reversed depths that a lamp sees: those that are known, or drawn now.
 fn depths_from_lamp<'a>(known: &'a mut Option<(ScenePacket, Vec<f32>)>, shadow: &Shadow, blocks: &Blocks) -> &'a [f32] {
     let packet = &shadow.lamp_packet;
@@ -284,12 +292,7 @@ pub(in crate::render) fn depths_of_photographs<'a>(
             };
             let drawable = Drawable::of_surface(&seen);
             let blocks = blocks.get_or_insert_with(|| drawable.blocks());
-            let [width, height] = seen.viewport_px.map(|edge| edge as usize);
-            let mut distances = vec![0.0; width * height];
-            draw_reversed_depths(&drawable, &seen, blocks, &mut distances);
-            for distance in &mut distances {
-                *distance = seen.view.near / *distance;
-            }
+            let distances = draw_distances(&drawable, &seen, blocks);
             DepthMap::new(seen.viewport_px, distances, most_extent, false)
         });
         let maps = maps.collect();

@@ -21,10 +21,9 @@ const COLUMNS: usize = 8;
 /// Photographs on the graphics card.
 #[derive(Debug)]
 pub(super) struct PhotoTextures {
-    texels_of: Arc<Photographs>,
-    texels: wgpu::TextureView,
+    /// What they are of.
     depth_maps: Option<DepthMaps>,
-    depths_of: PhotographsInFrame,
+    texels: wgpu::TextureView,
     depths: wgpu::TextureView,
     table: wgpu::TextureView,
 }
@@ -37,34 +36,28 @@ impl PhotoTextures {
         (shown, views): (&PhotographsInFrame, &PhotoViews),
         packet: &ScenePacket,
     ) -> Self {
-        let (mut depth_maps, known_textures) = match known {
-            Some(known) => (
-                known.depth_maps,
-                Some((known.texels_of, known.texels, known.depths_of, known.depths)),
-            ),
-            None => (None, None),
-        };
-        let style_before = depth_maps.as_ref().map(|maps| maps.of.1);
+        let same_texels = known.as_ref().filter(|known| known.has_texels_of(shown));
+        let texels = same_texels.map_or_else(|| texels(context, &shown.photographs), |known| known.texels.clone());
+        let same_depths = known.as_ref().filter(|known| known.has_depths_of(shown, packet));
+        let same_depths = same_depths.map(|known| known.depths.clone());
+        let mut depth_maps = known.and_then(|known| known.depth_maps);
         let maps = depths_of_photographs(&mut depth_maps, packet);
-        let table = table(context, views, shown, maps);
-        let known_texels = known_textures
-            .as_ref()
-            .filter(|(of, ..)| Arc::ptr_eq(of, &shown.photographs));
-        let texels = known_texels.map_or_else(|| texels(context, &shown.photographs), |(_, texels, ..)| texels.clone());
-        let has_same_style = style_before == Some(packet.style.surfels);
-        let known_depths = known_textures
-            .as_ref()
-            .filter(|(_, _, of, _)| has_same_style && of == shown)
-            .map(|(.., depths)| depths.clone());
-        let depths = known_depths.unwrap_or_else(|| depths(context, maps));
         Self {
-            texels_of: Arc::clone(&shown.photographs),
             texels,
+            depths: same_depths.unwrap_or_else(|| depths(context, maps)),
+            table: table(context, views, shown, maps),
             depth_maps,
-            depths_of: shown.clone(),
-            depths,
-            table,
         }
+    }
+
+    fn has_texels_of(&self, shown: &PhotographsInFrame) -> bool {
+        let of = self.depth_maps.as_ref().map(|maps| &maps.of.0.photographs);
+        of.is_some_and(|of| Arc::ptr_eq(of, &shown.photographs))
+    }
+
+    fn has_depths_of(&self, shown: &PhotographsInFrame, packet: &ScenePacket) -> bool {
+        let of = self.depth_maps.as_ref().map(|maps| &maps.of);
+        of.is_some_and(|(of, surfels)| of == shown && *surfels == packet.style.surfels)
     }
 
     /// In the order of their bindings.

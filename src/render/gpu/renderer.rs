@@ -35,8 +35,6 @@ pub struct GpuRenderer {
     gatherer: Gatherer,
     gathered: Gathered,
     targets: Option<Targets>,
-    /// Those of the targets before, until they are needed again.
-    photographs: Option<PhotoTextures>,
     quad_indices: wgpu::Buffer,
     view_group: wgpu::BindGroup,
     view_stride: u32,
@@ -90,7 +88,6 @@ impl GpuRenderer {
             gatherer: Gatherer::new(&context),
             gathered: Gathered::default(),
             targets: None,
-            photographs: None,
             quad_indices: quad_index_buffer(&context, 1),
             quad_capacity: 1,
             timer: Timer::new(&context),
@@ -214,12 +211,12 @@ impl GpuRenderer {
             return Err(RenderError::TooLarge { width, height, max });
         }
         // The old ones go first: both at once may not fit.
-        let old = self.targets.take();
-        self.photographs = old.and_then(|targets| targets.photographs);
+        let photographs = self.targets.take().and_then(|targets| targets.photographs);
         self.drawn = None;
-        let targets = self
+        let mut targets = self
             .context
             .catching_out_of_memory("the picture", || Targets::new(&self.context, sizes_px, precision))?;
+        targets.photographs = photographs;
         self.targets = Some(targets);
         self.color_generation += 1;
         Ok(())
@@ -246,7 +243,7 @@ impl GpuRenderer {
     /// when the picture gets another size.
     fn ensure_photographs(&mut self, plan: &Plan<'_>, packet: &ScenePacket) -> Result<(), RenderError> {
         if let (Some(views), Some(shown), Some(targets)) = (&plan.photographs, &packet.photographs, &mut self.targets) {
-            let known = targets.photographs.take().or_else(|| self.photographs.take());
+            let known = targets.photographs.take();
             targets.photographs = Some(self.context.catching_out_of_memory("the photographs", || {
                 PhotoTextures::of(&self.context, known, (shown, views), packet)
             })?);

@@ -25,7 +25,7 @@ use crate::cloud::{AxisConvention, Frame};
 use crate::math::Aabb;
 use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
-use crate::rgbd::Sensor;
+use crate::rgbd::{self, Sensor};
 use crate::sequence::{Detail, Sequence};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -208,10 +208,14 @@ impl FirstLook {
 
     /// The view of a photograph, turning about the middle of what it sees.
     pub fn camera_of_photo(&self, photo: &Photo, origin: DVec3) -> Camera {
-        let place = photo.camera_from_world.inverse();
+        self.camera_of_pinhole(&photo.camera, photo.camera_from_world.inverse(), origin)
+    }
+
+    /// The view of a pinhole, turning about the middle of what it sees.
+    pub fn camera_of_pinhole(&self, pinhole: &rgbd::Camera, world_from_camera: DAffine3, origin: DVec3) -> Camera {
         let middle = origin + self.trimmed.center().as_dvec3();
-        let distance = sensor_target_distance(&place, middle, f64::from(self.trimmed.radius()));
-        Camera::of_pinhole(&photo.camera, place, distance, self.up)
+        let distance = sensor_target_distance(&world_from_camera, middle, f64::from(self.trimmed.radius()));
+        Camera::of_pinhole(pinhole, world_from_camera, distance, self.up)
     }
 
     /// What is drawn where somebody has chosen a primitive that the files have not, in words.
@@ -267,10 +271,7 @@ impl FirstLook {
     /// The view of the sensor that took a frame whose points are in the frame of its depth camera: that camera, turning
     /// about the middle of what it sees.
     pub fn camera_of_sensor(&self, sensor: &Sensor, origin: DVec3) -> Camera {
-        let place = DAffine3::IDENTITY;
-        let middle = origin + self.trimmed.center().as_dvec3();
-        let distance = sensor_target_distance(&place, middle, f64::from(self.trimmed.radius()));
-        Camera::of_pinhole(&sensor.rig.depth, place, distance, self.up)
+        self.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
     }
 
     /// Moves `camera` so that what is not an outlier fills the picture, together with the box `beside` (relative to

@@ -27,7 +27,7 @@ fn triangulated(rectified: &Rectified, pixels: [DVec2; 2]) -> DVec3 {
     let rays = [0, 1].map(|index| {
         let pose = rectified.camera_from_world()[index];
         let direction = pose.matrix3.transpose() * rectified.cameras()[index].ray(pixels[index]).unwrap();
-        (place(pose), direction)
+        (center_of(pose), direction)
     });
     let [(p, a), (q, b)] = rays;
     let between = q - p;
@@ -98,7 +98,7 @@ fn wall(point: DVec3) -> [u8; 3] {
 /// What a camera sees of the plane n · x = 3.
 fn photograph(camera: &Camera, pose: DAffine3, normal: DVec3) -> ColorImage {
     let [width, height] = camera.size_px();
-    let from = place(pose);
+    let from = center_of(pose);
     let pixels = (0..height).flat_map(|v| (0..width).map(move |u| DVec2::new(f64::from(u), f64::from(v))));
     let color = |pixel| {
         let ray = pose.matrix3.transpose() * camera.ray(pixel).unwrap();

@@ -7,6 +7,7 @@ use crate::app::widgets::overlay::PictureOverlay;
 use crate::photos::{Photo, ViewSet};
 use egui::{CursorIcon, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// How long the axis of a pyramid is, as a share of the way between the camera and what it looks at.
 const LENGTH: f64 = 0.08;
@@ -34,10 +35,15 @@ fn pyramid(photo: &Photo, middle: DVec3) -> [Vec<DVec3>; 3] {
 }
 
 /// Paints all of them; the number of the one that was clicked.
-pub(in crate::app) fn frusta_ui(ui: &Ui, canvas: &PictureOverlay<'_>, set: &ViewSet, photos: &Photos) -> Option<usize> {
+pub(in crate::app) fn frusta_ui(
+    ui: &Ui,
+    canvas: &PictureOverlay<'_>,
+    set: &Arc<ViewSet>,
+    photos: &mut Photos,
+) -> Option<usize> {
     let mut clicked = None;
-    let middles = set.middles();
-    for (number, (photo, &middle)) in set.photos.iter().zip(&middles).enumerate() {
+    let middles = photos.middles_of(set);
+    for (number, (photo, &middle)) in set.photos.iter().zip(&*middles).enumerate() {
         let color = if photos.is_used(number) { ACCENT } else { ODD };
         for line in pyramid(photo, middle) {
             canvas.polyline(&line, Stroke::new(1.0, color));

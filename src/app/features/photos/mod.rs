@@ -13,7 +13,7 @@ use crate::playback::Player;
 use crate::progress::Progress;
 use crate::scene::Style;
 use crate::sequence::PreparedFrame;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -34,6 +34,8 @@ pub struct Photos {
     /// Whether the picture shows where they were taken.
     pub shows_frusta: bool,
     loaded: Option<LoadedSet>,
+    /// What the photographs of a set look at: a walk over all of its points.
+    middles: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
     running: Option<(Arc<ViewSet>, Progress)>,
     /// Those that are not used, by their numbers.
     off: BTreeSet<usize>,
@@ -61,6 +63,13 @@ impl Photos {
         self.off.iter().copied().collect()
     }
 
+    /// The place that each photograph of a set looks at.
+    fn middles_of(&mut self, set: &Arc<ViewSet>) -> Arc<[DVec3]> {
+        let known = self.middles.take().filter(|(of, _)| Arc::ptr_eq(of, set));
+        let known = known.unwrap_or_else(|| (Arc::clone(set), set.middles().into()));
+        Arc::clone(&self.middles.insert(known).1)
+    }
+
     /// Whether a photograph is put on the surface.
     pub(in crate::app) fn is_used(&self, number: usize) -> bool {
         !self.off.contains(&number)
@@ -73,9 +82,8 @@ impl Photos {
 
     /// What the colours of a photograph are multiplied with, once it is loaded.
     pub(in crate::app) fn gain(&self, number: usize) -> Option<Vec3> {
-        let all = self.loaded.as_ref()?.loaded.photographs.all();
-        let photograph = all.iter().find(|photograph| photograph.number == number)?;
-        Some(photograph.gain)
+        let photographs = &self.loaded.as_ref()?.loaded.photographs;
+        Some(photographs.numbered(number)?.gain)
     }
 
     /// Uses a photograph, or does not.

@@ -1,9 +1,7 @@
-//! Two backgrounds: what shows either of them through is not covered.
+//! What both [`COVERAGE_BACKGROUNDS`](crate::bench::run::COVERAGE_BACKGROUNDS) tell: what shows either of them through
+//! is not covered.
 
 use image::Rgba;
-
-/// The two.
-pub(super) const BOTH: [[u8; 3]; 2] = [[0; 3], [255; 3]];
 
 /// So much of 255 of a background may show through: 3 %.
 const MOST_SHOWN_THROUGH: u8 = 8;

@@ -3,9 +3,9 @@
 //! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with photographs show of a dense
 //! cloud.
 
-use super::backgrounds::{BOTH, is_covered};
+use super::backgrounds::is_covered;
 use crate::bench::BenchError;
-use crate::bench::run::Run;
+use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
 use crate::bench::scenario;
 use crate::photos::{PhotoImage, Photograph, Photographs, Texture};
@@ -55,7 +55,7 @@ pub(super) fn make(
         let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
         let mut pictures = Vec::new();
-        for background in BOTH {
+        for background in COVERAGE_BACKGROUNDS {
             let style = style.with(|style| style.backdrop.background = Background::solid(background));
             let packet = Scene::default().packet(frame, origin, &camera, &style, [EDGE_PX; 2]);
             pictures.push(runner.image(&packet)?);

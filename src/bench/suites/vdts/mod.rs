@@ -9,19 +9,18 @@ mod backgrounds;
 mod made;
 
 use crate::bench::report::{Cell, Column, Row};
-use crate::bench::run::Run;
+use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::headless::PHOTOGRAPH_BYTES;
-use crate::measure::{flip, psnr_db};
+use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
 use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;
 use crate::scene::{Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use backgrounds::is_covered;
-use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use std::sync::Arc;
 
@@ -117,7 +116,8 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         let all = photographs.all().iter();
         for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
             run.begin_step(format!("{}: {}", subject.name, photograph.name))?;
-            let camera = camera_of(photograph, &look, origin);
+            let world_from_camera = photograph.camera_from_world.inverse();
+            let camera = look.camera_of_pinhole(&photograph.pinhole, world_from_camera, origin);
             for mode in MODES {
                 let style = style.with(|style| style.photos.mode = mode);
                 let compared = compare(
@@ -146,13 +146,6 @@ fn style() -> Style {
     })
 }
 
-fn camera_of(photograph: &Photograph, look: &FirstLook, origin: DVec3) -> Camera {
-    let place = photograph.camera_from_world.inverse();
-    let middle = origin + look.trimmed.center().as_dvec3();
-    let distance = (middle - place.translation).length().max(f64::MIN_POSITIVE.sqrt());
-    Camera::of_pinhole(&photograph.pinhole, place, distance, look.up)
-}
-
 fn compare<'a>(
     run: &Run<'_>,
     runner: &mut Runner,
@@ -173,7 +166,7 @@ fn compare<'a>(
             photograph.texture.size_px(),
         )
     };
-    let packets = backgrounds::BOTH.map(&mut packet_on);
+    let packets = COVERAGE_BACKGROUNDS.map(&mut packet_on);
     let mut times_ms = Vec::new();
     for round in 0..run.options.warmup + run.options.repeat {
         run.check_cancelled()?;
@@ -191,23 +184,21 @@ fn compare<'a>(
         .collect();
     let count = compared.iter().filter(|&&is_compared| is_compared).count();
     let mut picture = on_dark;
-    let (mut squares, mut pairs) = (0.0, 0_usize);
+    // What is not compared has no error.
     for ((pixel, truth), &is_compared) in picture.pixels_mut().zip(truth.pixels()).zip(&compared) {
         if !is_compared {
             *pixel = *truth;
-            continue;
-        }
-        for channel in 0..3 {
-            squares += (f64::from(pixel[channel]) - f64::from(truth[channel])).powi(2);
-            pairs += 1;
         }
     }
-    let errors = flip(&truth, &picture).map_err(|error| BenchError::Nothing(error.to_string()))?;
+    let share = count as f64 / compared.len().max(1) as f64;
+    let wrong_size = |error: SizeMismatch| BenchError::Nothing(error.to_string());
+    let squared_error = mean_squared_error(&truth, &picture).map_err(wrong_size)?;
+    let errors = flip(&truth, &picture).map_err(wrong_size)?;
     Ok(Compared {
         photograph,
         mode: style.photos.mode,
-        covered: count as f64 / compared.len().max(1) as f64,
-        psnr_db: psnr_db(squares / pairs.max(1) as f64),
+        covered: share,
+        psnr_db: psnr_db(squared_error / share.max(f64::MIN_POSITIVE)),
         flip: errors.mean_where(|pixel| compared[pixel]),
         times_ms,
     })
