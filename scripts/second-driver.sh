@@ -53,13 +53,13 @@ fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 tests=(strategies skipping images eye_dome cpu_renderer)
-"${CARGO:-cargo}" test --locked --no-run "${tests[@]/#/--test=}"
+"${CARGO:-cargo}" test --locked --no-run --test pictures
 VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver \
-    "${CARGO:-cargo}" test --locked --no-fail-fast "${tests[@]/#/--test=}" >"$log" 2>/dev/null || true
+    "${CARGO:-cargo}" test --locked --no-fail-fast --test pictures -- "${tests[@]/%/::}" >"$log" 2>/dev/null || true
 
-# Lines are `test NAME ... ok`.
-passed=$(awk '$1 == "test" && $NF == "ok" { print $2 }' "$log" | sort)
-failed=$(awk '$1 == "test" && $NF == "FAILED" { print $2 }' "$log" | sort)
+# Lines are `test FILE::NAME ... ok`.
+passed=$(awk '$1 == "test" && $NF == "ok" { sub(/.*::/, "", $2); print $2 }' "$log" | sort)
+failed=$(awk '$1 == "test" && $NF == "FAILED" { sub(/.*::/, "", $2); print $2 }' "$log" | sort)
 expected=$(sed '/^$/d' <<<"$off_at_edges" | sort)
 broken=$(comm -23 <(echo "$failed") <(echo "$expected") | sed '/^$/d')
 not_failed=$(comm -13 <(echo "$failed") <(echo "$expected"))

@@ -197,6 +197,41 @@ fn normals_that_are_cancelled_leave_the_points() {
 }
 
 #[test]
+fn normals_that_nobody_needs_any_more_are_given_up() {
+    let options = LoaderOptions {
+        shows_stages: true,
+        ..LoaderOptions::default()
+    };
+    let mut player = Player::new(sequence(1, LARGE), options, true).unwrap();
+    let mut style = Style::default();
+    let begin = std::time::Instant::now();
+    let is_estimated = |player: &Player| {
+        let readings = player.loader().readings();
+        readings.iter().any(|reading| reading.stage == ReadingStage::Normals)
+    };
+    while !is_estimated(&player) {
+        player.update(begin.elapsed(), &style);
+        assert!(begin.elapsed() < Duration::from_mins(1), "they are never estimated");
+        std::thread::yield_now();
+    }
+    // As when the first look finds that the points are no surface.
+    style.primitive = Primitive::Point;
+    player.update(begin.elapsed(), &style);
+    assert!(!is_estimated(&player));
+    while player.loader().is_busy() {
+        std::thread::yield_now();
+    }
+    let stats = player.loader().stats();
+    assert_eq!((stats.cancelled, stats.failed_frames), (1, 0));
+    assert!(!player.loader().was_cancelled(), "nobody has");
+    player.update(Duration::from_secs(100), &style);
+    assert!(!player.is_partial() && player.shown().unwrap().shapes.is_none());
+    // Who needs them again gets them.
+    let frame = player.loader().wait(0, &Scene::needs(&Style::default())).unwrap();
+    assert!(frame.shapes.is_some());
+}
+
+#[test]
 fn what_the_machine_has_no_memory_for_stays_points_and_is_said() {
     let options = LoaderOptions {
         machine_bytes: 60 * LARGE as u64,

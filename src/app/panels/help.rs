@@ -2,7 +2,7 @@
 
 use crate::app::theme::ACCENT;
 use crate::app::widgets::rows::heading_of_list;
-use crate::app::widgets::tool_window::tool_window;
+use crate::app::widgets::tool_window::{is_small, tool_window};
 use crate::app::{BINDINGS, GESTURES, PanelId, State};
 use egui::{Grid, RichText, ScrollArea, Ui};
 
@@ -22,19 +22,33 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
         .default_pos(screen.center())
         .show(ui, |ui| {
             ui.spacing_mut().interact_size.y = 0.0;
+            if is_small(ui.ctx()) {
+                // Scrolled as a whole, one list below the other.
+                at_left(ui);
+                at_right(ui);
+                return;
+            }
             let height = (screen.height() - 90.0).max(120.0);
             ScrollArea::vertical().max_height(height).show(ui, |ui| {
                 ui.columns_const(|[left, right]| {
-                    bindings(left, "Playing");
-                    bindings(left, "Points");
-                    bindings(left, "File and window");
-                    bindings(right, "View");
-                    heading_of_list(right, "Mouse and flying");
-                    table(right, "gestures", GESTURES.iter().copied());
+                    at_left(left);
+                    at_right(right);
                 });
             });
         });
     state.panels.set(PanelId::HELP, open);
+}
+
+fn at_left(ui: &mut Ui) {
+    bindings(ui, "Playing");
+    bindings(ui, "Points");
+    bindings(ui, "File and window");
+}
+
+fn at_right(ui: &mut Ui) {
+    bindings(ui, "View");
+    heading_of_list(ui, "Mouse and flying");
+    table(ui, "gestures", GESTURES.iter().copied());
 }
 
 fn bindings(ui: &mut Ui, group: &str) {

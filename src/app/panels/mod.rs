@@ -22,7 +22,7 @@ mod viewport;
 mod welcome;
 
 use super::{PanelId, State};
-use crate::app::widgets::tool_window::{note_room, tool_window};
+use crate::app::widgets::tool_window::{note_room, room, tool_window};
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui};
 use menu::menu_ui;
 use table::{Dock, PANELS, PanelRow, without_keys};
@@ -91,10 +91,11 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
 
 /// The panel of a row in a window of its own, which can be closed to see the picture.
 fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow, PanelId)) {
-    let room = ui.available_rect_before_wrap();
+    let room = room(ui.ctx());
     let mut is_open = true;
     tool_window(ui.ctx(), id.name(), row.menu.unwrap_or(id.name()))
         .open(&mut is_open)
+        .scroll(false)
         .default_rect(room.shrink(8.0))
         .show(ui, |ui| {
             let height = ui.available_height();

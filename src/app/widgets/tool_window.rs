@@ -2,18 +2,27 @@
 //! program's window was small.
 //!
 //! How it works. egui remembers place and size of a window by its id. In a small window of the program a tool has
-//! another id, so what it is squeezed to there is forgotten when there is room again.
+//! another id, so what it is squeezed to there is forgotten when there is room again. There it is never larger than the
+//! room, and its contents scroll; where menu and timeline leave next to nothing, it may lie over them.
 
-use egui::{Context, Id, Rect, Vec2, Window};
+use egui::{Context, Id, Rect, TextStyle, Vec2, Window, vec2};
 
 /// In less room than this, tools are squeezed, points.
 const SMALL: [f32; 2] = [760.0, 440.0];
+
+/// In less height than this between menu and timeline, tools may lie over both, points.
+const LEAST_HEIGHT: f32 = 160.0;
+
+/// Between a squeezed tool and the edges of its room, points.
+const MARGIN: f32 = 2.0;
 
 /// Says where windows may be: what menu and timeline leave. False in the first pass after the program's window got
 /// another size: how high these are then is not known yet, windows would be squeezed into what is left of the size
 /// before, and are not to be shown. The pass is made again.
 pub(in crate::app) fn note_room(ctx: &Context, room: Rect) -> bool {
-    let size = ctx.content_rect().size();
+    let all = ctx.content_rect();
+    let room = if room.height() < LEAST_HEIGHT { all } else { room };
+    let size = all.size();
     let before: Option<Vec2> = ctx.data(|data| data.get_temp(size_id()));
     ctx.data_mut(|data| {
         data.insert_temp(room_id(), room);
@@ -41,16 +50,28 @@ pub(in crate::app) fn room(ctx: &Context) -> Rect {
         .unwrap_or_else(|| ctx.content_rect())
 }
 
-/// The id of the window of a tool, in as much room as there is.
-pub(in crate::app) fn tool_id(ctx: &Context, name: &'static str) -> Id {
+/// Whether there is so little room that tools are squeezed and scroll.
+pub(in crate::app) fn is_small(ctx: &Context) -> bool {
     let room = room(ctx);
-    let is_small = room.width() < SMALL[0] || room.height() < SMALL[1];
-    Id::unique(("tool", name, is_small))
+    room.width() < SMALL[0] || room.height() < SMALL[1]
 }
 
-/// A window of a tool.
+/// The id of the window of a tool, in as much room as there is.
+pub(in crate::app) fn tool_id(ctx: &Context, name: &'static str) -> Id {
+    Id::unique(("tool", name, is_small(ctx)))
+}
+
+/// A window of a tool. What has scroll areas of its own says `.scroll(false)`.
 pub(in crate::app) fn tool_window<'a>(ctx: &Context, name: &'static str, title: &'a str) -> Window<'a> {
-    Window::new(title)
-        .id(tool_id(ctx, name))
-        .constrain_to(room(ctx).shrink(2.0))
+    let room = room(ctx).shrink(MARGIN);
+    let window = Window::new(title).id(tool_id(ctx, name)).constrain_to(room);
+    if !is_small(ctx) {
+        return window;
+    }
+    let style = ctx.global_style();
+    let title_height = style.text_styles[&TextStyle::Heading].size + 2.0 * style.spacing.item_spacing.y;
+    let border = style.spacing.window_margin.sum() + Vec2::splat(2.0 * style.visuals.window_stroke.width);
+    window
+        .scroll(true)
+        .max_size((room.size() - border - vec2(0.0, title_height + border.y)).max(Vec2::ZERO))
 }

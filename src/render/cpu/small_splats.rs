@@ -5,14 +5,15 @@
 //! masks of four pixels are worked out for eight splats at a time, and no patch is set up whose functions are those of
 //! a whole row of pixels. Depths are those of the plane, as those of patches are.
 //!
-//! When it wins: of a million points from afar, filtered splats took 1.8 times as long as disks, most of which cover
-//! the middle of no pixel.
+//! They are added once the depths of the tile are known. Until then only their numbers are kept: what is worked out of
+//! eight of them is 500 bytes, and to write those of a million and read them again took longer than to begin anew.
 
 use super::eight::Vectors;
 use super::ewa::OnScreen;
 use super::facet::Canvas;
 use super::raster::{gaussian, head_light_of};
 use super::tile::{LANES, Tile, WIDTH};
+use super::view::PixelView;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use glam::Vec3;
 
@@ -22,7 +23,7 @@ const PIXELS: usize = 4;
 /// Determinants of K are not taken for less: what is seen edge-on is a line.
 const LEAST_DETERMINANT: f32 = 1e-9;
 
-/// A splat that waits for the depths to be known.
+/// A splat on the screen.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SmallSplat {
     /// Place in the tile of its upper left pixel; that may be outside, where its weight is 0.
@@ -30,9 +31,9 @@ pub(super) struct SmallSplat {
     weights: [f32; PIXELS],
     depths: [f32; PIXELS],
     /// Lit.
-    pub(super) color: [f32; 3],
+    color: [f32; 3],
     /// Towards the eye; where light falls on the blended surface.
-    pub(super) normal: Vec3,
+    normal: Vec3,
 }
 
 /// Eight splats, a property in each row, a splat in each lane.
@@ -48,22 +49,37 @@ pub(super) struct SmallSplats {
     facing: [f32; LANES],
 }
 
-/// Splats of which some may be small.
+/// Eight small splats as they are seen.
 pub(super) struct Seen<'a, S: Simd> {
     pub(super) canvas: &'a Canvas<'a>,
     pub(super) on_screen: &'a OnScreen<S>,
     pub(super) centers: Vectors<S>,
     pub(super) normals: Vectors<S>,
-    /// Lanes with a splat, and those of them that may be in the picture.
-    pub(super) are_there: mask32x8<S>,
+    /// Lanes with a splat that may be in the picture.
     pub(super) may_touch: mask32x8<S>,
     pub(super) is_lit: bool,
 }
 
+/// Whether all splats are small, whatever of them is in the picture.
+#[inline(always)]
+pub(super) fn are_small<S: Simd>(
+    simd: S,
+    view: &PixelView,
+    on_screen: &OnScreen<S>,
+    centers: Vectors<S>,
+    are_there: mask32x8<S>,
+) -> bool {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let [xx, _, yy] = on_screen.covariance();
+    let is_near = (-centers.z).simd_lt(splat(2.0 * view.near));
+    let are_large = xx.max(yy).simd_ge(splat(1.0)) | is_near;
+    !simd.any_true_mask32x8(are_large & are_there)
+}
+
 impl SmallSplats {
-    /// `None` unless all are small, whatever of them is in the picture.
+    /// Of eight that are small.
     #[inline(always)]
-    pub(super) fn of<S: Simd>(simd: S, seen: &Seen<'_, S>) -> Option<Self> {
+    pub(super) fn of<S: Simd>(simd: S, seen: &Seen<'_, S>) -> Self {
         let splat = |value: f32| f32x8::splat(simd, value);
         let Seen {
             canvas,
@@ -74,11 +90,6 @@ impl SmallSplats {
         } = *seen;
         let (view, clip) = (canvas.view, canvas.clip);
         let [xx, xy, yy] = on_screen.covariance();
-        let is_near = (-centers.z).simd_lt(splat(2.0 * view.near));
-        let are_large = xx.max(yy).simd_ge(splat(1.0)) | is_near;
-        if simd.any_true_mask32x8(are_large & seen.are_there) {
-            return None;
-        }
         let per_determinant = 1.0 / xx.mul_sub(yy, xy * xy).max(splat(LEAST_DETERMINANT));
         let (a, b, c) = (yy * per_determinant, xy * per_determinant * -2.0, xx * per_determinant);
         let per_distance = -1.0 / centers.z;
@@ -124,7 +135,7 @@ impl SmallSplats {
             small.weights[pixel] = *simd.select_f32x8(is_inside, mask, splat(0.0));
             small.depths[pixel] = *per_right.mul_add(right, per_down.mul_add(down, depth));
         }
-        Some(small)
+        small
     }
 
     /// The splat of a lane, which is of this colour, if something of it is in the picture; whether its normal points
@@ -153,26 +164,28 @@ impl SmallSplats {
     }
 }
 
-/// Sums weighted colours of what is not behind the depths that are there; normals, if light is to fall on these.
-pub(super) fn attribute(tile: &mut Tile, splats: &[SmallSplat], has_normals: bool) {
-    const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
-    for splat in splats {
+impl SmallSplat {
+    /// Sums its weighted colour where it is not behind the depths that are there; its normal, if light is to fall on
+    /// these.
+    #[inline(always)]
+    pub(super) fn attribute(&self, tile: &mut Tile, has_normals: bool) {
+        const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
         for (pixel, step) in STEPS.into_iter().enumerate() {
-            let (weight, depth) = (splat.weights[pixel], splat.depths[pixel]);
+            let (weight, depth) = (self.weights[pixel], self.depths[pixel]);
             if weight == 0.0 {
                 continue;
             }
             // What has a weight is in the tile.
-            let at = (splat.at + step) as usize;
+            let at = (self.at + step) as usize;
             if depth < tile.depth[at] || depth > 1.0 {
                 continue;
             }
-            for (sums, channel) in tile.colors.iter_mut().zip(splat.color) {
+            for (sums, channel) in tile.colors.iter_mut().zip(self.color) {
                 sums[at] += channel * weight;
             }
             tile.weight[at] += weight;
             if has_normals {
-                let Vec3 { x, y, z } = splat.normal;
+                let Vec3 { x, y, z } = self.normal;
                 for (sums, value) in tile.surfaces.iter_mut().zip([x, y, z, depth]) {
                     sums[at] += value * weight;
                 }

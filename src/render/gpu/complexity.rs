@@ -48,7 +48,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
         .collect()
 }
 
-/// `None` for what is no WGSL, which no permutation is (`tests/shaders.rs`).
+/// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
     let module = front::wgsl::parse_str(&permutation.source(false)).ok()?;
     Some(PassComplexity {

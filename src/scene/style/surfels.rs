@@ -68,7 +68,7 @@ choices! {
 
 impl SplatFilter {
     /// Radius of the splat that a point becomes: nearest to the mean of a pixel's square, of radii at which each splat
-    /// covers the middle of a pixel (`tests/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8; that
+    /// covers the middle of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8; that
     /// of a pixel's square is 1/12.
     pub const RADIUS_PX: f32 = 0.87;
 

@@ -140,6 +140,7 @@ impl Loader {
         queue.focus = focus;
         queue.needs = Some(*needs);
         queue.trim();
+        self.shared.readings.supersede(|index| queue.is_complete(index, needs));
         drop(queue);
         self.shared.work.notify_all();
     }

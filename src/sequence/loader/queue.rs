@@ -239,6 +239,13 @@ impl Queue {
             || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
 
+    /// Whether frame `index` has all that is needed, and nobody waits for more of it.
+    pub(super) fn is_complete(&self, index: usize, needs: &Needs) -> bool {
+        let is_waited_for = |waiter: &Waiter| waiter.index == index && waiter.outcome.is_none();
+        let full = self.cache.full(index);
+        full.is_some_and(|frame| frame.satisfies(needs)) && !self.waiters.iter().any(is_waited_for)
+    }
+
     /// Whether frame `index` is at rest and stays as it is, as what it lacks was cancelled or does not fit the memory.
     fn is_settled(&self, index: usize) -> bool {
         self.effort.is_at_rest() && self.cache.is_settled(index)

@@ -36,7 +36,7 @@ pub(super) struct Readings(Mutex<List>);
 
 #[derive(Debug, Default)]
 struct List {
-    under_way: Vec<Reading>,
+    under_way: Vec<Entry>,
     /// One was read.
     has_read: bool,
     /// Somebody has cancelled one.
@@ -45,10 +45,22 @@ struct List {
     is_over: bool,
 }
 
+#[derive(Debug)]
+struct Entry {
+    reading: Reading,
+    /// What it is made for is not asked for any more. It is cancelled, but by nobody.
+    is_superseded: bool,
+}
+
+impl Entry {
+    fn was_cancelled(&self) -> bool {
+        !self.is_superseded && self.reading.progress.is_cancelled()
+    }
+}
+
 impl List {
     fn was_cancelled(&self) -> bool {
-        let mut under_way = self.under_way.iter();
-        self.was_cancelled || under_way.any(|reading| reading.progress.is_cancelled())
+        self.was_cancelled || self.under_way.iter().any(Entry::was_cancelled)
     }
 }
 
@@ -67,10 +79,14 @@ impl Readings {
         if list.is_over || (!list.has_read && list.was_cancelled()) {
             progress.cancel();
         }
-        list.under_way.push(Reading {
+        let reading = Reading {
             index,
             stage,
             progress: progress.clone(),
+        };
+        list.under_way.push(Entry {
+            reading,
+            is_superseded: false,
         });
         UnderWay {
             readings: self,
@@ -81,9 +97,21 @@ impl Readings {
     /// Those that do not wait for others to be read.
     pub(super) fn list(&self) -> Vec<Reading> {
         let list = lock(&self.0);
-        let begun = list.under_way.iter();
-        let begun = begun.filter(|reading| reading.progress.has_begun());
-        begun.cloned().collect()
+        let wanted = list.under_way.iter().filter(|entry| !entry.is_superseded);
+        let begun = wanted.filter(|entry| entry.reading.progress.has_begun());
+        begun.map(|entry| entry.reading.clone()).collect()
+    }
+
+    /// Ends what adds to frames that are complete as they are, for what is needed now.
+    pub(super) fn supersede(&self, is_complete: impl Fn(usize) -> bool) {
+        let adds = |stage| matches!(stage, ReadingStage::Normals | ReadingStage::Mesh | ReadingStage::Octree);
+        for entry in &mut lock(&self.0).under_way {
+            let reading = &entry.reading;
+            if adds(reading.stage) && !reading.progress.is_cancelled() && is_complete(reading.index) {
+                entry.is_superseded = true;
+                reading.progress.cancel();
+            }
+        }
     }
 
     /// Whether somebody has cancelled one of them, be it over or not.
@@ -95,8 +123,8 @@ impl Readings {
     pub(super) fn end(&self) {
         let mut list = lock(&self.0);
         list.is_over = true;
-        for reading in &list.under_way {
-            reading.progress.cancel();
+        for entry in &list.under_way {
+            entry.reading.progress.cancel();
         }
     }
 }
@@ -106,13 +134,20 @@ impl UnderWay<'_> {
     pub(super) fn note_read(&self) {
         lock(&self.readings.0).has_read = true;
     }
+
+    /// Whether nobody needs what it adds any more.
+    pub(super) fn is_superseded(&self) -> bool {
+        let list = lock(&self.readings.0);
+        let mut under_way = list.under_way.iter();
+        under_way.any(|entry| entry.is_superseded && entry.reading.progress.is_same(&self.progress))
+    }
 }
 
 impl Drop for UnderWay<'_> {
     fn drop(&mut self) {
         let mut list = lock(&self.readings.0);
-        list.was_cancelled |= self.progress.is_cancelled();
-        list.under_way
-            .retain(|reading| !reading.progress.is_same(&self.progress));
+        let is_this = |entry: &mut Entry| entry.reading.progress.is_same(&self.progress);
+        let ended: Vec<Entry> = list.under_way.extract_if(.., is_this).collect();
+        list.was_cancelled |= ended.iter().any(Entry::was_cancelled);
     }
 }

@@ -159,7 +159,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
 /// Decodes and prepares; `None` if nobody wants the frame any more.
 pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
     if let Some(existing) = &job.existing {
-        return complete_existing(shared, job, existing).map(Some);
+        return complete_existing(shared, job, existing);
     }
     if job.next_stage == Some(NextStage::Sample)
         && let Some(sample) = sample(shared, job)
@@ -219,8 +219,9 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     }))
 }
 
-/// Adds what `job` asks for to a frame that was prepared for other needs, or takes some of its points.
-fn complete_existing(shared: &Shared, job: &Job, existing: &PreparedFrame) -> Result<Finished, FrameError> {
+/// Adds what `job` asks for to a frame that was prepared for other needs, or takes some of its points; `None` if nobody
+/// needs it any more.
+fn complete_existing(shared: &Shared, job: &Job, existing: &PreparedFrame) -> Result<Option<Finished>, FrameError> {
     let lacks_mesh = existing.lacks_mesh_for(&job.needs);
     let stage = match existing.shapes {
         _ if lacks_mesh => ReadingStage::Mesh,
@@ -237,15 +238,18 @@ fn complete_existing(shared: &Shared, job: &Job, existing: &PreparedFrame) -> Re
     }
     let (mesh, mesh_ms) = load_mesh(shared, job, lacks_mesh, progress)?;
     let mut frame = shared.run_stages(job, || from_existing(shared, existing, mesh, job, progress))?;
+    if reading.is_superseded() {
+        return Ok(None);
+    }
     if progress.is_cancelled() {
         return Err(shared.sequence.cancelled(job.index));
     }
     frame.timings.decode_ms += mesh_ms;
-    Ok(Finished {
+    Ok(Some(Finished {
         frame,
         decoder_ms: None,
         is_settled: false,
-    })
+    }))
 }
 
 /// The triangles of the frame that `job` is for, if they are wanted, and the milliseconds that they took.

@@ -61,7 +61,8 @@ pub(in crate::app) fn benchmark_ui(
         .open(is_open)
         .collapsible(false)
         .resizable(true)
-        .min_size(LEAST_SIZE)
+        .scroll(false)
+        .min_size(Vec2::from(LEAST_SIZE).min(room.size() - Vec2::splat(2.0 * MARGIN)))
         .max_size(room.size() - Vec2::splat(2.0 * MARGIN))
         .default_rect(place.unwrap_or(usual).intersect(room))
         .show(ui, |ui| {

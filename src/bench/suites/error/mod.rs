@@ -7,7 +7,7 @@
 //! no other beats in both are its front.
 //!
 //! Depths, by which surfaces are told apart, are drawn by the software renderer for the adapter's ways too: both draw
-//! the same surfaces, which `tests/cpu_renderer.rs` holds.
+//! the same surfaces, which `tests/pictures/cpu_renderer.rs` holds.
 
 mod view;
 mod ways;

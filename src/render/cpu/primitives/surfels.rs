@@ -4,7 +4,7 @@ use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::blocks::{Extent, Placed};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
-use crate::render::cpu::ewa::{OnScreen, Splats};
+use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
 use crate::render::cpu::packed_ellipses::decode_each;
@@ -12,7 +12,7 @@ use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster::{self, Middle};
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
-use crate::render::cpu::small_splats::{self, SmallSplat, SmallSplats};
+use crate::render::cpu::small_splats::{self, SmallSplats, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
@@ -36,7 +36,8 @@ pub(in crate::render::cpu) struct Waiting {
     splats: Vec<(Facet, Shading)>,
     /// As many, where they are clamped.
     middles: Vec<Middle>,
-    small: Vec<SmallSplat>,
+    /// Eights of small ones, or fewer, by their numbers.
+    small: Vec<Range<u32>>,
 }
 
 impl Placed for Surfels<'_> {
@@ -55,8 +56,7 @@ impl Placed for Surfels<'_> {
 
 /// Eight surfels as seen from the eye.
 struct EightSurfels<S: Simd> {
-    /// The number of the first.
-    first: usize,
+    numbers: Range<usize>,
     are_there: mask32x8<S>,
     may_touch: mask32x8<S>,
     centers: Vectors<S>,
@@ -105,39 +105,7 @@ impl DrawnRecords for Surfels<'_> {
         for range in records {
             let end = range.end;
             for first in range.step_by(LANES) {
-                let eight = first..end.min(first + LANES);
-                let [x, y, z, _] = words(simd, &self.points[eight.clone()]);
-                let [normals, radii, ellipses, _] = words(simd, &self.shapes[eight.clone()]);
-                let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-                let mut reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
-                if self.is_filtered() {
-                    reach += centers.z * -view.length_of_px(EWA_REACH_PX);
-                }
-                let are_there = lanes_below(simd, eight.len());
-                let may_touch = pyramid.may_touch(simd, centers, reach) & are_there;
-                if simd.any_true_mask32x8(may_touch) {
-                    let normals = oct_decode_each(simd, normals);
-                    let (u, half_axes) = if self.style.primitive == Primitive::Ellipse {
-                        let ellipses = decode_each(simd, normals, ellipses);
-                        (ellipses.axes, Some(ellipses.half_axes(simd)))
-                    } else {
-                        (across(simd, normals), None)
-                    };
-                    let (normals, mut u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
-                    let mut v = normals.cross(u);
-                    if let Some([longer, shorter]) = half_axes {
-                        (u, v) = (u.times(longer), v.times(shorter));
-                    }
-                    let seen = EightSurfels {
-                        first,
-                        are_there,
-                        may_touch,
-                        centers,
-                        normals,
-                        u,
-                        v,
-                        radii,
-                    };
+                if let Some(seen) = self.eight(simd, view, &pyramid, first..end.min(first + LANES)) {
                     self.draw_eight(simd, view, tile, clip, &seen, waiting);
                 }
             }
@@ -148,7 +116,12 @@ impl DrawnRecords for Surfels<'_> {
             }
             return;
         }
-        small_splats::attribute(tile, &waiting.small, self.lighting().is_deferred());
+        for eight in &waiting.small {
+            let eight = eight.start as usize..eight.end as usize;
+            if let Some(seen) = self.eight(simd, view, &pyramid, eight) {
+                self.attribute_small(simd, view, tile, clip, &seen);
+            }
+        }
         let kernel = self.style.kernel();
         for (facet, shading) in &waiting.splats {
             raster::attribute(simd, tile, facet, shading, kernel);
@@ -168,12 +141,68 @@ impl Surfels<'_> {
         visibility.max(attribute) * surfels.splat_scale
     }
 
+    /// Where whole disks are drawn.
+    fn canvas<'a>(&self, view: &'a PixelView, clip: PixelRect) -> Canvas<'a> {
+        Canvas {
+            view,
+            clip,
+            outline: Outline::Disk,
+            cull_back_faces: self.style.culls_back_faces(),
+            least_reach_px: 0.0,
+        }
+    }
+
     /// How they are lit: sprites have no vertices on their disks but the middles.
     fn lighting(&self) -> Lighting {
         match self.style.light.lighting {
             Lighting::PerVertex if self.style.draws_sprites() => Lighting::PerSurfel,
             lighting => lighting,
         }
+    }
+
+    /// Eight surfels, or fewer at the end of a list; `None` if nothing of them is in the picture.
+    #[inline(always)]
+    fn eight<S: Simd>(
+        &self,
+        simd: S,
+        view: &PixelView,
+        pyramid: &Pyramid,
+        numbers: Range<usize>,
+    ) -> Option<EightSurfels<S>> {
+        let [x, y, z, _] = words(simd, &self.points[numbers.clone()]);
+        let [normals, radii, ellipses, _] = words(simd, &self.shapes[numbers.clone()]);
+        let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
+        let mut reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
+        if self.is_filtered() {
+            reach += centers.z * -view.length_of_px(EWA_REACH_PX);
+        }
+        let are_there = lanes_below(simd, numbers.len());
+        let may_touch = pyramid.may_touch(simd, centers, reach) & are_there;
+        if !simd.any_true_mask32x8(may_touch) {
+            return None;
+        }
+        let normals = oct_decode_each(simd, normals);
+        let (u, half_axes) = if self.style.primitive == Primitive::Ellipse {
+            let ellipses = decode_each(simd, normals, ellipses);
+            (ellipses.axes, Some(ellipses.half_axes(simd)))
+        } else {
+            (across(simd, normals), None)
+        };
+        let (normals, mut u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
+        let mut v = normals.cross(u);
+        if let Some([longer, shorter]) = half_axes {
+            (u, v) = (u.times(longer), v.times(shorter));
+        }
+        Some(EightSurfels {
+            numbers,
+            are_there,
+            may_touch,
+            centers,
+            normals,
+            u,
+            v,
+            radii,
+        })
     }
 
     /// Draws eight surfels, or lets them wait.
@@ -191,13 +220,7 @@ impl Surfels<'_> {
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         let scale = surfels.splat_scale;
         let [visibility, attribute] = [scale * visibility, scale * attribute];
-        let mut canvas = Canvas {
-            view,
-            clip,
-            outline: Outline::Disk,
-            cull_back_faces: self.style.culls_back_faces(),
-            least_reach_px: 0.0,
-        };
+        let mut canvas = self.canvas(view, clip);
         match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
                 // Only what is on a surface has corners.
@@ -241,7 +264,8 @@ impl Surfels<'_> {
                     SplatFilter::Off => {}
                     SplatFilter::Ewa => {
                         let on_screen = splats.on_screen(simd, view, seen.centers);
-                        if self.small_splats(simd, &canvas, tile.origin, &on_screen, seen, &mut waiting.small) {
+                        if are_small(simd, view, &on_screen, seen.centers, seen.are_there) {
+                            waiting.small.push(seen.numbers.start as u32..seen.numbers.end as u32);
                             return;
                         }
                         splats = splats.filtered(&on_screen);
@@ -261,26 +285,27 @@ impl Surfels<'_> {
         }
     }
 
-    /// Lets eight filtered surfels wait, if all are small.
+    /// Adds eight filtered surfels that are small to the depths that are known.
     #[inline(always)]
-    fn small_splats<S: Simd>(
+    fn attribute_small<S: Simd>(
         &self,
         simd: S,
-        canvas: &Canvas<'_>,
-        origin: [i32; 2],
-        on_screen: &OnScreen<S>,
+        view: &PixelView,
+        tile: &mut Tile,
+        clip: PixelRect,
         seen: &EightSurfels<S>,
-        waiting: &mut Vec<SmallSplat>,
-    ) -> bool {
+    ) {
+        let surfels = &self.style.surfels;
+        let [_, attribute] = surfels.splatting.scales(surfels.enlargement);
+        let splats = seen.splats(simd, surfels.splat_scale * attribute);
         let lighting = self.lighting();
         let small = SmallSplats::of(
             simd,
             &small_splats::Seen {
-                canvas,
-                on_screen,
+                canvas: &self.canvas(view, clip),
+                on_screen: &splats.on_screen(simd, view, seen.centers),
                 centers: seen.centers,
                 normals: seen.normals,
-                are_there: seen.are_there,
                 may_touch: seen.may_touch,
                 is_lit: matches!(
                     lighting,
@@ -288,12 +313,9 @@ impl Surfels<'_> {
                 ),
             },
         );
-        let Some(small) = small else {
-            return false;
-        };
         for lane in 0..LANES {
-            let splat = small.get(lane, origin, |faces_away| {
-                let [red, green, blue, _] = self.points[seen.first + lane].color;
+            let splat = small.get(lane, tile.origin, |faces_away| {
+                let [red, green, blue, _] = self.points[seen.numbers.start + lane].color;
                 let color = unit_color([red, green, blue]);
                 let normal = seen.normals.lane(lane);
                 match (faces_away, self.style.darkens_back_faces()) {
@@ -302,9 +324,10 @@ impl Surfels<'_> {
                     (true, true) => (seen_from_behind(color), -normal),
                 }
             });
-            waiting.extend(splat);
+            if let Some(splat) = splat {
+                splat.attribute(tile, lighting.is_deferred());
+            }
         }
-        true
     }
 
     /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
@@ -321,7 +344,7 @@ impl Surfels<'_> {
 
     #[inline(always)]
     fn shading<S: Simd>(&self, seen: &EightSurfels<S>, splats: &Splats<S>, lane: usize) -> Shading {
-        let [red, green, blue, _] = self.points[seen.first + lane].color;
+        let [red, green, blue, _] = self.points[seen.numbers.start + lane].color;
         let lighting = self.lighting();
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels

@@ -1,0 +1,265 @@
+//! Arrays of numpy written here, of every type, order and layout that the reader promises, and damaged ones.
+
+use pointreel::cloud::RawCloud;
+use pointreel::io;
+use std::io::Write as _;
+use std::path::Path;
+
+fn read(name: &str, bytes: &[u8]) -> RawCloud {
+    io::read_bytes(Path::new(name), bytes).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refused(name: &str, bytes: &[u8]) -> String {
+    io::read_bytes(Path::new(name), bytes).unwrap_err().to_string()
+}
+
+fn positions(cloud: &RawCloud) -> Vec<[f64; 3]> {
+    (0..cloud.positions.len())
+        .map(|index| cloud.positions.get(index).to_array())
+        .collect()
+}
+
+fn npy(version: u8, descr: &str, fortran: bool, shape: &str, payload: &[u8]) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}    \n");
+    let mut file = b"\x93NUMPY".to_vec();
+    file.extend([version, 0]);
+    if version == 1 {
+        file.extend((header.len() as u16).to_le_bytes());
+    } else {
+        file.extend((header.len() as u32).to_le_bytes());
+    }
+    file.extend(header.bytes());
+    file.extend(payload);
+    file
+}
+
+fn bytes_of(kind: &str, value: f64) -> Vec<u8> {
+    let little = match &kind[1..] {
+        "i1" => (value as i8).to_le_bytes().to_vec(),
+        "u1" => (value as u8).to_le_bytes().to_vec(),
+        "i2" => (value as i16).to_le_bytes().to_vec(),
+        "u2" => (value as u16).to_le_bytes().to_vec(),
+        "i4" => (value as i32).to_le_bytes().to_vec(),
+        "u4" => (value as u32).to_le_bytes().to_vec(),
+        "i8" => (value as i64).to_le_bytes().to_vec(),
+        "u8" => (value as u64).to_le_bytes().to_vec(),
+        "f4" => (value as f32).to_le_bytes().to_vec(),
+        "f8" => value.to_le_bytes().to_vec(),
+        // 1 to 6 as half precision.
+        "f2" => [0x3c00u16, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600][value as usize - 1]
+            .to_le_bytes()
+            .to_vec(),
+        other => panic!("{other}"),
+    };
+    if kind.starts_with('>') {
+        little.into_iter().rev().collect()
+    } else {
+        little
+    }
+}
+
+#[test]
+fn tables_of_every_type_and_order() {
+    for kind in [
+        "|i1", "|u1", "<i2", ">i2", "<u2", ">u2", "<i4", ">i4", "<u4", ">u4", "<i8", ">i8", "<u8", ">u8", "<f2", ">f2",
+        "<f4", ">f4", "<f8", ">f8",
+    ] {
+        for fortran in [false, true] {
+            let order: [u8; 6] = if fortran {
+                [1, 4, 2, 5, 3, 6]
+            } else {
+                [1, 2, 3, 4, 5, 6]
+            };
+            let payload: Vec<u8> = order
+                .into_iter()
+                .flat_map(|value| bytes_of(kind, f64::from(value)))
+                .collect();
+            for version in [1, 2, 3] {
+                let file = npy(version, &format!("'{kind}'"), fortran, "(2, 3)", &payload);
+                assert_eq!(
+                    positions(&read("a.npy", &file)),
+                    [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+                    "{kind} {fortran}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn columns_mean_what_they_mean_in_text() {
+    let table = |row: &[f64]| {
+        let payload: Vec<u8> = row.iter().flat_map(|&value| bytes_of("<f8", value)).collect();
+        read(
+            "a.npy",
+            &npy(1, "'<f8'", false, &format!("(1, {})", row.len()), &payload),
+        )
+    };
+    assert_eq!(table(&[1.0, 2.0, 3.0, 0.5]).attributes.scalars[0].values, [0.5]);
+    assert_eq!(
+        table(&[1.0, 2.0, 3.0, 255.0, 0.0, 1.0]).attributes.colors.unwrap(),
+        [[255, 0, 1, 255]]
+    );
+    assert_eq!(
+        table(&[1.0, 2.0, 3.0, 0.6, 0.0, -0.8]).attributes.normals.unwrap(),
+        [[0.6, 0.0, -0.8]]
+    );
+    let both = table(&[1.0, 2.0, 3.0, 0.25, 1.0, 0.5, 0.0, 0.0, 1.0]);
+    assert_eq!(
+        (both.attributes.colors.unwrap(), both.attributes.normals.unwrap()),
+        (vec![[64, 255, 128, 255]], vec![[0.0, 0.0, 1.0]])
+    );
+}
+
+#[test]
+fn records_are_read_by_their_names() {
+    let mut payload = Vec::new();
+    for row in 0u8..2 {
+        for axis in 0..3 {
+            payload.extend(f32::from(row * 3 + axis).to_le_bytes());
+        }
+        payload.extend([row, 7, 9]);
+        payload.extend(b"name");
+        payload.extend((f64::from(row) / 2.0).to_be_bytes());
+    }
+    let descr = "[('xyz', '<f4', (3,)), ('rgb', '|u1', (3,)), ('name', '|S4'), (('a title', 'intensity'), '>f8')]";
+    let cloud = read("a.npy", &npy(1, descr, false, "(2,)", &payload));
+    assert_eq!(positions(&cloud), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+    assert_eq!(cloud.attributes.colors.unwrap(), [[0, 7, 9, 255], [1, 7, 9, 255]]);
+    assert_eq!(
+        (
+            cloud.attributes.scalars[0].name.as_str(),
+            cloud.attributes.scalars[0].values.as_slice()
+        ),
+        ("intensity", &[0.0, 0.5][..])
+    );
+    let flat = "[('z', '<f4'), ('', '|V4'), ('y', '<f4'), ('x', '<i4'), ('red', '|u1'), ('green', '|u1'), ('blue', \
+        '|u1')]";
+    let row: Vec<u8> = [
+        &3f32.to_le_bytes()[..],
+        &[0; 4],
+        &2f32.to_le_bytes(),
+        &1i32.to_le_bytes(),
+        &[4, 5, 6],
+    ]
+    .concat();
+    let cloud = read("a.npy", &npy(1, flat, false, "(1,)", &row));
+    assert_eq!(
+        (positions(&cloud), cloud.attributes.colors.unwrap()),
+        (vec![[1.0, 2.0, 3.0]], vec![[4, 5, 6, 255]])
+    );
+}
+
+fn npz(members: &[(&str, Vec<u8>)], method: zip::CompressionMethod) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, bytes) in members {
+        let options = zip::write::SimpleFileOptions::default().compression_method(method);
+        archive.start_file(format!("{name}.npy"), options).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+fn floats(shape: &str, values: &[f32]) -> Vec<u8> {
+    let payload: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    npy(1, "'<f4'", false, shape, &payload)
+}
+
+#[test]
+fn archives_join_their_arrays() {
+    for method in [zip::CompressionMethod::Stored, zip::CompressionMethod::Deflated] {
+        for (points, colors) in [
+            ("xyz", "rgb"),
+            ("points", "colors"),
+            ("positions", "colours"),
+            ("vertices", "color"),
+            ("coords", "rgb"),
+        ] {
+            let file = npz(
+                &[
+                    (colors, npy(1, "'|u1'", false, "(2, 3)", &[1, 2, 3, 4, 5, 6])),
+                    ("normals", floats("(2, 3)", &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0])),
+                    ("intensity", floats("(2,)", &[0.25, 0.5])),
+                    (points, floats("(2, 3)", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+                    ("K", floats("(3, 3)", &[0.0; 9])),
+                ],
+                method,
+            );
+            let cloud = read("a.npz", &file);
+            assert_eq!(positions(&cloud), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{points}");
+            assert_eq!(cloud.attributes.colors.unwrap(), [[1, 2, 3, 255], [4, 5, 6, 255]]);
+            assert_eq!(cloud.attributes.normals.unwrap(), [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+            assert_eq!(cloud.attributes.scalars[0].values, [0.25, 0.5]);
+        }
+        let only = npz(&[("arr_0", floats("(1, 4)", &[1.0, 2.0, 3.0, 4.0]))], method);
+        assert_eq!(positions(&read("a.npz", &only)), [[1.0, 2.0, 3.0]]);
+        let axes = npz(
+            &[
+                ("x", floats("(1,)", &[1.0])),
+                ("y", floats("(1,)", &[2.0])),
+                ("z", floats("(1,)", &[3.0])),
+            ],
+            method,
+        );
+        assert_eq!(positions(&read("a.npz", &axes)), [[1.0, 2.0, 3.0]]);
+        for length in 0..only.len() {
+            let _ = io::read_bytes(Path::new("a.npz"), &only[..length]);
+            let mut damaged = only.clone();
+            damaged[length] ^= 0x41;
+            let _ = io::read_bytes(Path::new("a.npz"), &damaged);
+        }
+    }
+    let short = npz(
+        &[
+            ("xyz", floats("(1, 3)", &[0.0; 3])),
+            ("rgb", floats("(2, 3)", &[0.0; 6])),
+        ],
+        zip::CompressionMethod::Stored,
+    );
+    assert!(refused("a.npz", &short).contains("array `rgb` has 2 entries, but there are 1 points"));
+    let none = npz(
+        &[("a", floats("(1,)", &[0.0])), ("b", floats("(1,)", &[0.0]))],
+        zip::CompressionMethod::Stored,
+    );
+    assert!(refused("a.npz", &none).contains("found a, b"));
+}
+
+#[test]
+fn what_is_no_table_is_refused_with_advice() {
+    let message = |shape: &str, values: usize| refused("a.npy", &floats(shape, &vec![0.0; values]));
+    assert!(
+        message("(2, 2, 3)", 12).contains("2 × 2 × 3") && message("(2, 2, 3)", 12).contains("save each of its frames")
+    );
+    assert!(message("(3, 100)", 300).contains("transposed"));
+    assert!(message("(6,)", 6).contains("expected two dimensions"));
+    assert!(message("(2, 2)", 4).contains("3 to 64 numbers"));
+    assert!(message("(2, 3)", 5).contains("truncated"));
+    assert!(message("(4611686018427387904, 4)", 5).contains("truncated"));
+    for descr in [
+        "'|O'",
+        "'<c8'",
+        "[('x', '<f4', (2, 99999999999999999999))]",
+        "((((",
+        "[(",
+        "'<f'",
+        "'\u{e9}4'",
+    ] {
+        let file = npy(1, descr, false, "(1, 3)", &[0; 64]);
+        assert!(
+            refused("a.npy", &file).contains("the header is not understood"),
+            "{descr}"
+        );
+    }
+    let deep = npy(2, &"(".repeat(1 << 20), false, "(1, 3)", &[]);
+    assert!(refused("a.npy", &deep).contains("the header is not understood"));
+    let file = floats("(2, 3)", &[1.0; 6]);
+    for length in 0..file.len() {
+        assert!(io::read_bytes(Path::new("a.npy"), &file[..length]).is_err());
+        for change in [0x01, 0x10, 0x80] {
+            let mut damaged = file.clone();
+            damaged[length] ^= change;
+            let _ = io::read_bytes(Path::new("a.npy"), &damaged);
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Captures of laser scanners that are written here, with points whose places are worked out by the formulas of the
+//! manuals, in double precision.
+
+mod captures;
+mod containers;
+mod hdl_64;
+mod hostile;
+mod live;
+mod ouster;
+mod sensors;
+mod velodyne;

@@ -1,0 +1,434 @@
+//! Sets of calibrated photographs: one scene in every format, the half pixel of each, and what is broken.
+
+mod broken;
+mod scene;
+
+use glam::{DVec2, DVec3};
+use image::RgbImage;
+use pointreel::photos::{self, Format, ViewSet};
+use scene::Scene;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+type Writer = fn(&Scene, &Path);
+
+/// Every format with a writer; whether it has points.
+const WRITERS: &[(&str, Format, Writer, bool)] = &[
+    ("COLMAP text", Format::Colmap, Scene::write_colmap_text, true),
+    ("COLMAP binary", Format::Colmap, Scene::write_colmap_binary, true),
+    ("Bundler", Format::Bundler, Scene::write_bundler, true),
+    ("NVM", Format::Nvm, Scene::write_nvm, true),
+    (
+        "Meshroom 1.0.0",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 0, 0]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.0",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 0]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.1",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 1]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.4",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 4]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.6",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 6]),
+        true,
+    ),
+    (
+        "Meshroom 1.2.11",
+        Format::Meshroom,
+        |scene, folder| scene.write_meshroom(folder, [1, 2, 11]),
+        true,
+    ),
+    ("Middlebury", Format::Middlebury, Scene::write_middlebury, false),
+    ("transforms.json", Format::Transforms, Scene::write_transforms, false),
+];
+
+fn read(path: &Path) -> ViewSet {
+    photos::find(path).unwrap().expect("a reconstruction").read().unwrap()
+}
+
+fn error_of(path: &Path) -> String {
+    photos::find(path)
+        .unwrap()
+        .expect("a reconstruction")
+        .read()
+        .unwrap_err()
+        .to_string()
+}
+
+/// Writes a scene by each of the writers of these names, and holds what is read against it.
+fn assert_projects_equally(scene: &Scene, is_able: impl Fn(&str) -> bool) {
+    for &(name, format, write, has_points) in WRITERS.iter().filter(|row| is_able(row.0)) {
+        let folder = tempfile::tempdir().unwrap();
+        write(scene, folder.path());
+        let found = photos::find(folder.path()).unwrap().unwrap();
+        assert_eq!(found.format, format, "{name}");
+        let set = found.read().unwrap();
+        assert_eq!(set.photos.len(), scene.poses.len(), "{name}: {:?}", set.notes);
+        for (index, photo) in set.photos.iter().enumerate() {
+            assert!(
+                photo.path.ends_with(Scene::name(index)),
+                "{name}: {}",
+                photo.path.display()
+            );
+            assert!(photo.center().distance(scene.center(index)) < 1e-9, "{name}");
+            for &point in &scene.points {
+                let (found, expected) = (photo.project(point).unwrap(), scene.pixel(index, point));
+                assert!(
+                    found.distance(expected) < 0.01,
+                    "{name}, photograph {index}: {found}, expected {expected}"
+                );
+            }
+        }
+        if !has_points {
+            assert!(set.points.is_empty(), "{name}");
+            continue;
+        }
+        assert_eq!(set.points.len(), scene.points.len(), "{name}");
+        for (index, &point) in scene.points.iter().enumerate() {
+            assert!(set.points.positions()[index].distance(point) < 1e-9, "{name}");
+            assert_eq!(
+                set.points.colors()[index],
+                [index as u8, 100, 255 - index as u8],
+                "{name}"
+            );
+            assert_eq!(set.points.track(index).len(), scene.poses.len(), "{name}");
+            for seen in set.points.track(index) {
+                let expected = scene.pixel(seen.photo as usize, point);
+                assert!(
+                    seen.pixel.as_dvec2().distance(expected) < 0.01,
+                    "{name}: {seen:?}, expected {expected}"
+                );
+            }
+        }
+        for error in set.reprojection_errors() {
+            let error = error.unwrap();
+            assert!(
+                error.count == scene.points.len() && error.behind == 0 && error.rms_px < 1e-3,
+                "{name}: {error:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_scene_projects_equally_in_all_formats() {
+    assert_projects_equally(&Scene::simple(), |_| true);
+}
+
+/// Bundler, and Meshroom before 1.2, know one focal length; Bundler no principal point either.
+#[test]
+fn a_principal_point_off_the_middle_stays_where_it_is() {
+    assert_projects_equally(&Scene::off_center(), |name| {
+        name != "Bundler" && name != "Meshroom 1.0.0"
+    });
+    let one_focal = Scene {
+        focal_px: DVec2::splat(90.0),
+        ..Scene::off_center()
+    };
+    assert_projects_equally(&one_focal, |name| name == "Meshroom 1.0.0");
+}
+
+/// NVM distorts the other way round (see its own test), par files are of undistorted photographs.
+#[test]
+fn a_lens_bends_equally_in_all_formats() {
+    assert_projects_equally(&Scene::distorted(), |name| name != "NVM" && name != "Middlebury");
+}
+
+/// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.
+#[test]
+fn smaller_photographs_are_seen_through_smaller_cameras() {
+    for &(name, _, write, _) in WRITERS
+        .iter()
+        .filter(|row| row.0.starts_with("COLMAP") || row.0.starts_with("transf"))
+    {
+        let scene = Scene::off_center();
+        let folder = tempfile::tempdir().unwrap();
+        write(&scene, folder.path());
+        for photo in 0..scene.poses.len() {
+            RgbImage::new(16, 12)
+                .save(folder.path().join("images").join(Scene::name(photo)))
+                .unwrap();
+        }
+        let set = read(folder.path());
+        for (index, photo) in set.photos.iter().enumerate() {
+            assert_eq!(photo.camera.size_px(), [16, 12]);
+            for &point in &scene.points {
+                let expected = (scene.pixel(index, point) + 0.5) / 4.0 - 0.5;
+                assert!(photo.project(point).unwrap().distance(expected) < 1e-9, "{name}");
+            }
+        }
+        for error in set.reprojection_errors().into_iter().flatten() {
+            assert!(error.rms_px < 1e-3, "{name}: {error:?}");
+        }
+        RgbImage::new(48, 64)
+            .save(folder.path().join("images").join(Scene::name(0)))
+            .unwrap();
+        let set = read(folder.path());
+        assert_eq!(set.photos.len(), scene.poses.len() - 1);
+        assert!(
+            set.notes
+                .join("\n")
+                .contains("it has 48 × 64 pixels and was calibrated with 64 × 48")
+        );
+    }
+}
+
+/// A folder with one photograph of 64 × 48 pixels, `a.png`, and these files.
+fn folder_with(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    RgbImage::new(64, 48).save(folder.path().join("a.png")).unwrap();
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+/// The only photograph shows the point at this pixel.
+fn assert_shows(files: &[(&str, &str)], point: [f64; 3], expected: [f64; 2]) {
+    let folder = folder_with(files);
+    let photo = &read(folder.path()).photos[0];
+    let pixel = photo.project(DVec3::from_array(point)).unwrap();
+    let is_there = pixel.distance(DVec2::from_array(expected)) < 1e-9;
+    assert!(is_there, "{point:?} is at {pixel}, expected {expected:?}");
+}
+
+#[test]
+fn colmap_counts_from_the_corner_and_looks_along_z() {
+    let files = [
+        ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
+        ("images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n"),
+    ];
+    assert_shows(&files, [0.0, 0.0, 1.0], [31.5, 23.5]);
+    assert_shows(&files, [0.1, 0.2, 1.0], [36.5, 33.5]);
+}
+
+#[test]
+fn bundler_counts_from_the_middle_and_looks_along_minus_z_with_y_up() {
+    let bundle = "# Bundle file v0.3\n1 0\n50 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
+    let files = [("bundle.out", bundle), ("list.txt", "a.png\n")];
+    assert_shows(&files, [0.0, 0.0, -1.0], [31.5, 23.5]);
+    assert_shows(&files, [0.1, 0.2, -1.0], [36.5, 13.5]);
+}
+
+#[test]
+fn nvm_counts_from_the_middle_and_looks_along_z_from_its_centre() {
+    // A half turn about z, one to the right.
+    let files = [("a.nvm", "NVM_V3\n\n1\na.png 50 0 0 0 1 1 0 0 0 0\n\n0\n\n0\n")];
+    assert_shows(&files, [1.0, 0.0, 1.0], [31.5, 23.5]);
+    assert_shows(&files, [1.1, 0.2, 1.0], [26.5, 13.5]);
+    let fixed = [("a.nvm", "NVM_V3 FixedK 50 40 60 20\n\n1\na.png 1 1 0 0 0 0 0 0 0 0\n")];
+    assert_shows(&fixed, [0.0, 0.0, 1.0], [39.5, 19.5]);
+}
+
+#[test]
+fn meshroom_counts_from_half_of_the_size_in_whole_pixels() {
+    let scene = r#"{"version": ["1", "2", "6"],
+        "views": [{"viewId": "5", "poseId": "5", "intrinsicId": "7", "path": "/x/a.png"}],
+        "intrinsics": [{"intrinsicId": "7", "width": "64", "height": "48", "sensorWidth": "32", "focalLength": "25",
+            "type": "pinhole", "principalPoint": ["2", "-1"], "distortionParams": "", "pixelRatio": "1"}],
+        "poses": [{"poseId": "5", "pose": {"transform": {"rotation":
+            ["0", "-1", "0", "1", "0", "0", "0", "0", "1"], "center": ["1", "0", "0"]}}}]}"#;
+    let files = [("sfm.json", scene)];
+    assert_shows(&files, [1.0, 0.0, 1.0], [34.0, 23.0]);
+    // By rows, the axes of the camera are the columns: x is (0, 1, 0), y is (−1, 0, 0).
+    assert_shows(&files, [1.0, 0.1, 1.0], [39.0, 23.0]);
+}
+
+#[test]
+fn par_files_count_from_the_first_pixel() {
+    let par = "1\na.png 50 0 32 0 50 24 0 0 1 1 0 0 0 1 0 0 0 1 0 0 0\n";
+    assert_shows(&[("a_par.txt", par)], [0.1, 0.2, 1.0], [37.0, 34.0]);
+    let doubled = "1\na.png 100 0 64 0 100 48 0 0 2 1 0 0 0 1 0 0 0 1 0 0 0\n";
+    assert_shows(&[("a_par.txt", doubled)], [0.1, 0.2, 1.0], [37.0, 34.0]);
+}
+
+#[test]
+fn transforms_count_from_the_corner_and_look_along_minus_z() {
+    let with = |intrinsics: &str| {
+        format!(
+            r#"{{{intrinsics}, "frames": [{{"file_path": "a",
+            "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}]}}"#
+        )
+    };
+    let whole = with(r#""fl_x": 50, "cx": 32, "cy": 24, "w": 64, "h": 48"#);
+    assert_shows(&[("transforms.json", &whole)], [0.0, 0.0, -1.0], [31.5, 23.5]);
+    assert_shows(&[("transforms.json", &whole)], [0.1, 0.2, -1.0], [36.5, 13.5]);
+    // Twice the arctangent of 32 / 50; the size is that of the file.
+    let angle = with(&format!(r#""camera_angle_x": {}"#, 2.0 * (32.0_f64 / 50.0).atan()));
+    assert_shows(&[("transforms_train.json", &angle)], [0.1, 0.2, -1.0], [36.5, 13.5]);
+}
+
+#[test]
+fn a_file_stands_for_its_reconstruction() {
+    for (write, file) in [
+        (Scene::write_colmap_text as Writer, "sparse/0/cameras.txt"),
+        (Scene::write_colmap_text, "sparse/0/points3D.txt"),
+        (Scene::write_colmap_text, "sparse/0"),
+        (Scene::write_colmap_text, "sparse"),
+        (Scene::write_colmap_binary, "sparse/images.bin"),
+        (Scene::write_bundler, "bundle.out"),
+        (Scene::write_nvm, "scan.nvm"),
+        (|scene, folder| scene.write_meshroom(folder, [1, 2, 6]), "sfm.json"),
+        (Scene::write_middlebury, "scene_par.txt"),
+        (Scene::write_transforms, "transforms.json"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        write(&Scene::simple(), folder.path());
+        let path = folder.path().join(file);
+        let found = photos::find(&path).unwrap();
+        assert_eq!(found.expect(file).read().unwrap().photos.len(), 6, "{file}");
+    }
+}
+
+#[test]
+fn the_largest_of_several_models_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    Scene::simple().write_colmap_text(folder.path());
+    fs::rename(folder.path().join("sparse/0"), folder.path().join("sparse/1")).unwrap();
+    let few = Scene {
+        poses: Scene::simple().poses[..2].to_vec(),
+        ..Scene::simple()
+    };
+    few.write_colmap_text(folder.path());
+    assert_eq!(read(folder.path()).photos.len(), 6);
+    assert_eq!(read(&folder.path().join("sparse")).photos.len(), 6);
+    assert_eq!(read(&folder.path().join("sparse/0")).photos.len(), 2);
+}
+
+/// The dense stage undistorts photographs under the same names.
+#[test]
+fn photographs_nearest_to_the_model_are_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let dense = folder.path().join("dense");
+    Scene::simple().write_photos(&folder.path().join("images"));
+    Scene::simple().write_colmap_binary(&dense);
+    for opened in [folder.path(), &dense, &dense.join("sparse")] {
+        for photo in read(opened).photos {
+            assert!(
+                photo.path.starts_with(&dense),
+                "{} of {}",
+                photo.path.display(),
+                opened.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_project_of_meshroom_is_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("MeshroomCache/StructureFromMotion/0f3a");
+    Scene::simple().write_meshroom(&run, [1, 2, 6]);
+    fs::rename(run.join("sfm.json"), run.join("cameras.sfm")).unwrap();
+    let found = photos::find(folder.path()).unwrap().unwrap();
+    assert_eq!(found.format, Format::Meshroom);
+    assert_eq!(found.read().unwrap().photos.len(), 6);
+}
+
+#[test]
+fn folders_of_anything_else_are_none() {
+    let folder = folder_with(&[
+        ("cameras.txt", "1 PINHOLE 64 48 50 50 32 24\n"),
+        ("bundle.out", "of another program"),
+        ("a.nvm", "of another program"),
+        ("settings.json", "{\"frames\": 3}"),
+        ("notes.txt", ""),
+    ]);
+    assert_eq!(photos::find(folder.path()).unwrap(), None);
+    for file in [
+        "cameras.txt",
+        "bundle.out",
+        "settings.json",
+        "notes.txt",
+        "a.png",
+        "missing",
+    ] {
+        assert_eq!(photos::find(&folder.path().join(file)).unwrap(), None, "{file}");
+    }
+}
+
+#[test]
+fn masks_depths_and_points_files_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    Scene::simple().write_colmap_binary(folder.path());
+    for (path, bytes) in [
+        ("masks/view_00.png.png", &b""[..]),
+        (
+            "stereo/depth_maps/view_01.png.geometric.bin",
+            &b"1&1&1&\0\0\x80\x3f"[..],
+        ),
+    ] {
+        let path = folder.path().join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+    let set = read(folder.path());
+    assert!(set.photos[0].mask.is_some() && set.photos[1].mask.is_none() && set.photos[0].depth.is_none());
+    let depth = set.photos[1].depth.clone().unwrap();
+    assert_eq!(depth.kind, photos::DepthKind::Colmap);
+    assert_eq!(photos::colmap_depth(&depth.path).unwrap().metres(), [1.0]);
+
+    let transforms = r#"{"fl_x": 50, "ply_file_path": "points.ply", "frames": [
+        {"file_path": "a.png", "mask_path": "m.png", "depth_file_path": "d.png",
+         "transform_matrix": [[2,0,0,0],[0,2,0,0],[0,0,2,0]]},
+        {"file_path": "gone.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]},
+        {"file_path": "a.png", "camera_model": "ORTHOPHOTO", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}]}"#;
+    let folder = folder_with(&[
+        ("transforms.json", transforms),
+        ("points.ply", ""),
+        ("m.png", ""),
+        ("d.png", ""),
+    ]);
+    let set = read(folder.path());
+    assert_eq!(set.photos.len(), 1);
+    assert!(set.points_file.is_some() && set.photos[0].mask.is_some());
+    assert_eq!(
+        set.photos[0].depth.as_ref().unwrap().kind,
+        photos::DepthKind::Scaled(1e-3)
+    );
+    let notes = set.notes.join("\n");
+    assert!(notes.contains("gone.png") && notes.contains("ORTHOPHOTO"), "{notes}");
+}
+
+#[test]
+fn neighbours_are_those_at_the_smallest_angles() {
+    let scene = Scene::simple();
+    let folder = tempfile::tempdir().unwrap();
+    for write in [Scene::write_colmap_text as Writer, Scene::write_transforms] {
+        let _ = fs::remove_dir_all(folder.path().join("sparse"));
+        write(&scene, folder.path());
+        let set = read(folder.path());
+        for photo in 0..6 {
+            let middle = set.middles()[photo];
+            assert!(middle.length() < 0.5, "{middle}");
+            let angle = |other: usize| (scene.center(photo) - middle).angle_between(scene.center(other) - middle);
+            let mut expected: Vec<usize> = (0..6).filter(|&other| other != photo).collect();
+            expected.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+            let found = set.neighbours(photo, 3);
+            assert_eq!(found.iter().map(|found| found.photo).collect::<Vec<_>>(), expected[..3]);
+            assert!((found[0].angle - angle(expected[0])).abs() < 1e-6);
+        }
+        // Cameras stand 0.8 apart on a circle, seen from a middle that is near its centre.
+        let sigma = set.median_neighbour_angle().unwrap();
+        assert!((0.6..1.0).contains(&sigma), "{sigma}");
+    }
+    assert_eq!(ViewSet::default().median_neighbour_angle(), None);
+    assert!(ViewSet::default().neighbours(0, 3).is_empty());
+}

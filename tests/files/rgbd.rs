@@ -1,0 +1,33 @@
+//! Recordings of depth images: every layout, real ones, broken ones.
+
+mod broken;
+mod layouts;
+mod messages;
+mod real;
+mod recording;
+mod ros;
+mod temporal;
+
+use glam::DVec3;
+use pointreel::cloud::RawCloud;
+use pointreel::sequence::{OpenOptions, Sequence, SequenceError};
+use pointreel::source::RgbdOptions;
+use std::path::Path;
+
+fn open_with(folder: &Path, rgbd: RgbdOptions) -> Result<Sequence, SequenceError> {
+    let options = OpenOptions {
+        rgbd,
+        ..OpenOptions::default()
+    };
+    Sequence::open(&[folder.to_owned()], &options)
+}
+
+fn open(folder: &Path) -> Sequence {
+    open_with(folder, RgbdOptions::default()).unwrap()
+}
+
+fn points(cloud: &RawCloud) -> Vec<DVec3> {
+    (0..cloud.positions.len())
+        .map(|index| cloud.positions.get(index))
+        .collect()
+}

@@ -1,0 +1,47 @@
+//! Pictures of both renderers, and what they are made of: with known answers, beside one another, beside truths.
+//!
+//! One program for all of them: to link one for each file took longer than to run them, and they share a device.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
+mod ambient_occlusion;
+mod antialiasing;
+mod beside;
+mod closed_surfaces;
+mod closed_voxels;
+mod coded_surfels;
+#[path = "../common/mod.rs"]
+mod common;
+mod cpu_renderer;
+#[path = "../common/data.rs"]
+mod data;
+mod deferred;
+mod ellipses;
+mod ewa;
+mod export;
+mod eye_dome;
+mod gallery;
+mod images;
+mod kernels;
+mod levels_of_detail;
+mod mesh;
+mod orthographic;
+mod painters;
+#[path = "../common/photo_scene.rs"]
+mod photo_scene;
+mod photographs;
+mod physical;
+mod picking;
+mod points;
+mod resident_nodes;
+mod sensor_view;
+mod shaders;
+mod shadows;
+mod skipping;
+mod splat_geometry;
+mod sprites;
+mod stability;
+mod strategies;
+#[path = "../common/walk.rs"]
+mod walk;
+mod white;

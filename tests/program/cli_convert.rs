@@ -1,0 +1,151 @@
+//! `pointreel check` and `pointreel convert` as a person, a script or a job runner calls them.
+
+use glam::DVec3;
+use pointreel::io;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn pointreel(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pointreel"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Names of the visible files, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| !name.starts_with('.'))
+        .collect();
+    names.sort();
+    names
+}
+
+/// Seven frames of four points, numbered from 1.
+fn sequence() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in 1..=7 {
+        let points = format!("{frame} 0 0\n{frame} 9 0\n{frame} 0 9\n{frame} 1 1.5\n");
+        fs::write(folder.path().join(format!("scan_{frame}.xyz")), points).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn check_exits_with_3_where_something_is_found() {
+    let folder = sequence();
+    let clean = pointreel(&["check", text(folder.path()), "--json"]);
+    let report: Value = serde_json::from_slice(&clean.stdout).unwrap();
+    assert_eq!(clean.status.code(), Some(0), "{report:#}");
+    assert_eq!(report["frame_count"], 7);
+    assert_eq!(report["point_count"], 28);
+    assert_eq!(report["findings"], serde_json::json!([]));
+
+    fs::remove_file(folder.path().join("scan_4.xyz")).unwrap();
+    fs::write(folder.path().join("scan_6.xyz"), "no numbers here\n").unwrap();
+    let found = pointreel(&["check", text(folder.path()), "--json"]);
+    assert_eq!(found.status.code(), Some(3));
+    let report: Value = serde_json::from_slice(&found.stdout).unwrap();
+    let kinds: Vec<&str> = report["findings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|finding| finding["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(kinds, ["number_gap", "unreadable_frame"]);
+    let words = pointreel(&["check", text(folder.path())]);
+    let words = String::from_utf8_lossy(&words.stdout).into_owned();
+    assert!(words.contains("scan_3.xyz") && words.contains("scan_6.xyz"), "{words}");
+}
+
+#[test]
+fn frames_go_through_every_format() {
+    let folder = sequence();
+    for format in ["ply", "ply-ascii", "pcd", "las", "laz", "xyz", "npy"] {
+        let out = folder.path().join(format!("as {format}"));
+        let output = pointreel(&["convert", text(folder.path()), text(&out), "--format", format]);
+        assert!(output.status.success(), "{format}: {output:?}");
+        let names = names(&out);
+        assert_eq!(names.len(), 7, "{format}: {names:?}");
+        for (name, x) in names.iter().zip(1..) {
+            let cloud = io::read(&out.join(name)).unwrap();
+            assert_eq!(cloud.positions.len(), 4, "{format}");
+            let last = cloud.positions.get(3);
+            let expected = DVec3::new(f64::from(x), 1.0, 1.5);
+            assert!(last.distance(expected) < 1e-3, "{format}: {last}");
+        }
+    }
+}
+
+#[test]
+fn one_frame_goes_to_one_file_moved_and_joined() {
+    let folder = sequence();
+    let one = folder.path().join("one.ply");
+    let matrix = folder.path().join("move.txt");
+    fs::write(&matrix, "1 0 0 1000\n0 1 0 0\n0 0 1 0\n0 0 0 1\n").unwrap();
+    let arguments = [
+        "convert",
+        text(folder.path()),
+        text(&one),
+        "--frames",
+        "2",
+        "--transform",
+        text(&matrix),
+        "--voxel",
+        "10",
+    ];
+    let output = pointreel(&arguments);
+    // `move.txt` is in the folder too, as a cloud of rows of four numbers.
+    assert!(output.status.success(), "{output:?}");
+    let cloud = io::read(&one).unwrap();
+    assert_eq!(cloud.positions.len(), 1);
+    let many = pointreel(&["convert", text(folder.path()), text(&one)]);
+    assert_eq!(many.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&many.stderr).into_owned();
+    assert!(said.contains("--frames"), "{said}");
+}
+
+/// The job file as Slurm runs it: once for each place of the array, in any order, one of them twice.
+#[cfg(unix)]
+#[test]
+fn the_job_file_spreads_a_sequence() {
+    let folder = sequence();
+    let out = folder.path().join("out");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/convert-array.sbatch");
+    let program = Path::new(env!("CARGO_BIN_EXE_pointreel"));
+    let path = format!(
+        "{}:{}",
+        program.parent().unwrap().display(),
+        std::env::var("PATH").unwrap_or_default()
+    );
+    let run = |task: &str| {
+        let output = Command::new("bash")
+            .arg(&script)
+            .args([text(folder.path()), text(&out), "--format", "pcd"])
+            .env("PATH", &path)
+            .env("SLURM_ARRAY_TASK_ID", task)
+            .env("SLURM_ARRAY_TASK_COUNT", "3")
+            .env("SLURM_CPUS_PER_TASK", "1")
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(run("3").starts_with("2 frames written"));
+    assert_eq!(names(&out), ["frame_000002.pcd", "frame_000005.pcd"]);
+    assert!(run("1").starts_with("3 frames written"));
+    assert!(run("1").starts_with("0 frames written"));
+    assert!(run("2").starts_with("2 frames written"));
+    assert_eq!(names(&out).len(), 7);
+    // Without an array it says how it is started.
+    let alone = Command::new("bash").arg(&script).output().unwrap();
+    assert!(String::from_utf8_lossy(&alone.stderr).contains("--array"));
+}

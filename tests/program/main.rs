@@ -1,0 +1,8 @@
+//! Commands of the program, as a person types them.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
+
+mod cli;
+mod cli_convert;
+mod cli_video;
+mod compare;
