@@ -5,7 +5,7 @@ use super::rates::rates_ui;
 use super::{Benchmark, BenchmarkTable, ReportFormat};
 use crate::app::open_panels::PanelId;
 use crate::app::theme::ACCENT;
-use crate::app::widgets::tool_window::{room, tool_window};
+use crate::app::widgets::tool_window::{is_small, room, tool_window};
 use crate::app::work::panel::{bar, cancel_button};
 use crate::bench::{LabPoint, RatePoint, Table, suites};
 use crate::scene::Strategy;
@@ -49,7 +49,7 @@ pub(in crate::app) fn benchmark_ui(
     now: Duration,
 ) -> Option<BenchmarkRequest> {
     let mut request = None;
-    let room = room(ui.ctx());
+    let (room, is_small) = (room(ui.ctx()), is_small(ui.ctx()));
     let usual = Rect::from_min_size(
         room.min + Vec2::splat(MARGIN),
         vec2(
@@ -57,19 +57,22 @@ pub(in crate::app) fn benchmark_ui(
             room.height() - 2.0 * MARGIN,
         ),
     );
-    let shown = tool_window(ui.ctx(), PanelId::BENCHMARK.name(), "Benchmark")
+    let mut window = tool_window(ui.ctx(), PanelId::BENCHMARK.name(), "Benchmark");
+    if !is_small {
+        window = window
+            .min_size(LEAST_SIZE)
+            .max_size(room.size() - Vec2::splat(2.0 * MARGIN));
+    }
+    let shown = window
         .open(is_open)
         .collapsible(false)
         .resizable(true)
-        .scroll(false)
-        .min_size(Vec2::from(LEAST_SIZE).min(room.size() - Vec2::splat(2.0 * MARGIN)))
-        .max_size(room.size() - Vec2::splat(2.0 * MARGIN))
         .default_rect(place.unwrap_or(usual).intersect(room))
         .show(ui, |ui| {
             head(ui, benchmark, now);
             ScrollArea::vertical()
                 .id_salt("all")
-                .auto_shrink(false)
+                .auto_shrink(is_small)
                 .show(ui, |ui| request = contents(ui, benchmark));
         });
     *place = shown.map(|shown| shown.response.rect).or(*place);
