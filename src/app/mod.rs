@@ -53,7 +53,7 @@ pub use features::camera_path::{Draft, PathEditor, PathFile};
 pub use features::clipping::Clipping;
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};
 pub use features::export::{Export, ExportEnded, ExportSubject, Exported};
-pub use features::inspection::measuring::{Gauge, Measurement};
+pub use features::inspection::measuring::Measurement;
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};

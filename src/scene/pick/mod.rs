@@ -12,6 +12,7 @@
 //! to be read back.
 
 mod codes;
+mod hidden;
 mod ray;
 mod records;
 
@@ -20,6 +21,7 @@ use super::{Content, Primitive, ScenePacket};
 use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
 use codes::surfels_near;
+pub(super) use hidden::is_hidden;
 use glam::{DVec3, Vec3};
 use ray::Ray;
 use rayon::prelude::*;
