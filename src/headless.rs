@@ -7,8 +7,8 @@ use crate::photos::{LoadedPhotographs, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{
-    Camera, FirstLook, Label, LabelOnPicture, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis,
-    labels_on_picture,
+    Camera, FirstLook, Label, LabelOnPicture, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style,
+    UpAxis, labels_on_picture,
 };
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;

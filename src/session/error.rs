@@ -51,6 +51,18 @@ pub enum SessionError {
         /// The latest that is known.
         known: u64,
     },
+    /// More than a session can have.
+    #[error("the session {} has {count} {what}: expected at most {most}", file.display())]
+    TooMany {
+        /// The file.
+        file: PathBuf,
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// It names nothing to open.
     #[error("the session {} has no `files`: expected at least one, such as \"scans\"", file.display())]
     NoFiles {

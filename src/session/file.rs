@@ -3,10 +3,11 @@
 use super::error::SessionError;
 use super::model::{Session, Unknown};
 use super::paths::{as_text, joined};
-use super::written::{self, VERSION, Version, Written, clip_fields, label_fields, measured_fields};
 use super::text;
+use super::written::{self, VERSION, Version, Written, clip_fields, label_fields, measured_fields};
 use crate::kept::{self, Fields};
 use crate::scene::Style;
+use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -18,6 +19,9 @@ pub const EXTENSION: &str = "pointreel";
 
 /// As many labels and keyframes as anybody sets, with all digits, take less.
 const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// Most labels, and most measurements.
+const MAX_MARKS: usize = 1000;
 
 /// Names of values that a warning has room for.
 const MAX_REASONS: usize = 20;
@@ -105,6 +109,7 @@ impl ReadSession {
                 input: input.clone(),
             });
         }
+        check_counts(file, &written)?;
         let mut notes = Notes::default();
         let (settings, unknown_settings) = settings_of(&written.settings, &mut notes);
         let labels = written.labels.into_iter().map(|written::WrittenLabel(label, unknown)| {
@@ -145,6 +150,23 @@ impl ReadSession {
     }
 }
 
+/// Each frame looks for the points of all of them.
+fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
+    let counts = [
+        ("labels", written.labels.len()),
+        ("measurements", written.measurements.len()),
+    ];
+    match counts.into_iter().find(|(_, count)| *count > MAX_MARKS) {
+        Some((what, count)) => Err(SessionError::TooMany {
+            file: file.to_owned(),
+            what,
+            count,
+            most: MAX_MARKS,
+        }),
+        None => Ok(()),
+    }
+}
+
 /// What could not be read.
 #[derive(Debug, Default)]
 struct Notes(Vec<String>);
@@ -162,7 +184,9 @@ impl Notes {
     fn warnings(self, file: &Path) -> Vec<String> {
         let (file, count) = (file.display(), self.0.len());
         let shown = self.0.into_iter().take(MAX_REASONS);
-        let mut warnings: Vec<String> = shown.map(|text| format!("not all of {file} was read: {text}")).collect();
+        let mut warnings: Vec<String> = shown
+            .map(|text| format!("not all of {file} was read: {text}"))
+            .collect();
         if count > MAX_REASONS {
             warnings.push(format!("{} more of {file} were not read", count - MAX_REASONS));
         }
@@ -174,7 +198,9 @@ impl Notes {
 fn settings_of(written: &Fields, notes: &mut Notes) -> (Style, Fields) {
     let mut unread = Vec::new();
     let settings = kept::fields::<Style>(written, &mut unread).nearest();
-    notes.0.extend(unread.iter().map(|reason| format!("the setting {reason}")));
+    notes
+        .0
+        .extend(unread.iter().map(|reason| format!("the setting {reason}")));
     let known = settings_value(&Style::default());
     let unknown = written.iter().filter(|(name, _)| !known.contains_key(*name));
     let unknown = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
@@ -215,7 +241,10 @@ impl Session {
             ("reading", value_of(self.reading.written_in(folder)?)),
             ("frame", self.frame.into()),
             ("view", value_of(view)),
-            ("range", value_of(self.range)),
+            (
+                "range",
+                value_of(Some(self.range).filter(|range| *range != PlayRange::default())),
+            ),
             ("markers", value_of(&self.markers)),
             ("labels", labels.into()),
             ("measurements", measured.into()),
@@ -223,10 +252,18 @@ impl Session {
             ("camera_path", value_of(&self.path)),
             ("settings", settings.into()),
         ];
+        // What there is none of needs no line.
+        let is_there = |value: &Value| match value {
+            Value::Null => false,
+            Value::Array(list) => !list.is_empty(),
+            Value::Object(fields) => !fields.is_empty(),
+            _ => true,
+        };
+        let fields = fields.iter().map(|(name, value)| (*name, value));
         let unknown = self.unknown.session.iter();
         let unknown = unknown.map(|(name, value)| (name.as_str(), value));
         Ok(text::of_fields(
-            fields.iter().map(|(name, value)| (*name, value)).chain(unknown),
+            fields.filter(|(_, value)| is_there(value)).chain(unknown),
         ))
     }
 

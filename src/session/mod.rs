@@ -15,9 +15,9 @@ mod file;
 mod model;
 mod paths;
 mod reading;
-mod text;
 #[cfg(test)]
 mod tests;
+mod text;
 mod written;
 
 pub use error::SessionError;

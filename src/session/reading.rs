@@ -93,7 +93,8 @@ fn write_filters<S: Serializer>(filters: &Option<Filters>, serializer: S) -> Res
 
 fn filters<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Filters>, D::Error> {
     let text = Option::<String>::deserialize(deserializer)?;
-    text.map(|text| text.parse().map_err(serde::de::Error::custom)).transpose()
+    text.map(|text| text.parse().map_err(serde::de::Error::custom))
+        .transpose()
 }
 
 impl Reading {

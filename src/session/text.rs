@@ -30,7 +30,11 @@ fn write_object<'a>(text: &mut String, fields: impl IntoIterator<Item = (&'a str
                 text.push(']');
             }
             Value::Object(object) if depth == 0 && !object.is_empty() => {
-                write_object(text, object.iter().map(|(name, value)| (name.as_str(), value)), depth + 1);
+                write_object(
+                    text,
+                    object.iter().map(|(name, value)| (name.as_str(), value)),
+                    depth + 1,
+                );
             }
             value => write_in_line(text, value),
         }

@@ -203,10 +203,12 @@ impl PointFields {
 
     fn point(&self) -> Result<Option<FollowedPoint>, String> {
         match (self.point, self.of) {
-            (Some(index), Some(points)) if index as usize >= points => {
-                Err(format!("point {index} of {points}: expected an index below that, counted from 0"))
+            (Some(index), Some(points)) if index as usize >= points => Err(format!(
+                "point {index} of {points}: expected an index below that, counted from 0"
+            )),
+            (None, Some(_)) => {
+                Err("`of` says how many points there are, and `point` which one: it is missing".to_owned())
             }
-            (None, Some(_)) => Err("`of` says how many points there are, and `point` which one: it is missing".to_owned()),
             (index, points_in_file) => Ok(index.map(|index_in_file| FollowedPoint {
                 index_in_file,
                 points_in_file,
@@ -239,8 +241,9 @@ impl<'de> Deserialize<'de> for WrittenMeasured {
             let mut points = Vec::with_capacity(count);
             for point in &fields.points {
                 unknown.extend(point.unknown.keys().cloned());
-                let Some((followed, at)) = point.point()?.zip(point.at) else {
-                    return Err("a point of a measurement has a `point`, and a place (`at`)".to_owned());
+                let followed = point.point()?.filter(|followed| followed.points_in_file.is_some());
+                let Some((followed, at)) = followed.zip(point.at) else {
+                    return Err("a point of a measurement has a `point`, `of` how many, and a place (`at`)".to_owned());
                 };
                 points.push(MeasuredPoint {
                     frame: point.frame,

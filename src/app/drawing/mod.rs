@@ -5,7 +5,7 @@ pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, pick};
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, is_hidden, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
 use glam::DVec3;
@@ -176,6 +176,15 @@ impl Drawing {
     pub(in crate::app) fn forget_frame(&mut self) {
         self.frame = None;
         self.surfels_in_view = SurfelsInView::default();
+    }
+
+    /// Whether a place, in the coordinates of the file, is behind what was drawn last, as `camera` saw it.
+    pub(in crate::app) fn hides(&self, camera: &Camera, place: DVec3) -> bool {
+        let Some((packet, drawn)) = self.packet.as_ref().zip(self.frame.as_ref()) else {
+            return false;
+        };
+        let px = camera.to_px(place, packet.viewport_px);
+        px.is_some_and(|px| is_hidden(packet, place - drawn.origin, px.to_array()))
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.

@@ -120,7 +120,10 @@ mod tests {
 
     #[test]
     fn strips_make_the_same_picture_as_the_whole_and_the_text_is_beside_its_point() {
-        let labels = [label([200.3, 150.7], false, "Knee"), label([40.0, 300.0], true, "hidden")];
+        let labels = [
+            label([200.3, 150.7], false, "Knee"),
+            label([40.0, 300.0], true, "hidden"),
+        ];
         let whole = drawn(&labels, [640, 480], 480);
         assert_eq!(drawn(&labels, [640, 480], 7), whole);
         let changed = |left: u32, top: u32, right: u32, bottom: u32| {
@@ -154,7 +157,11 @@ mod tests {
         let shown = drawn(&[label([50.5, 50.5], false, "a")], [200, 100], 100);
         let hidden = drawn(&[label([50.5, 50.5], true, "a")], [200, 100], 100);
         let red = |picture: &RgbaImage| picture.get_pixel(50, 50).0[0];
-        assert!(red(&hidden) > GRAY.0[0] && red(&hidden) < red(&shown), "{}", red(&hidden));
+        assert!(
+            red(&hidden) > GRAY.0[0] && red(&hidden) < red(&shown),
+            "{}",
+            red(&hidden)
+        );
         let outside = [[-5.0, 50.0], [1e9, -1e12], [f64::NAN, 0.0], [203.0, 99.0]];
         let outside = outside.map(|px| label(px, false, &"long ".repeat(40)));
         drawn(&outside, [200, 100], 100);

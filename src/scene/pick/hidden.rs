@@ -14,7 +14,7 @@ use glam::DVec3;
 const SLACK: f64 = 0.02;
 
 /// Whether `place`, relative to the origin of the sequence, which is seen at `place_px`, is behind what is drawn there.
-pub(in crate::scene) fn is_hidden(packet: &ScenePacket, place: DVec3, place_px: [f64; 2]) -> bool {
+pub fn is_hidden(packet: &ScenePacket, place: DVec3, place_px: [f64; 2]) -> bool {
     let [width, height] = packet.viewport_px.map(f64::from);
     if !(0.0..width).contains(&place_px[0]) || !(0.0..height).contains(&place_px[1]) {
         return false;
