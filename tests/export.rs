@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
+#[path = "export/labels.rs"]
+mod labels;
 #[path = "export/pictures.rs"]
 mod pictures;
 #[path = "export/poses.rs"]

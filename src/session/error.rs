@@ -70,7 +70,11 @@ pub enum SessionError {
         file: PathBuf,
     },
     /// A session is made of other files, not of sessions.
-    #[error("the session {} names the session {} among its `files`: name what that opens", file.display(), input.display())]
+    #[error(
+        "the session {} names the session {} among its `files`: name what that opens",
+        file.display(),
+        input.display()
+    )]
     OfSession {
         /// The file.
         file: PathBuf,

@@ -7,8 +7,8 @@
 //!
 //! **What outlives versions.** A session of a later version of the format is refused, as the same word may mean
 //! something else there. Fields that are not known are kept and written again; settings that cannot be read are as by
-//! default, and said. All else that is wrong is an error with its line: a session that lacks its view is not the one that
-//! was saved.
+//! default, and said. All else that is wrong is an error with its line: a session that lacks its view is not the one
+//! that was saved.
 
 mod error;
 mod file;

@@ -40,8 +40,8 @@ impl State {
         }
     }
 
-    /// Looks where labels are in the frame that is shown, and what hides them. True if the picture that is drawn next may
-    /// hide others.
+    /// Looks where labels are in the frame that is shown, and what hides them. True if the picture that is drawn next
+    /// may hide others.
     pub(in crate::app) fn follow_labels(&mut self) -> bool {
         let Some((player, frame)) = self.player.as_ref().and_then(|player| Some((player, player.shown()?))) else {
             return false;

@@ -1,8 +1,8 @@
 //! Whether a place of the cloud is behind what is drawn.
 //!
-//! **How it works.** The ray through the pixel of the place is held against what is drawn, as for a click. What it meets
-//! first hides the place if that is behind it by more than surfels of one surface are apart: a label on a surface is not
-//! hidden by its neighbours.
+//! **How it works.** The ray through the pixel of the place is held against what is drawn, as for a click. What it
+//! meets first hides the place if that is behind it by more than surfels of one surface are apart: a label on a surface
+//! is not hidden by its neighbours.
 
 use super::codes::surfels_near;
 use super::ray::Ray;
