@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 /// An object of these fields, in this order, whose values are on one line each where they hold no objects.
 pub(super) fn of_fields<'a>(fields: impl IntoIterator<Item = (&'a str, &'a Value)>) -> String {
     let mut text = String::new();
-    write_object(&mut text, fields, 0);
+    write_object(&mut text, &mut fields.into_iter(), 0);
     text.push('\n');
     text
 }
 
-fn write_object<'a>(text: &mut String, fields: impl IntoIterator<Item = (&'a str, &'a Value)>, depth: usize) {
+fn write_object<'a>(text: &mut String, fields: &mut dyn Iterator<Item = (&'a str, &'a Value)>, depth: usize) {
     text.push('{');
     let mut is_first = true;
     for (name, value) in fields {
@@ -30,11 +30,8 @@ fn write_object<'a>(text: &mut String, fields: impl IntoIterator<Item = (&'a str
                 text.push(']');
             }
             Value::Object(object) if depth == 0 && !object.is_empty() => {
-                write_object(
-                    text,
-                    object.iter().map(|(name, value)| (name.as_str(), value)),
-                    depth + 1,
-                );
+                let mut fields = object.iter().map(|(name, value)| (name.as_str(), value));
+                write_object(text, &mut fields, depth + 1);
             }
             value => write_in_line(text, value),
         }

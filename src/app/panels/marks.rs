@@ -6,12 +6,14 @@ use crate::app::features::labels::marks::paint_labels;
 use crate::app::features::trails::panel::paint_trails;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::{PanelId, State};
+use crate::playback::Player;
 use egui::{Rect, Ui};
 
 /// Paints the marks of all features, where they are in the picture that is drawn next, or in both.
 pub(super) fn marks_ui(ui: &Ui, state: &mut State) {
-    if state.follow_labels() {
-        // What is drawn after this pass tells what is hidden.
+    let is_playing = state.player.as_ref().is_some_and(Player::is_playing);
+    if state.follow_labels() && !is_playing {
+        // What is drawn after this pass tells what is hidden. Who plays is asked again soon.
         ui.ctx().request_repaint();
     }
     let state = &*state;

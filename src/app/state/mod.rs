@@ -16,6 +16,7 @@ mod labels;
 mod main_picture;
 mod measured_way;
 mod measuring;
+mod opened;
 mod opening;
 mod options;
 mod outcome;
@@ -30,16 +31,16 @@ mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
+pub use opened::SavedSession;
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
-pub use session::SavedSession;
 
 use dialogs::Dialogs;
 use failed_opening::Unproven;
 use main_picture::MainPicture;
-use session::Opened;
+use opened::Opened;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;

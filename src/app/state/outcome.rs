@@ -1,7 +1,7 @@
 //! What tasks come to: here the features meet.
 
 use super::dialogs::DialogAnswer;
-use super::session::SavedSession;
+use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::features::benchmark::BenchmarkEnded;

@@ -2,6 +2,7 @@
 
 use super::State;
 use super::dialogs::DialogKind;
+use super::opened::{Opened, SavedSession};
 use crate::app::features::camera_path::Draft;
 use crate::app::features::inspection::Anchor;
 use crate::app::features::inspection::measuring::Measurement;
@@ -9,33 +10,11 @@ use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::work::tasks::TaskFailed;
 use crate::playback::Player;
+use crate::scene::OfSequence;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session, Unknown};
+use crate::session::{EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// How the open sequence was opened, and the session that it is of.
-#[derive(Debug, Default)]
-pub(super) struct Opened {
-    /// What was named; empty for what no one named.
-    inputs: Vec<PathBuf>,
-    /// How, if otherwise than the window usually opens.
-    options: Option<OpenOptions>,
-    /// The file of its session.
-    file: Option<PathBuf>,
-    /// What in that is not this program's.
-    unknown: Unknown,
-    /// Not all of the file could be read: it is copied before it is replaced.
-    is_damaged: bool,
-}
-
-/// A session was written.
-#[derive(Debug)]
-pub struct SavedSession {
-    file: PathBuf,
-    /// The camera path that is in it.
-    path: Arc<Draft>,
-}
 
 impl State {
     /// Takes notice of what the open sequence was named by, and how it was opened.
@@ -65,15 +44,14 @@ impl State {
         if topics.len() > 1 {
             reading.topic = topics.into_iter().find(|topic| topic.is_read).map(|topic| topic.name);
         }
-        // Clips, labels and the like are of the side that stays when a comparison ends.
-        let style = self.style;
+        let style = self.style_of_a();
         let shown = player.waiting_for().unwrap_or(player.clock().frame());
         Ok(Session {
             inputs: self.named_inputs(player)?,
             reading,
             frame: shown,
             view: Some(self.camera),
-            settings: style.with(|style| style.of_sequence = crate::scene::OfSequence::default()),
+            settings: style.with(|style| style.of_sequence = OfSequence::default()),
             clip: style.of_sequence.clip,
             range: player.clock().range(),
             markers: self.timeline.markers.list().to_vec(),
@@ -190,10 +168,13 @@ impl State {
         let (range, frame) = (session.range, session.frame);
         self.play_with(|player, now| {
             player.set_range(range, now);
-            if player.is_playing() {
-                player.toggle(now);
+            // Frames of a live source are gone.
+            if !player.sequence().source().is_live() {
+                if player.is_playing() {
+                    player.toggle(now);
+                }
+                player.seek(frame, now);
             }
-            player.seek(frame, now);
         });
         self.opened = Opened {
             inputs: session.inputs,
