@@ -5,7 +5,7 @@
 //! the frame alone, and not on what was shown before: a window and a video of it agree. Labels are drawn over the
 //! picture, always, and dimmed where something is before them ([`LabelOnPicture::is_hidden`]).
 
-use super::pick::is_hidden;
+use super::pick::hidden;
 use super::{Camera, FollowedPoint, ScenePacket};
 use crate::sequence::PreparedFrame;
 use crate::timeline::PlayRange;
@@ -73,18 +73,18 @@ pub fn labels_on_picture(
     camera: &Camera,
     (packet, size_px): (&ScenePacket, [u32; 2]),
 ) -> Vec<LabelOnPicture> {
-    let on_picture = |(index, label): (usize, &Label)| {
+    let placed = |(index, label): (usize, &Label)| {
         let place = label.place_in(pose, origin)?;
-        let px = camera.to_px(place, size_px)?;
         // A picture may be drawn smaller than it is shown.
-        let drawn_px = camera.to_px(place, packet.viewport_px)?;
-        Some(LabelOnPicture {
-            label: index,
-            px,
-            is_hidden: is_hidden(packet, place - origin, drawn_px.to_array()),
-        })
+        let [px, drawn_px] = [size_px, packet.viewport_px].map(|size_px| camera.to_px(place, size_px));
+        Some((index, px?, (place - origin, drawn_px?)))
     };
-    labels.iter().enumerate().filter_map(on_picture).collect()
+    let placed: Vec<_> = labels.iter().enumerate().filter_map(placed).collect();
+    let seen: Vec<_> = placed.iter().map(|&(.., seen)| seen).collect();
+    let on_picture = placed.iter().zip(hidden(packet, &seen));
+    on_picture
+        .map(|(&(label, px, _), is_hidden)| LabelOnPicture { label, px, is_hidden })
+        .collect()
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ pub use path::{CameraPath, Keyframe, PathError, PathFileError};
 pub use photographs::{PhotoView, PhotoViews, seen_by_photograph};
 pub use photographs_in_frame::PhotographsInFrame;
 pub use physical_light::{PhysicalLight, PhysicalTables};
-pub use pick::{Pick, PickedNormal, is_hidden, pick};
+pub use pick::{Pick, PickedNormal, hidden, pick};
 pub use picture_plane::PicturePlane;
 pub use pinhole_view::sensor_target_distance;
 pub use point_size::PointSize;

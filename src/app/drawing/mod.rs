@@ -5,10 +5,10 @@ pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, is_hidden, pick};
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, hidden, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use in_view::{InView, SurfelsInView};
 use levels::{FrameWithLevels, Levels};
 use std::sync::Arc;
@@ -178,13 +178,17 @@ impl Drawing {
         self.surfels_in_view = SurfelsInView::default();
     }
 
-    /// Whether a place, in the coordinates of the file, is behind what was drawn last, as `camera` saw it.
-    pub(in crate::app) fn hides(&self, camera: &Camera, place: DVec3) -> bool {
+    /// Which of these places, in the coordinates of the file, are behind what was drawn last, as `camera` saw it.
+    pub(in crate::app) fn hides(&self, camera: &Camera, places: &[DVec3]) -> Vec<bool> {
         let Some((packet, drawn)) = self.packet.as_ref().zip(self.frame.as_ref()) else {
-            return false;
+            return vec![false; places.len()];
         };
-        let px = camera.to_px(place, packet.viewport_px);
-        px.is_some_and(|px| is_hidden(packet, place - drawn.origin, px.to_array()))
+        // What is behind the eye is not in the picture.
+        let seen = places.iter().map(|&place| {
+            let px = camera.to_px(place, packet.viewport_px);
+            (place - drawn.origin, px.unwrap_or(DVec2::NEG_ONE))
+        });
+        hidden(packet, &seen.collect::<Vec<_>>())
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.

@@ -53,7 +53,7 @@ impl State {
         let (drawing, camera) = (&self.main.drawing, &self.camera);
         let picture = self.counters.pictures;
         self.labels
-            .note_hidden(picture, camera, |place| drawing.hides(camera, place))
+            .note_hidden(picture, camera, |places| drawing.hides(camera, places))
     }
 
     /// Shows a label: its frame, and its place in the middle of the picture.

@@ -8,18 +8,34 @@ use super::codes::surfels_near;
 use super::ray::Ray;
 use super::records::{Cubes, Disks, Sprites, Triangles};
 use crate::scene::{Content, Primitive, ScenePacket, Surfels};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// What hides a place is nearer by this share of how far away the place is.
 const SLACK: f64 = 0.02;
 
-/// Whether `place`, relative to the origin of the sequence, which is seen at `place_px`, is behind what is drawn there.
-pub fn is_hidden(packet: &ScenePacket, place: DVec3, place_px: [f64; 2]) -> bool {
+/// Which of `places`, relative to the origin of the sequence, each with the pixel in which it is seen, are behind what
+/// is drawn there. What is not in the picture is not hidden.
+pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
     let [width, height] = packet.viewport_px.map(f64::from);
-    if !(0.0..width).contains(&place_px[0]) || !(0.0..height).contains(&place_px[1]) {
-        return false;
+    let is_seen = |px: DVec2| (0.0..width).contains(&px.x) && (0.0..height).contains(&px.y);
+    if !places.iter().any(|&(_, px)| is_seen(px)) {
+        return vec![false; places.len()];
     }
-    let ray = Ray::new(packet, place_px);
+    // What was chosen of a cut is put together once for all of them.
+    if let Content::Selected(selected) = &packet.content {
+        let content = Content::Surfels(selected.gathered());
+        let packet = ScenePacket {
+            content,
+            ..packet.clone()
+        };
+        return hidden(&packet, places);
+    }
+    let is_hidden = |&(place, px): &(DVec3, DVec2)| is_seen(px) && is_behind(packet, place, px);
+    places.iter().map(is_hidden).collect()
+}
+
+fn is_behind(packet: &ScenePacket, place: DVec3, px: DVec2) -> bool {
+    let ray = Ray::new(packet, px.to_array());
     let depth = ray.depth_of(place);
     // The eye of parallel rays is far away, whatever the cloud's size.
     let slack = SLACK * depth / f64::from(packet.view.telephoto);

@@ -22,7 +22,7 @@ use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
 use codes::surfels_near;
 use glam::{DVec3, Vec3};
-pub use hidden::is_hidden;
+pub use hidden::hidden;
 use ray::Ray;
 use rayon::prelude::*;
 use records::{Cubes, Disks, Sprites, Triangles};

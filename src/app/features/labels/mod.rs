@@ -107,20 +107,24 @@ impl Labels {
         }
     }
 
-    /// Asks what is hidden in the picture of this number, as `camera` sees it; true if that was another one.
+    /// Asks which places are hidden in the picture of this number, as `camera` sees it; true if that was another one.
     pub(in crate::app) fn note_hidden(
         &mut self,
         picture: u64,
         camera: &Camera,
-        is_hidden: impl Fn(DVec3) -> bool,
+        which_are: impl FnOnce(&[DVec3]) -> Vec<bool>,
     ) -> bool {
         let key = Some((picture, *camera));
         if self.hidden_of == key {
             return false;
         }
         self.hidden_of = key;
+        let shown: Vec<DVec3> = self.places.iter().copied().flatten().collect();
+        let mut hidden = which_are(&shown).into_iter();
         let places = self.places.iter();
-        self.hidden = places.map(|place| place.is_some_and(&is_hidden)).collect();
+        self.hidden = places
+            .map(|place| place.is_some() && hidden.next().unwrap_or(false))
+            .collect();
         true
     }
 
