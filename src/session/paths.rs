@@ -52,7 +52,12 @@ fn is_word(text: &str) -> bool {
 
 /// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.
 fn from_folder<'a>(input: &'a Path, folder: &Path) -> Option<Vec<std::borrow::Cow<'a, OsStr>>> {
-    let (from, to) = (std::path::absolute(folder).ok()?, std::path::absolute(input).ok()?);
+    // The folder of a file without one is the present one.
+    let from = match folder.as_os_str().is_empty() {
+        true => std::env::current_dir().ok()?,
+        false => std::path::absolute(folder).ok()?,
+    };
+    let to = std::path::absolute(input).ok()?;
     // Where a link leads up to is not told by names.
     let is_plain = |path: &Path| !path.components().any(|part| part == Component::ParentDir);
     if !is_plain(&from) || !is_plain(&to) {

@@ -298,7 +298,7 @@ fn damage_is_told_with_its_line_and_what_was_expected() {
             4,
             "missing field",
         ),
-        ("\"files\": [\"scans\"],", "", 18, "missing field `files`"),
+        ("\"files\": [\"scans\"],", "", 17, "missing field `files`"),
     ] {
         let damaged = BY_HAND.replacen(from, to, 1);
         assert_ne!(damaged, BY_HAND, "{from}");
@@ -362,7 +362,7 @@ fn what_another_version_wrote_is_kept_or_said() {
         "the other settings are read"
     );
     let again = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
-    assert!(again.contains(r#""sound": {"volume": [1, 2]}"#), "{again}");
+    assert!(again.contains(r#""volume": [1, 2]"#), "{again}");
     assert!(again.contains(r#""sparkle": 0.5"#), "{again}");
 }
 
