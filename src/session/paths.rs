@@ -5,7 +5,7 @@
 
 use super::SessionError;
 use crate::source::Generated;
-use std::ffi::OsStr;
+use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
 /// `input` as a session in `folder` holds it.
@@ -51,11 +51,12 @@ fn is_word(text: &str) -> bool {
 }
 
 /// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.
-fn from_folder<'a>(input: &'a Path, folder: &Path) -> Option<Vec<std::borrow::Cow<'a, OsStr>>> {
+fn from_folder(input: &Path, folder: &Path) -> Option<Vec<OsString>> {
     // The folder of a file without one is the present one.
-    let from = match folder.as_os_str().is_empty() {
-        true => std::env::current_dir().ok()?,
-        false => std::path::absolute(folder).ok()?,
+    let from = if folder.as_os_str().is_empty() {
+        std::env::current_dir().ok()?
+    } else {
+        std::path::absolute(folder).ok()?
     };
     let to = std::path::absolute(input).ok()?;
     // Where a link leads up to is not told by names.
@@ -71,10 +72,10 @@ fn from_folder<'a>(input: &'a Path, folder: &Path) -> Option<Vec<std::borrow::Co
     }
     let up = from.components().count() - shared.len();
     let down = to.components().skip(shared.len());
-    let mut names: Vec<std::borrow::Cow<'a, OsStr>> = vec![OsStr::new("..").into(); up];
-    names.extend(down.map(|part| part.as_os_str().to_owned().into()));
+    let mut names = vec![OsString::from(".."); up];
+    names.extend(down.map(|part| part.as_os_str().to_owned()));
     if names.is_empty() {
-        names.push(OsStr::new(".").into());
+        names.push(".".into());
     }
     Some(names)
 }
@@ -126,7 +127,7 @@ mod tests {
     #[test]
     fn a_name_that_is_no_text_is_refused() {
         use std::os::unix::ffi::OsStrExt as _;
-        let input = Path::new("/data").join(OsStr::from_bytes(b"scan\xff"));
+        let input = Path::new("/data").join(std::ffi::OsStr::from_bytes(b"scan\xff"));
         let error = as_text(&input, Path::new("/data")).unwrap_err().to_string();
         assert!(error.contains("rename it"), "{error}");
     }

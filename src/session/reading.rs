@@ -162,9 +162,12 @@ impl Reading {
 
     /// The opposite of [`Reading::written_in`].
     pub(super) fn read_in(self, folder: &Path) -> Self {
-        let intrinsics = self.intrinsics.map(|text| match is_file_name(&text) {
-            true => joined(folder, &text).to_string_lossy().into_owned(),
-            false => text,
+        let intrinsics = self.intrinsics.map(|text| {
+            if is_file_name(&text) {
+                joined(folder, &text).to_string_lossy().into_owned()
+            } else {
+                text
+            }
         });
         Self {
             poses: self.poses.map(|file| joined(folder, &file.to_string_lossy())),

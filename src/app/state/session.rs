@@ -159,8 +159,9 @@ impl State {
         self.inspection.measurements = measured.collect();
         self.labels.take(Arc::new(session.labels));
         self.history.forget_labels(&self.labels.list);
-        let problem = self.timeline.take_markers(session.markers);
-        problem.into_iter().for_each(|text| self.notices.warn(text));
+        if let Some(problem) = self.timeline.take_markers(session.markers) {
+            self.notices.warn(problem);
+        }
         if let Some(path) = session.path {
             self.stop_preview();
             self.path.take(Arc::new(Draft::of(path)), None);
