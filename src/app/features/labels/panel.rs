@@ -14,6 +14,9 @@ pub(in crate::app) const PANEL: PanelId = PanelId::new("labels");
 /// Width of a text field, points.
 const TEXT_WIDTH: f32 = 170.0;
 
+/// Around the list in a window that is as wide as the program's, points.
+const MARGINS: f32 = 40.0;
+
 /// What the list asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum LabelsRequest {
@@ -68,8 +71,10 @@ pub(in crate::app) fn labels_ui(
 fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<LabelsRequest> {
     let mut asked = None;
     let written = labels.written.take();
-    let height = 0.4 * ui.ctx().content_rect().height();
-    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+    // In a small window the rows are scrolled to.
+    let room = ui.ctx().content_rect().size();
+    let area = ScrollArea::both().max_width(room.x - MARGINS).max_height(0.4 * room.y);
+    area.show(ui, |ui| {
         Grid::new("labels").num_columns(5).striped(true).show(ui, |ui| {
             for text in ["", "Text", "From", "To", ""] {
                 ui.weak(text);
