@@ -6,7 +6,10 @@ use crate::math::Aabb;
 use crate::photos::{LoadedPhotographs, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, FirstLook, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
+use crate::scene::{
+    Camera, FirstLook, Label, LabelOnPicture, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style,
+    UpAxis, labels_on_picture,
+};
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;
 use glam::DVec3;
@@ -149,6 +152,8 @@ pub struct Headless {
     renderer: AnyRenderer,
     scene: Scene,
     look: OnceLock<Arc<FirstLook>>,
+    /// Texts over pictures.
+    labels: Arc<Vec<Label>>,
     /// The photographs that were loaded last.
     photographs: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotographs>)>>,
 }
@@ -162,8 +167,35 @@ impl Headless {
             renderer,
             scene: Scene::default(),
             look: OnceLock::new(),
+            labels: Arc::default(),
             photographs: Mutex::default(),
         }
+    }
+
+    /// Has pictures that are exported say these texts from now on.
+    pub fn set_labels(&mut self, labels: Arc<Vec<Label>>) {
+        self.labels = labels;
+    }
+
+    /// Where labels are in a picture of `size_px` that is drawn from `packet`, and what they say. Frame `index` is
+    /// shown; ghosts in the packet are of others.
+    pub fn labels_on(
+        &self,
+        (index, style): (usize, &Style),
+        camera: &Camera,
+        packet: (&ScenePacket, [u32; 2]),
+    ) -> Vec<(LabelOnPicture, String)> {
+        if self.labels.is_empty() {
+            return Vec::new();
+        }
+        // It was drawn a moment ago, so it is in memory.
+        let Ok(pose) = self.frame_beside(index, style) else {
+            return Vec::new();
+        };
+        let origin = self.sequence.origin();
+        let placed = labels_on_picture(&self.labels, (&pose, origin), camera, packet);
+        let text = |label: &LabelOnPicture| self.labels[label.label].text.clone();
+        placed.into_iter().map(|label| (label.clone(), text(&label))).collect()
     }
 
     /// What draws.

@@ -3,7 +3,7 @@
 
 mod lenient;
 
-pub(crate) use lenient::{Fields, Lenient, entries, fields, note_later_version, read_leniently};
+pub(crate) use lenient::{Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently};
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};

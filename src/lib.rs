@@ -23,6 +23,7 @@
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
 //! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds all that one picture needs, and what is under its pixels |
+//! | [`session`] | session files: all that a person made around a sequence |
 //! | [`playback`] | the playhead: which frame is due, which is shown, with how many points |
 //! | [`render`] | packets become pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | pictures without a window |
@@ -61,6 +62,7 @@ pub mod rgbd;
 pub mod scene;
 pub mod sequence;
 pub mod serve;
+pub mod session;
 pub mod source;
 pub mod stereo;
 pub mod timeline;

@@ -41,6 +41,7 @@ const ORDER: &[&[&str]] = &[
     &["timeline"],
     &["sequence"],
     &["scene"],
+    &["session"],
     &["playback"],
     &["render"],
     &["headless"],

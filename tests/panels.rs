@@ -28,6 +28,8 @@ mod export;
 mod idle;
 #[path = "panels/keys.rs"]
 mod keys;
+#[path = "panels/labels.rs"]
+mod labels;
 #[path = "panels/marks.rs"]
 mod marks;
 #[path = "panels/menu.rs"]
@@ -46,6 +48,8 @@ mod points;
 mod reading;
 #[path = "panels/save.rs"]
 mod save;
+#[path = "panels/sessions.rs"]
+mod sessions;
 #[path = "panels/settings.rs"]
 mod settings;
 #[path = "panels/sizes.rs"]

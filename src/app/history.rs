@@ -1,10 +1,10 @@
-//! Undo and redo of what a person edits: settings and camera path, in one order.
+//! Undo and redo of what a person edits: settings, camera path and labels, in one order.
 //!
 //! **How it works.** What is edited is looked at once a pass. Where it differs from the last look, that is kept, unless
 //! the change goes on: with the same button held, or the same fields within half a second of the change before.
 
 use crate::app::features::camera_path::Draft;
-use crate::scene::Style;
+use crate::scene::{Label, Style};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,6 +22,8 @@ pub struct Edited {
     pub style: Style,
     /// The camera path.
     pub path: Arc<Draft>,
+    /// The labels.
+    pub labels: Arc<Vec<Label>>,
 }
 
 /// What was edited before and after, as a person changed it.
@@ -77,6 +79,14 @@ impl History {
         });
     }
 
+    /// `labels` are those of another sequence: none of the one before come back.
+    pub(in crate::app) fn forget_labels(&mut self, labels: &Arc<Vec<Label>>) {
+        let entries = self.past.iter_mut().chain(&mut self.future).chain(&mut self.present);
+        for entry in entries {
+            entry.labels = Arc::clone(labels);
+        }
+    }
+
     /// What was there before the last change, and is from now on; `None` if there was none.
     pub fn undo(&mut self) -> Option<Edited> {
         let before = self.past.pop_back()?;
@@ -94,14 +104,16 @@ impl History {
     }
 }
 
-/// The settings that differ, by their names in files, and `path` if that does.
+/// The settings that differ, by their names in files, and `path` and `labels` if those do.
 fn changed_fields(before: &Edited, after: &Edited) -> Vec<&'static str> {
     let path = (before.path != after.path).then_some("path");
+    let labels = (before.labels != after.labels).then_some("labels");
     let style = before.style.settings().into_iter();
     let changed = style
         .zip(after.style.settings())
         .filter(|((_, before), (_, after))| before != after);
     path.into_iter()
+        .chain(labels)
         .chain(changed.map(|((described, _), _)| described.key))
         .collect()
 }
@@ -114,8 +126,11 @@ mod tests {
 
     fn scaled(splat_scale: f32) -> Edited {
         let style = Style::default().with(|style| style.surfels.splat_scale = splat_scale);
-        let path = Arc::default();
-        Edited { style, path }
+        Edited {
+            style,
+            path: Arc::default(),
+            labels: Arc::default(),
+        }
     }
 
     fn at(millis: u64) -> Duration {
@@ -161,6 +176,37 @@ mod tests {
         assert_eq!(history.undo(), Some(scaled(2.0)));
         assert_eq!(history.undo(), Some(scaled(1.0)));
         assert_eq!(history.undo(), None);
+    }
+
+    #[test]
+    fn labels_are_undone_and_those_of_another_sequence_do_not_come_back() {
+        let label = Label {
+            text: "knee".to_owned(),
+            frame: 0,
+            point: None,
+            place: Some(glam::DVec3::ONE),
+            frames: crate::timeline::PlayRange::default(),
+        };
+        let labelled = Edited {
+            labels: Arc::new(vec![label]),
+            ..scaled(1.0)
+        };
+        let mut history = History::default();
+        history.note(&scaled(1.0), false, at(0));
+        history.note(&labelled, false, at(1000));
+        assert_eq!(history.undo(), Some(scaled(1.0)));
+        assert_eq!(history.redo(), Some(labelled.clone()));
+        history.note(
+            &Edited {
+                style: scaled(2.0).style,
+                ..labelled
+            },
+            false,
+            at(3000),
+        );
+        history.forget_labels(&Arc::default());
+        assert_eq!(history.undo(), Some(scaled(1.0)));
+        assert_eq!(history.redo(), Some(scaled(2.0)));
     }
 
     proptest! {

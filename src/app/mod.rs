@@ -53,14 +53,15 @@ pub use features::camera_path::{Draft, PathEditor, PathFile};
 pub use features::clipping::Clipping;
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};
 pub use features::export::{Export, ExportEnded, ExportSubject, Exported};
-pub use features::inspection::measuring::{Gauge, Measurement};
+pub use features::inspection::measuring::Measurement;
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
+pub use features::labels::Labels;
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};
 pub use features::save::{Estimated, Estimates, PrecisionKind, Save, SaveEnded, SaveFormat};
 pub use features::temporal::{ChangeMap, ComposedFrame, OnionSkin, Temporal};
 pub use features::thumbnails::{Delivery, Thumbnails};
-pub use features::timeline::{Marker, Markers, Quantity, Timeline};
+pub use features::timeline::{Markers, Quantity, Timeline};
 pub use features::trails::{Traced, TrailField, Trails};
 pub use fly::Fly;
 pub use history::{Edited, History};
@@ -73,8 +74,8 @@ pub use presets::{Preset, Presets};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, Found, GraphicsInfo, Outcome, State, StateOptions, Viewport,
-    VisibleChange, WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, Found, GraphicsInfo, Outcome, SavedSession, State, StateOptions,
+    Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

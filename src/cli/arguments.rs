@@ -2,14 +2,14 @@
 
 use super::colors::ColorArgs;
 use super::rgbd_arguments::RgbdArgs;
+use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
-pub(super) use super::values::{FrameRange, positive_f64};
-use super::warnings;
+pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
 use crate::io::ReadOptions;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
-use crate::sequence::{OpenOptions, Sequence, SequenceError};
+use crate::sequence::{OpenOptions, Sequence};
 use clap::Args;
 use glam::DVec3;
 use std::num::NonZeroUsize;
@@ -17,27 +17,13 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// The name of the built-in sequence where an INPUT is expected.
-pub(super) const DEMO_INPUT: &str = "demo:";
-
 /// Headings of the help.
 pub(super) const VIEW: &str = "View";
 
-/// Opens what a person named; nothing is the built-in sequence.
-pub(super) fn open_sequence(inputs: &[PathBuf], options: &OpenOptions) -> Result<Sequence, SequenceError> {
-    match inputs {
-        [] => Sequence::open(&[DEMO_INPUT.into()], options),
-        _ => Sequence::open(inputs, options),
-    }
-}
-
-/// [`open_sequence`], which warns of what is left out. A window says that itself.
-pub(super) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> Result<Sequence, SequenceError> {
-    let sequence = open_sequence(inputs, options)?;
-    for note in sequence.source().notes() {
-        warnings::warn(note);
-    }
-    Ok(sequence)
+/// The frames of what a person named, be it a session, and warnings of what is left out; nothing is the built-in
+/// sequence.
+pub(super) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<Sequence> {
+    open_inputs_and_tell(inputs, options).map(|opened| opened.sequence)
 }
 
 /// How files are read.

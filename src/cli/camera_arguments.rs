@@ -59,6 +59,13 @@ pub(super) struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// Takes the view of a session where another one is not asked for; options change parts of it.
+    pub(super) fn take_view(&mut self, view: Option<Camera>) {
+        if !self.frame_all {
+            self.view = self.view.or(view);
+        }
+    }
+
     /// The camera for a picture of frame `index`.
     pub(super) fn camera(
         &self,

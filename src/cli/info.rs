@@ -1,10 +1,11 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
-use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::arguments::ReadArgs;
 use super::camera_info::CameraInfo;
 use super::output::answer;
 use super::photo_info::PhotoInfo;
 use super::reel_info::ReelInfo;
+use super::session::{OpenedInputs, SessionInfo, open_inputs_and_tell};
 use super::warnings;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
@@ -35,6 +36,9 @@ pub(super) struct InfoArgs {
 
 #[derive(Serialize)]
 struct Info {
+    /// Of a session alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    session: Option<SessionInfo>,
     frames: Vec<FrameInfo>,
     origin: [f64; 3],
     /// At normal speed, for most of the time.
@@ -133,7 +137,7 @@ enum FrameReport {
 }
 
 pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
-    let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.open_options())?;
+    let OpenedInputs { sequence, session } = open_inputs_and_tell(&arguments.inputs, &arguments.read.open_options())?;
     // Decodes the first frame, which is kept for its line.
     let origin = sequence.origin();
     // Rayon decodes as many frames at once as there are cores, and keeps none.
@@ -164,6 +168,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         }
     }
     let info = Info {
+        session: session.as_ref().map(SessionInfo::of),
         frames,
         guess: guess(&sequence),
         origin: origin.to_array(),
@@ -255,8 +260,11 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
 
 /// The answer for people: a line a frame, then what is true of all of them.
 fn table(info: &Info) -> String {
-    let mut text = format!(
-        "{:>6} {:>10} {:>10}  {:<52} attributes, file\n",
+    let mut text = info.session.as_ref().map_or_else(String::new, SessionInfo::lines);
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "{:>6} {:>10} {:>10}  {:<52} attributes, file",
         "frame", "points", "finite", "bounds"
     );
     let lines = info.frames.iter().map(frame_line);

@@ -22,6 +22,7 @@ mod render;
 mod render_arguments;
 mod rgbd_arguments;
 mod serve;
+mod session;
 mod style_arguments;
 mod values;
 mod video;

@@ -1,7 +1,8 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
-use super::arguments::{FrameRange, open_sequence_and_tell};
+use super::arguments::FrameRange;
 use super::render_arguments::RenderArgs;
+use super::session::{OpenedInputs, open_inputs_and_tell};
 use super::video::render_video;
 use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
@@ -9,6 +10,7 @@ use crate::headless::{Headless, PictureStats};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Style};
 use crate::sequence::{Loader, LoaderOptions};
+use crate::session::Session;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use std::path::Path;
@@ -24,15 +26,45 @@ struct Stats {
     frames: Vec<PictureStats>,
 }
 
+/// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
+pub(super) fn fill(arguments: &mut RenderArgs, session: &Session, frame_count: usize) {
+    let last = frame_count.saturating_sub(1);
+    arguments.camera.take_view(session.view);
+    if arguments.video.video.is_none() {
+        let frame = session.frame.min(last);
+        arguments.frame.get_or_insert(FrameRange {
+            first: frame,
+            last: frame,
+        });
+        return;
+    }
+    let moves_by_itself = arguments.video.path.is_some() || arguments.video.turntable.is_some();
+    if !moves_by_itself && arguments.frame.is_none() {
+        arguments.video.path_of_session.clone_from(&session.path);
+        let range = session.range.of(frame_count);
+        if session.path.is_none() && !range.is_empty() {
+            arguments.frame = Some(FrameRange {
+                first: range.start,
+                last: range.end - 1,
+            });
+        }
+    }
+}
+
 pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
-    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
-    if let Some(output) = &arguments.output {
+    if let (Some(output), Some(range)) = (&arguments.output, arguments.frame) {
         check_names(output, range)?;
     }
-    let sequence = Arc::new(open_sequence_and_tell(
-        &arguments.inputs,
-        &arguments.read.picture_options(),
-    )?);
+    let OpenedInputs { sequence, session } =
+        open_inputs_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
+    let sequence = Arc::new(sequence);
+    let session = session.map(|read| read.session);
+    let mut arguments = arguments.clone();
+    if let Some(session) = &session {
+        fill(&mut arguments, session, sequence.len());
+    }
+    let arguments = &arguments;
+    let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
     if range.last >= sequence.len() {
         bail!(
             "there is no frame {}: the sequence has {} frames, counted from 0",
@@ -40,10 +72,14 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
             sequence.len()
         );
     }
-    let style = arguments.picture.style_over(Style::default());
+    let of_session = session.as_ref().map_or_else(Style::default, Session::style);
+    let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(Arc::clone(&sequence), loader, renderer);
+    if let Some(session) = session {
+        headless.set_labels(Arc::new(session.labels));
+    }
     let look = headless.first_look()?;
     if let Some(lack) = look.lack_of(style.primitive) {
         warnings::warn(&lack);

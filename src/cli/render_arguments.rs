@@ -9,9 +9,9 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `pointreel render`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct RenderArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is the built-in sequence
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 

@@ -26,9 +26,10 @@ pub(super) fn render_video(
     let Some(output) = &arguments.video.video else {
         bail!("name the output: -o for pictures, --video for a video");
     };
-    let (path, per_second, speed) = match &arguments.video.path {
-        Some(file) => written_path(&arguments.video, &CameraPath::read(file)?)?,
-        None => path_around(arguments, headless)?,
+    let (path, per_second, speed) = match (&arguments.video.path, &arguments.video.path_of_session) {
+        (Some(file), _) => written_path(&arguments.video, &CameraPath::read(file)?)?,
+        (None, Some(path)) => written_path(&arguments.video, path)?,
+        (None, None) => path_around(arguments, headless)?,
     };
     let last = headless.sequence().len() - 1;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });

@@ -1,5 +1,6 @@
 //! What `pointreel render` is told of a video.
 
+use crate::scene::CameraPath;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,6 +16,10 @@ pub(super) struct VideoArgs {
     #[arg(long, value_name = "PATH.json", requires = "video",
         conflicts_with_all = ["output", "turntable", "frame", "up", "azimuth", "elevation", "distance", "fov"])]
     pub(super) path: Option<PathBuf>,
+
+    /// The path of a session, where nothing is said.
+    #[arg(skip)]
+    pub(super) path_of_session: Option<CameraPath>,
 
     /// Turn once about the up axis in so many pictures, while frames play or --frame is held
     #[arg(long, value_name = "PICTURES", requires = "video", conflicts_with = "output",

@@ -1,6 +1,7 @@
 //! `pointreel view`: the window.
 
-use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, open_sequence, size_px};
+use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
+use super::session::{OpenedInputs, open_inputs};
 use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 /// What to show and how.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct ViewArgs {
-    /// Folder, file, glob pattern, or several of them; the demo without any
+    /// Folder, file, glob pattern, or several of them, or a session (.pointreel); the demo without any
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -86,7 +87,14 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         fps: args.fps,
         ..args.read.picture_options()
     };
-    let sequence = open_sequence(&args.inputs, &open)?;
+    let OpenedInputs { sequence, mut session } = open_inputs(&args.inputs, &open)?;
+    if let Some(read) = &mut session {
+        // What is given goes before what is kept.
+        let style = args.picture.style_over(read.session.style());
+        read.session.settings = style;
+        read.session.clip = style.of_sequence.clip;
+        read.session.view = args.view.or(read.session.view);
+    }
     let compare = match args.compare.as_slice() {
         [] => None,
         inputs => {
@@ -95,7 +103,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 topic: topic.or_else(|| open.topic.clone()),
                 ..open.clone()
             };
-            Some(Arc::new(open_sequence(inputs, &open)?))
+            Some(Arc::new(open_inputs(inputs, &open)?.sequence))
         }
     };
     let (recent, recent_problem) = Recent::load();
@@ -112,7 +120,11 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let options = Options {
         state: StateOptions {
             preferences: Preferences {
-                settings: args.picture.style_over(preferences.settings),
+                settings: if session.is_some() {
+                    preferences.settings
+                } else {
+                    args.picture.style_over(preferences.settings)
+                },
                 present: args.present.unwrap_or(preferences.present),
                 ..preferences
             },
@@ -130,6 +142,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         },
         sequence: Some(Arc::new(sequence)),
         compare,
+        named: args.inputs.clone(),
+        session: session.map(Box::new),
         // The demo is in the menu, and what is no file is not among the recent ones.
         inputs: args
             .inputs

@@ -13,7 +13,7 @@
 
 use super::error::ExportError;
 use super::limits::MAX_EDGE_PX;
-use super::overlay::{OverlayCanvas, draw_legend};
+use super::overlay::{OverlayCanvas, PaintedLabels, draw_legend};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
@@ -175,7 +175,15 @@ fn for_each_strip(
         .has_scale_bar
         .then(|| PaintedBar::of(camera, size_px, unit))
         .flatten();
+    let labels = headless.labels_on((frame.index, &style), camera, (&packet, size_px));
+    let labels = PaintedLabels::of(&labels, size_px);
     let mut take = |mut strip: RgbaImage, top: u32| {
+        let mut canvas = OverlayCanvas {
+            rows: &mut strip,
+            top_px: top,
+            whole_px: size_px,
+        };
+        labels.draw(&mut canvas);
         if let Some(bar) = &bar {
             bar.paint(&mut strip, top);
         }

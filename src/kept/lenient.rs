@@ -127,7 +127,7 @@ fn in_short(reasons: &[String]) -> String {
 
 /// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes
 /// already.
-fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
+pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
     let bytes = fs::read(file)?;
     for number in 1..=MAX_COPIES {
         let mut name = file.file_name().unwrap_or_default().to_owned();

@@ -6,8 +6,8 @@ use egui::{Key, Modifiers, OutputCommand, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
-use pointreel::app::{Gauge, State, Tool};
-use pointreel::scene::{Primitive, Style};
+use pointreel::app::{State, Tool};
+use pointreel::scene::{Gauge, Primitive, Style};
 use std::time::Duration;
 
 /// A window on the cube that grows, its corners drawn as squares of 9 pixels, seen from the front and above.

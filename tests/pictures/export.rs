@@ -1,5 +1,6 @@
 //! Pictures drawn in parts and with alpha, and videos that other decoders read back.
 
+mod labels;
 mod pictures;
 mod poses;
 mod videos;

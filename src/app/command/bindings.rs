@@ -154,15 +154,17 @@ pub const BINDINGS: &[Binding] = bindings! {
     "Points" {
         "I" [plain I] => Command::ToggleTool(Tool::Point), "Show the values of points";
         "M" [plain M] => Command::ToggleTool(Tool::Measure), "Measure";
+        "N" [plain N] => Command::ToggleTool(Tool::Label), "Put labels at points";
         "Shift+T" [shift T] => Command::ToggleTrails, "Trails of the picked points";
     }
     "File and window" {
         "Ctrl+O" [ctrl O] => Command::OpenFiles, "Open files";
         "Ctrl+Shift+O" [ctrl_shift O] => Command::CompareFiles, "Compare with files";
+        "Ctrl+S" [ctrl S] => Command::SaveSession, "Save the session: files, view, settings, labels";
         "Ctrl+Shift+S" [ctrl_shift S] => Command::ToggleSave, "Save the sequence as a file or a folder";
         "P" [plain P] => Command::Screenshot, "Save a picture";
         "Shift+P" [shift P] => Command::ToggleExport, "Export a picture or a video";
-        "Ctrl+Z" [ctrl Z] => Command::Undo, "Undo the last change of settings or path";
+        "Ctrl+Z" [ctrl Z] => Command::Undo, "Undo the last change of settings, path or labels";
         "Ctrl+Y, Ctrl+Shift+Z" [ctrl Y, ctrl_shift Z] => Command::Redo, "Redo it";
         "Ctrl+P" [ctrl P] => Command::TogglePalette, "Find a command by its name";
         "F1" [plain F1] => Command::TogglePanel(PanelId::HELP), "This list of keys";

@@ -104,6 +104,10 @@ pub enum Command {
     SavePath,
     /// Write the camera path to a file chosen with a dialog.
     SavePathAs,
+    /// Write the session to its file.
+    SaveSession,
+    /// Write the session to a file chosen with a dialog.
+    SaveSessionAs,
     /// Full screen and back.
     FullScreen,
     /// Show or hide a panel.
@@ -118,7 +122,7 @@ pub enum Command {
     RedoThumbnails,
     /// Two ways to draw side by side, and back.
     ToggleComparison,
-    /// Take back the last change of settings or camera path.
+    /// Take back the last change of settings, camera path or labels.
     Undo,
     /// Make it again.
     Redo,

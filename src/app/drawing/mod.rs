@@ -5,10 +5,10 @@ pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, pick};
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, hidden, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use in_view::{InView, SurfelsInView};
 use levels::{FrameWithLevels, Levels};
 use std::sync::Arc;
@@ -176,6 +176,19 @@ impl Drawing {
     pub(in crate::app) fn forget_frame(&mut self) {
         self.frame = None;
         self.surfels_in_view = SurfelsInView::default();
+    }
+
+    /// Which of these places, in the coordinates of the file, are behind what was drawn last, as `camera` saw it.
+    pub(in crate::app) fn hides(&self, camera: &Camera, places: &[DVec3]) -> Vec<bool> {
+        let Some((packet, drawn)) = self.packet.as_ref().zip(self.frame.as_ref()) else {
+            return vec![false; places.len()];
+        };
+        // What is behind the eye is not in the picture.
+        let seen = places.iter().map(|&place| {
+            let px = camera.to_px(place, packet.viewport_px);
+            (place - drawn.origin, px.unwrap_or(DVec2::NEG_ONE))
+        });
+        hidden(packet, &seen.collect::<Vec<_>>())
     }
 
     /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.

@@ -12,6 +12,7 @@ pub(super) mod clipping;
 pub(super) mod comparison;
 pub(super) mod export;
 pub(super) mod inspection;
+pub(super) mod labels;
 pub(super) mod palette;
 pub(super) mod photos;
 pub(super) mod quality;

@@ -10,8 +10,10 @@ use crate::app::features::camera_path::request::PathRequest;
 use crate::app::features::clipping::handles::handles_ui;
 use crate::app::features::comparison::panel::{ComparisonRequest, comparison_ui};
 use crate::app::features::export::panel::{ExportRequest, export_ui};
+use crate::app::features::inspection::Tool;
 use crate::app::features::inspection::measuring_panel::measuring_ui;
 use crate::app::features::inspection::point_panel::{PointContext, point_ui};
+use crate::app::features::labels::panel::{self as labels_panel, LabelsRequest, labels_ui};
 use crate::app::features::palette::panel::palette_ui;
 use crate::app::features::palette::{Action, Entry};
 use crate::app::features::photos::Photos;
@@ -164,6 +166,23 @@ pub(super) fn measuring(ui: &mut Ui, state: &mut State) {
     let corner = state.viewport.rect.left_bottom();
     let unit = state.length_unit();
     measuring_ui(ui, &mut state.inspection, (up, unit), corner);
+}
+
+pub(super) fn labels(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(labels_panel::PANEL) {
+        return;
+    }
+    let count = state.player.as_ref().map_or(0, |player| player.sequence().len());
+    let is_placing = state.inspection.tool == Tool::Label;
+    let corner = state.viewport.rect.right_top();
+    let mut is_open = true;
+    let request = labels_ui(ui, &mut is_open, &mut state.labels, (count, is_placing), corner);
+    state.panels.set(labels_panel::PANEL, is_open);
+    match request {
+        Some(LabelsRequest::ToggleTool) => state.run(Command::ToggleTool(Tool::Label)),
+        Some(LabelsRequest::GoTo(index)) => state.go_to_label(index),
+        None => {}
+    }
 }
 
 pub(super) fn change(ui: &mut Ui, state: &mut State) {

@@ -91,6 +91,10 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         let tooltip = "One sequence file, or a folder of files; sizes and errors are shown before";
         run_by(ui, state, Button::new("Save as…"), Command::ToggleSave, tooltip);
+        let tooltip = "Files, view, settings, clip, measurements, labels, markers and camera path, as a text file";
+        let button = Button::new("Save session…");
+        run_by(ui, state, button, Command::SaveSession, tooltip);
+        item(ui, state, "Save session as…", Command::SaveSessionAs);
     });
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
@@ -294,6 +298,11 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
             "Measure",
             Tool::Measure,
             "Clicks on points measure distances, angles and heights",
+        ),
+        (
+            "Label",
+            Tool::Label,
+            "Clicks put texts at points, in the window, in pictures and in videos",
         ),
     ] {
         let button = Button::selectable(state.inspection.tool == tool, text);

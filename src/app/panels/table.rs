@@ -10,6 +10,7 @@ use super::presets::preset_name_ui;
 use super::question::question_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
+use crate::app::features::labels::panel as labels;
 use crate::app::features::palette::Entry;
 use crate::app::features::photos::panel as photos;
 use crate::app::{PanelId, State};
@@ -59,6 +60,12 @@ pub(super) const PANELS: &[PanelRow] = &[
         menu: Some("Camera path…"),
         place: Dock::Window,
         show: bound::camera_path,
+    },
+    PanelRow {
+        id: Some(labels::PANEL),
+        menu: Some("Labels…"),
+        place: Dock::Window,
+        show: bound::labels,
     },
     PanelRow {
         id: Some(photos::PANEL),

@@ -108,7 +108,7 @@ fn click(response: &Response, state: &mut State) {
     let Some(place) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() && state.inspection.tool != Tool::Measure {
+    if response.double_clicked() && !matches!(state.inspection.tool, Tool::Measure | Tool::Label) {
         if !state.focus_at(place) {
             state.frame_all();
         }

@@ -57,7 +57,7 @@ impl State {
             Command::Focus => self.focus_at_pointer(),
             Command::CopyView => self.copy_view(),
             Command::PasteView => self.requests.push(WindowRequest::PasteView),
-            Command::ToggleTool(tool) => self.inspection.toggle(tool),
+            Command::ToggleTool(tool) => self.toggle_tool(tool),
             Command::ToggleGrid => self.style.backdrop.grid ^= true,
             Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
             Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
@@ -90,6 +90,8 @@ impl State {
             Command::OpenPath => self.ask_or_do(Question::Open),
             Command::SavePath => self.save_path(false),
             Command::SavePathAs => self.save_path(true),
+            Command::SaveSession => self.save_session(false),
+            Command::SaveSessionAs => self.save_session(true),
             Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
             Command::ToggleComparison => self.toggle_comparison(),
             Command::Undo => {
@@ -172,21 +174,23 @@ impl State {
         }
     }
 
-    /// Looks whether settings or camera path have changed, for undo. Call after the panels.
+    /// Looks whether settings, camera path or labels have changed, for undo. Call after the panels.
     pub(in crate::app) fn note_settings(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let edited = Edited {
             style: self.style,
             path: Arc::clone(&self.path.draft),
+            labels: Arc::clone(&self.labels.list),
         };
         self.history.note(&edited, is_held, now);
     }
 
     fn take_edited(&mut self, edited: Option<Edited>) {
-        if let Some(Edited { style, path }) = edited {
+        if let Some(Edited { style, path, labels }) = edited {
             self.style = style;
             self.path.draft = path;
+            self.labels.take(labels);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::app::features::benchmark::ReportFormat;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::io;
+use crate::session::EXTENSION;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -26,6 +27,8 @@ pub enum DialogKind {
     OpenPath,
     /// Where to write the camera path.
     SavePath,
+    /// Where to write the session.
+    SaveSession,
     /// The file of an export, with this extension.
     ExportTo(&'static str),
     /// The folder of an export of many files.
@@ -101,6 +104,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::SavePicture => "Save the picture",
         DialogKind::OpenPath => "Open a camera path",
         DialogKind::SavePath => "Save the camera path",
+        DialogKind::SaveSession => "Save the session",
         DialogKind::ExportTo(_) => "Export to",
         DialogKind::ExportFolder => "Folder of the pictures",
         DialogKind::SaveReel => "Save the sequence",
@@ -111,14 +115,17 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
     match kind {
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
-                "Point clouds",
-                &io::supported_extensions().chain(["reel"]).collect::<Vec<_>>(),
+                "Point clouds and sessions",
+                &io::supported_extensions()
+                    .chain(["reel", EXTENSION])
+                    .collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),
         DialogKind::OpenFolder | DialogKind::CompareFolder | DialogKind::ExportFolder | DialogKind::SaveFolder => {
             one(dialog.pick_folder())
         }
+        DialogKind::SaveSession => one(dialog.add_filter("Session", &[EXTENSION]).save_file()),
         DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),

@@ -95,6 +95,7 @@ impl State {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
             poses: self.poses_of_export(),
+            labels: self.labels.shown(),
             shows: self.shown_by_export(player)?,
             per_second: export.per_second,
             size: PictureSize {

@@ -4,6 +4,7 @@ use super::dialogs::{DialogAnswer, DialogKind};
 use super::{State, WindowRequest};
 use crate::app::features::benchmark::{Benchmark, ReportFormat};
 use crate::app::work::files::{PicturePlace, picture_folder, save_bytes, save_picture, with_extension};
+use crate::session::EXTENSION;
 use std::path::PathBuf;
 
 impl State {
@@ -38,6 +39,7 @@ impl State {
             }
             DialogKind::OpenPath => self.open_path(first),
             DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),
+            DialogKind::SaveSession => self.save_session_to(with_extension(first, EXTENSION)),
             DialogKind::ExportTo(_) | DialogKind::ExportFolder => {
                 let is_folder = dialog == DialogKind::ExportFolder;
                 self.export.take_place(is_folder, &first);

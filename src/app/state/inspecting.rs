@@ -36,6 +36,9 @@ impl State {
             return;
         }
         if let Some((pick, frame, side)) = self.point_at(place) {
+            if self.inspection.tool == Tool::Label {
+                return self.put_label(side, &pick, &frame);
+            }
             self.inspection.take(side, pick, &frame);
         }
     }

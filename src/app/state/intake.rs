@@ -2,13 +2,12 @@
 
 use super::State;
 use super::failed_opening::FailedOpening;
-use super::outcome::{Found, Outcome};
+use super::outcome::{Found, NotFound, Outcome};
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
-use crate::sequence::SequenceError;
 
 impl State {
     /// Gives what a task came to to the feature that it is of.
@@ -20,6 +19,7 @@ impl State {
                 self.notices.info(format!("Saved {}", path.display()));
             }
             Outcome::Path(path) => self.take_path_file(path),
+            Outcome::SessionSaved(saved) => self.session_was_saved(saved),
             Outcome::Exported(ended) => self.export_has_ended(ended),
             Outcome::SequenceSaved(ended) => self.save_has_ended(ended),
             Outcome::Estimated(estimated) => self.estimates.take_in(*estimated),
@@ -69,20 +69,23 @@ impl State {
     fn take_found(&mut self, found: Found) {
         match found.sequence {
             Ok(sequence) => {
-                match found.side {
-                    Side::A => self.open(sequence),
-                    Side::B => self.compare_with(sequence),
+                match (found.side, found.session) {
+                    (Side::A, Some(session)) => self.open_session(sequence, *session),
+                    (Side::A, None) => {
+                        self.open(sequence);
+                        self.note_opened(found.inputs.clone(), Some(found.open));
+                    }
+                    (Side::B, _) => self.compare_with(sequence),
                 }
                 self.prove(found.inputs, found.side);
             }
-            Err(SequenceError::Cancelled) => {}
-            Err(error) => {
+            Err(NotFound::Cancelled) => {}
+            Err(NotFound::Because(reason)) => {
                 if self.player.is_none() {
                     let name = entry_name(&found.inputs);
-                    let reason = error.to_string();
                     self.failed = Some(FailedOpening { name, reason });
                 } else {
-                    self.notices.error(error.to_string());
+                    self.notices.error(reason);
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! A way to draw that was chosen by its measured time and error. It was measured with the open sequence, so it is used
-//! for this one alone: the settings that it has changed come back with the next.
+//! A way to draw that was chosen by its measured time and error, or with a session. It is of the open sequence, so it is
+//! used for this one alone: the settings that it has changed come back with the next.
 
 use super::State;
 use crate::app::features::quality::MeasuredWay;
@@ -20,11 +20,16 @@ impl State {
         self.measured_way.map_or(style, |way| way.undone(style))
     }
 
-    /// What is kept of the settings: those of A where two ways to draw are compared.
-    pub(super) fn style_to_keep(&self) -> Style {
+    /// The settings, those of A where two ways to draw are compared.
+    pub(super) fn style_of_a(&self) -> Style {
         let comparison = self.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);
-        self.usual_style(of_a.map_or(self.style, |comparison| comparison.other))
+        of_a.map_or(self.style, |comparison| comparison.other)
+    }
+
+    /// What is kept of the settings.
+    pub(super) fn style_to_keep(&self) -> Style {
+        self.usual_style(self.style_of_a())
     }
 
     /// The open sequence is left: others are drawn as before it was measured.

@@ -12,9 +12,11 @@ mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod labels;
 mod main_picture;
 mod measured_way;
 mod measuring;
+mod opened;
 mod opening;
 mod options;
 mod outcome;
@@ -23,11 +25,13 @@ mod pictures;
 mod proven;
 mod reading;
 mod save;
+mod session;
 mod steering;
 mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
+pub use opened::SavedSession;
 pub use options::StateOptions;
 pub use outcome::{Found, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
@@ -36,6 +40,7 @@ pub(in crate::app) use reading::PictureStage;
 use dialogs::Dialogs;
 use failed_opening::Unproven;
 use main_picture::MainPicture;
+use opened::Opened;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::benchmark::Benchmark;
@@ -45,6 +50,7 @@ use crate::app::features::clipping::Clipping;
 use crate::app::features::comparison::{Comparison, PicturePair};
 use crate::app::features::export::Export;
 use crate::app::features::inspection::Inspection;
+use crate::app::features::labels::Labels;
 use crate::app::features::palette::Palette;
 use crate::app::features::photos::Photos;
 use crate::app::features::quality::{MeasuredQuality, MeasuredWay};
@@ -138,6 +144,8 @@ pub struct State {
     pub clipping: Clipping,
     /// What was clicked on.
     pub inspection: Inspection,
+    /// Texts at points.
+    pub labels: Labels,
     /// Work done.
     pub counters: Counters,
     pub(in crate::app) tasks: Tasks<Outcome>,
@@ -147,6 +155,8 @@ pub struct State {
     /// What is made of the open sequence.
     looked: SequenceLook,
     requests: Vec<WindowRequest>,
+    /// How the open sequence was opened.
+    opened: Opened,
     /// See [`State::prove`].
     unproven: Unproven,
     /// The way to draw that was measured and is used for the open sequence.
@@ -172,6 +182,7 @@ impl State {
             quality: MeasuredQuality::default(),
             recent: options.recent.clone(),
             failed: None,
+            opened: Opened::default(),
             unproven: Unproven::default(),
             measured_way: None,
             presets: options.presets.clone(),
@@ -193,6 +204,7 @@ impl State {
             trails: Trails::default(),
             clipping: Clipping::default(),
             inspection: Inspection::default(),
+            labels: Labels::default(),
             counters: Counters::default(),
             dialogs: Dialogs::default(),
             tasks: Tasks::new(Arc::clone(&options.wake)),
@@ -347,6 +359,7 @@ impl State {
             || self.pictures().is_some()
             || self.inspection.picked().next().is_some()
             || self.trails.are_shown()
+            || self.labels.are_shown()
             || self.temporal.change.is_on
             || self.temporal.onion.is_on
     }

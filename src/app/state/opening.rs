@@ -1,12 +1,14 @@
 //! Sequences are found and opened.
 
 use super::State;
-use super::outcome::Found;
+use super::outcome::{Found, NotFound};
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
 use crate::playback::Player;
-use crate::sequence::{OpenOptions, Sequence, SequenceError, watch};
+use crate::progress::Progress;
+use crate::sequence::{OpenOptions, Sequence, watch};
+use crate::session::session_of;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -40,6 +42,7 @@ impl State {
             self.leave(before);
         }
         self.failed = None;
+        self.note_unnamed();
         self.prove(Vec::new(), Side::A);
         self.read_timeline(self.options.timelines.clone().as_ref());
         self.compare_again();
@@ -80,13 +83,25 @@ impl State {
         let name = format!("Opening {}", entry_name(&inputs));
         let progress = self.works.begin(WorkKind::Open, name, self.now);
         self.tasks.start("find frames", move || {
-            let sequence = Sequence::open_observed(&inputs, &open, &progress);
-            // What was cancelled during the last file is not wanted either.
-            let sequence = match sequence {
-                Ok(_) if progress.is_cancelled() => Err(SequenceError::Cancelled),
-                found => found.map(Arc::new),
+            let (open, session, sequence) = match session_of(&inputs) {
+                Ok(Some(read)) => {
+                    let open = read.session.reading.over(&open);
+                    let sequence = found(&read.session.inputs, &open, &progress);
+                    (open, Some(Box::new(read)), sequence)
+                }
+                Ok(None) => {
+                    let sequence = found(&inputs, &open, &progress);
+                    (open, None, sequence)
+                }
+                Err(reason) => (open, None, Err(NotFound::Because(reason.to_string()))),
             };
-            Found { inputs, sequence, side }
+            Found {
+                inputs,
+                open,
+                session,
+                sequence,
+                side,
+            }
         });
     }
 
@@ -95,4 +110,13 @@ impl State {
         self.options.budget_bytes = Some(budget_bytes);
         self.share_budget();
     }
+}
+
+fn found(inputs: &[PathBuf], open: &OpenOptions, progress: &Progress) -> Result<Arc<Sequence>, NotFound> {
+    let sequence = Sequence::open_observed(inputs, open, progress)?;
+    // What was cancelled during the last file is not wanted either.
+    if progress.is_cancelled() {
+        return Err(NotFound::Cancelled);
+    }
+    Ok(Arc::new(sequence))
 }

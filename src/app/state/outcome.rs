@@ -1,6 +1,7 @@
 //! What tasks come to: here the features meet.
 
 use super::dialogs::DialogAnswer;
+use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::features::benchmark::BenchmarkEnded;
@@ -17,7 +18,8 @@ use crate::app::first_look::RefinedLook;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
-use crate::sequence::{Sequence, SequenceError};
+use crate::sequence::{OpenOptions, Sequence, SequenceError};
+use crate::session::ReadSession;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,10 +28,32 @@ use std::sync::Arc;
 pub struct Found {
     /// What was asked for; empty for the demo.
     pub(super) inputs: Vec<PathBuf>,
+    /// How it was opened.
+    pub(super) open: OpenOptions,
+    /// The session that the frames are of, if one was asked for.
+    pub(super) session: Option<Box<ReadSession>>,
     /// The frames.
-    pub(super) sequence: Result<Arc<Sequence>, SequenceError>,
+    pub(super) sequence: Result<Arc<Sequence>, NotFound>,
     /// Whether it is to be opened, or beside what is open.
     pub(super) side: Side,
+}
+
+/// Why no frames were found.
+#[derive(Debug)]
+pub(super) enum NotFound {
+    /// Nobody wants them any more.
+    Cancelled,
+    /// There are none, and why.
+    Because(String),
+}
+
+impl From<SequenceError> for NotFound {
+    fn from(error: SequenceError) -> Self {
+        match error {
+            SequenceError::Cancelled => Self::Cancelled,
+            error => Self::Because(error.to_string()),
+        }
+    }
 }
 
 /// Declares what tasks come to, and makes it of what each task gives.
@@ -58,6 +82,8 @@ outcomes! {
     Saved(SavedFile),
     /// A camera path was read or written.
     Path(PathFile),
+    /// A session was written.
+    SessionSaved(SavedSession),
     /// An export ended.
     Exported(ExportEnded),
     /// A sequence was saved, or not.

@@ -146,6 +146,9 @@ impl State {
         self.thumbnails.forget_frames();
         self.trails.forget_points();
         self.inspection.forget_points();
+        self.labels.forget();
+        self.history.forget_labels(&self.labels.list);
+        self.note_unnamed();
         self.timeline.forget_playhead();
         self.quality.forget();
         self.save.forget_sequence();

@@ -110,6 +110,29 @@ impl<'a> PictureOverlay<'a> {
         }
     }
 
+    /// A dot at a place with a text beside it, as exported pictures have it; nothing of an opacity of 0.
+    pub(in crate::app) fn note(&self, place: DVec3, text: &str, opacity: f32) {
+        let Some(center) = self.place(place) else { return };
+        let painter = self.painter;
+        painter.circle_filled(center, 4.7, Color32::from_black_alpha(204).gamma_multiply(opacity));
+        let tint = Color32::from_rgb(255, 190, 60).gamma_multiply(opacity);
+        painter.circle_filled(center, 3.5, tint);
+        if text.is_empty() {
+            return;
+        }
+        let color = Color32::WHITE.gamma_multiply(opacity);
+        let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(14.0), color);
+        let padding = vec2(5.0, 2.0);
+        let corner = center + vec2(7.0, -7.0);
+        let ground = Rect::from_min_max(
+            pos2(corner.x, corner.y - galley.size().y - 2.0 * padding.y),
+            pos2(corner.x + galley.size().x + 2.0 * padding.x, corner.y),
+        );
+        let dark = Color32::from_black_alpha(184).gamma_multiply(opacity);
+        painter.rect_filled(ground, 3.0, dark);
+        painter.galley(ground.min + padding, galley, color);
+    }
+
     /// A text on a dark ground.
     pub(in crate::app) fn label(&self, middle: Pos2, text: &str) {
         let font = FontId::proportional(14.0);

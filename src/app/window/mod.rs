@@ -20,6 +20,7 @@ use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::render::RenderError;
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
+use crate::session::ReadSession;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,6 +59,10 @@ pub struct Options {
     pub compare: Option<Arc<Sequence>>,
     /// What the first was found by, for the list of recent files.
     pub inputs: Vec<PathBuf>,
+    /// What the first was named by, for sessions.
+    pub named: Vec<PathBuf>,
+    /// The session that the first is of.
+    pub session: Option<Box<ReadSession>>,
     /// What went wrong before there was a window to say it in.
     pub warnings: Vec<String>,
     /// Where changes of settings are kept; nowhere by default.
@@ -208,7 +213,13 @@ impl App {
         // Who has opened something before is offered that; who begins sees something that moves.
         let demo = || state.recent.entries().is_empty().then(|| Arc::new(Sequence::demo()));
         if let Some(sequence) = options.sequence.take().or_else(demo) {
-            state.open(sequence);
+            match options.session.take() {
+                Some(session) => state.open_session(sequence, *session),
+                None => {
+                    state.open(sequence);
+                    state.note_opened(options.named.clone(), None);
+                }
+            }
         }
         if let Some(sequence) = options.compare.take() {
             state.compare_with(sequence);

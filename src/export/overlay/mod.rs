@@ -1,12 +1,14 @@
-//! What is drawn over exported pictures: the legend of their colours.
+//! What is drawn over exported pictures: the legend of their colours, and labels at points.
 //!
 //! How it works: an overlay knows the whole picture and draws into one strip of it after the other, so that pictures of
 //! any size have it. It is as large beside the picture as in a window of 720 pixels. Where nothing is behind the cloud
 //! it has an alpha of its own.
 
+mod labels;
 mod legend;
 mod text;
 
+pub(super) use labels::PaintedLabels;
 pub(super) use legend::draw_legend;
 
 use image::{Rgba, RgbaImage};
@@ -32,6 +34,19 @@ impl OverlayCanvas<'_> {
         let pixel = place.and_then(|(x, y)| self.rows.get_pixel_mut_checked(x, y));
         if let Some(Rgba(pixel)) = pixel {
             *pixel = over(*pixel, color, alpha.clamp(0.0, 1.0));
+        }
+    }
+
+    /// Fills a disk; pixels at its rim are covered in part.
+    fn disk(&mut self, [x, y]: [f32; 2], radius: f32, color: [u8; 3], alpha: f32) {
+        let reach = radius + 1.0;
+        let rows = (y - reach).floor().max(self.top_px as f32) as i64
+            ..(y + reach).ceil().min((self.top_px + self.rows.height()) as f32) as i64;
+        for row in rows {
+            for column in (x - reach).floor() as i64..(x + reach).ceil() as i64 {
+                let away = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);
+                self.blend([column, row], color, alpha * (radius + 0.5 - away).clamp(0.0, 1.0));
+            }
         }
     }
 

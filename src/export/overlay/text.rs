@@ -51,6 +51,11 @@ impl Line {
 
     /// Draws it with its upper left corner at `at` pixels of the whole picture.
     pub(super) fn draw(&self, canvas: &mut OverlayCanvas<'_>, at: [f32; 2], color: [u8; 3]) {
+        self.draw_paler(canvas, at, color, 1.0);
+    }
+
+    /// [`Line::draw`] with an alpha of 0 to 1.
+    pub(super) fn draw_paler(&self, canvas: &mut OverlayCanvas<'_>, at: [f32; 2], color: [u8; 3], alpha: f32) {
         let Some(font) = font() else { return };
         for &(glyph, x) in &self.glyphs {
             let place = Point {
@@ -62,7 +67,7 @@ impl Line {
                 let min = outline.px_bounds().min;
                 outline.draw(|x, y, covered| {
                     let px = [min.x as i64 + i64::from(x), min.y as i64 + i64::from(y)];
-                    canvas.blend(px, color, covered);
+                    canvas.blend(px, color, alpha * covered);
                 });
             }
         }

@@ -3,7 +3,8 @@
 use super::{CameraPath, Keyframe, PathError};
 use crate::scene::{Camera, PicturePlane, Projection, UpAxis};
 use glam::{DVec2, DVec3};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ pub enum PathFileError {
 #[serde(deny_unknown_fields)]
 struct Written {
     #[serde(rename = "pointreel_path")]
-    _version: u32,
+    version: u32,
     #[serde(default)]
     ease: bool,
     #[serde(deserialize_with = "up_axis")]
@@ -161,6 +162,10 @@ impl CameraPath {
             return Err(PathFileError::Version { path: path(), version });
         }
         let written: Written = serde_json::from_slice(text).map_err(json)?;
+        Self::of_written(written).map_err(|reason| PathFileError::Keyframes { path: path(), reason })
+    }
+
+    fn of_written(written: Written) -> Result<Self, PathError> {
         let keyframes = written.keyframes.into_iter().map(|key| Keyframe {
             time_s: key.time_s,
             frame: key.frame,
@@ -175,7 +180,7 @@ impl CameraPath {
                 plane: key.plane.map_or(PicturePlane::CENTERED, WrittenPlane::plane),
             },
         });
-        Self::new(keyframes.collect(), written.ease).map_err(|reason| PathFileError::Keyframes { path: path(), reason })
+        Self::new(keyframes.collect(), written.ease)
     }
 
     /// Writes the path to a JSON file, which is replaced as a whole.
@@ -203,9 +208,50 @@ impl CameraPath {
     }
 }
 
+/// A path within another file: the object that a file of its own holds.
+impl<'de> Deserialize<'de> for CameraPath {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let written = Written::deserialize(deserializer)?;
+        if written.version != VERSION {
+            let version = written.version;
+            let text = format!("a camera path of version {version}: this program knows version {VERSION}");
+            return Err(D::Error::custom(text));
+        }
+        Self::of_written(written).map_err(D::Error::custom)
+    }
+}
+
+impl Serialize for CameraPath {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Camera { up, projection, .. } = self.keyframes[0].camera;
+        let written = WrittenPath {
+            pointreel_path: VERSION,
+            ease: self.eases,
+            up: up.name(),
+            projection,
+            keyframes: self.keyframes.iter().map(written_keyframe).collect(),
+        };
+        written.serialize(serializer)
+    }
+}
+
+#[derive(Serialize)]
+struct WrittenPath {
+    pointreel_path: u32,
+    ease: bool,
+    up: &'static str,
+    projection: Projection,
+    keyframes: Vec<WrittenKeyframe>,
+}
+
 fn line(key: &Keyframe) -> String {
+    // Numbers alone: nothing of it can fail.
+    serde_json::to_string(&written_keyframe(key)).unwrap_or_default()
+}
+
+fn written_keyframe(key: &Keyframe) -> WrittenKeyframe {
     let camera = &key.camera;
-    let written = WrittenKeyframe {
+    WrittenKeyframe {
         time_s: key.time_s,
         frame: key.frame,
         target: camera.target_in_world.to_array(),
@@ -214,7 +260,5 @@ fn line(key: &Keyframe) -> String {
         elevation_deg: camera.elevation_deg,
         fov_deg: camera.fov_deg,
         plane: WrittenPlane::of(camera.plane),
-    };
-    // Numbers alone: nothing of it can fail.
-    serde_json::to_string(&written).unwrap_or_default()
+    }
 }

@@ -12,6 +12,7 @@
 //! to be read back.
 
 mod codes;
+mod hidden;
 mod ray;
 mod records;
 
@@ -21,6 +22,7 @@ use crate::cloud::{PointRecord, oct_decode};
 use crate::sequence::PreparedFrame;
 use codes::surfels_near;
 use glam::{DVec3, Vec3};
+pub use hidden::hidden;
 use ray::Ray;
 use rayon::prelude::*;
 use records::{Cubes, Disks, Sprites, Triangles};

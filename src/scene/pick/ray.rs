@@ -114,6 +114,11 @@ impl Ray {
         self.frame_from_view * self.slope.extend(-1.0)
     }
 
+    /// Of a place in the space of the frame, from the eye along the view, scene units.
+    pub(super) fn depth_of(&self, place: DVec3) -> f64 {
+        -(self.view_from_frame * (place - self.eye)).z
+    }
+
     /// The record whose colour the pixel mostly has; where it has none, the nearest one on the picture.
     pub(super) fn choose(&self, records: &impl Drawn, radius_px: f64) -> Option<Seen> {
         let seen: Vec<Seen> = (0..records.len().div_ceil(BLOCK))

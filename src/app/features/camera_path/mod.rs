@@ -153,6 +153,11 @@ impl PathEditor {
         self.file = file;
     }
 
+    /// Takes notice that `draft` is kept in another file: its own stays as it was.
+    pub(in crate::app) fn note_kept(&mut self, draft: Arc<Draft>) {
+        self.saved = draft;
+    }
+
     /// Takes notice that `draft` is in `file` now.
     pub(in crate::app) fn note_saved(&mut self, file: PathBuf, draft: Arc<Draft>) {
         self.saved = draft;

@@ -5,7 +5,7 @@ use crate::app::work::works::Progress;
 use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
 use crate::render::AnyRenderer;
-use crate::scene::{Camera, CameraPath, Style};
+use crate::scene::{Camera, CameraPath, Label, Style};
 use crate::sequence::{Loader, LoaderOptions, Sequence};
 use crate::timeline::Clock;
 use std::path::PathBuf;
@@ -37,6 +37,8 @@ pub(in crate::app) struct ExportJob {
     pub(in crate::app) style: Style,
     /// What other poses add to each picture.
     pub(in crate::app) poses: Poses,
+    /// Texts at points.
+    pub(in crate::app) labels: Arc<Vec<Label>>,
     pub(in crate::app) shows: Shows,
     pub(in crate::app) per_second: f64,
     pub(in crate::app) size: PictureSize,
@@ -68,6 +70,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
         sequence,
         style,
         poses,
+        labels,
         shows,
         per_second,
         size,
@@ -85,6 +88,7 @@ pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exporte
     let loader = Loader::new(Arc::clone(&sequence), options)?;
     let renderer = AnyRenderer::open(style.drawing.renderer)?;
     let mut headless = Headless::new(sequence, loader, renderer);
+    headless.set_labels(labels);
     let path = match shows {
         Shows::Picture { camera, frame } => {
             let pose = headless.frame(frame, &style);

@@ -1,7 +1,7 @@
 //! A point as it moves through the frames.
 
 use crate::app::side::Side;
-use crate::scene::Pick;
+use crate::scene::{FollowedPoint, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
 
@@ -34,13 +34,17 @@ impl Anchor {
         }
     }
 
+    /// The point that it follows.
+    pub(in crate::app) fn point(&self) -> FollowedPoint {
+        FollowedPoint {
+            index_in_file: self.index_in_file,
+            points_in_file: Some(self.points_in_file),
+        }
+    }
+
     /// Moves to where the point is in `frame`; its slot there, if there is one.
     pub(super) fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) -> Option<usize> {
-        if frame.frame.points_in_file() != self.points_in_file {
-            return None;
-        }
-        let index = frame.frame.file_index();
-        let slot = index.iter().position(|&index| index == self.index_in_file)?;
+        let slot = self.point().slot_in(frame)?;
         self.place = origin + frame.frame.positions()[slot].as_dvec3();
         self.frame = frame.index;
         Some(slot)

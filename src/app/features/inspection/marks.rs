@@ -1,16 +1,17 @@
 //! What was clicked on, over the picture: rings, lines and values.
 
-use super::measuring::Gauge;
+use super::measuring::value_text;
 use super::{Anchor, Inspection};
 use crate::app::theme::{ACCENT, ODD};
 use crate::app::widgets::overlay::{PictureOverlay, RING};
 use crate::cloud::LengthUnit;
+use crate::scene::Gauge;
 use egui::{Color32, Stroke, vec2};
 
 /// Paints measurements with lengths in `unit`, what is begun of one, and the point whose values are shown.
 pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection, unit: Option<LengthUnit>) {
     for measurement in &inspection.measurements {
-        let text = measurement.gauge.text(measurement.value(canvas.up()), unit);
+        let text = value_text(measurement.gauge, measurement.value(canvas.up()), unit);
         paint_measurement(canvas, measurement.gauge, &measurement.points, &text);
     }
     paint_measurement(canvas, inspection.gauge, &inspection.begun, "");

@@ -1,79 +1,20 @@
-//! Lengths, angles and heights between points, in f64.
+//! Measurements between clicked points, and what they say.
 
 use super::anchor::Anchor;
 use crate::app::side::Side;
 use crate::app::widgets::numbers::with_unit;
 use crate::cloud::LengthUnit;
+use crate::scene::Gauge;
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// What is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Gauge {
-    /// The straight distance of two points, scene units.
-    #[default]
-    Distance,
-    /// The angle at the second of three points, degrees.
-    Angle,
-    /// How much higher the second of two points is, along the up axis, scene units.
-    Height,
-}
-
-impl Gauge {
-    /// Every gauge, its name and what it says.
-    pub const ALL: [(Self, &'static str, &'static str); 3] = [
-        (
-            Self::Distance,
-            "Distance",
-            "The straight distance of two points, scene units",
-        ),
-        (Self::Angle, "Angle", "The angle at the second of three points, degrees"),
-        (
-            Self::Height,
-            "Height",
-            "How much higher the second point is than the first, along the up axis, scene units",
-        ),
-    ];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        let known = Self::ALL.iter().find(|(gauge, ..)| *gauge == self);
-        known.map_or("", |&(_, name, _)| name)
+/// A value of `gauge` as a person reads it, lengths in `unit`.
+pub(super) fn value_text(gauge: Gauge, value: Option<f64>, unit: Option<LengthUnit>) -> String {
+    match (gauge, value) {
+        (_, None) => "none".to_owned(),
+        (Gauge::Angle, Some(value)) => format!("{value:.3}°"),
+        (_, Some(value)) => with_unit(value, unit),
     }
-
-    /// Points that it takes.
-    pub fn point_count(self) -> usize {
-        match self {
-            Self::Distance | Self::Height => 2,
-            Self::Angle => 3,
-        }
-    }
-
-    /// The value for so many places; `None` if there are fewer, or if there is no angle. `up` has a length of 1.
-    pub fn value(self, places: &[DVec3], up: DVec3) -> Option<f64> {
-        match (self, places) {
-            (Self::Distance, &[a, b, ..]) => Some(a.distance(b)),
-            (Self::Height, &[a, b, ..]) => Some((b - a).dot(up)),
-            (Self::Angle, &[a, corner, b, ..]) => angle_deg(a - corner, b - corner),
-            _ => None,
-        }
-    }
-
-    /// A value as a person reads it, lengths in `unit`.
-    pub fn text(self, value: Option<f64>, unit: Option<LengthUnit>) -> String {
-        match (self, value) {
-            (_, None) => "none".to_owned(),
-            (Self::Angle, Some(value)) => format!("{value:.3}°"),
-            (_, Some(value)) => with_unit(value, unit),
-        }
-    }
-}
-
-/// Between two directions, as exact for small and for flat angles as for others (Kahan 2006); `None` where one has no
-/// length.
-fn angle_deg(a: DVec3, b: DVec3) -> Option<f64> {
-    let (a, b) = (a.try_normalize()?, b.try_normalize()?);
-    Some(2.0 * (a - b).length().atan2((a + b).length()).to_degrees())
 }
 
 /// A finished measurement.
@@ -110,50 +51,5 @@ impl Measurement {
             _ = write!(line, "\tframe {frame}{of} point {index} at {x} {y} {z}");
         }
         line
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A corner of a survey far from zero.
-    const FAR: DVec3 = DVec3::new(4.5e6, -3.9e6, 2.2e6);
-
-    #[test]
-    fn known_triangles_have_known_values() {
-        let places = [DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO, DVec3::new(0.0, 4.0, 0.0)];
-        for origin in [DVec3::ZERO, FAR] {
-            let places = places.map(|place| place + origin);
-            let value = |gauge: Gauge, places: &[DVec3]| gauge.value(places, DVec3::Y).unwrap();
-            assert_eq!(value(Gauge::Distance, &[places[0], places[2]]), 5.0);
-            assert!((value(Gauge::Angle, &places) - 90.0).abs() < 1e-12);
-            assert_eq!(value(Gauge::Height, &[places[0], places[2]]), 4.0);
-            assert_eq!(value(Gauge::Height, &[places[2], places[0]]), -4.0);
-        }
-        let down = Gauge::Height.value(&places[1..], DVec3::NEG_Y);
-        assert_eq!(down, Some(-4.0));
-    }
-
-    #[test]
-    fn small_and_flat_angles_keep_their_digits() {
-        for angle in [1e-9f64, 0.5, 90.0, 179.0, 180.0 - 1e-7] {
-            let b = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0);
-            let found = Gauge::Angle.value(&[7.0 * DVec3::X, DVec3::ZERO, b], DVec3::Y);
-            let found = found.unwrap();
-            assert!((found - angle).abs() < 1e-13 * angle.max(1.0), "{found} for {angle}");
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_measured_has_no_value() {
-        let up = DVec3::Y;
-        assert_eq!(Gauge::Distance.value(&[DVec3::X], up), None);
-        assert_eq!(Gauge::Angle.value(&[DVec3::X, DVec3::X, DVec3::Y], up), None);
-        assert_eq!(Gauge::Distance.value(&[DVec3::X; 2], up), Some(0.0));
-        for (gauge, name, _) in Gauge::ALL {
-            assert_eq!(gauge.name(), name);
-            assert_eq!(gauge.text(None, None), "none");
-        }
     }
 }

@@ -1,9 +1,10 @@
 //! What is measured, and the list of what was.
 
-use super::measuring::{Gauge, Measurement};
+use super::measuring::{Measurement, value_text};
 use super::{Inspection, Tool};
 use crate::app::widgets::tool_window::tool_window;
 use crate::cloud::LengthUnit;
+use crate::scene::Gauge;
 use egui::{Align2, Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
 
@@ -54,7 +55,7 @@ fn list(ui: &mut Ui, measurements: &mut Vec<Measurement>, (up, unit): (DVec3, Op
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         Grid::new("measurements").num_columns(3).striped(true).show(ui, |ui| {
             for (index, measurement) in measurements.iter().enumerate() {
-                let value = measurement.gauge.text(measurement.value(up), unit);
+                let value = value_text(measurement.gauge, measurement.value(up), unit);
                 ui.label(measurement.gauge.name());
                 ui.label(RichText::new(value).monospace()).on_hover_text(
                     "Lengths in the unit of the file, angles in degrees; points are followed through frames of as many \

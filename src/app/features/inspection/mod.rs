@@ -9,10 +9,10 @@ pub(in crate::app) mod point_panel;
 pub use anchor::Anchor;
 
 use crate::app::side::Side;
-use crate::scene::Pick;
+use crate::scene::{Gauge, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
-use measuring::{Gauge, Measurement};
+use measuring::Measurement;
 
 /// What a click on the picture does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,6 +24,8 @@ pub enum Tool {
     Point,
     /// Takes the point for a measurement.
     Measure,
+    /// Puts a label at the point.
+    Label,
 }
 
 /// A point whose values are shown.
@@ -105,7 +107,8 @@ impl Inspection {
         // The picture that was clicked on may be of the frame before the one that is shown next.
         self.followed[side as usize] = Some(frame.id);
         match self.tool {
-            Tool::Camera => {}
+            // Labels are no measurements: they are kept elsewhere.
+            Tool::Camera | Tool::Label => {}
             Tool::Point => {
                 self.point = Some(Inspected { anchor, values: pick });
             }

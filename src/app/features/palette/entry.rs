@@ -31,6 +31,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a camera path", Command::OpenPath),
     ("Save the camera path", Command::SavePath),
     ("Save the camera path as a file of a name", Command::SavePathAs),
+    ("Save the session as a file of a name", Command::SaveSessionAs),
     (
         "About pointreel: version, adapter, folders",
         Command::TogglePanel(PanelId::ABOUT),

@@ -5,11 +5,11 @@
 //! is copied first (`kept/lenient.rs`).
 
 use super::Markers;
-use super::markers::Marker;
 use crate::app::first_look::Chosen;
 use crate::kept::{self, Fields, Lenient};
 use crate::scene::{Primitive, UpAxis};
 use crate::sequence::Sequence;
+use crate::session::Marker;
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;

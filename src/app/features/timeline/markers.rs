@@ -1,21 +1,12 @@
 //! Named places on the timeline.
 
-use serde::Serialize;
+use crate::session::Marker;
 
 /// More than anybody sets by hand.
 const MAX_MARKERS: usize = 1000;
 
 /// Longest name, characters.
 const MAX_NAME_CHARS: usize = 200;
-
-/// A named frame.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Marker {
-    /// Which frame.
-    pub frame: usize,
-    /// What a person calls it; may be empty.
-    pub name: String,
-}
 
 /// Markers by frame, one a frame at most.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

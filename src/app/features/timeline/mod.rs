@@ -10,12 +10,13 @@ mod visible;
 
 pub(in crate::app) use curve::Curve;
 pub use curve::Quantity;
-pub use markers::{Marker, Markers};
+pub use markers::Markers;
 pub(in crate::app) use visible::VisibleFrames;
 
 use crate::app::first_look::Chosen;
 use crate::playback::Player;
 use crate::sequence::{NumberGap, Sequence, number_gaps};
+use crate::session::Marker;
 use crate::timeline::PlayRange;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -80,6 +81,14 @@ impl Timeline {
         self.file = file;
         self.markers = markers;
         (range, chosen, problem)
+    }
+
+    /// Takes the markers of a session in place of those that were kept. What is left out of them is said.
+    pub(in crate::app) fn take_markers(&mut self, list: Vec<Marker>) -> Option<String> {
+        let mut left_out = Vec::new();
+        self.renaming = None;
+        self.markers = Markers::of(list, &mut left_out);
+        (!left_out.is_empty()).then(|| format!("Not all markers of the session are there: {}", left_out.join(", ")))
     }
 
     /// The numbers that are missing between the names of the frames of `sequence`, which may have grown.

@@ -1,0 +1,11 @@
+//! Labels over the picture.
+
+use super::Labels;
+use crate::app::widgets::overlay::PictureOverlay;
+
+/// Paints those of the frame that is shown; pale where something is before them.
+pub(in crate::app) fn paint_labels(canvas: &PictureOverlay<'_>, labels: &Labels) {
+    for (place, text, is_hidden) in labels.in_picture() {
+        canvas.note(place, text, if is_hidden { 0.35 } else { 1.0 });
+    }
+}

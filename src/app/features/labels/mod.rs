@@ -1,0 +1,185 @@
+//! Labels of the open sequence: texts at points, where they are in the frame that is shown, and what hides them.
+//!
+//! **How it works.** The list is what a person has made; undo knows its states. Where each label is follows from the
+//! list and the frame alone ([`Label::place_in`]), so it is looked up once a frame and list ([`Labels::follow`]). What
+//! hides a label is asked of the picture that was drawn last, once a picture ([`Labels::note_hidden`]).
+
+pub(in crate::app) mod marks;
+pub(in crate::app) mod panel;
+
+use crate::scene::{Camera, Label};
+use crate::sequence::PreparedFrame;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// More than anybody reads.
+pub(in crate::app) const MAX_LABELS: usize = 1000;
+
+/// The labels of the window.
+#[derive(Debug)]
+pub struct Labels {
+    /// All of them, oldest first.
+    pub list: Arc<Vec<Label>>,
+    /// Whether they are in the picture and in exports.
+    pub is_shown: bool,
+    /// The one whose text is to be written next.
+    pub(in crate::app) written: Option<usize>,
+    /// What `places` is of.
+    placed_of: Option<(u64, Arc<Vec<Label>>)>,
+    /// Where each is; `None` where it is not shown.
+    places: Vec<Option<DVec3>>,
+    /// What `hidden` is of.
+    hidden_of: Option<(u64, Camera)>,
+    /// Which are behind something.
+    hidden: Vec<bool>,
+}
+
+impl Default for Labels {
+    fn default() -> Self {
+        Self {
+            list: Arc::default(),
+            is_shown: true,
+            written: None,
+            placed_of: None,
+            places: Vec::new(),
+            hidden_of: None,
+            hidden: Vec::new(),
+        }
+    }
+}
+
+impl Labels {
+    /// Those that are in pictures.
+    pub(in crate::app) fn shown(&self) -> Arc<Vec<Label>> {
+        if self.is_shown {
+            Arc::clone(&self.list)
+        } else {
+            Arc::default()
+        }
+    }
+
+    /// Whether there is something in the picture.
+    pub(in crate::app) fn are_shown(&self) -> bool {
+        self.is_shown && !self.list.is_empty()
+    }
+
+    /// Adds one, whose text is to be written next; false if there are too many.
+    pub(in crate::app) fn put(&mut self, label: Label) -> bool {
+        if self.list.len() >= MAX_LABELS {
+            return false;
+        }
+        self.written = Some(self.list.len());
+        self.is_shown = true;
+        self.edit(|list| list.push(label));
+        true
+    }
+
+    /// Changes the list as one step of undo.
+    pub(in crate::app) fn edit(&mut self, change: impl FnOnce(&mut Vec<Label>)) {
+        change(Arc::make_mut(&mut self.list));
+    }
+
+    /// Takes another list in place of the one there is.
+    pub(in crate::app) fn take(&mut self, list: Arc<Vec<Label>>) {
+        self.list = list;
+        self.written = None;
+    }
+
+    /// Forgets all of them; whether they are shown stays.
+    pub(in crate::app) fn forget(&mut self) {
+        *self = Self {
+            is_shown: self.is_shown,
+            ..Self::default()
+        };
+    }
+
+    /// Looks up where they are in a frame, if it or the list is another one.
+    pub(in crate::app) fn follow(&mut self, frame: &PreparedFrame, origin: DVec3) {
+        let is_known = self
+            .placed_of
+            .as_ref()
+            .is_some_and(|(id, list)| *id == frame.id && Arc::ptr_eq(list, &self.list));
+        if !is_known {
+            let labels = self.list.iter();
+            self.places = labels.map(|label| label.place_in(frame, origin)).collect();
+            self.placed_of = Some((frame.id, Arc::clone(&self.list)));
+            self.hidden_of = None;
+        }
+    }
+
+    /// Asks which places are hidden in the picture of this number, as `camera` sees it; true if that was another one.
+    pub(in crate::app) fn note_hidden(
+        &mut self,
+        picture: u64,
+        camera: &Camera,
+        which_are: impl FnOnce(&[DVec3]) -> Vec<bool>,
+    ) -> bool {
+        let key = Some((picture, *camera));
+        if self.hidden_of == key {
+            return false;
+        }
+        self.hidden_of = key;
+        let shown: Vec<DVec3> = self.places.iter().copied().flatten().collect();
+        let mut hidden = which_are(&shown).into_iter();
+        let places = self.places.iter();
+        self.hidden = places
+            .map(|place| place.is_some() && hidden.next().unwrap_or(false))
+            .collect();
+        true
+    }
+
+    /// The place and the text of each that is in the picture, and whether something hides it; hidden ones first.
+    pub(in crate::app) fn in_picture(&self) -> Vec<(DVec3, &str, bool)> {
+        if !self.is_shown {
+            return Vec::new();
+        }
+        let all = self.list.iter().zip(&self.places).enumerate();
+        let shown = all.filter_map(|(index, (label, place))| {
+            let is_hidden = self.hidden.get(index).copied().unwrap_or(false);
+            Some(((*place)?, label.text.as_str(), is_hidden))
+        });
+        let mut shown: Vec<_> = shown.collect();
+        shown.sort_by_key(|(.., is_hidden)| !is_hidden);
+        shown
+    }
+
+    /// Where a label is in the frame that is shown, or was put.
+    pub(in crate::app) fn place(&self, index: usize) -> Option<DVec3> {
+        let shown = self.places.get(index).copied().flatten();
+        shown.or_else(|| self.list.get(index)?.place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::PlayRange;
+
+    fn label(text: &str) -> Label {
+        Label {
+            text: text.to_owned(),
+            frame: 0,
+            point: None,
+            place: Some(DVec3::ONE),
+            frames: PlayRange::default(),
+        }
+    }
+
+    #[test]
+    fn lists_are_bounded_and_forgotten() {
+        let mut labels = Labels {
+            is_shown: false,
+            ..Labels::default()
+        };
+        for number in 0..MAX_LABELS {
+            assert!(labels.put(label(&number.to_string())));
+        }
+        assert!(!labels.put(label("one more")));
+        assert_eq!((labels.list.len(), labels.written), (MAX_LABELS, Some(MAX_LABELS - 1)));
+        assert!(labels.are_shown(), "who puts a label wants to see it");
+        labels.is_shown = false;
+        assert!(labels.shown().is_empty());
+        labels.forget();
+        assert!(labels.list.is_empty() && !labels.is_shown);
+    }
+}

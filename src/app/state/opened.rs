@@ -1,0 +1,30 @@
+//! What is known of how the open sequence was opened, and of the session that it is of.
+
+use crate::app::features::camera_path::Draft;
+use crate::sequence::OpenOptions;
+use crate::session::Unknown;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How the open sequence was opened, and the session that it is of.
+#[derive(Debug, Default)]
+pub(super) struct Opened {
+    /// What was named; empty for what no one named.
+    pub(super) inputs: Vec<PathBuf>,
+    /// How, if otherwise than the window usually opens.
+    pub(super) options: Option<OpenOptions>,
+    /// The file of its session.
+    pub(super) file: Option<PathBuf>,
+    /// What in that is not this program's.
+    pub(super) unknown: Unknown,
+    /// Not all of the file could be read: it is copied before it is replaced.
+    pub(super) is_damaged: bool,
+}
+
+/// A session was written.
+#[derive(Debug)]
+pub struct SavedSession {
+    pub(super) file: PathBuf,
+    /// The camera path that is in it.
+    pub(super) path: Arc<Draft>,
+}

@@ -1,0 +1,231 @@
+//! Sessions: saved with all that a person has made around the open sequence, and taken up again.
+
+use super::State;
+use super::dialogs::DialogKind;
+use super::opened::{Opened, SavedSession};
+use crate::app::features::camera_path::Draft;
+use crate::app::features::inspection::Anchor;
+use crate::app::features::inspection::measuring::Measurement;
+use crate::app::features::quality::MeasuredWay;
+use crate::app::side::Side;
+use crate::app::work::tasks::TaskFailed;
+use crate::playback::Player;
+use crate::scene::OfSequence;
+use crate::sequence::{OpenOptions, Sequence};
+use crate::session::{EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+impl State {
+    /// Takes notice of what the open sequence was named by, and how it was opened.
+    pub(in crate::app) fn note_opened(&mut self, inputs: Vec<PathBuf>, options: Option<OpenOptions>) {
+        self.opened.inputs = inputs;
+        self.opened.options = options;
+    }
+
+    /// The open sequence is another one, of which nobody has said what it is named by.
+    pub(super) fn note_unnamed(&mut self) {
+        self.opened = Opened::default();
+    }
+
+    /// The file of the session that is open.
+    pub fn session_file(&self) -> Option<&PathBuf> {
+        self.opened.file.as_ref()
+    }
+
+    /// What a session of the open sequence holds now. `Err` is a text for a notice.
+    pub fn session(&self) -> Result<Session, String> {
+        let Some(player) = &self.player else {
+            return Err("There is nothing to save yet: open a sequence first".to_owned());
+        };
+        let options = self.opened.options.as_ref().unwrap_or(&self.options.open);
+        let mut reading = Reading::of(options);
+        let topics = player.sequence().source().topics();
+        if topics.len() > 1 {
+            reading.topic = topics.into_iter().find(|topic| topic.is_read).map(|topic| topic.name);
+        }
+        let style = self.style_of_a();
+        let shown = player.waiting_for().unwrap_or(player.clock().frame());
+        Ok(Session {
+            inputs: self.named_inputs(player)?,
+            reading,
+            frame: shown,
+            view: Some(self.camera),
+            settings: style.with(|style| style.of_sequence = OfSequence::default()),
+            clip: style.of_sequence.clip,
+            range: player.clock().range(),
+            markers: self.timeline.markers.list().to_vec(),
+            measurements: self.inspection.measurements.iter().filter_map(measured).collect(),
+            labels: self.labels.list.to_vec(),
+            path: self.path.draft.path().cloned(),
+            unknown: self.opened.unknown.clone(),
+        })
+    }
+
+    fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
+        if !self.opened.inputs.is_empty() {
+            return Ok(self.opened.inputs.clone());
+        }
+        let source = player.sequence().source();
+        if !source.inputs().is_empty() {
+            return Ok(source.inputs().to_vec());
+        }
+        let is_demo = (!player.sequence().is_empty()).then(|| player.sequence().entry(0));
+        match is_demo {
+            Some(entry) if entry.path.starts_with("demo") => Ok(vec!["demo:".into()]),
+            _ => Err("What is open is no file: a session of it could not be opened again".to_owned()),
+        }
+    }
+
+    /// Saves the session to its file, or asks for one.
+    pub(super) fn save_session(&mut self, asks: bool) {
+        if let Err(reason) = self.session() {
+            return self.notices.error(reason);
+        }
+        match &self.opened.file {
+            Some(file) if !asks => self.save_session_to(file.clone()),
+            _ => {
+                let name = format!("{}.{EXTENSION}", self.sequence_stem());
+                self.ask(DialogKind::SaveSession, Some(name));
+            }
+        }
+    }
+
+    /// Writes the session to a file on a thread.
+    pub fn save_session_to(&mut self, file: PathBuf) {
+        let session = match self.session() {
+            Ok(session) => session,
+            Err(reason) => return self.notices.error(reason),
+        };
+        let of_b = |measurement: &&Measurement| measured(measurement).is_none();
+        if let left_out @ 1.. = self.inspection.measurements.iter().filter(of_b).count() {
+            let text = format!("Not in the session: {left_out} measured with the sequence beside the open one");
+            self.notices.warn(text);
+        }
+        let path = Arc::clone(&self.path.draft);
+        let copies = self.opened.is_damaged && self.opened.file.as_ref() == Some(&file);
+        self.tasks.try_start("save session", move || {
+            if copies {
+                copy_beside(&file).map_err(TaskFailed)?;
+            }
+            session.write(&file).map_err(|reason| TaskFailed(reason.to_string()))?;
+            Ok(SavedSession { file, path })
+        });
+    }
+
+    /// Takes notice that it is written.
+    pub(super) fn session_was_saved(&mut self, SavedSession { file, path }: SavedSession) {
+        self.notices.info(format!("Saved {}", file.display()));
+        // What is in the session is not lost.
+        self.path.note_kept(path);
+        if let Err(problem) = self.recent.add(std::slice::from_ref(&file)) {
+            self.notices.warn(problem);
+        }
+        self.opened.file = Some(file);
+        self.opened.is_damaged = false;
+    }
+
+    /// Shows `sequence`, which is of a session, as that says.
+    pub fn open_session(&mut self, sequence: Arc<Sequence>, read: ReadSession) {
+        let ReadSession {
+            file,
+            session,
+            warnings,
+        } = read;
+        let opened = Arc::clone(&sequence);
+        self.open(sequence);
+        let is_open = self
+            .player
+            .as_ref()
+            .is_some_and(|player| Arc::ptr_eq(player.sequence(), &opened));
+        if !is_open {
+            return;
+        }
+        let is_damaged = !warnings.is_empty();
+        for warning in warnings {
+            self.notices.warn(warning);
+        }
+        // They are of this sequence: the next is drawn as others are.
+        let before = self.style;
+        self.style = session.style();
+        self.measured_way = Some(MeasuredWay {
+            before,
+            chosen: self.style,
+        });
+        self.looked.primitive = Some(self.style.primitive);
+        self.options.view = session.view.or(self.options.view.take());
+        self.motion.turntable.is_on = false;
+        let measured = session.measurements.iter().map(measurement);
+        self.inspection.measurements = measured.collect();
+        self.labels.take(Arc::new(session.labels));
+        self.history.forget_labels(&self.labels.list);
+        if let Some(problem) = self.timeline.take_markers(session.markers) {
+            self.notices.warn(problem);
+        }
+        if let Some(path) = session.path {
+            self.stop_preview();
+            self.path.take(Arc::new(Draft::of(path)), None);
+        }
+        let (range, frame) = (session.range, session.frame);
+        self.play_with(|player, now| {
+            player.set_range(range, now);
+            // Frames of a live source are gone.
+            if !player.sequence().source().is_live() {
+                if player.is_playing() {
+                    player.toggle(now);
+                }
+                player.seek(frame, now);
+            }
+        });
+        self.opened = Opened {
+            inputs: session.inputs,
+            options: Some(session.reading.over(&self.options.open)),
+            file: Some(file),
+            unknown: session.unknown,
+            is_damaged,
+        };
+    }
+}
+
+/// A measurement of the open sequence alone.
+fn measured(measurement: &Measurement) -> Option<Measured> {
+    let points = measurement.points.iter().map(|anchor| {
+        (anchor.side == Side::A).then(|| MeasuredPoint {
+            frame: anchor.frame,
+            point: anchor.point(),
+            place: anchor.place,
+        })
+    });
+    Some(Measured {
+        gauge: measurement.gauge,
+        points: points.collect::<Option<_>>()?,
+    })
+}
+
+fn measurement(measured: &Measured) -> Measurement {
+    let points = measured.points.iter().map(|point| Anchor {
+        side: Side::A,
+        index_in_file: point.point.index_in_file,
+        frame: point.frame,
+        place: point.place,
+        clicked_in: point.frame,
+        // No file has so many: such a point stays where it is.
+        points_in_file: point.point.points_in_file.unwrap_or(usize::MAX),
+    });
+    Measurement {
+        gauge: measured.gauge,
+        points: points.collect(),
+    }
+}
+
+/// What could not be read of a session is not lost when it is saved.
+fn copy_beside(file: &Path) -> Result<(), String> {
+    match crate::kept::copy_beside(file) {
+        Ok(_) => Ok(()),
+        Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(reason) => Err(format!(
+            "Not all of {} could be read, nor can it be copied ({reason}): save the session under another name",
+            file.display()
+        )),
+    }
+}

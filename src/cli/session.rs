@@ -1,0 +1,98 @@
+//! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
+
+use super::values::DEMO_INPUT;
+use super::warnings;
+use crate::scene::Clip;
+use crate::sequence::{OpenOptions, Sequence};
+use crate::session::{ReadSession, session_of};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// What a person named, opened.
+pub(super) struct OpenedInputs {
+    pub(super) sequence: Sequence,
+    /// The session that it is of.
+    pub(super) session: Option<ReadSession>,
+}
+
+/// Opens what a person named; nothing is the built-in sequence. What is given goes before what a session says.
+pub(super) fn open_inputs(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
+    let session = session_of(inputs)?;
+    let sequence = match (&session, inputs) {
+        (Some(read), _) => Sequence::open(&read.session.inputs, &read.session.reading.over(options))?,
+        (None, []) => Sequence::open(&[DEMO_INPUT.into()], options)?,
+        (None, inputs) => Sequence::open(inputs, options)?,
+    };
+    Ok(OpenedInputs { sequence, session })
+}
+
+/// [`open_inputs`], which warns of what is left out. A window says that itself.
+pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
+    let opened = open_inputs(inputs, options)?;
+    let of_session = opened.session.iter().flat_map(|read| &read.warnings);
+    for note in opened.sequence.source().notes().iter().chain(of_session) {
+        warnings::warn(note);
+    }
+    Ok(opened)
+}
+
+/// What is in a session, for `info`.
+#[derive(Debug, Serialize)]
+pub(super) struct SessionInfo {
+    file: String,
+    files: Vec<String>,
+    /// Counted from 0.
+    frame: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    view: Option<String>,
+    clips: bool,
+    markers: usize,
+    measurements: usize,
+    labels: Vec<String>,
+    /// Of the camera path.
+    keyframes: usize,
+}
+
+impl SessionInfo {
+    pub(super) fn of(read: &ReadSession) -> Self {
+        let session = &read.session;
+        Self {
+            file: read.file.display().to_string(),
+            files: session.inputs.iter().map(|input| input.display().to_string()).collect(),
+            frame: session.frame,
+            view: session.view.map(|view| view.to_string()),
+            clips: session.clip.as_ref().is_some_and(|clip: &Clip| clip.is_on),
+            markers: session.markers.len(),
+            measurements: session.measurements.len(),
+            labels: session.labels.iter().map(|label| label.text.clone()).collect(),
+            keyframes: session.path.as_ref().map_or(0, |path| path.keyframes().len()),
+        }
+    }
+
+    /// Lines above the table of frames.
+    pub(super) fn lines(&self) -> String {
+        let mut text = format!("session {} of {}\n", self.file, self.files.join(", "));
+        let counted = |count: usize, one: &str| match count {
+            1 => format!("1 {one}"),
+            count => format!("{count} {one}s"),
+        };
+        let clip = if self.clips { ", clipped" } else { "" };
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "  frame {}{clip}, {}, {}, {}, {}",
+            self.frame,
+            counted(self.labels.len(), "label"),
+            counted(self.measurements, "measurement"),
+            counted(self.markers, "marker"),
+            counted(self.keyframes, "keyframe")
+        );
+        if !self.labels.is_empty() {
+            let quoted: Vec<String> = self.labels.iter().map(|label| format!("\"{label}\"")).collect();
+            let _ = writeln!(text, "  labels: {}", quoted.join(", "));
+        }
+        text.push('\n');
+        text
+    }
+}

@@ -1,0 +1,32 @@
+//! A point of a file that is the same one in other frames.
+//!
+//! **How it works.** Frames of as many points, written by one program, list them in one order: the point with the same
+//! index is the same point. Where another frame has another number of points, nobody knows which it is. So marks follow
+//! points ([`FollowedPoint::slot_in`]) where indices are stable, and stay where they were put elsewhere.
+
+use crate::sequence::PreparedFrame;
+
+/// A point by its index in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FollowedPoint {
+    /// Its index in the file, points without finite coordinates counted.
+    pub index_in_file: u32,
+    /// How many points the files have in which it is this one; `None` where any file with such a point will do.
+    pub points_in_file: Option<usize>,
+}
+
+impl FollowedPoint {
+    /// Its slot in `frame`; `None` where the frame has another number of points, or none with finite coordinates at
+    /// this index. Costs a look at the indices of the frame.
+    pub fn slot_in(self, frame: &PreparedFrame) -> Option<usize> {
+        let cloud = &frame.frame;
+        if self
+            .points_in_file
+            .is_some_and(|points| points != cloud.points_in_file())
+        {
+            return None;
+        }
+        let mut indices = cloud.file_index().iter();
+        indices.position(|&index| index == self.index_in_file)
+    }
+}

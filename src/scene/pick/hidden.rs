@@ -1,0 +1,67 @@
+//! Whether a place of the cloud is behind what is drawn.
+//!
+//! **How it works.** The ray through the pixel of the place is held against what is drawn, as for a click. What it
+//! meets first hides the place if that is behind it by more than surfels of one surface are apart: a label on a surface
+//! is not hidden by its neighbours.
+
+use super::codes::surfels_near;
+use super::ray::Ray;
+use super::records::{Cubes, Disks, Sprites, Triangles};
+use crate::scene::{Content, Primitive, ScenePacket, Surfels};
+use glam::{DVec2, DVec3};
+
+/// What hides a place is nearer by this share of how far away the place is.
+const SLACK: f64 = 0.02;
+
+/// Which of `places`, relative to the origin of the sequence, each with the pixel in which it is seen, are behind what
+/// is drawn there. What is not in the picture is not hidden.
+pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
+    let [width, height] = packet.viewport_px.map(f64::from);
+    let is_seen = |px: DVec2| (0.0..width).contains(&px.x) && (0.0..height).contains(&px.y);
+    if !places.iter().any(|&(_, px)| is_seen(px)) {
+        return vec![false; places.len()];
+    }
+    // What was chosen of a cut is put together once for all of them.
+    if let Content::Selected(selected) = &packet.content {
+        let content = Content::Surfels(selected.gathered());
+        let packet = ScenePacket {
+            content,
+            ..packet.clone()
+        };
+        return hidden(&packet, places);
+    }
+    let is_hidden = |&(place, px): &(DVec3, DVec2)| is_seen(px) && is_behind(packet, place, px);
+    places.iter().map(is_hidden).collect()
+}
+
+fn is_behind(packet: &ScenePacket, place: DVec3, px: DVec2) -> bool {
+    let ray = Ray::new(packet, px.to_array());
+    let depth = ray.depth_of(place);
+    // The eye of parallel rays is far away, whatever the cloud's size.
+    let slack = SLACK * depth / f64::from(packet.view.telephoto);
+    nearest_place(packet, &ray).is_some_and(|nearest| ray.depth_of(nearest) < depth - slack)
+}
+
+/// Where the ray meets what is drawn.
+fn nearest_place(packet: &ScenePacket, ray: &Ray) -> Option<DVec3> {
+    let of_surfels = |surfels: &Surfels| {
+        if packet.style.primitive == Primitive::Point {
+            ray.choose(&Sprites::new(packet, &surfels.points, Some(&surfels.shapes)), 0.0)
+        } else {
+            ray.choose(&Disks::new(surfels, &packet.style), 0.0)
+        }
+    };
+    let seen = match &packet.content {
+        Content::Nothing => None,
+        Content::Points(points) => ray.choose(&Sprites::new(packet, points, None), 0.0),
+        Content::Surfels(surfels) => of_surfels(surfels),
+        Content::Selected(selected) => of_surfels(&selected.gathered()),
+        Content::Voxels(voxels) => ray.choose(&Cubes::new(voxels), 0.0),
+        Content::Mesh(mesh) => ray.choose(&Triangles::new(mesh, packet), 0.0),
+        Content::Coded(coded) => {
+            let surfels = surfels_near(ray, coded, &packet.style, 0.0);
+            ray.choose(&Disks::new(&surfels, &packet.style), 0.0)
+        }
+    };
+    seen.map(|seen| seen.place)
+}

@@ -1,0 +1,90 @@
+//! Why a session cannot be opened or saved.
+
+use std::path::PathBuf;
+
+/// Why a session cannot be opened or saved.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SessionError {
+    /// The file cannot be read.
+    #[error("the session {} cannot be read: {reason}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// The file cannot be written.
+    #[error("the session could not be saved to {} ({reason}): choose another folder or make room", file.display())]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// Larger than any session.
+    #[error("{} is no session: it has more than {} MiB", file.display(), most_bytes >> 20)]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// What one may have.
+        most_bytes: u64,
+    },
+    /// It is not what a session looks like; the reason names line and column.
+    #[error("{} is no session that can be opened: {reason}", file.display())]
+    Json {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong where.
+        reason: serde_json::Error,
+    },
+    /// It was written by a later program.
+    #[error(
+        "{} is a session of version {version}, and this program knows version {known}: open it with a newer pointreel",
+        file.display()
+    )]
+    Later {
+        /// The file.
+        file: PathBuf,
+        /// Its version.
+        version: u64,
+        /// The latest that is known.
+        known: u64,
+    },
+    /// More than a session can have.
+    #[error("the session {} has {count} {what}: expected at most {most}", file.display())]
+    TooMany {
+        /// The file.
+        file: PathBuf,
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// It names nothing to open.
+    #[error("the session {} has no `files`: expected at least one, such as \"scans\"", file.display())]
+    NoFiles {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A session is made of other files, not of sessions.
+    #[error(
+        "the session {} names the session {} among its `files`: name what that opens",
+        file.display(),
+        input.display()
+    )]
+    OfSession {
+        /// The file.
+        file: PathBuf,
+        /// What it names.
+        input: PathBuf,
+    },
+    /// A text file cannot hold this name.
+    #[error("{} has a name that is no text (Unicode): rename it to save a session of it", input.display())]
+    Name {
+        /// What was opened.
+        input: PathBuf,
+    },
+}

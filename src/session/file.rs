@@ -1,0 +1,281 @@
+//! Sessions as files.
+
+use super::error::SessionError;
+use super::model::{Session, Unknown};
+use super::paths::{as_text, joined};
+use super::text;
+use super::written::{self, VERSION, Version, Written, clip_fields, label_fields, measured_fields};
+use crate::kept::{self, Fields};
+use crate::scene::Style;
+use crate::timeline::PlayRange;
+use serde::Serialize;
+use serde_json::Value;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Of the names of session files.
+pub const EXTENSION: &str = "pointreel";
+
+/// As many labels and keyframes as anybody sets, with all digits, take less.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// Most labels, and most measurements.
+const MAX_MARKS: usize = 1000;
+
+/// Names of values that a warning has room for.
+const MAX_REASONS: usize = 20;
+
+/// A session that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadSession {
+    /// Its file.
+    pub file: PathBuf,
+    /// What is in it.
+    pub session: Session,
+    /// What of it could not be read, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Whether a file is a session, by its name.
+pub fn is_session(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// The session that `inputs` name; `None` where they are other files. A folder may have such a name as well.
+///
+/// # Errors
+/// As [`ReadSession::read`].
+pub fn session_of(inputs: &[PathBuf]) -> Result<Option<ReadSession>, SessionError> {
+    match inputs {
+        [input] if is_session(input) && !input.is_dir() => ReadSession::read(input).map(Some),
+        _ => Ok(None),
+    }
+}
+
+impl ReadSession {
+    /// Reads the session in `file`.
+    ///
+    /// # Errors
+    /// What stands in the way of reading, and what is wrong in which line.
+    pub fn read(file: &Path) -> Result<Self, SessionError> {
+        let failed = |reason| SessionError::Read {
+            file: file.to_owned(),
+            reason,
+        };
+        let mut bytes = Vec::new();
+        File::open(file)
+            .and_then(|opened| opened.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(failed)?;
+        if bytes.len() as u64 > MAX_FILE_BYTES {
+            return Err(SessionError::TooLarge {
+                file: file.to_owned(),
+                most_bytes: MAX_FILE_BYTES,
+            });
+        }
+        Self::of_text(&bytes, file)
+    }
+
+    /// Reads a session from the text of `file`; paths in it are from the folder of that.
+    ///
+    /// # Errors
+    /// What is wrong in which line.
+    pub fn of_text(text: &[u8], file: &Path) -> Result<Self, SessionError> {
+        let json = |reason| SessionError::Json {
+            file: file.to_owned(),
+            reason,
+        };
+        // A later version may have other fields: it is looked at alone.
+        let Version {
+            pointreel_session: version,
+        } = serde_json::from_slice(text).map_err(json)?;
+        if version > VERSION {
+            return Err(SessionError::Later {
+                file: file.to_owned(),
+                version,
+                known: VERSION,
+            });
+        }
+        let written: Written = serde_json::from_slice(text).map_err(json)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let inputs: Vec<PathBuf> = written.files.iter().map(|text| joined(folder, text)).collect();
+        if inputs.is_empty() {
+            return Err(SessionError::NoFiles { file: file.to_owned() });
+        }
+        if let Some(input) = inputs.iter().find(|input| is_session(input) && !input.is_dir()) {
+            return Err(SessionError::OfSession {
+                file: file.to_owned(),
+                input: input.clone(),
+            });
+        }
+        check_counts(file, &written)?;
+        let mut notes = Notes::default();
+        let (settings, unknown_settings) = settings_of(&written.settings, &mut notes);
+        let labels = written.labels.into_iter().map(|written::WrittenLabel(label, unknown)| {
+            notes.unknown("a label", &unknown);
+            label
+        });
+        let labels = labels.collect();
+        let measured = written.measurements.into_iter();
+        let measurements = measured.map(|written::WrittenMeasured(measured, unknown)| {
+            notes.unknown("a measurement", &unknown);
+            measured
+        });
+        let measurements = measurements.collect();
+        let mut markers = written.markers;
+        markers.sort_by_key(|marker| marker.frame);
+        let session = Session {
+            inputs,
+            reading: written.reading.read_in(folder),
+            frame: written.frame,
+            view: written.view,
+            settings,
+            clip: written.clip.map(|clip| clip.0),
+            range: written.range,
+            markers,
+            measurements,
+            labels,
+            path: written.camera_path,
+            unknown: Unknown {
+                session: written.unknown,
+                settings: unknown_settings,
+            },
+        };
+        Ok(Self {
+            file: file.to_owned(),
+            session,
+            warnings: notes.warnings(file),
+        })
+    }
+}
+
+/// Each frame looks for the points of all of them.
+fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
+    let counts = [
+        ("labels", written.labels.len()),
+        ("measurements", written.measurements.len()),
+    ];
+    match counts.into_iter().find(|(_, count)| *count > MAX_MARKS) {
+        Some((what, count)) => Err(SessionError::TooMany {
+            file: file.to_owned(),
+            what,
+            count,
+            most: MAX_MARKS,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// What could not be read.
+#[derive(Debug, Default)]
+struct Notes(Vec<String>);
+
+impl Notes {
+    fn unknown(&mut self, of: &str, names: &[String]) {
+        for name in names {
+            let text = format!("`{name}` of {of} is not known");
+            if !self.0.contains(&text) {
+                self.0.push(text);
+            }
+        }
+    }
+
+    fn warnings(self, file: &Path) -> Vec<String> {
+        let (file, count) = (file.display(), self.0.len());
+        let shown = self.0.into_iter().take(MAX_REASONS);
+        let mut warnings: Vec<String> = shown
+            .map(|text| format!("not all of {file} was read: {text}"))
+            .collect();
+        if count > MAX_REASONS {
+            warnings.push(format!("{} more of {file} were not read", count - MAX_REASONS));
+        }
+        warnings
+    }
+}
+
+/// The settings, each by itself, and those that are not known.
+fn settings_of(written: &Fields, notes: &mut Notes) -> (Style, Fields) {
+    let mut unread = Vec::new();
+    let settings = kept::fields::<Style>(written, &mut unread).nearest();
+    notes
+        .0
+        .extend(unread.iter().map(|reason| format!("the setting {reason}")));
+    let known = settings_value(&Style::default());
+    let unknown = written.iter().filter(|(name, _)| !known.contains_key(*name));
+    let unknown = unknown.map(|(name, value)| (name.clone(), value.clone())).collect();
+    (settings, unknown)
+}
+
+/// By the names that files have for them. Single numbers have the few digits that they need.
+fn settings_value(settings: &Style) -> Fields {
+    // Words and numbers alone: nothing of it can fail.
+    let text = serde_json::to_string(settings).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+fn value_of(fields: impl Serialize) -> Value {
+    // Numbers and texts alone: nothing of it can fail.
+    serde_json::to_value(fields).unwrap_or_default()
+}
+
+impl Session {
+    /// The text of a session in `file`: JSON, whose paths are from the folder of the file.
+    ///
+    /// # Errors
+    /// Of inputs whose names are no text.
+    pub fn to_text(&self, file: &Path) -> Result<String, SessionError> {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let files = self.inputs.iter().map(|input| as_text(input, folder));
+        let files = files.collect::<Result<Vec<String>, _>>()?;
+        let mut settings = self.unknown.settings.clone();
+        settings.append(&mut settings_value(&self.settings));
+        let labels: Vec<Value> = self.labels.iter().map(|label| value_of(label_fields(label))).collect();
+        let measured = self.measurements.iter();
+        let measured: Vec<Value> = measured.map(|measured| value_of(measured_fields(measured))).collect();
+        let view = self.view.map(|view| view.to_string());
+        let clip = self.clip.as_ref().map(|clip| value_of(clip_fields(clip)));
+        let fields = [
+            ("pointreel_session", Value::from(VERSION)),
+            ("files", value_of(files)),
+            ("reading", value_of(self.reading.written_in(folder)?)),
+            ("frame", self.frame.into()),
+            ("view", value_of(view)),
+            (
+                "range",
+                value_of(Some(self.range).filter(|range| *range != PlayRange::default())),
+            ),
+            ("markers", value_of(&self.markers)),
+            ("labels", labels.into()),
+            ("measurements", measured.into()),
+            ("clip", value_of(clip)),
+            ("camera_path", value_of(&self.path)),
+            ("settings", settings.into()),
+        ];
+        // What there is none of needs no line.
+        let is_there = |value: &Value| match value {
+            Value::Null => false,
+            Value::Array(list) => !list.is_empty(),
+            Value::Object(fields) => !fields.is_empty(),
+            _ => true,
+        };
+        let fields = fields.iter().map(|(name, value)| (*name, value));
+        let unknown = self.unknown.session.iter();
+        let unknown = unknown.map(|(name, value)| (name.as_str(), value));
+        Ok(text::of_fields(
+            fields.filter(|(_, value)| is_there(value)).chain(unknown),
+        ))
+    }
+
+    /// Writes the session to `file`, which is replaced as a whole.
+    ///
+    /// # Errors
+    /// As [`Session::to_text`], and the system's.
+    pub fn write(&self, file: &Path) -> Result<(), SessionError> {
+        let text = self.to_text(file)?;
+        kept::write_whole(file, text.as_bytes()).map_err(|reason| SessionError::Write {
+            file: file.to_owned(),
+            reason,
+        })
+    }
+}

@@ -1,0 +1,26 @@
+//! Session files: all that a person made around a sequence, in a readable text beside the data (`.pointreel`).
+//!
+//! **How it works.** A session is JSON, as settings, presets and camera paths are ([`text`]): the files by their paths
+//! from the folder of the session, how they are read, the frame, the view as the line that the window copies, all
+//! settings by the words of the command line, clip, range, markers, measurements, labels and the camera path. The same
+//! folder on another machine opens as it was left, in a window and by `render`.
+//!
+//! **What outlives versions.** A session of a later version of the format is refused, as the same word may mean
+//! something else there. Fields that are not known are kept and written again; settings that cannot be read are as by
+//! default, and said. All else that is wrong is an error with its line: a session that lacks its view is not the one
+//! that was saved.
+
+mod error;
+mod file;
+mod model;
+mod paths;
+mod reading;
+#[cfg(test)]
+mod tests;
+mod text;
+mod written;
+
+pub use error::SessionError;
+pub use file::{EXTENSION, ReadSession, is_session, session_of};
+pub use model::{Marker, Measured, MeasuredPoint, Session, Unknown};
+pub use reading::Reading;

@@ -1,0 +1,183 @@
+//! How the files of a session are opened: what a person chose of [`OpenOptions`], under the names of the options of the
+//! command line.
+
+use super::SessionError;
+use super::paths::{as_text, joined};
+use crate::io::ReadOptions;
+use crate::rgbd::Filters;
+use crate::source::{OpenOptions, RgbdOptions};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Choices of reading; what is `None` or false is as usual.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reading {
+    /// Topic of a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
+    /// Frames a second.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "positive")]
+    pub fps: Option<f64>,
+    /// The scans of an E57 file are one frame.
+    #[serde(skip_serializing_if = "is_false")]
+    pub merge_scans: bool,
+    /// Points sampled from the faces of a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<NonZeroUsize>,
+    /// Numbers a point in files without a header, 3 to 6.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "columns")]
+    pub columns: Option<u8>,
+    /// Points of photographs are made by stereo.
+    #[serde(skip_serializing_if = "is_false")]
+    pub dense: bool,
+    /// Filters of depth images.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "write_filters",
+        deserialize_with = "filters"
+    )]
+    pub rgbd_filters: Option<Filters>,
+    /// Pattern of the names of depth images.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_images: Option<String>,
+    /// Pattern of the names of colour images.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_images: Option<String>,
+    /// `fx,fy,cx,cy`, or a file that says them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub intrinsics: Option<String>,
+    /// Units of the depth images that are a metre.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "positive")]
+    pub depth_scale: Option<f64>,
+    /// A file with the poses of the camera.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses: Option<PathBuf>,
+    /// Frames, both ends included, that become one cloud.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub merge_frames: Option<(usize, usize)>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
+fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let value = Option::<f64>::deserialize(deserializer)?;
+    match value {
+        Some(number) if !(number > 0.0 && number.is_finite()) => {
+            Err(serde::de::Error::custom(format!("{number} is not above 0")))
+        }
+        value => Ok(value),
+    }
+}
+
+fn columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
+    let value = Option::<u8>::deserialize(deserializer)?;
+    match value {
+        Some(columns) if !(3..=6).contains(&columns) => {
+            let text = format!("{columns} columns: expected 3 to 6");
+            Err(serde::de::Error::custom(text))
+        }
+        value => Ok(value),
+    }
+}
+
+#[expect(clippy::ref_option, reason = "serde calls it so")]
+fn write_filters<S: Serializer>(filters: &Option<Filters>, serializer: S) -> Result<S::Ok, S::Error> {
+    filters.map(|filters| filters.to_string()).serialize(serializer)
+}
+
+fn filters<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Filters>, D::Error> {
+    let text = Option::<String>::deserialize(deserializer)?;
+    text.map(|text| text.parse().map_err(serde::de::Error::custom))
+        .transpose()
+}
+
+impl Reading {
+    /// What was chosen in `options`.
+    pub fn of(options: &OpenOptions) -> Self {
+        let (read, rgbd) = (&options.read, &options.rgbd);
+        Self {
+            topic: options.topic.as_deref().map(str::to_owned),
+            fps: options.fps,
+            merge_scans: options.merge_scans,
+            sample: read.sample_count,
+            columns: read.bin_columns,
+            dense: options.dense,
+            rgbd_filters: (rgbd.filters != Filters::USUAL).then_some(rgbd.filters),
+            depth_images: rgbd.depth.clone(),
+            color_images: rgbd.color.clone(),
+            intrinsics: rgbd.intrinsics.clone(),
+            depth_scale: rgbd.depth_scale,
+            poses: rgbd.poses.clone(),
+            merge_frames: rgbd.merge,
+        }
+    }
+
+    /// `options` with these choices, where `options` has none of its own.
+    #[must_use]
+    pub fn over(&self, options: &OpenOptions) -> OpenOptions {
+        let read: ReadOptions = options.read;
+        let given = &options.rgbd;
+        OpenOptions {
+            read: read
+                .with_sample_count(read.sample_count.or(self.sample))
+                .with_bin_columns(read.bin_columns.or(self.columns)),
+            fps: options.fps.or(self.fps),
+            merge_scans: options.merge_scans || self.merge_scans,
+            topic: options.topic.clone().or_else(|| self.topic.as_deref().map(Arc::from)),
+            dense: options.dense || self.dense,
+            rgbd: RgbdOptions {
+                filters: self.rgbd_filters.unwrap_or(given.filters),
+                depth: given.depth.clone().or_else(|| self.depth_images.clone()),
+                color: given.color.clone().or_else(|| self.color_images.clone()),
+                intrinsics: given.intrinsics.clone().or_else(|| self.intrinsics.clone()),
+                depth_scale: given.depth_scale.or(self.depth_scale),
+                poses: given.poses.clone().or_else(|| self.poses.clone()),
+                merge: given.merge.or(self.merge_frames),
+                ..given.clone()
+            },
+            ..options.clone()
+        }
+    }
+
+    /// With the paths of its files as a session in `folder` holds them.
+    pub(super) fn written_in(&self, folder: &Path) -> Result<Self, SessionError> {
+        let poses = self.poses.as_deref().map(|file| as_text(file, folder)).transpose()?;
+        let file_of_intrinsics = self.intrinsics.as_deref().filter(|text| is_file_name(text));
+        let intrinsics = match file_of_intrinsics {
+            Some(file) => Some(as_text(Path::new(file), folder)?),
+            None => self.intrinsics.clone(),
+        };
+        Ok(Self {
+            poses: poses.map(PathBuf::from),
+            intrinsics,
+            ..self.clone()
+        })
+    }
+
+    /// The opposite of [`Reading::written_in`].
+    pub(super) fn read_in(self, folder: &Path) -> Self {
+        let intrinsics = self.intrinsics.map(|text| {
+            if is_file_name(&text) {
+                joined(folder, &text).to_string_lossy().into_owned()
+            } else {
+                text
+            }
+        });
+        Self {
+            poses: self.poses.map(|file| joined(folder, &file.to_string_lossy())),
+            intrinsics,
+            ..self
+        }
+    }
+}
+
+/// Numbers are the intrinsics themselves.
+fn is_file_name(text: &str) -> bool {
+    !text.split(',').all(|number| number.trim().parse::<f64>().is_ok())
+}

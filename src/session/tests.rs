@@ -1,0 +1,402 @@
+//! Sessions written and read: nothing is lost, whatever is in them, and damage is told with its line.
+
+use super::*;
+use crate::rgbd::Filters;
+use crate::scene::{
+    Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Keyframe, Label, MAX_LABEL_CHARS, Primitive, Style,
+    UpAxis,
+};
+use crate::timeline::PlayRange;
+use glam::DVec3;
+use proptest::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// As a person would write it by hand.
+const BY_HAND: &str = r#"{
+  "pointreel_session": 1,
+  "files": ["scans"],
+  "frame": 7,
+  "labels": [
+    {"text": "knee", "frame": 3, "point": 17, "from": 2, "to": 9},
+    {"text": "the door", "at": [1, 2.5, -3]}
+  ],
+  "measurements": [
+    {"gauge": "distance", "points": [
+      {"frame": 3, "point": 17, "of": 100, "at": [0, 0, 0]},
+      {"frame": 3, "point": 18, "of": 100, "at": [3, 4, 0]}
+    ]}
+  ],
+  "markers": [{"frame": 5, "name": "turn"}],
+  "settings": {"primitive": "voxel"}
+}
+"#;
+
+fn read(text: &str) -> Result<ReadSession, SessionError> {
+    ReadSession::of_text(text.as_bytes(), Path::new("/data/walk/walk.pointreel"))
+}
+
+fn place() -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-1e12f64..1e12).prop_map(DVec3::from_array)
+}
+
+fn range() -> impl Strategy<Value = PlayRange> {
+    (prop::option::of(0usize..50), prop::option::of(50usize..100)).prop_map(|(first, last)| {
+        let mut range = PlayRange::default();
+        range = first.map_or(range, |first| range.beginning_at(first));
+        last.map_or(range, |last| range.ending_at(last))
+    })
+}
+
+fn followed() -> impl Strategy<Value = FollowedPoint> {
+    (0u32..1000, 1000usize..100_000).prop_map(|(index_in_file, points)| FollowedPoint {
+        index_in_file,
+        points_in_file: Some(points),
+    })
+}
+
+fn label() -> impl Strategy<Value = Label> {
+    let point = prop_oneof![
+        (prop::option::of(followed()), place()).prop_map(|(point, place)| (point, Some(place))),
+        followed().prop_map(|point| (Some(point), None)),
+    ];
+    ("[^\\p{Cc}]{0,30}", 0usize..1000, point, range()).prop_map(|(text, frame, (point, place), frames)| Label {
+        text: Label::as_text(&text),
+        frame,
+        point,
+        place,
+        frames,
+    })
+}
+
+fn measured() -> impl Strategy<Value = Measured> {
+    let point =
+        (0usize..1000, followed(), place()).prop_map(|(frame, point, place)| MeasuredPoint { frame, point, place });
+    (0usize..3, prop::array::uniform3(point)).prop_map(|(gauge, points)| {
+        let gauge = Gauge::ALL[gauge].0;
+        let points = points[..gauge.point_count()].to_vec();
+        Measured { gauge, points }
+    })
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    (place(), 1e-3f64..1e6, -180f64..180.0, -90f64..90.0).prop_map(|(target_in_world, distance, azimuth, elevation)| {
+        Camera {
+            target_in_world,
+            distance,
+            azimuth_deg: azimuth,
+            elevation_deg: elevation,
+            ..Camera::framing(&crate::math::Aabb::EMPTY, DVec3::ZERO, UpAxis::NegZ)
+        }
+    })
+}
+
+fn path() -> impl Strategy<Value = CameraPath> {
+    (prop::collection::vec((camera(), 0f64..1000.0), 1..5), any::<bool>()).prop_map(|(views, eases)| {
+        let keys = views.into_iter().enumerate();
+        let keys = keys.map(|(index, (camera, frame))| Keyframe {
+            time_s: index as f64 * 0.7,
+            camera,
+            frame,
+        });
+        CameraPath::new(keys.collect(), eases).unwrap()
+    })
+}
+
+fn clip() -> impl Strategy<Value = Clip> {
+    let shape = prop_oneof![
+        (place(), place()).prop_map(|(a, b)| ClipShape::Box {
+            min: a.min(b),
+            max: a.max(b)
+        }),
+        (0.1f64..1.0, -1f64..1.0, -1e6f64..1e6).prop_map(|(x, y, offset)| ClipShape::Plane {
+            normal: DVec3::new(x, y, 0.3),
+            offset
+        }),
+    ];
+    (shape, any::<bool>(), any::<bool>()).prop_map(|(shape, is_on, keeps_outside)| Clip {
+        is_on,
+        shape,
+        keeps_outside,
+    })
+}
+
+fn session() -> impl Strategy<Value = Session> {
+    let settings = (0.1f32..10.0, 0usize..3, any::<bool>()).prop_map(|(scale, primitive, grid)| {
+        Style::default()
+            .with(|style| {
+                style.surfels.splat_scale = scale;
+                style.primitive = [Primitive::Auto, Primitive::Voxel, Primitive::Point][primitive];
+                style.backdrop.grid = grid;
+            })
+            .nearest()
+    });
+    let reading = (
+        prop::option::of("[a-z/]{1,10}"),
+        prop::option::of(0.1f64..1000.0),
+        any::<bool>(),
+    );
+    let reading = reading.prop_map(|(topic, fps, merge_scans)| Reading {
+        topic,
+        fps,
+        merge_scans,
+        rgbd_filters: merge_scans.then_some(Filters::NONE),
+        merge_frames: merge_scans.then_some((3, 9)),
+        ..Reading::default()
+    });
+    let markers = prop::collection::btree_map(0usize..1000, "[^\\p{Cc}]{0,20}", 0..4);
+    let markers = markers.prop_map(|list| list.into_iter().map(|(frame, name)| Marker { frame, name }).collect());
+    let view = (
+        reading,
+        0usize..1000,
+        prop::option::of(camera()),
+        settings,
+        prop::option::of(clip()),
+    );
+    let marks = (
+        range(),
+        markers,
+        prop::collection::vec(measured(), 0..4),
+        prop::collection::vec(label(), 0..6),
+        prop::option::of(path()),
+    );
+    (view, marks).prop_map(
+        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path))| Session {
+            inputs: vec!["/data/walk/scans".into(), "/data/b.ply".into(), "demo:".into()],
+            reading,
+            frame,
+            view,
+            settings,
+            clip,
+            range,
+            markers,
+            measurements,
+            labels,
+            path,
+            unknown: Unknown::default(),
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn every_session_survives_to_the_last_bit(session in session()) {
+        let text = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
+        let read = read(&text).unwrap();
+        prop_assert_eq!(&read.warnings, &Vec::<String>::new());
+        // The text has a path from the folder where one leads there.
+        let inputs: Vec<PathBuf> = vec!["/data/walk/scans".into(), "/data/walk/../b.ply".into(), "demo:".into()];
+        prop_assert_eq!(&read.session.inputs, &inputs);
+        let read = Session { inputs: session.inputs.clone(), ..read.session };
+        prop_assert_eq!(&read, &session);
+        // What is written again is the same text.
+        prop_assert_eq!(read.to_text(Path::new("/data/walk/walk.pointreel")).unwrap(), text);
+    }
+
+    #[test]
+    fn no_text_is_a_panic(session in session(), cut in 0usize..4000, letter in any::<u8>(), text in ".{0,60}") {
+        let _ = read(&text);
+        let mut bytes = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap().into_bytes();
+        let place = cut % bytes.len();
+        bytes[place] = letter;
+        let _ = ReadSession::of_text(&bytes, Path::new("walk.pointreel"));
+        let whole = read(std::str::from_utf8(&bytes[..place]).unwrap_or(""));
+        prop_assert!(whole.is_err(), "a half is no session");
+    }
+}
+
+#[test]
+fn a_session_is_text_that_a_person_can_write() {
+    let ReadSession { session, warnings, .. } = read(BY_HAND).unwrap();
+    assert_eq!(warnings, [""; 0]);
+    assert_eq!(session.inputs, [PathBuf::from("/data/walk/scans")]);
+    assert_eq!((session.frame, session.settings.primitive), (7, Primitive::Voxel));
+    assert_eq!(session.view, None);
+    let [knee, door] = session.labels.as_slice() else {
+        panic!("{:?}", session.labels)
+    };
+    assert_eq!((knee.text.as_str(), knee.frame), ("knee", 3));
+    let point = knee.point.unwrap();
+    assert_eq!((point.index_in_file, point.points_in_file), (17, None));
+    assert_eq!(
+        (knee.frames.first(), knee.frames.last(), knee.place),
+        (Some(2), Some(9), None)
+    );
+    assert_eq!((door.place, door.point), (Some(DVec3::new(1.0, 2.5, -3.0)), None));
+    let distance = &session.measurements[0];
+    let places: Vec<DVec3> = distance.points.iter().map(|point| point.place).collect();
+    assert_eq!(distance.gauge.value(&places, DVec3::Y), Some(5.0));
+    assert_eq!(session.markers[0].name, "turn");
+}
+
+#[test]
+fn a_label_a_marker_and_a_setting_are_a_line_each() {
+    let text = read(BY_HAND).unwrap().session;
+    let text = text.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
+    for line in [
+        r#"  "files": ["scans"],"#,
+        r#"    {"frame": 3, "from": 2, "point": 17, "text": "knee", "to": 9},"#,
+        r#"    {"at": [1.0, 2.5, -3.0], "frame": 0, "text": "the door"}"#,
+        r#"    {"frame": 5, "name": "turn"}"#,
+        r#"    "primitive": "voxel","#,
+    ] {
+        assert!(text.lines().any(|written| written == line), "{line}\n{text}");
+    }
+    assert!(!text.contains("null"), "{text}");
+}
+
+#[test]
+fn damage_is_told_with_its_line_and_what_was_expected() {
+    for (from, to, line, message) in [
+        (
+            "\"point\": 17, \"from\"",
+            "\"from\"",
+            6,
+            "a label has a `point`, a place (`at`), or both",
+        ),
+        ("\"from\": 2", "\"from\": 20", 6, "from frame 20 to frame 9"),
+        ("17, \"from\"", "17, \"of\": 17, \"from\"", 6, "point 17 of 17"),
+        ("[1, 2.5, -3]", "[1, 2.5]", 7, "array of length 3"),
+        ("[1, 2.5, -3]", "[1, 2.5, 1e200]", 7, "expected numbers within"),
+        ("\"distance\"", "\"volume\"", 10, "volume"),
+        ("\"distance\"", "\"angle\"", 13, "2 points: the gauge Angle takes 3"),
+        (", \"at\": [3, 4, 0]", "", 13, "and a place (`at`)"),
+        ("\"frame\": 7", "\"frame\": -7", 4, "-7"),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7,\n  \"view\": \"here\"",
+            5,
+            "this is no view",
+        ),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7, \"clip\": {\"on\": true}",
+            4,
+            "either a `box` or a `plane`",
+        ),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7, \"range\": {\"first\": 3, \"last\": 2}",
+            4,
+            "after the last one",
+        ),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7, \"reading\": {\"fps\": 0}",
+            4,
+            "0 is not above 0",
+        ),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7, \"reading\": {\"speed\": 1}",
+            4,
+            "unknown field `speed`",
+        ),
+        (
+            "\"frame\": 7",
+            "\"frame\": 7, \"camera_path\": {\"pointreel_path\": 1}",
+            4,
+            "missing field",
+        ),
+        ("\"files\": [\"scans\"],", "", 17, "missing field `files`"),
+    ] {
+        let damaged = BY_HAND.replacen(from, to, 1);
+        assert_ne!(damaged, BY_HAND, "{from}");
+        let error = read(&damaged).unwrap_err().to_string();
+        assert!(error.contains(message), "{to}: {error}");
+        assert!(error.contains(&format!("at line {line} ")), "{to}: {error}");
+        assert!(error.starts_with("/data/walk/walk.pointreel is no session"), "{error}");
+    }
+}
+
+#[test]
+fn what_is_no_session_or_of_a_later_version_is_refused() {
+    let later = BY_HAND.replace("\"pointreel_session\": 1", "\"pointreel_session\": 4");
+    let later = later.replace("\"files\"", "\"sources\"");
+    let error = read(&later).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "/data/walk/walk.pointreel is a session of version 4, and this program knows version 1: open it with a newer \
+         pointreel"
+    );
+    for (text, message) in [
+        ("", "is no session that can be opened"),
+        ("{}", "missing field `pointreel_session`"),
+        ("ply\nformat ascii 1.0\n", "at line 1"),
+        (r#"{"pointreel_session": 1, "files": []}"#, "has no `files`"),
+        (
+            r#"{"pointreel_session": 1, "files": ["b.pointreel"]}"#,
+            "names the session",
+        ),
+    ] {
+        let error = read(text).unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+    let label = r#"{"text": "a", "at": [0, 0, 0]}, "#.repeat(1001);
+    let many = format!(
+        r#"{{"pointreel_session": 1, "files": ["a"], "labels": [{}]}}"#,
+        label.trim_end_matches(", ")
+    );
+    let error = read(&many).unwrap_err().to_string();
+    assert!(error.contains("has 1001 labels: expected at most 1000"), "{error}");
+    let long = BY_HAND.replace("knee", &"x".repeat(5000));
+    assert_eq!(read(&long).unwrap().session.labels[0].text.len(), MAX_LABEL_CHARS);
+}
+
+#[test]
+fn what_another_version_wrote_is_kept_or_said() {
+    let text = BY_HAND
+        .replace("\"frame\": 7", "\"frame\": 7, \"sound\": {\"volume\": [1, 2]}")
+        .replace(
+            "{\"primitive\"",
+            "{\"sparkle\": 0.5, \"splat_scale\": \"large\", \"primitive\"",
+        )
+        .replace("\"text\": \"knee\"", "\"text\": \"knee\", \"hue\": 3");
+    let ReadSession { session, warnings, .. } = read(&text).unwrap();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].contains("the setting splat_scale"), "{warnings:?}");
+    assert!(warnings[1].contains("`hue` of a label is not known"), "{warnings:?}");
+    assert_eq!(
+        session.settings.primitive,
+        Primitive::Voxel,
+        "the other settings are read"
+    );
+    let again = session.to_text(Path::new("/data/walk/walk.pointreel")).unwrap();
+    assert!(again.contains(r#""volume": [1, 2]"#), "{again}");
+    assert!(again.contains(r#""sparkle": 0.5"#), "{again}");
+}
+
+#[test]
+fn a_session_moves_with_its_folder_and_is_replaced_as_a_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+    fs::create_dir_all(before.join("scans")).unwrap();
+    let file = before.join("walk.pointreel");
+    let session = Session {
+        inputs: vec![before.join("scans")],
+        reading: Reading {
+            poses: Some(before.join("poses.txt")),
+            intrinsics: Some("500,500,320,240".to_owned()),
+            ..Reading::default()
+        },
+        ..Session::default()
+    };
+    session.write(&file).unwrap();
+    session.write(&file).unwrap();
+    let names = fs::read_dir(&before).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names.count(), 2, "nothing is left beside it");
+    fs::rename(&before, &after).unwrap();
+    let file = after.join("walk.pointreel");
+    let read = session_of(std::slice::from_ref(&file)).unwrap().unwrap();
+    assert_eq!(read.session.inputs, [after.join("scans")]);
+    assert_eq!(read.session.reading.poses, Some(after.join("poses.txt")));
+    assert_eq!(read.session.reading.intrinsics.as_deref(), Some("500,500,320,240"));
+    // Other files are none, nor is a folder of such a name.
+    assert_eq!(session_of(&[after.join("scans")]).unwrap(), None);
+    fs::create_dir(after.join("folder.pointreel")).unwrap();
+    assert_eq!(session_of(&[after.join("folder.pointreel")]).unwrap(), None);
+    let missing = session_of(&[after.join("gone.pointreel")]).unwrap_err().to_string();
+    assert!(missing.contains("gone.pointreel cannot be read"), "{missing}");
+    let unwritable = Session::default().write(&after.join("no/such/folder/a.pointreel"));
+    assert!(unwritable.unwrap_err().to_string().contains("could not be saved"));
+}

@@ -1,0 +1,212 @@
+//! Sessions in the window: saved, opened again by another one, listed, and refused.
+
+use super::{options, press, window, window_on};
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use glam::DVec3;
+use pointreel::app::{Command, PanelId, State, StateOptions};
+use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, Primitive, UpAxis};
+use pointreel::session::ReadSession;
+use pointreel::timeline::PlayRange;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
+    let begin = Instant::now();
+    while !is_so(harness.state()) {
+        assert!(begin.elapsed() < Duration::from_secs(20), "{what}");
+        let now = harness.state().now();
+        harness.state_mut().update(now);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    harness.run();
+}
+
+fn shown(state: &State) -> Option<usize> {
+    Some(state.player.as_ref()?.shown()?.index)
+}
+
+/// A cube of points in a file, three times as large in the second.
+fn scans(folder: &Path) {
+    fs::create_dir_all(folder).unwrap();
+    for (name, size) in [("a1.xyz", 1), ("a2.xyz", 3), ("a3.xyz", 9)] {
+        let corners = (0..8).map(|corner| {
+            let [x, y, z] = [0, 1, 2].map(|axis| size * (corner >> axis & 1));
+            format!("{x} {y} {z}\n")
+        });
+        fs::write(folder.join(name), corners.collect::<String>()).unwrap();
+    }
+}
+
+fn open(harness: &mut Harness<'_, State>, path: &Path) {
+    harness.state_mut().open_paths(vec![path.to_owned()]);
+    let before = harness
+        .state()
+        .player
+        .as_ref()
+        .map(|player| Arc::as_ptr(player.sequence()));
+    until(harness, "it is not opened", |state| {
+        let now = state.player.as_ref().map(|player| Arc::as_ptr(player.sequence()));
+        now != before && shown(state).is_some() && state.has_looked()
+    });
+}
+
+/// A window on scans with something of everything that a session holds.
+fn worked_on(folder: &Path) -> Harness<'static, State> {
+    scans(&folder.join("scans"));
+    let mut harness = window();
+    open(&mut harness, &folder.join("scans"));
+    let state = harness.state_mut();
+    state.style.primitive = Primitive::Point;
+    state.style.points.size_px = 5.0;
+    state.style.of_sequence.clip = Some(Clip::to(ClipShape::Box {
+        min: DVec3::ZERO,
+        max: DVec3::splat(2.5),
+    }));
+    state.camera.up = UpAxis::Z;
+    state.camera.azimuth_deg = 33.0;
+    for command in [
+        Command::AddKeyframe,
+        Command::Step(1),
+        Command::ToggleMarker,
+        Command::SetIn,
+    ] {
+        state.run(command);
+    }
+    state.panels.set(PanelId::CAMERA_PATH, false);
+    let label = Label {
+        text: "corner".to_owned(),
+        frame: 1,
+        point: Some(FollowedPoint {
+            index_in_file: 7,
+            points_in_file: Some(8),
+        }),
+        place: Some(DVec3::splat(3.0)),
+        frames: PlayRange::default(),
+    };
+    state.labels.list = Arc::new(vec![label]);
+    harness.run();
+    harness
+}
+
+fn save(harness: &mut Harness<'_, State>, file: &Path) {
+    harness.state_mut().save_session_to(file.to_owned());
+    until(harness, "it is not saved", |state| state.session_file().is_some());
+}
+
+#[test]
+fn a_session_is_taken_up_again_as_it_was_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walk.pointreel");
+    let mut left = worked_on(folder.path());
+    assert!(!left.state_mut().may_close(), "the camera path would be lost");
+    left.state_mut().run(Command::Escape);
+    save(&mut left, &file);
+    assert!(left.state_mut().may_close(), "it is in the session");
+    assert_eq!(left.state().recent.entries()[0], [file.clone()]);
+
+    let mut taken = window();
+    let usual = taken.state().style;
+    open(&mut taken, &file);
+    let (left, state) = (left.state(), taken.state());
+    assert_eq!(state.style, left.style);
+    assert_eq!(state.camera, left.camera);
+    assert_eq!(state.labels.list, left.labels.list);
+    assert_eq!(state.path.draft, left.path.draft);
+    assert_eq!(state.timeline.markers, left.timeline.markers);
+    let of = |state: &State| {
+        let player = state.player.as_ref().unwrap();
+        (player.clock().frame(), player.clock().range(), player.is_playing())
+    };
+    assert_eq!(of(state), (1, PlayRange::default().beginning_at(1), false));
+    assert_eq!(state.session_file(), Some(&file));
+    assert!(state.notices.list().is_empty(), "{:?}", state.notices.list());
+    // What was taken up and saved again is the same text.
+    assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().session);
+    let text = fs::read(&file).unwrap();
+    taken.state_mut().run(Command::SaveSession);
+    until(&mut taken, "it is not saved", |state| !state.notices.list().is_empty());
+    assert_eq!(fs::read(&file).unwrap(), text);
+
+    // Others are drawn as before, and nothing of it is kept for them.
+    open(&mut taken, &folder.path().join("scans/a1.xyz"));
+    let style = taken.state().style;
+    assert_eq!(
+        (style.points.size_px, style.of_sequence.clip),
+        (usual.points.size_px, None)
+    );
+    assert!(taken.state().labels.list.is_empty() && taken.state().session_file().is_none());
+}
+
+#[test]
+fn measurements_and_the_demo_are_in_sessions() {
+    use super::points::{click_on, in_squares, in_window};
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("demo.pointreel");
+    let mut harness = window();
+    harness.state_mut().run(Command::OpenDemo);
+    until(&mut harness, "the demo", |state| {
+        shown(state).is_some() && state.has_looked()
+    });
+    let mut harness = in_squares(harness);
+    press(&mut harness, Modifiers::NONE, Key::M);
+    let frame = Arc::clone(harness.state().player.as_ref().unwrap().shown().unwrap());
+    let mut taken = 0;
+    for slot in (0..frame.frame.len()).step_by(97) {
+        let place = in_window(&harness, frame.frame.positions()[slot].as_dvec3());
+        if taken < 2 && harness.state().viewport.rect.shrink(150.0).contains(place) {
+            click_on(&mut harness, place, 1);
+            harness.run_steps(10);
+            taken += 1;
+        }
+    }
+    assert_eq!(harness.state().inspection.measurements.len(), 1);
+    save(&mut harness, &file);
+    let mut again = window();
+    open(&mut again, &file);
+    assert_eq!(again.state().sequence_name().as_deref(), Some("demo"));
+    let value = |harness: &Harness<'_, State>| harness.state().inspection.measurements[0].value(DVec3::Y);
+    assert!(value(&harness).is_some());
+    assert_eq!(value(&again), value(&harness));
+}
+
+#[test]
+fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    scans(&folder.path().join("scans"));
+    let file = folder.path().join("walk.pointreel");
+    let mut harness = window_on(super::sequence(&[]), StateOptions { ..options() });
+    fs::write(&file, "{\n  \"pointreel_session\": 1,\n  \"files\": 3\n}\n").unwrap();
+    harness.state_mut().open_paths(vec![file.clone()]);
+    until(&mut harness, "an answer", |state| !state.notices.list().is_empty());
+    let said = harness.state().notices.list()[0].text.clone();
+    assert!(said.contains("walk.pointreel") && said.contains("line 3"), "{said}");
+    assert!(harness.state().session_file().is_none());
+
+    // A setting that cannot be read is as by default, and the file is copied before it is replaced.
+    let text = r#"{"pointreel_session": 1, "files": ["scans"], "settings": {"primitive": "cone"}, "of later": 7}"#;
+    fs::write(&file, text).unwrap();
+    let mut harness = window();
+    open(&mut harness, &file);
+    let said = harness.state().notices.list()[0].text.clone();
+    assert!(said.contains("primitive"), "{said}");
+    harness.state_mut().run(Command::SaveSession);
+    let copy = folder.path().join("walk.pointreel.unreadable");
+    until(&mut harness, "a copy", |state| {
+        state
+            .notices
+            .list()
+            .iter()
+            .any(|notice| notice.text.starts_with("Saved"))
+    });
+    assert_eq!(fs::read_to_string(copy).unwrap(), text);
+    assert!(fs::read_to_string(&file).unwrap().contains("\"of later\": 7"));
+
+    // A window on what is no file has no session.
+    let mut harness = window();
+    harness.state_mut().save_session_to(file);
+    harness.run();
+    assert!(harness.state().notices.list()[0].text.contains("no file"));
+}
