@@ -6,8 +6,12 @@
 mod broken;
 #[path = "common/data.rs"]
 mod data;
+#[path = "rgbd/kinect.rs"]
+mod kinect;
 #[path = "rgbd/layouts.rs"]
 mod layouts;
+#[path = "rgbd/matroska.rs"]
+mod matroska;
 #[path = "rgbd/messages.rs"]
 mod messages;
 #[path = "rgbd/real.rs"]

@@ -30,7 +30,7 @@ fn number(bytes: &[u8]) -> u64 {
 
 /// A number without the bit that tells its length, and whether all its bits are ones.
 fn value(bytes: &[u8]) -> (u64, bool) {
-    let ones = (1 << (7 * bytes.len())) - 1;
+    let ones = (1_u64 << (7 * bytes.len())) - 1;
     let value = number(bytes) & ones;
     (value, value == ones)
 }

@@ -136,3 +136,61 @@ fn colors(bytes: &[u8], pixel_bytes: usize, places: [usize; 3]) -> Vec<[u8; 3]> 
     let pixels = bytes.chunks_exact(pixel_bytes);
     pixels.map(|pixel| places.map(|place| pixel[place])).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::messages::ImageHead;
+    use super::*;
+
+    fn decoded(encoding: &str, size_px: [u32; 2], step: u32, data: &[u8]) -> Result<Raster, String> {
+        let image = RawImage {
+            head: ImageHead {
+                frame_id: String::new(),
+                encoding: encoding.to_owned(),
+            },
+            size_px,
+            big_endian: true,
+            step,
+            data,
+        };
+        raster(&image, 1000)
+    }
+
+    #[test]
+    fn images_need_the_bytes_of_all_their_lines() {
+        for (encoding, size_px, step, needed) in [
+            ("16UC1", [4, 2], 10, 18),
+            ("uyvy", [4, 3], 8, 24),
+            ("nv12", [4, 4], 6, 34),
+            // The last line of chromas is of one line of luma.
+            ("NV21", [2, 3], 2, 10),
+            ("bayer_bggr16", [3, 3], 6, 18),
+            ("rgb8", [5, 1], 0, 15),
+        ] {
+            let data = vec![77; needed];
+            assert!(decoded(encoding, size_px, step, &data).is_ok(), "{encoding}");
+            let error = decoded(encoding, size_px, step, &data[1..]).unwrap_err();
+            assert!(error.contains(&format!("need {needed} bytes")), "{encoding}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_image_says_why() {
+        for (encoding, size_px, step, expected) in [
+            ("yuyv", [3, 2], 6, "3 pixels wide"),
+            ("nv12", [1, 2], 1, "1 pixels wide"),
+            ("rgb8", [0, 2], 0, "0 × 2 pixels"),
+            ("rgb8", [2, 0], 6, "2 × 0 pixels"),
+            ("rgb8", [4, 2], 11, "rows of 11 bytes"),
+            ("bayer_rggb8", [u32::MAX, u32::MAX], u32::MAX, "need"),
+            ("nv12", [u32::MAX - 1, u32::MAX], u32::MAX, "need"),
+            ("cmyk", [1, 1], 4, "`cmyk`"),
+        ] {
+            let error = decoded(encoding, size_px, step, &[0; 64]).unwrap_err();
+            assert!(error.contains(expected), "{encoding}: {error}");
+        }
+        assert!(decoded("mono8", [1, 1], 1, &[0; 1001]).unwrap_err().contains("--max-memory"));
+        assert!(row_bytes("bgra8", u32::MAX).is_err());
+        assert_eq!(row_bytes("nv12", 64), Ok(64));
+    }
+}
