@@ -447,7 +447,12 @@ fn rigs_and_frames_beside_a_model_change_nothing() {
     let model = folder_with(folder.path(), "cameras.bin");
     fs::write(model.join("rigs.bin"), 1_u64.to_le_bytes()).unwrap();
     fs::write(model.join("frames.bin"), [0xff; 40]).unwrap();
-    for path in [folder.path(), &model, &model.join("rigs.bin"), &model.join("frames.bin")] {
+    for path in [
+        folder.path(),
+        &model,
+        &model.join("rigs.bin"),
+        &model.join("frames.bin"),
+    ] {
         assert_eq!(read(path).photos, without.photos, "{}", path.display());
     }
 }
@@ -484,14 +489,21 @@ fn frames_of_fisheyes_and_of_usual_lenses_stand_in_one_file() {
     Scene::simple().write_transforms(folder.path());
     let path = folder.path().join("transforms.json");
     let mut json: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
-    for (frame, (model, k4)) in [("OPENCV_FISHEYE", 0.01), ("OPENCV", 0.0), ("EQUIRECTANGULAR", 0.0)].into_iter().enumerate() {
+    for (frame, (model, k4)) in [("OPENCV_FISHEYE", 0.01), ("OPENCV", 0.0), ("EQUIRECTANGULAR", 0.0)]
+        .into_iter()
+        .enumerate()
+    {
         json["frames"][frame]["camera_model"] = model.into();
         json["frames"][frame]["k1"] = 0.1.into();
         json["frames"][frame]["k4"] = k4.into();
     }
     fs::write(&path, json.to_string()).unwrap();
     let set = read(folder.path());
-    let lenses: Vec<&str> = set.photos.iter().map(|photo| photo.camera.distortion().name()).collect();
+    let lenses: Vec<&str> = set
+        .photos
+        .iter()
+        .map(|photo| photo.camera.distortion().name())
+        .collect();
     assert_eq!(lenses[..2], ["fisheye", "brown"]);
     assert_eq!(set.photos.len(), Scene::simple().poses.len() - 1);
     assert!(set.notes[0].contains("EQUIRECTANGULAR"), "{:?}", set.notes);

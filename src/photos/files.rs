@@ -255,7 +255,16 @@ mod tests {
 
     #[test]
     fn masks_may_lie_beside_their_photographs() {
-        let folder = folder(&["a.jpg", "a.jpg.png", "b.jpg", "b_mask.png", "c.jpg", "c.jpg.mask.png", "d.jpg", "d.png"]);
+        let folder = folder(&[
+            "a.jpg",
+            "a.jpg.png",
+            "b.jpg",
+            "b_mask.png",
+            "c.jpg",
+            "c.jpg.mask.png",
+            "d.jpg",
+            "d.png",
+        ]);
         let mask = |name: &str| {
             let path = Files::mask_beside(&folder.path().join(name))?;
             Some(path.file_name().unwrap().to_str().unwrap().to_owned())

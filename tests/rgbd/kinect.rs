@@ -60,7 +60,11 @@ fn pixels([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
 
 /// A tilted wall with holes.
 fn depth_mm((x, y): (u32, u32)) -> u16 {
-    if (x + 2 * y) % 17 == 0 { 0 } else { (1000 + x + y) as u16 }
+    if (x + 2 * y) % 17 == 0 {
+        0
+    } else {
+        (1000 + x + y) as u16
+    }
 }
 
 /// Red and green say where a pixel of the colour image is.
@@ -102,11 +106,18 @@ fn tracks(color: (&'static [u8; 4], Vec<u8>)) -> Vec<TrackOf<'static>> {
 }
 
 fn mode_tag() -> Vec<(&'static str, String)> {
-    vec![("K4A_DEPTH_MODE", MODE.to_owned()), ("K4A_DEPTH_DELAY_NS", "0".to_owned())]
+    vec![
+        ("K4A_DEPTH_MODE", MODE.to_owned()),
+        ("K4A_DEPTH_DELAY_NS", "0".to_owned()),
+    ]
 }
 
 fn usual() -> Vec<u8> {
-    mkv(&tracks((b"MJPG", jpeg())), &mode_tag(), Some(&calibration().to_string()))
+    mkv(
+        &tracks((b"MJPG", jpeg())),
+        &mode_tag(),
+        Some(&calibration().to_string()),
+    )
 }
 
 fn error_of(path: &Path, bytes: &[u8]) -> String {
@@ -144,7 +155,11 @@ fn a_recording_has_the_points_and_colours_of_its_cameras() {
     assert_eq!(sequence.source().notes(), [""; 0]);
     assert_eq!(sequence.len(), 3);
     assert_eq!(sequence.entry(2).time, Some(Duration::from_micros(66_667)));
-    assert!(sequence.entry(1).name.starts_with("capture.mkv"), "{:?}", sequence.entry(1));
+    assert!(
+        sequence.entry(1).name.starts_with("capture.mkv"),
+        "{:?}",
+        sequence.entry(1)
+    );
     let cloud = sequence.decode(1).unwrap();
     assert_eq!(cloud.warnings, [""; 0]);
     let grid = cloud.grid.as_ref().unwrap();
@@ -152,7 +167,8 @@ fn a_recording_has_the_points_and_colours_of_its_cameras() {
     let expected: Vec<DVec3> = pixels(MODE_PX).map(point).collect();
     let found = points(&cloud);
     for (found, expected) in found.iter().zip(&expected) {
-        let is_same = found.is_finite() == expected.is_finite() && (!found.is_finite() || found.distance(*expected) < 1e-6);
+        let is_same =
+            found.is_finite() == expected.is_finite() && (!found.is_finite() || found.distance(*expected) < 1e-6);
         assert!(is_same, "{found} {expected}");
     }
     let colors = cloud.attributes.colors.as_ref().unwrap();
@@ -179,7 +195,11 @@ fn a_recording_has_the_points_and_colours_of_its_cameras() {
 fn another_reader_finds_the_same_frames() {
     let bytes = usual();
     let mut file = matroska_demuxer::MatroskaFile::open(std::io::Cursor::new(bytes)).unwrap();
-    let names: Vec<_> = file.tracks().iter().map(|track| track.name().unwrap().to_owned()).collect();
+    let names: Vec<_> = file
+        .tracks()
+        .iter()
+        .map(|track| track.name().unwrap().to_owned())
+        .collect();
     assert_eq!(names, ["COLOR", "DEPTH", "IR"]);
     let mut frame = matroska_demuxer::Frame::default();
     let depth: Vec<u16> = pixels(MODE_PX).map(depth_mm).collect();
@@ -203,7 +223,12 @@ fn a_recording_in_matroska_reads_to_the_same_points() {
         let time = |at: usize| recording.times_us[at] - recording.times_us[0];
         (0..FRAMES).map(|at| (time(at), frame(at))).collect::<Vec<_>>()
     };
-    let bgra = |at: usize| recording.colors[at].iter().flat_map(|&[r, g, b]| [b, g, r, 255]).collect();
+    let bgra = |at: usize| {
+        recording.colors[at]
+            .iter()
+            .flat_map(|&[r, g, b]| [b, g, r, 255])
+            .collect()
+    };
     let png = |at: usize| rgb(&recording.colors[at], ImageFormat::Png);
     // Whatever an image's own first bytes say is what it is.
     for (fourcc, color) in [(b"BGRA", &bgra as &dyn Fn(usize) -> Vec<u8>), (b"MJPG", &png)] {
@@ -249,7 +274,11 @@ fn colours_may_be_bare_pixels() {
     let nv12 = [vec![199; width * height], vec![128; width * height / 2]].concat();
     let yuy2 = [199, 128].repeat(width * height);
     for (fourcc, bytes) in [(b"NV12", nv12), (b"YUY2", yuy2)] {
-        fs::write(&path, mkv(&tracks((fourcc, bytes)), &mode_tag(), Some(&calibration().to_string()))).unwrap();
+        fs::write(
+            &path,
+            mkv(&tracks((fourcc, bytes)), &mode_tag(), Some(&calibration().to_string())),
+        )
+        .unwrap();
         let cloud = open(&path).decode(0).unwrap();
         assert_eq!(cloud.warnings, [""; 0]);
         let colors = cloud.attributes.colors.unwrap();
@@ -270,7 +299,10 @@ fn a_delay_between_the_cameras_is_taken_into_account() {
         }
         // One colour image, before the first of depths.
         tracks[0].frames.truncate(1);
-        let tags = [("K4A_DEPTH_MODE", MODE.to_owned()), ("K4A_DEPTH_DELAY_NS", delay_ns.to_string())];
+        let tags = [
+            ("K4A_DEPTH_MODE", MODE.to_owned()),
+            ("K4A_DEPTH_DELAY_NS", delay_ns.to_string()),
+        ];
         fs::write(&path, mkv(&tracks, &tags, Some(&calibration().to_string()))).unwrap();
         let sequence = open(&path);
         let has_colors = sequence.decode(0).unwrap().attributes.colors.is_some();
@@ -300,13 +332,28 @@ fn what_cannot_be_read_is_said() {
         (of(no_change, &mode_tag(), Some("{")), "`calibration.json`: EOF"),
         (of(no_change, &wide, Some(&json)), "WFOV_UNBINNED 1024 × 1024"),
         (of(|tracks| drop(tracks.remove(1)), &passive, Some(&json)), "PASSIVE_IR"),
-        (of(|tracks| drop(tracks.remove(1)), &[], Some(&json)), "found `COLOR` (V_MS/VFW/FOURCC)"),
-        (of(|tracks| tracks[1].fourcc = b"FFV1", &mode_tag(), Some(&json)), "written as FFV1"),
-        (of(|tracks| tracks[1].size_px = [640, 480], &[], Some(&json)), "640 × 480"),
-        (of(|tracks| tracks[1].frames.clear(), &mode_tag(), Some(&json)), "no depth image"),
+        (
+            of(|tracks| drop(tracks.remove(1)), &[], Some(&json)),
+            "found `COLOR` (V_MS/VFW/FOURCC)",
+        ),
+        (
+            of(|tracks| tracks[1].fourcc = b"FFV1", &mode_tag(), Some(&json)),
+            "written as FFV1",
+        ),
+        (
+            of(|tracks| tracks[1].size_px = [640, 480], &[], Some(&json)),
+            "640 × 480",
+        ),
+        (
+            of(|tracks| tracks[1].frames.clear(), &mode_tag(), Some(&json)),
+            "no depth image",
+        ),
     ] {
         let error = error_of(&path, &bytes);
-        assert!(error.contains("a.mkv") && error.contains(expected), "{expected}: {error}");
+        assert!(
+            error.contains("a.mkv") && error.contains(expected),
+            "{expected}: {error}"
+        );
     }
     // Colours that are a film cost colours alone.
     fs::write(&path, of(|tracks| tracks[0].fourcc = b"H264", &mode_tag(), Some(&json))).unwrap();
@@ -327,7 +374,10 @@ fn damaged_images_cost_one_frame_or_its_colours() {
     fs::write(&path, mkv(&tracks, &mode_tag(), Some(&calibration().to_string()))).unwrap();
     let sequence = open(&path);
     let error = sequence.decode(0).unwrap_err().to_string();
-    assert!(error.contains("track DEPTH") && error.contains("1000 are there"), "{error}");
+    assert!(
+        error.contains("track DEPTH") && error.contains("1000 are there"),
+        "{error}"
+    );
     for (frame, expected) in [(1, "track COLOR"), (2, "64 × 48")] {
         let cloud = sequence.decode(frame).unwrap();
         assert!(cloud.warnings[0].contains(expected), "{:?}", cloud.warnings);
@@ -351,5 +401,8 @@ fn a_recording_that_breaks_off_has_the_frames_before() {
             }
         }
     }
-    assert!(counts.is_sorted() && counts.contains(&1) && counts.contains(&2), "{counts:?}");
+    assert!(
+        counts.is_sorted() && counts.contains(&1) && counts.contains(&2),
+        "{counts:?}"
+    );
 }

@@ -50,7 +50,10 @@ fn tag(name: &str, value: impl Display) -> Vec<u8> {
         element(0x45a3, name.as_bytes()),
         element(0x4487, value.to_string().as_bytes()),
     ];
-    element(0x7373, &[element(0x63c0, &[]), element(0x67c8, &pair.concat())].concat())
+    element(
+        0x7373,
+        &[element(0x63c0, &[]), element(0x67c8, &pair.concat())].concat(),
+    )
 }
 
 /// The file of these tracks, with tags and an attached calibration.
@@ -111,7 +114,11 @@ fn clusters(tracks: &[TrackOf<'_>]) -> Vec<u8> {
         let begin = together[0].0;
         let mut cluster = number(0xe7, begin);
         for &(time, track, bytes) in together {
-            let head = [vec![track | 0x80], ((time - begin) as i16).to_be_bytes().to_vec(), vec![0x80]];
+            let head = [
+                vec![track | 0x80],
+                ((time - begin) as i16).to_be_bytes().to_vec(),
+                vec![0x80],
+            ];
             cluster.extend(element(0xa3, &[head.concat(), bytes.to_vec()].concat()));
         }
         clusters.extend(element(0x1f43_b675, &cluster));

@@ -337,14 +337,26 @@ fn mosaic(encoding: &str, colors: &[[u8; 3]], channels: [[usize; 2]; 2], sample_
 
 /// Chromas and filters are shared by neighbours, whose colours differ by steps of three and five.
 const SHARED_COLORS: &[(&str, WriteColor)] = &[
-    ("yuv422", |colors| packed_yuv("yuv422", colors, |y, u, other_y, v| [u, y, v, other_y])),
-    ("uyvy", |colors| packed_yuv("uyvy", colors, |y, u, other_y, v| [u, y, v, other_y])),
-    ("yuyv", |colors| packed_yuv("yuyv", colors, |y, u, other_y, v| [y, u, other_y, v])),
-    ("yuv422_yuy2", |colors| packed_yuv("yuv422_yuy2", colors, |y, u, other_y, v| [y, u, other_y, v])),
+    ("yuv422", |colors| {
+        packed_yuv("yuv422", colors, |y, u, other_y, v| [u, y, v, other_y])
+    }),
+    ("uyvy", |colors| {
+        packed_yuv("uyvy", colors, |y, u, other_y, v| [u, y, v, other_y])
+    }),
+    ("yuyv", |colors| {
+        packed_yuv("yuyv", colors, |y, u, other_y, v| [y, u, other_y, v])
+    }),
+    ("yuv422_yuy2", |colors| {
+        packed_yuv("yuv422_yuy2", colors, |y, u, other_y, v| [y, u, other_y, v])
+    }),
     ("nv12", |colors| planes_of_yuv("nv12", colors, |u, v| [u, v])),
     ("nv21", |colors| planes_of_yuv("nv21", colors, |u, v| [v, u])),
-    ("bayer_rggb8", |colors| mosaic("bayer_rggb8", colors, [[0, 1], [1, 2]], 1)),
-    ("bayer_gbrg16", |colors| mosaic("bayer_gbrg16", colors, [[1, 2], [0, 1]], 2)),
+    ("bayer_rggb8", |colors| {
+        mosaic("bayer_rggb8", colors, [[0, 1], [1, 2]], 1)
+    }),
+    ("bayer_gbrg16", |colors| {
+        mosaic("bayer_gbrg16", colors, [[1, 2], [0, 1]], 2)
+    }),
 ];
 
 #[test]
@@ -399,7 +411,13 @@ fn poses_are_those_of_moving_frames() {
         messages.push(transform(kind, "/tf", 1_000_000, ["odom", "base_link"], &nowhere));
         for frame in (0..FRAMES).rev() {
             let place = recording.poses[frame] * mounted.inverse();
-            messages.push(transform(kind, "/tf", recording.times_us[frame], ["odom", "base_link"], &place));
+            messages.push(transform(
+                kind,
+                "/tf",
+                recording.times_us[frame],
+                ["odom", "base_link"],
+                &place,
+            ));
         }
         messages
     };
@@ -442,11 +460,25 @@ fn parts_of_images_have_the_camera_of_the_sensor() {
     let of_sensor = |center: f64, offset: u32| 2.0 * (center + 0.5) + f64::from(offset) - 0.5;
     let info = |kind: Kind, topic: &str| {
         let mut writer = Writer::new(kind);
-        writer.header(1_000_000, DEPTH_FRAME).u32(150).u32(200).text("plumb_bob").u32(0);
+        writer
+            .header(1_000_000, DEPTH_FRAME)
+            .u32(150)
+            .u32(200)
+            .text("plumb_bob")
+            .u32(0);
         let (cx, cy) = (of_sensor(cx, offset[0]), of_sensor(cy, offset[1]));
         writer.f64s(&[2.0 * fx, 0.0, cx, 0.0, 2.0 * fy, cy, 0.0, 0.0, 1.0]);
-        writer.f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]).f64s(&[0.0; 12]);
-        writer.u32(2).u32(2).u32(offset[0]).u32(offset[1]).u32(2 * HEIGHT).u32(2 * WIDTH).u8(0);
+        writer
+            .f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+            .f64s(&[0.0; 12]);
+        writer
+            .u32(2)
+            .u32(2)
+            .u32(offset[0])
+            .u32(offset[1])
+            .u32(2 * HEIGHT)
+            .u32(2 * WIDTH)
+            .u8(0);
         Recorded {
             topic: topic.to_owned(),
             kind: "sensor_msgs/CameraInfo",

@@ -171,14 +171,21 @@ pub(crate) fn db3(path: &Path, kind: Kind, messages: &[Recorded]) {
                   CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, \
                   timestamp INTEGER NOT NULL, data BLOB NOT NULL);";
     database.execute_batch(tables).unwrap();
-    let ids: BTreeMap<&str, i64> = (1..).zip(topics(messages)).map(|(id, (topic, _))| (topic, id)).collect();
+    let ids: BTreeMap<&str, i64> = (1..)
+        .zip(topics(messages))
+        .map(|(id, (topic, _))| (topic, id))
+        .collect();
     for (topic, of) in topics(messages) {
         let row = (ids[topic], topic, kind.named(of));
         let sql = "INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', '')";
         database.execute(sql, row).unwrap();
     }
     for message in messages {
-        let row = (ids[message.topic.as_str()], 1000 * message.time_us as i64, &message.bytes);
+        let row = (
+            ids[message.topic.as_str()],
+            1000 * message.time_us as i64,
+            &message.bytes,
+        );
         let sql = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)";
         database.execute(sql, row).unwrap();
     }

@@ -112,7 +112,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
                 "Point clouds",
-                &io::supported_extensions().chain(["reel"]).collect::<Vec<_>>(),
+                &io::supported_extensions().chain(["mkv", "reel"]).collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),

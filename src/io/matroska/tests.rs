@@ -65,9 +65,17 @@ const SIMPLE: u32 = 0xa3;
 
 /// What is in front of the clusters.
 fn front() -> Vec<u8> {
-    let tag = |name: &str, value: &str| short(0x67c8, &[short(0x45a3, name.as_bytes()), short(0x4487, value.as_bytes())].concat());
+    let tag = |name: &str, value: &str| {
+        short(
+            0x67c8,
+            &[short(0x45a3, name.as_bytes()), short(0x4487, value.as_bytes())].concat(),
+        )
+    };
     let tags = [
-        short(0x7373, &[short(0x63c0, &number(0x63c5, 3)), tag("MODE", "WIDE")].concat()),
+        short(
+            0x7373,
+            &[short(0x63c0, &number(0x63c5, 3)), tag("MODE", "WIDE")].concat(),
+        ),
         short(0x7373, &[tag("DELAY", "-5"), tag("EMPTY", "")].concat()),
     ];
     let file = [
@@ -91,7 +99,10 @@ fn clusters() -> [Vec<u8>; 2] {
     let first = [
         number(0xe7, 50_000),
         short(SIMPLE, &block(3, -200, 0x80, b"late")),
-        short(0xa0, &[number(0x9b, 7), short(0xa1, &block(3, 20, 0, b"later"))].concat()),
+        short(
+            0xa0,
+            &[number(0x9b, 7), short(0xa1, &block(3, 20, 0, b"later"))].concat(),
+        ),
     ];
     let second = [
         number(0xe7, 0),
@@ -110,7 +121,11 @@ fn file(are_known: bool) -> Vec<u8> {
     let [first, second] = clusters();
     if are_known {
         let clusters = [element(0x1f43_b675, &first, true), short(0x1f43_b675, &second)].concat();
-        return [header("matroska"), element(0x1853_8067, &[front(), clusters].concat(), true)].concat();
+        return [
+            header("matroska"),
+            element(0x1853_8067, &[front(), clusters].concat(), true),
+        ]
+        .concat();
     }
     let clusters = [open(0x1f43_b675, 1), first, open(0x1f43_b675, 8), second].concat();
     [header("webm"), open(0x1853_8067, 8), front(), clusters].concat()
@@ -131,7 +146,10 @@ fn frames_are_found_whether_lengths_are_known_or_not() {
         let [depth, packed] = found.tracks.as_slice() else {
             panic!("{found:?}");
         };
-        assert_eq!((depth.number, depth.uid, depth.name.as_str()), (3, 0x1234_5678_9abc, "DEPTH"));
+        assert_eq!(
+            (depth.number, depth.uid, depth.name.as_str()),
+            (3, 0x1234_5678_9abc, "DEPTH")
+        );
         assert_eq!((depth.size_px, depth.fourcc()), ([640, 576], Some(*b"b16g")));
         assert_eq!((depth.is_packed, depth.laced), (false, 1));
         assert_eq!((packed.number, packed.is_packed, packed.fourcc()), (200, true, None));
@@ -141,23 +159,47 @@ fn frames_are_found_whether_lengths_are_known_or_not() {
         });
         let expected = [(33, "early"), (34, "laced"), (49_800, "late"), (50_020, "later")];
         assert!(frames.eq(expected.map(|(time, text)| (time, text.to_owned()))));
-        assert_eq!((found.tag("MODE"), found.tag("DELAY"), found.tag("EMPTY")), (Some("WIDE"), Some("-5"), Some("")));
+        assert_eq!(
+            (found.tag("MODE"), found.tag("DELAY"), found.tag("EMPTY")),
+            (Some("WIDE"), Some("-5"), Some(""))
+        );
         assert_eq!(found.tag("ELSE"), None);
         let [attached] = found.attachments.as_slice() else {
             panic!("{found:?}");
         };
         assert_eq!(attached.name, "calibration.json");
         assert_eq!(attached.content.read(file.path(), 8).unwrap(), b"{\"a\": 1}");
-        assert!(attached.content.read(file.path(), 7).unwrap_err().contains("--max-memory"));
+        assert!(
+            attached
+                .content
+                .read(file.path(), 7)
+                .unwrap_err()
+                .contains("--max-memory")
+        );
     }
 }
 
 #[test]
 fn times_count_milliseconds_unless_they_say_otherwise() {
-    let cluster = [number(0xe7, 5), short(SIMPLE, &block(3, -7, 0, b"a")), short(SIMPLE, &block(3, 2, 0, b"b"))];
-    let bytes = [header("matroska"), open(0x1853_8067, 1), tracks(), open(0x1f43_b675, 1), cluster.concat()].concat();
+    let cluster = [
+        number(0xe7, 5),
+        short(SIMPLE, &block(3, -7, 0, b"a")),
+        short(SIMPLE, &block(3, 2, 0, b"b")),
+    ];
+    let bytes = [
+        header("matroska"),
+        open(0x1853_8067, 1),
+        tracks(),
+        open(0x1f43_b675, 1),
+        cluster.concat(),
+    ]
+    .concat();
     let found = read(&bytes).0.unwrap();
-    let times: Vec<u128> = found.tracks[0].frames.iter().map(|block| block.time.as_millis()).collect();
+    let times: Vec<u128> = found.tracks[0]
+        .frames
+        .iter()
+        .map(|block| block.time.as_millis())
+        .collect();
     // Nothing is before the beginning.
     assert_eq!(times, [0, 7]);
 }
@@ -171,7 +213,10 @@ fn a_file_that_breaks_off_is_read_as_far_as_it_goes() {
         let found = read(&whole[..end]).0.unwrap();
         counts.push(found.tracks[0].frames.len());
     }
-    assert!(counts.is_sorted() && counts[0] == 0 && *counts.last().unwrap() == 4, "{counts:?}");
+    assert!(
+        counts.is_sorted() && counts[0] == 0 && *counts.last().unwrap() == 4,
+        "{counts:?}"
+    );
     assert!(read(&whole[..whole.len() - 1]).0.unwrap().breaks_off);
     for end in 0..header("webm").len() + 12 + 300 {
         assert!(read(&whole[..end]).0.is_err(), "{end}");
@@ -187,7 +232,10 @@ fn other_files_are_refused() {
         (header("matroska"), "no track"),
         ([header("matroska"), vec![0; 100]].concat(), "no track"),
         // A length beyond the file, of a body that would be read.
-        ([header("matroska"), short(0x1654_ae6b, &[]), open(0x1549_a966, 8)].concat(), "no track"),
+        (
+            [header("matroska"), short(0x1654_ae6b, &[]), open(0x1549_a966, 8)].concat(),
+            "no track",
+        ),
     ] {
         let error = read(&bytes).0.unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");

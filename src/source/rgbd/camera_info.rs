@@ -50,7 +50,11 @@ pub(super) fn intrinsics(
 /// pixels a binned image has several of in one). Drivers that send the whole image and tell of a part are not believed.
 fn windowed(whole: Intrinsics, info: &CameraInfo, image_px: Option<[u32; 2]>) -> Intrinsics {
     let window = info.window;
-    let part_px = if window.size_px.contains(&0) { info.size_px } else { window.size_px };
+    let part_px = if window.size_px.contains(&0) {
+        info.size_px
+    } else {
+        window.size_px
+    };
     let binning = window.binning.map(|pixels| pixels.max(1));
     let sent_px = [part_px[0] / binning[0], part_px[1] / binning[1]];
     let is_whole = sent_px == info.size_px && window.offset_px == [0, 0];

@@ -116,7 +116,10 @@ mod tests {
             link("odom", "base", millis, place)
         };
         MovingFrames::of(
-            vec![link("base", "camera", 0, mounted), link("map", "odom", 9, DAffine3::from_rotation_x(0.1))],
+            vec![
+                link("base", "camera", 0, mounted),
+                link("map", "odom", 9, DAffine3::from_rotation_x(0.1)),
+            ],
             // Not in the order of time.
             vec![drive(2000, 3.0, 0.4), drive(1000, 1.0, 0.0), drive(3000, 3.0, 0.4)],
         )
@@ -133,7 +136,11 @@ mod tests {
         let last = robot.world_from("base", Duration::from_millis(3020)).unwrap();
         assert_eq!(last, robot.world_from("base", Duration::from_secs(3)).unwrap());
         for beyond in [979, 3021] {
-            assert_eq!(robot.world_from("camera", Duration::from_millis(beyond)), None, "{beyond}");
+            assert_eq!(
+                robot.world_from("camera", Duration::from_millis(beyond)),
+                None,
+                "{beyond}"
+            );
         }
     }
 
@@ -151,7 +158,11 @@ mod tests {
         let place = DAffine3::IDENTITY;
         let circle = MovingFrames::of(
             Vec::new(),
-            vec![link("a", "b", 0, place), link("b", "a", 0, place), link("c", "c", 0, place)],
+            vec![
+                link("a", "b", 0, place),
+                link("b", "a", 0, place),
+                link("c", "c", 0, place),
+            ],
         );
         for frame in ["a", "b", "c"] {
             assert_eq!(circle.world_from(frame, Duration::ZERO), None);

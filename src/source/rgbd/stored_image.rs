@@ -2,8 +2,8 @@
 
 use super::error::RgbdError;
 use super::text;
-use crate::io::raster::{self, Raster};
 use crate::io::matroska::Block;
+use crate::io::raster::{self, Raster};
 use crate::io::recording::camera::{self, CameraMessage};
 use crate::io::{Message, ReadOptions, recording};
 use std::path::{Path, PathBuf};

@@ -17,8 +17,8 @@ use super::moving_frames::MovingFrames;
 use super::pairs::nearest;
 use super::stored_image::{ImageMessage, StoredImage};
 use crate::io::recording::camera::{
-    CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, Window, camera_info, extrinsics, head, links,
-    number,
+    CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, Window, camera_info, extrinsics, head,
+    links, number,
 };
 use crate::io::{self, ReadOptions, recording};
 use crate::source::OpenOptions;

@@ -189,7 +189,11 @@ mod tests {
             let error = decoded(encoding, size_px, step, &[0; 64]).unwrap_err();
             assert!(error.contains(expected), "{encoding}: {error}");
         }
-        assert!(decoded("mono8", [1, 1], 1, &[0; 1001]).unwrap_err().contains("--max-memory"));
+        assert!(
+            decoded("mono8", [1, 1], 1, &[0; 1001])
+                .unwrap_err()
+                .contains("--max-memory")
+        );
         assert!(row_bytes("bgra8", u32::MAX).is_err());
         assert_eq!(row_bytes("nv12", 64), Ok(64));
     }

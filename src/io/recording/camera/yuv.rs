@@ -91,7 +91,10 @@ mod tests {
         ] {
             let [y, u, v] = yuv;
             let found = color(y, u, v);
-            let is_near = found.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 1);
+            let is_near = found
+                .iter()
+                .zip(expected)
+                .all(|(found, expected)| found.abs_diff(expected) <= 1);
             assert!(is_near, "{yuv:?}: {found:?}, {expected:?}");
         }
     }

@@ -45,7 +45,9 @@ impl Device {
         // Some are written with the zero that ends their text.
         let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
         let json: Value = serde_json::from_slice(&bytes[..end]).map_err(|error| error.to_string())?;
-        let cameras = json.pointer("/CalibrationInformation/Cameras").and_then(Value::as_array);
+        let cameras = json
+            .pointer("/CalibrationInformation/Cameras")
+            .and_then(Value::as_array);
         let cameras = cameras.ok_or("it has no list `CalibrationInformation`, `Cameras`")?;
         let at = |location: &str| {
             let is_there = |camera: &&Value| camera.get("Location").and_then(Value::as_str) == Some(location);
@@ -105,14 +107,20 @@ impl Device {
 impl DeviceCamera {
     fn of_json(camera: &Value) -> Result<Self, String> {
         let side = |key: &str| {
-            let side = camera.get(key).and_then(Value::as_u64).filter(|&side| side <= u64::from(u32::MAX));
+            let side = camera
+                .get(key)
+                .and_then(Value::as_u64)
+                .filter(|&side| side <= u64::from(u32::MAX));
             side.ok_or_else(|| format!("`{key}` is no number of pixels"))
         };
         let numbers = numbers(camera, "/Intrinsics/ModelParameters")?;
         let &[cx, cy, fx, fy, k1, k2, k3, k4, k5, k6, codx, cody, p2, p1, ..] = numbers.as_slice() else {
             return Err(format!("its lens has {} numbers, and 14 were expected", numbers.len()));
         };
-        let model = camera.pointer("/Intrinsics/ModelType").and_then(Value::as_str).unwrap_or_default();
+        let model = camera
+            .pointer("/Intrinsics/ModelType")
+            .and_then(Value::as_str)
+            .unwrap_or_default();
         // The older model has half of the mixed tangential terms.
         let is_known = match model {
             "CALIBRATION_LensDistortionModelBrownConrady" => true,
@@ -297,15 +305,31 @@ mod tests {
         };
         let depth = "/CalibrationInformation/Cameras/1";
         for (end, value, expected) in [
-            ("/Location", "elsewhere".into(), "no camera CALIBRATION_CameraLocationD0"),
+            (
+                "/Location",
+                "elsewhere".into(),
+                "no camera CALIBRATION_CameraLocationD0",
+            ),
             ("/SensorWidth", 640.into(), "640 × 1024"),
             ("/SensorWidth", (-1).into(), "`SensorWidth`"),
             ("/SensorHeight", u64::MAX.into(), "`SensorHeight`"),
             ("/Intrinsics/ModelParameters", vec![0.5; 5].into(), "5 numbers"),
-            ("/Intrinsics/ModelParameters", "x".into(), "`Intrinsics/ModelParameters`"),
+            (
+                "/Intrinsics/ModelParameters",
+                "x".into(),
+                "`Intrinsics/ModelParameters`",
+            ),
             ("/Intrinsics/ModelParameters/10", 0.1.into(), "around the axis"),
-            ("/Intrinsics/ModelType", "CALIBRATION_LensDistortionModelTheta".into(), "Theta"),
-            ("/Intrinsics/ModelType", "CALIBRATION_LensDistortionModelRational6KT".into(), "6KT"),
+            (
+                "/Intrinsics/ModelType",
+                "CALIBRATION_LensDistortionModelTheta".into(),
+                "Theta",
+            ),
+            (
+                "/Intrinsics/ModelType",
+                "CALIBRATION_LensDistortionModelRational6KT".into(),
+                "6KT",
+            ),
             ("/Rt/Rotation", vec![0.0; 9].into(), "right angles"),
             ("/Rt/Rotation", vec![1.0; 4].into(), "nine numbers"),
         ] {

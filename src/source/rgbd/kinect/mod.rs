@@ -62,7 +62,9 @@ pub(super) fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Re
         let mode = modes::of_depth(file.tag("K4A_DEPTH_MODE"), depth.size_px).map_err(wrong)?;
         let lens = color.as_ref().map(|color| device.color(color.track.size_px));
         if let Some(Err(problem)) = &lens {
-            notes.push(format!("colours are left out, as the calibration does not tell their camera: {problem}"));
+            notes.push(format!(
+                "colours are left out, as the calibration does not tell their camera: {problem}"
+            ));
             color = None;
         }
         Calibration {

@@ -54,14 +54,18 @@ pub(super) fn of_depth(tag: Option<&str>, size_px: [u32; 2]) -> Result<DepthMode
              {expected_height}: name the depth camera by --intrinsics fx,fy,cx,cy or a file"
         ));
     }
-    MODES.iter().find(|mode| mode.size_px == size_px).copied().ok_or_else(|| {
-        let sizes = MODES.map(|mode| format!("{} × {}", mode.size_px[0], mode.size_px[1]));
-        format!(
-            "the depth images have {width} × {height} pixels, and modes of the camera {}: name the depth camera by \
+    MODES
+        .iter()
+        .find(|mode| mode.size_px == size_px)
+        .copied()
+        .ok_or_else(|| {
+            let sizes = MODES.map(|mode| format!("{} × {}", mode.size_px[0], mode.size_px[1]));
+            format!(
+                "the depth images have {width} × {height} pixels, and modes of the camera {}: name the depth camera by \
              --intrinsics fx,fy,cx,cy or a file",
-            sizes.join(", ")
-        )
-    })
+                sizes.join(", ")
+            )
+        })
 }
 
 #[cfg(test)]
