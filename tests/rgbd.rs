@@ -20,6 +20,8 @@ mod real;
 mod recording;
 #[path = "rgbd/ros.rs"]
 mod ros;
+#[path = "rgbd/streams.rs"]
+mod streams;
 #[path = "rgbd/temporal.rs"]
 mod temporal;
 
