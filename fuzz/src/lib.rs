@@ -3,8 +3,12 @@
 
 #![allow(dead_code, reason = "the readers are made for the whole program")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+#[path = "../../src/analysis/mod.rs"]
+pub mod analysis;
+
+#[path = "../../src/cloud/mod.rs"]
 pub mod cloud;
 
 #[path = "../../src/io/mod.rs"]
@@ -13,14 +17,20 @@ pub mod io;
 #[path = "../../src/locks.rs"]
 pub mod locks;
 
-#[path = "../../src/progress.rs"]
-pub mod progress;
-
 #[path = "../../src/math/mod.rs"]
 pub mod math;
 
+#[path = "../../src/photos/mod.rs"]
+pub mod photos;
+
+#[path = "../../src/progress.rs"]
+pub mod progress;
+
 #[path = "../../src/reel/mod.rs"]
 pub mod reel;
+
+#[path = "../../src/rgbd/mod.rs"]
+pub mod rgbd;
 
 /// Crates whose panics the readers catch.
 const CAUGHT: [&str; 2] = ["/laz-", "/draco-core-"];
@@ -43,13 +53,16 @@ mod memory {
     }
 }
 
+/// Memory that looks like a disk, where there is such.
+pub fn memory_folder() -> PathBuf {
+    let folder = Path::new("/dev/shm");
+    if folder.is_dir() { folder.to_owned() } else { std::env::temp_dir() }
+}
+
 /// Hands a file of these bytes to `read`.
 pub fn with_file(extension: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     let name = format!("pointreel-fuzz-{}.{extension}", std::process::id());
-    // Memory that looks like a disk, where there is such.
-    let folder = Path::new("/dev/shm");
-    let folder = if folder.is_dir() { folder.to_owned() } else { std::env::temp_dir() };
-    let path = folder.join(name);
+    let path = memory_folder().join(name);
     if std::fs::write(&path, bytes).is_ok() {
         read(&path);
     }
@@ -72,7 +85,9 @@ pub fn read_cameras(path: &Path) {
                     let _ = read_image(path, message, topic.kind, &options);
                 }
                 CameraMessage::CameraInfo => drop(read_parsed(path, message, &options, camera_info)),
-                CameraMessage::StaticTransforms => drop(read_parsed(path, message, &options, links)),
+                CameraMessage::StaticTransforms | CameraMessage::Transforms => {
+                    drop(read_parsed(path, message, &options, links));
+                }
                 CameraMessage::Extrinsics => {
                     let place = read_parsed(path, message, &options, extrinsics);
                     assert!(place.is_none_or(|place| place.is_finite()));
@@ -80,6 +95,32 @@ pub fn read_cameras(path: &Path) {
                 CameraMessage::Number => {
                     let _ = read_parsed(path, message, &options, number);
                 }
+            }
+        }
+    }
+}
+
+/// Reads the first frames of all tracks of the Matroska file at `path`, and what is attached to it.
+pub fn read_matroska(path: &Path) {
+    use io::matroska::Matroska;
+    use io::recording::camera::bare_image;
+    const READ: usize = 3;
+    const MOST_BYTES: u64 = 1 << 24;
+    let bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    let Ok(file) = Matroska::read(path) else {
+        return;
+    };
+    for attached in &file.attachments {
+        let content = attached.content;
+        assert!(content.offset + content.byte_count <= bytes);
+        let _ = content.read(path, MOST_BYTES);
+    }
+    for track in &file.tracks {
+        assert!(track.frames.is_sorted_by_key(|frame| frame.time));
+        for block in track.frames.iter().take(READ) {
+            let frame = block.read(path, MOST_BYTES).expect("what was found is in the file");
+            for encoding in ["16UC1", "nv12", "yuyv", "bgra8", "bayer_rggb8"] {
+                let _ = bare_image(encoding, track.size_px, true, &frame, MOST_BYTES);
             }
         }
     }

@@ -26,6 +26,7 @@ mod gltf;
 mod growing;
 mod las;
 mod list;
+pub(crate) mod matroska;
 mod mesh;
 pub(crate) mod natural;
 pub(crate) mod normals;

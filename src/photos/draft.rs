@@ -79,7 +79,11 @@ impl Draft {
         let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
         Ok(Photo {
             camera: lens.camera(image_px).map_err(Reason::Wrong)?,
-            mask: self.mask.clone().or_else(|| files.mask(&self.name)),
+            mask: self
+                .mask
+                .clone()
+                .or_else(|| files.mask(&self.name))
+                .or_else(|| Files::mask_beside(&path)),
             depth: self.depth.clone(),
             name: self.name.clone(),
             path,

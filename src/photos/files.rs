@@ -108,6 +108,20 @@ impl Files {
             .or_else(|| self.by_last_part(&self.masks, &relative))
     }
 
+    /// The mask that lies beside the photograph at `path`, named after it.
+    pub(super) fn mask_beside(path: &Path) -> Option<PathBuf> {
+        let name = path.file_name()?.to_str()?;
+        let stem = path.file_stem()?.to_str()?;
+        let names = [
+            // COLMAP's name, and those of RealityCapture and OpenDroneMap.
+            format!("{name}.png"),
+            format!("{name}.mask.png"),
+            format!("{stem}_mask.png"),
+        ];
+        let beside = names.map(|name| path.with_file_name(name));
+        beside.into_iter().find(|path| path.is_file())
+    }
+
     /// The folders that were looked through.
     pub(super) fn folders(&self) -> impl Iterator<Item = &Path> {
         self.photos.iter().map(|listing| listing.folder.as_path())
@@ -237,5 +251,28 @@ mod tests {
         assert!(files.mask("a.jpg").unwrap().ends_with("masks/a.jpg.png"));
         assert!(files.mask("b.jpg").unwrap().ends_with("masks/B.png"));
         assert_eq!(files.mask("c.jpg"), None);
+    }
+
+    #[test]
+    fn masks_may_lie_beside_their_photographs() {
+        let folder = folder(&[
+            "a.jpg",
+            "a.jpg.png",
+            "b.jpg",
+            "b_mask.png",
+            "c.jpg",
+            "c.jpg.mask.png",
+            "d.jpg",
+            "d.png",
+        ]);
+        let mask = |name: &str| {
+            let path = Files::mask_beside(&folder.path().join(name))?;
+            Some(path.file_name().unwrap().to_str().unwrap().to_owned())
+        };
+        assert_eq!(mask("a.jpg").as_deref(), Some("a.jpg.png"));
+        assert_eq!(mask("b.jpg").as_deref(), Some("b_mask.png"));
+        assert_eq!(mask("c.jpg").as_deref(), Some("c.jpg.mask.png"));
+        // A picture of the same stem is another picture.
+        assert_eq!(mask("d.jpg"), None);
     }
 }

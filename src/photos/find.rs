@@ -185,7 +185,7 @@ fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {
     };
     let (stem, extension) = name.rsplit_once('.').unwrap_or((&name, ""));
     match extension {
-        "bin" | "txt" if ["cameras", "images", "points3d"].contains(&stem) => {
+        "bin" | "txt" if ["cameras", "images", "points3d", "rigs", "frames"].contains(&stem) => {
             let folder = path.parent().unwrap_or(Path::new(""));
             Ok(colmap::is_in(folder).then(|| Found {
                 format: Format::Colmap,

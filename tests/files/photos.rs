@@ -432,3 +432,75 @@ fn neighbours_are_those_at_the_smallest_angles() {
     assert_eq!(ViewSet::default().median_neighbour_angle(), None);
     assert!(ViewSet::default().neighbours(0, 3).is_empty());
 }
+
+/// COLMAP writes rigs and frames from 3.12 on; poses are still those of the images.
+#[test]
+fn rigs_and_frames_beside_a_model_change_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::simple();
+    scene.write_colmap_binary(folder.path());
+    let without = read(folder.path());
+    let model = folder_with(folder.path(), "cameras.bin");
+    fs::write(model.join("rigs.bin"), 1_u64.to_le_bytes()).unwrap();
+    fs::write(model.join("frames.bin"), [0xff; 40]).unwrap();
+    for path in [
+        folder.path(),
+        &model,
+        &model.join("rigs.bin"),
+        &model.join("frames.bin"),
+    ] {
+        assert_eq!(read(path).photos, without.photos, "{}", path.display());
+    }
+}
+
+/// The folder below `root` that has a file of this name.
+fn folder_with(root: &Path, name: &str) -> std::path::PathBuf {
+    let below = ["", "sparse", "sparse/0"].map(|folder| root.join(folder));
+    below.into_iter().find(|folder| folder.join(name).is_file()).unwrap()
+}
+
+/// nerfstudio notes the transform from COLMAP's world to its own, and has applied it to cameras and points alike.
+#[test]
+fn a_transform_that_was_applied_is_not_applied_again() {
+    let folder = tempfile::tempdir().unwrap();
+    Scene::simple().write_transforms(folder.path());
+    let without = read(folder.path());
+    let path = folder.path().join("transforms.json");
+    let mut json: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    json["applied_transform"] = serde_json::json!([[0, 1, 0, 5], [1, 0, 0, 6], [0, 0, -1, 7]]);
+    json["applied_scale"] = 3.0.into();
+    json["ply_file_path"] = "sparse_pc.ply".into();
+    fs::write(folder.path().join("sparse_pc.ply"), "ply\n").unwrap();
+    fs::write(&path, json.to_string()).unwrap();
+    let with = read(folder.path());
+    assert_eq!(with.photos, without.photos);
+    assert_eq!(with.points_file, Some(folder.path().join("sparse_pc.ply")));
+    assert_eq!(with.notes, [""; 0]);
+}
+
+/// Each frame may be of another camera, as nerfstudio has it for rigs of a fisheye and a usual lens.
+#[test]
+fn frames_of_fisheyes_and_of_usual_lenses_stand_in_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    Scene::simple().write_transforms(folder.path());
+    let path = folder.path().join("transforms.json");
+    let mut json: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    for (frame, (model, k4)) in [("OPENCV_FISHEYE", 0.01), ("OPENCV", 0.0), ("EQUIRECTANGULAR", 0.0)]
+        .into_iter()
+        .enumerate()
+    {
+        json["frames"][frame]["camera_model"] = model.into();
+        json["frames"][frame]["k1"] = 0.1.into();
+        json["frames"][frame]["k4"] = k4.into();
+    }
+    fs::write(&path, json.to_string()).unwrap();
+    let set = read(folder.path());
+    let lenses: Vec<&str> = set
+        .photos
+        .iter()
+        .map(|photo| photo.camera.distortion().name())
+        .collect();
+    assert_eq!(lenses[..2], ["fisheye", "brown"]);
+    assert_eq!(set.photos.len(), Scene::simple().poses.len() - 1);
+    assert!(set.notes[0].contains("EQUIRECTANGULAR"), "{:?}", set.notes);
+}

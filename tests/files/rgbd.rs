@@ -1,11 +1,14 @@
 //! Recordings of depth images: every layout, real ones, broken ones.
 
 mod broken;
+mod kinect;
 mod layouts;
+mod matroska;
 mod messages;
 mod real;
 mod recording;
 mod ros;
+mod streams;
 mod temporal;
 
 use glam::DVec3;

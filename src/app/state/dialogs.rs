@@ -117,7 +117,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .add_filter(
                 "Point clouds and sessions",
                 &io::supported_extensions()
-                    .chain(["reel", EXTENSION])
+                    .chain(["mkv", "reel", EXTENSION])
                     .collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])

@@ -118,26 +118,40 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<Found, Failure> {
     Ok(found)
 }
 
-/// The bytes of a message; the error is a sentence without its place.
-pub(super) fn read(path: &Path, row: i64, options: &ReadOptions) -> Result<Vec<u8>, String> {
-    let read = || -> Result<Vec<u8>, Failure> {
-        let database = open(path)?;
-        let mut message = database.blob_open("main", "messages", "data", row, true)?;
-        if message.len() as u64 > options.max_memory_bytes {
-            return Err(Failure::Said(
-                Fault::too_large("the message", message.len() as u64, options).problem,
-            ));
-        }
-        let mut bytes = Vec::new();
-        message
-            .read_to_end(&mut bytes)
-            .map_err(|error| Failure::Said(format!("the message is not readable ({error}): the file is damaged")))?;
-        Ok(bytes)
-    };
-    read().map_err(|failure| match failure {
+/// The messages of a database that was opened.
+pub(super) struct Messages(Connection);
+
+impl Messages {
+    /// Those of the database at `path`; the error is a sentence without its place.
+    pub(super) fn open(path: &Path) -> Result<Self, String> {
+        open(path).map(Self).map_err(said)
+    }
+
+    /// The bytes of a message; the error is a sentence without its place.
+    pub(super) fn read(&self, row: i64, options: &ReadOptions) -> Result<Vec<u8>, String> {
+        let read = || -> Result<Vec<u8>, Failure> {
+            let mut message = self.0.blob_open("main", "messages", "data", row, true)?;
+            if message.len() as u64 > options.max_memory_bytes {
+                return Err(Failure::Said(
+                    Fault::too_large("the message", message.len() as u64, options).problem,
+                ));
+            }
+            let mut bytes = Vec::new();
+            message.read_to_end(&mut bytes).map_err(|error| {
+                Failure::Said(format!("the message is not readable ({error}): the file is damaged"))
+            })?;
+            Ok(bytes)
+        };
+        read().map_err(said)
+    }
+}
+
+/// What is wrong, as a sentence.
+fn said(failure: Failure) -> String {
+    match failure {
         Failure::Sql(error) => {
             format!("the message is not readable ({error}): the file is damaged")
         }
         Failure::Said(problem) => problem,
-    })
+    }
 }

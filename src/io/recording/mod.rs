@@ -19,7 +19,7 @@ mod message;
 mod pointcloud2;
 mod protobuf;
 mod serialisation;
-mod walk;
+pub(super) mod walk;
 
 pub use message::Message;
 
@@ -123,6 +123,42 @@ pub(crate) fn read_parsed<T>(
     parse(&message_bytes(path, message, options).ok()?, message)
 }
 
+/// Reads many small messages of a camera by `parse`, and unpacks what neighbours share once. Damaged ones are left out.
+pub(crate) fn read_all_parsed<'a, T>(
+    path: &Path,
+    messages: impl Iterator<Item = &'a Message>,
+    options: &ReadOptions,
+    parse: impl Fn(&[u8], &Message) -> Option<T>,
+) -> Vec<T> {
+    let mut unpacked: Option<(chunk::MessageChunk, Vec<u8>)> = None;
+    let mut rows = None;
+    let mut read = |message: &Message| match &message.place {
+        &MessagePlace::Chunk {
+            chunk,
+            offset,
+            byte_count,
+        } => {
+            if unpacked.as_ref().is_none_or(|(known, _)| *known != chunk) {
+                let mut file = File::open(path).ok()?;
+                // One that cannot be unpacked is not tried again for each of its messages.
+                let bytes = chunk.unpack(&mut file, options).unwrap_or_default();
+                unpacked = Some((chunk, bytes));
+            }
+            let (_, bytes) = unpacked.as_ref()?;
+            let end = usize::try_from(offset.checked_add(byte_count)?).ok()?;
+            parse(bytes.get(usize::try_from(offset).ok()?..end)?, message)
+        }
+        &MessagePlace::Row(row) => {
+            if rows.is_none() {
+                rows = db3::Messages::open(path).ok();
+            }
+            parse(&rows.as_ref()?.read(row, options).ok()?, message)
+        }
+        MessagePlace::File { .. } => read_parsed(path, message, options, &parse),
+    };
+    messages.filter_map(&mut read).collect()
+}
+
 /// The format of a recording, and where in it a message is.
 fn place_of(path: &Path, message: &Message) -> (Format, Place) {
     match (&message.place, message.encoding) {
@@ -154,7 +190,9 @@ fn message_bytes(path: &Path, message: &Message, options: &ReadOptions) -> Resul
         source,
     };
     match &message.place {
-        MessagePlace::Row(row) => db3::read(path, *row, options).map_err(invalid),
+        MessagePlace::Row(row) => db3::Messages::open(path)
+            .and_then(|messages| messages.read(*row, options))
+            .map_err(invalid),
         &MessagePlace::File { offset, byte_count } => {
             let mut file = File::open(path).map_err(failed)?;
             file.seek(SeekFrom::Start(offset)).map_err(failed)?;

@@ -18,6 +18,8 @@ pub(super) enum Serialisation {
 
 /// `std_msgs/Header`.
 pub(super) struct MessageHeader<'a> {
+    /// As it is written, be it a time of a recording or not.
+    pub(super) time: Duration,
     /// The name of the coordinate frame.
     pub(super) frame_id: &'a [u8],
 }
@@ -52,9 +54,10 @@ impl Serialisation {
 
     /// The header at the beginning of `fields`.
     pub(super) fn header<'a>(self, fields: &mut Bytes<'a>) -> Option<MessageHeader<'a>> {
-        let _time = self.time(fields)?;
+        let (seconds, nanos) = self.time(fields)?;
         let frame_id = fields.counted()?;
         Some(MessageHeader {
+            time: Duration::new(seconds.into(), nanos),
             frame_id: frame_id.strip_suffix(b"\0").unwrap_or(frame_id),
         })
     }

@@ -6,14 +6,14 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 /// A place in a file that moves forward.
-pub(super) struct Walk {
+pub(in crate::io) struct Walk {
     file: BufReader<File>,
     at: u64,
     end: u64,
 }
 
 impl Walk {
-    pub(super) fn new(file: File) -> io::Result<Self> {
+    pub(in crate::io) fn new(file: File) -> io::Result<Self> {
         let end = file.metadata()?.len();
         Ok(Self {
             file: BufReader::new(file),
@@ -22,17 +22,17 @@ impl Walk {
         })
     }
 
-    pub(super) fn position(&self) -> u64 {
+    pub(in crate::io) fn position(&self) -> u64 {
         self.at
     }
 
     /// Bytes up to the end of the file.
-    pub(super) fn left(&self) -> u64 {
+    pub(in crate::io) fn left(&self) -> u64 {
         self.end.saturating_sub(self.at)
     }
 
     /// The next `count` bytes; `None` where there are fewer.
-    pub(super) fn take(&mut self, count: u64) -> Option<Vec<u8>> {
+    pub(in crate::io) fn take(&mut self, count: u64) -> Option<Vec<u8>> {
         if count > self.left() {
             return None;
         }
@@ -43,7 +43,7 @@ impl Walk {
     }
 
     /// Goes on at byte `position`, which is none before this one.
-    pub(super) fn go_to(&mut self, position: u64) -> Option<()> {
+    pub(in crate::io) fn go_to(&mut self, position: u64) -> Option<()> {
         if position > self.end {
             return None;
         }

@@ -3,6 +3,9 @@
 //! Its manual, *Output format*: a pose takes points of the world to the camera (x right, y down, z forward), turned by
 //! the quaternion w x y z and then shifted; the middle of the first pixel is at (½, ½). The rows of a file come in any
 //! order and are told by their numbers; photographs are ordered by theirs, so that text and binary files agree.
+//!
+//! From 3.12 on there are rigs and frames as well, which say what moves together. The pose of each photograph is still
+//! whole among the images, so these files are not read.
 
 mod binary;
 mod depth;

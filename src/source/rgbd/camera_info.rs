@@ -1,4 +1,5 @@
-//! Cameras as messages of ROS tell them: lenses, and the way from one frame of reference to another.
+//! Cameras as messages of ROS tell them: lenses, the part of the image that is sent, and the way from one frame of
+//! reference to another.
 
 use super::calibration::Intrinsics;
 use super::error::RgbdError;
@@ -6,8 +7,14 @@ use crate::io::recording::camera::{CameraInfo, Link};
 use crate::rgbd::Distortion;
 use glam::{DAffine3, DVec2};
 
-/// The camera of images of `topic`. Names of rectified images say so: they have the lens of the projection, none.
-pub(super) fn intrinsics(topic: &str, info: &CameraInfo, notes: &mut Vec<String>) -> Result<Intrinsics, RgbdError> {
+/// The camera of images of `topic`, which have `image_px` pixels, if that is known. Names of rectified images say so:
+/// they have the lens of the projection, none.
+pub(super) fn intrinsics(
+    topic: &str,
+    info: &CameraInfo,
+    image_px: Option<[u32; 2]>,
+    notes: &mut Vec<String>,
+) -> Result<Intrinsics, RgbdError> {
     let is_rectified = topic.contains("rect") && info.p[0] > 0.0;
     let [fx, fy, cx, cy] = if is_rectified {
         [info.p[0], info.p[5], info.p[2], info.p[6]]
@@ -27,7 +34,7 @@ pub(super) fn intrinsics(topic: &str, info: &CameraInfo, notes: &mut Vec<String>
     } else {
         lens(&info.model, &info.distortion)
     };
-    Ok(Intrinsics {
+    let whole = Intrinsics {
         focal_px: DVec2::new(fx, fy),
         principal_px: DVec2::new(cx, cy),
         distortion: distortion.unwrap_or_else(|reason| {
@@ -35,7 +42,34 @@ pub(super) fn intrinsics(topic: &str, info: &CameraInfo, notes: &mut Vec<String>
             Distortion::None
         }),
         for_size_px: Some(info.size_px).filter(|size| !size.contains(&0)),
-    })
+    };
+    Ok(windowed(whole, info, image_px))
+}
+
+/// The camera of the part of the image that is sent (`sensor_msgs/CameraInfo`: the matrix is of the whole sensor, whose
+/// pixels a binned image has several of in one). Drivers that send the whole image and tell of a part are not believed.
+fn windowed(whole: Intrinsics, info: &CameraInfo, image_px: Option<[u32; 2]>) -> Intrinsics {
+    let window = info.window;
+    let part_px = if window.size_px.contains(&0) {
+        info.size_px
+    } else {
+        window.size_px
+    };
+    let binning = window.binning.map(|pixels| pixels.max(1));
+    let sent_px = [part_px[0] / binning[0], part_px[1] / binning[1]];
+    let is_whole = sent_px == info.size_px && window.offset_px == [0, 0];
+    if is_whole || sent_px.contains(&0) || image_px.is_some_and(|size| size != sent_px) {
+        return whole;
+    }
+    let pair = |numbers: [u32; 2]| DVec2::new(f64::from(numbers[0]), f64::from(numbers[1]));
+    // Centres of pixels are at integers: the corner of the part is half a pixel before its first.
+    let from_corner = whole.principal_px - pair(window.offset_px) + 0.5;
+    Intrinsics {
+        focal_px: whole.focal_px / pair(binning),
+        principal_px: from_corner / pair(binning) - 0.5,
+        for_size_px: Some(sent_px),
+        ..whole
+    }
 }
 
 /// The lens of a model of ROS (REP 2012 names them as OpenCV does) or of `librealsense`.
@@ -97,7 +131,55 @@ pub(super) fn transform_between(links: &[Link], from: &str, to: &str) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::recording::camera::Window;
     use glam::DVec3;
+    use std::time::Duration;
+
+    fn info(window: Window) -> CameraInfo {
+        let k = [500.0, 0.0, 319.5, 0.0, 502.0, 239.5, 0.0, 0.0, 1.0];
+        CameraInfo {
+            frame_id: String::new(),
+            size_px: [640, 480],
+            model: String::new(),
+            distortion: Vec::new(),
+            k,
+            p: [0.0; 12],
+            window,
+        }
+    }
+
+    /// The middle of a pixel of the image is the middle of the pixels of the sensor that it is made of.
+    #[test]
+    fn parts_of_an_image_see_what_the_whole_sees() {
+        let window = Window {
+            binning: [2, 4],
+            offset_px: [100, 40],
+            size_px: [320, 240],
+        };
+        let sent_px = [160, 60];
+        let mut notes = Vec::new();
+        let mut camera = |window: Window, image_px| {
+            let found = intrinsics("a", &info(window), image_px, &mut notes).unwrap();
+            let ray = |pixel: DVec2| (pixel - found.principal_px) / found.focal_px;
+            (ray(DVec2::new(7.0, 9.0)), found.for_size_px)
+        };
+        let (whole_ray, whole_px) = camera(Window::default(), Some([640, 480]));
+        assert_eq!(whole_px, Some([640, 480]));
+        let (ray, size_px) = camera(window, Some(sent_px));
+        assert_eq!(size_px, Some(sent_px));
+        // Pixels 14 and 15, and 36 to 39, of the part: 114.5 and 77.5 of the whole.
+        let expected = (DVec2::new(114.5, 77.5) - DVec2::new(319.5, 239.5)) / DVec2::new(500.0, 502.0);
+        assert!(ray.abs_diff_eq(expected, 1e-12), "{ray} {expected}");
+        assert_eq!(camera(window, None), (ray, Some(sent_px)));
+        // Whole images, whatever is said of a part; and parts of nothing.
+        assert_eq!(camera(window, Some([640, 480])), (whole_ray, whole_px));
+        let nothing = Window {
+            size_px: [1, 1],
+            ..window
+        };
+        assert_eq!(camera(nothing, None), (whole_ray, whole_px));
+        assert_eq!(notes, [""; 0]);
+    }
 
     #[test]
     fn frames_are_joined_over_both_ends_of_links() {
@@ -105,6 +187,7 @@ mod tests {
             parent: parent.to_owned(),
             child: child.to_owned(),
             parent_from_child: DAffine3::from_rotation_z(0.5 * x) * DAffine3::from_translation(DVec3::X * x),
+            time: Duration::ZERO,
         };
         let links = [
             link("base", "depth", 1.0),

@@ -80,7 +80,7 @@ impl Recorded {
     pub(super) fn color_file(&self, index: usize) -> Option<&Path> {
         match self.frames.get(index)?.color.as_ref()? {
             StoredImage::File(path) => Some(path),
-            StoredImage::Message(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) => None,
         }
     }
 
@@ -92,7 +92,7 @@ impl Recorded {
                 path: path.clone(),
                 kind: DepthKind::Scaled(self.code.metres_per_unit()?),
             }),
-            StoredImage::Message(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) => None,
         }
     }
 

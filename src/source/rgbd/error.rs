@@ -44,6 +44,26 @@ pub enum RgbdError {
         /// What is wrong, and where.
         reason: IoError,
     },
+    /// A Matroska file that is no recording of a depth camera, or one that cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Matroska {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, where, and what to do.
+        problem: String,
+    },
+    /// An image in a Matroska file that cannot be decoded.
+    #[error("{}, byte {offset}, track {track}: the image is damaged: {problem}", path.display())]
+    Block {
+        /// The file.
+        path: PathBuf,
+        /// The name of the track.
+        track: String,
+        /// Where the image begins.
+        offset: u64,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// An image of something else than depths.
     #[error(
         "{} holds {found}, and depths are grey of 16 bits or in single floats: check that it is the depth image, and \

@@ -1,9 +1,10 @@
-//! The frames of a recording of depth images: a folder, or a file of messages.
+//! The frames of a recording of depth images: a folder, a file of messages, or a film of an Azure Kinect.
 
 use super::calibration::Calibration;
 use super::decoder::{GROUP_FRAMES, ImageDecoder, Recorded};
 use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
+use super::kinect;
 use super::layouts::{self, Found};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
@@ -53,6 +54,9 @@ impl RgbdRecording {
                 Some(found) => found,
                 None => return Ok(None),
             },
+            ([file], None) if file.is_file() && kinect::is_one(file) => {
+                ("Azure Kinect", kinect::find(file, rgbd, &options.read)?)
+            }
             ([file], None) if file.is_file() => match topics::find(file, options)? {
                 Some(found) => found,
                 None => return Ok(None),
@@ -104,6 +108,13 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
                 part: Part::Message(image.message.clone()),
             },
         ),
+        StoredImage::Block(image) => {
+            let whole = FrameEntry::file(&*image.path);
+            FrameEntry {
+                name: format!("{}: {} {index}", whole.name, image.track),
+                ..whole
+            }
+        }
     }
 }
 

@@ -1,9 +1,10 @@
-//! Where an image is: in a file of its own, or in a message of a recording.
+//! Where an image is: in a file of its own, in a message of a recording, or in a block of a film.
 
 use super::error::RgbdError;
 use super::text;
+use crate::io::matroska::Block;
 use crate::io::raster::{self, Raster};
-use crate::io::recording::camera::CameraMessage;
+use crate::io::recording::camera::{self, CameraMessage};
 use crate::io::{Message, ReadOptions, recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,6 +16,8 @@ pub(super) enum StoredImage {
     File(PathBuf),
     /// A message.
     Message(ImageMessage),
+    /// A block of a Matroska file.
+    Block(BlockImage),
 }
 
 /// An image in a message of a recording.
@@ -28,12 +31,55 @@ pub(super) struct ImageMessage {
     pub(super) message: Message,
 }
 
+/// An image in a block of a Matroska file.
+#[derive(Debug, Clone)]
+pub(super) struct BlockImage {
+    /// The recording.
+    pub(super) path: Arc<Path>,
+    /// The name of the track, for people.
+    pub(super) track: Arc<str>,
+    /// As the track says it.
+    pub(super) size_px: [u32; 2],
+    pub(super) pixels: BlockPixels,
+    pub(super) block: Block,
+}
+
+/// What the bytes of a block are.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum BlockPixels {
+    /// An image as a file has it.
+    File,
+    /// Pixels in rows, by the names of ROS; the high byte of 16 bits comes first.
+    Bare(&'static str),
+}
+
+impl BlockImage {
+    fn raster(&self, options: &ReadOptions) -> Result<Raster, String> {
+        let bytes = self.block.read(&self.path, options.max_memory_bytes)?;
+        let raster = match self.pixels {
+            BlockPixels::File => raster::decode(&bytes, options.max_memory_bytes)?,
+            BlockPixels::Bare(encoding) => {
+                camera::bare_image(encoding, self.size_px, true, &bytes, options.max_memory_bytes)?
+            }
+        };
+        let [width, height] = self.size_px;
+        if raster.size_px != self.size_px {
+            return Err(format!(
+                "it has {} × {} pixels, and its track {width} × {height}",
+                raster.size_px[0], raster.size_px[1]
+            ));
+        }
+        Ok(raster)
+    }
+}
+
 impl StoredImage {
     /// The file that it is in.
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::File(path) => path,
             Self::Message(image) => &image.path,
+            Self::Block(image) => &image.path,
         }
     }
 
@@ -55,6 +101,12 @@ impl StoredImage {
                     }
                 })
             }
+            Self::Block(image) => image.raster(options).map_err(|problem| RgbdError::Block {
+                path: image.path.to_path_buf(),
+                track: image.track.to_string(),
+                offset: image.block.offset,
+                problem,
+            }),
         }
     }
 
@@ -63,6 +115,7 @@ impl StoredImage {
         match self {
             Self::File(path) => raster::size_px(&text::read_bytes(path, options.max_memory_bytes).ok()?).ok(),
             Self::Message(_) => Some(self.raster(options).ok()?.size_px),
+            Self::Block(image) => Some(image.size_px),
         }
     }
 }

@@ -5,16 +5,20 @@
 //! images in one frame of reference and of one size are of one camera, pixel by pixel, others are joined by
 //! `tf_static`. Bags of `librealsense` have extensions of their own: no frames of reference, but the place of each
 //! stream from one of them (`…/tf/0`), and the unit of depths as an option.
+//!
+//! Poses are those of the depth camera in the root of the links that `tf` publishes ([`MovingFrames`]).
 
 use super::calibration::{Calibration, Intrinsics};
 use super::camera_info::{intrinsics, transform_between};
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
 use super::layouts::{Found, FrameImages};
+use super::moving_frames::MovingFrames;
 use super::pairs::nearest;
 use super::stored_image::{ImageMessage, StoredImage};
 use crate::io::recording::camera::{
-    CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, camera_info, extrinsics, head, links, number,
+    CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, Window, camera_info, extrinsics, head,
+    links, number,
 };
 use crate::io::{self, ReadOptions, recording};
 use crate::source::OpenOptions;
@@ -106,7 +110,7 @@ fn color_of<'a>(depth: &Stream<'_>, streams: &'a [Stream<'a>]) -> Option<&'a Str
     let candidates = streams.iter().filter(|stream| !stream.head.is_depth());
     candidates.max_by_key(|stream| {
         let name = &stream.topic.name;
-        let is_colored = stream.head.encoding.contains("rgb") || stream.head.encoding.contains("bgr");
+        let is_colored = stream.head.is_colored();
         let is_framed = stream.is_framed_as(depth);
         let shared = shared_parts(name, &depth.topic.name);
         (
@@ -188,13 +192,25 @@ impl RosRecording<'_> {
             // From the stream that all are told from to each of them.
             return Some(place(color)? * place(depth)?.inverse());
         }
-        let statics = self.of_kind(CameraMessage::StaticTransforms);
-        let messages = statics.flat_map(|topic| &topic.messages);
-        let links: Vec<Link> = messages
-            .filter_map(|(_, message)| recording::read_parsed(self.path, message, self.read, links))
-            .flatten()
-            .collect();
+        let links = self.links(CameraMessage::StaticTransforms);
         transform_between(&links, &depth.head.frame_id, &color.head.frame_id)
+    }
+
+    /// The links that messages of this kind tell.
+    fn links(&self, kind: CameraMessage) -> Vec<Link> {
+        let messages = self.of_kind(kind).flat_map(|topic| &topic.messages);
+        let messages = messages.map(|(_, message)| message);
+        let links = recording::read_all_parsed(self.path, messages, self.read, links);
+        links.into_iter().flatten().collect()
+    }
+
+    /// What moves. Bags of `librealsense` have no frames of reference.
+    fn moving_frames(&self, depth: &Stream<'_>) -> MovingFrames {
+        let moving = self.links(CameraMessage::Transforms);
+        if moving.is_empty() || is_realsense(&depth.topic.name) {
+            return MovingFrames::default();
+        }
+        MovingFrames::of(self.links(CameraMessage::StaticTransforms), moving)
     }
 
     /// Units of depth images that are a metre, where a `RealSense` says it.
@@ -240,6 +256,7 @@ impl RosRecording<'_> {
         };
         let calibration = Arc::new(calibration);
         let depths = &depth.topic.messages;
+        let moving = self.moving_frames(depth);
         let mut used = HashSet::new();
         let frames: Vec<FrameImages> = depths
             .iter()
@@ -254,7 +271,7 @@ impl RosRecording<'_> {
                     depth: self.image(depth, index),
                     color: partner.map(|(color, at)| self.image(color, at)),
                     time: Some(time),
-                    world_from_camera: None,
+                    world_from_camera: moving.world_from(&depth.head.frame_id, time),
                     calibration: Arc::clone(&calibration),
                 }
             })
@@ -274,6 +291,12 @@ impl RosRecording<'_> {
         })
     }
 
+    /// The size of the images of a camera, where it matters which part of them is sent.
+    fn sent_px(&self, stream: &Stream<'_>, info: &CameraInfo) -> Option<[u32; 2]> {
+        let is_part = info.window != Window::default();
+        is_part.then(|| self.image(stream, 0).size_px(self.read)).flatten()
+    }
+
     fn calibration(
         &self,
         depth: &Stream<'_>,
@@ -282,7 +305,7 @@ impl RosRecording<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Calibration, RgbdError> {
         let mut calibration = Calibration::of_depth(
-            intrinsics(&depth.topic.name, info, notes)?,
+            intrinsics(&depth.topic.name, info, self.sent_px(depth, info), notes)?,
             format!("the CameraInfo of topic {}", depth.topic.name),
         );
         calibration.units_per_metre = self.units_per_metre();
@@ -311,7 +334,7 @@ impl RosRecording<'_> {
                 color.topic.name, depth.topic.name
             ));
         }
-        let lens = intrinsics(&color.topic.name, &color_info, notes)?;
+        let lens = intrinsics(&color.topic.name, &color_info, self.sent_px(color, &color_info), notes)?;
         calibration.color = Some((lens, color_from_depth.unwrap_or(DAffine3::IDENTITY)));
         Ok(calibration)
     }

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 /// What a layout of messages has.
-const HAS: Has = Has {
+pub(crate) const HAS: Has = Has {
     poses: false,
     times: true,
     exact_depths: true,
@@ -20,11 +20,11 @@ const HAS: Has = Has {
 
 const DEPTH: &str = "/camera/depth/image_raw";
 const COLOR: &str = "/camera/color/image_raw";
-const DEPTH_FRAME: &str = "camera_depth_optical_frame";
+pub(crate) const DEPTH_FRAME: &str = "camera_depth_optical_frame";
 const COLOR_FRAME: &str = "camera_color_optical_frame";
 
 /// An image as it is recorded.
-struct Packed {
+pub(crate) struct Packed {
     /// What is added to the name of the topic.
     end: &'static str,
     encoding: String,
@@ -33,7 +33,7 @@ struct Packed {
     data: Vec<u8>,
 }
 
-fn raw(encoding: &str, pixel_bytes: usize, data: &[u8], big_endian: bool) -> Packed {
+pub(crate) fn raw(encoding: &str, pixel_bytes: usize, data: &[u8], big_endian: bool) -> Packed {
     // Rows are padded, as some drivers do.
     let row = pixel_bytes * WIDTH as usize;
     let padded = |row: &[u8]| [row, &[0xee; 6]].concat();
@@ -129,11 +129,11 @@ fn rvl(depths: &[u16]) -> Vec<u8> {
 }
 
 /// How depths are written, and colours.
-type WriteDepth = fn(&[u16]) -> Packed;
-type WriteColor = fn(&[[u8; 3]]) -> Packed;
+pub(crate) type WriteDepth = fn(&[u16]) -> Packed;
+pub(crate) type WriteColor = fn(&[[u8; 3]]) -> Packed;
 
 /// Every way to write depths.
-const DEPTHS: &[(&str, WriteDepth)] = &[
+pub(crate) const DEPTHS: &[(&str, WriteDepth)] = &[
     ("16UC1", |depths| raw("16UC1", 2, &little(depths), false)),
     ("mono16, big endian", |depths| {
         let swapped: Vec<u16> = depths.iter().map(|mm| mm.swap_bytes()).collect();
@@ -160,7 +160,7 @@ const DEPTHS: &[(&str, WriteDepth)] = &[
 ];
 
 /// Every way to write colours that keeps them.
-const COLORS: &[(&str, WriteColor)] = &[
+pub(crate) const COLORS: &[(&str, WriteColor)] = &[
     ("rgb8", |colors| raw("rgb8", 3, &colors.concat(), false)),
     ("bgr8", |colors| {
         let pixels: Vec<u8> = colors.iter().flat_map(|&[r, g, b]| [b, g, r]).collect();
@@ -215,7 +215,7 @@ fn info(kind: Kind, topic: &str, frame_id: &str, (model, coefficients): (&str, &
 const PINHOLE: (&str, &[f64]) = ("plumb_bob", &[0.0; 5]);
 
 /// The recording with both images of one camera.
-fn one_camera(kind: Kind, depth: WriteDepth, color: WriteColor) -> Vec<Recorded> {
+pub(crate) fn one_camera(kind: Kind, depth: WriteDepth, color: WriteColor) -> Vec<Recorded> {
     let recording = Recording::new();
     let mut messages = vec![
         info(kind, "/camera/depth/camera_info", DEPTH_FRAME, PINHOLE),
@@ -232,11 +232,11 @@ fn one_camera(kind: Kind, depth: WriteDepth, color: WriteColor) -> Vec<Recorded>
     messages
 }
 
-fn open(path: &Path) -> Sequence {
+pub(crate) fn open(path: &Path) -> Sequence {
     open_with(path, RgbdOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn check(name: &str, path: &Path) {
+pub(crate) fn check(name: &str, path: &Path) {
     let sequence = open(path);
     assert_eq!(sequence.len(), FRAMES, "{name}");
     assert_eq!(sequence.source().notes(), [""; 0], "{name}");

@@ -3,6 +3,7 @@
 use glam::DAffine3;
 use std::collections::BTreeMap;
 use std::io::Cursor;
+use std::path::Path;
 
 /// How a message is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,6 +161,34 @@ pub(crate) fn mcap(kind: Kind, messages: &[Recorded]) -> Vec<u8> {
     writer.finish().unwrap();
     drop(writer);
     file.into_inner()
+}
+
+/// A bag of ROS 2 in `SQLite`, as `rosbag2_storage_sqlite3` lays it out.
+pub(crate) fn db3(path: &Path, kind: Kind, messages: &[Recorded]) {
+    let database = rusqlite::Connection::open(path).unwrap();
+    let tables = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, \
+                  serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
+                  CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, \
+                  timestamp INTEGER NOT NULL, data BLOB NOT NULL);";
+    database.execute_batch(tables).unwrap();
+    let ids: BTreeMap<&str, i64> = (1..)
+        .zip(topics(messages))
+        .map(|(id, (topic, _))| (topic, id))
+        .collect();
+    for (topic, of) in topics(messages) {
+        let row = (ids[topic], topic, kind.named(of));
+        let sql = "INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', '')";
+        database.execute(sql, row).unwrap();
+    }
+    for message in messages {
+        let row = (
+            ids[message.topic.as_str()],
+            1000 * message.time_us as i64,
+            &message.bytes,
+        );
+        let sql = "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)";
+        database.execute(sql, row).unwrap();
+    }
 }
 
 fn fields(fields: &[(&str, &[u8])]) -> Vec<u8> {

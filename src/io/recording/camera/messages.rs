@@ -6,6 +6,7 @@ use super::super::message::Message;
 use super::super::serialisation::Serialisation;
 use super::topics::CameraMessage;
 use glam::{DAffine3, DQuat, DVec3};
+use std::time::Duration;
 
 /// `sensor_msgs/Image`.
 pub(super) struct RawImage<'a> {
@@ -38,6 +39,13 @@ impl ImageHead {
         let kind = self.encoding.split([';', ' ']).next().unwrap_or_default();
         matches!(kind, "16UC1" | "mono16" | "32FC1") || self.encoding.contains("compressedDepth")
     }
+
+    /// Whether it is an image of colours, as far as its words say it.
+    pub(crate) fn is_colored(&self) -> bool {
+        let words = self.encoding.to_ascii_lowercase();
+        let kinds = ["rgb", "bgr", "yuv", "yuy", "uyvy", "nv12", "nv21", "bayer"];
+        kinds.iter().any(|kind| words.contains(kind))
+    }
 }
 
 /// `sensor_msgs/CameraInfo`: what of it tells the rays of an image.
@@ -51,6 +59,17 @@ pub(crate) struct CameraInfo {
     pub(crate) k: [f64; 9],
     /// The projection of the rectified image, row by row.
     pub(crate) p: [f64; 12],
+    pub(crate) window: Window,
+}
+
+/// What of the image of a camera is sent. All is zero where nothing is said: then it is the whole image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Window {
+    /// Pixels of the sensor, along x and y, that are one of the image; 0 is 1.
+    pub(crate) binning: [u32; 2],
+    /// The first pixel of the sensor, along x and y, and the size of the part that is sent, in pixels of the sensor.
+    pub(crate) offset_px: [u32; 2],
+    pub(crate) size_px: [u32; 2],
 }
 
 /// Where the frame of reference `child` is in the frame `parent`.
@@ -59,6 +78,8 @@ pub(crate) struct Link {
     pub(crate) parent: String,
     pub(crate) child: String,
     pub(crate) parent_from_child: DAffine3,
+    /// When it was so.
+    pub(crate) time: Duration,
 }
 
 /// How the messages of ROS are written; those of cameras are no others.
@@ -136,6 +157,19 @@ pub(crate) fn camera_info(bytes: &[u8], message: &Message) -> Option<CameraInfo>
         distortion,
         k,
         p: fields.f64s()?,
+        // Old messages end before it.
+        window: window(&mut fields).unwrap_or_default(),
+    })
+}
+
+/// Binning, and `sensor_msgs/RegionOfInterest`, whose height is before its width.
+fn window(fields: &mut Bytes<'_>) -> Option<Window> {
+    let mut pair = || Some([fields.u32()?, fields.u32()?]);
+    let (binning, offset_px, [height, width]) = (pair()?, pair()?, pair()?);
+    Some(Window {
+        binning,
+        offset_px,
+        size_px: [width, height],
     })
 }
 
@@ -147,12 +181,13 @@ pub(crate) fn links(bytes: &[u8], message: &Message) -> Option<Vec<Link>> {
     // Not allocated for the count that is claimed: every link takes bytes that must be there.
     let mut links = Vec::new();
     for _ in 0..count {
-        let parent = frame_id(serialisation.header(&mut fields)?.frame_id);
+        let header = serialisation.header(&mut fields)?;
         let child = frame_id(fields.text()?.as_bytes());
         links.push(Link {
-            parent,
+            parent: frame_id(header.frame_id),
             child,
             parent_from_child: transform(&mut fields)?,
+            time: header.time,
         });
     }
     Some(links)

@@ -3,13 +3,15 @@
 //! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` writes beside
 //! them into its own bags. Which topics belong together is the matter of those who read a recording.
 
+mod bayer;
 mod compressed;
 mod messages;
 mod pixels;
 mod rvl;
 mod topics;
+mod yuv;
 
-pub(crate) use messages::{CameraInfo, ImageHead, Link, camera_info, extrinsics, head, links, number};
+pub(crate) use messages::{CameraInfo, ImageHead, Link, Window, camera_info, extrinsics, head, links, number};
 pub(crate) use topics::{CameraMessage, CameraTopic, CameraTopics};
 
 use super::super::raster::Raster;
@@ -23,4 +25,26 @@ pub(super) fn image(bytes: &[u8], message: &Message, kind: CameraMessage, most_b
         return compressed::raster(&image, most_bytes);
     }
     pixels::raster(&messages::raw(bytes, message).ok_or(CUT)?, most_bytes)
+}
+
+/// The image of bytes that no message is around: pixels as `sensor_msgs/Image` calls them, in rows without gaps; the
+/// error is the end of a sentence.
+pub(crate) fn bare_image(
+    encoding: &str,
+    size_px: [u32; 2],
+    big_endian: bool,
+    data: &[u8],
+    most_bytes: u64,
+) -> Result<Raster, String> {
+    let image = messages::RawImage {
+        head: ImageHead {
+            frame_id: String::new(),
+            encoding: encoding.to_owned(),
+        },
+        size_px,
+        big_endian,
+        step: pixels::row_bytes(encoding, size_px[0])?,
+        data,
+    };
+    pixels::raster(&image, most_bytes)
 }

@@ -14,6 +14,8 @@ pub(crate) enum CameraMessage {
     CameraInfo,
     /// `tf2_msgs/TFMessage` that holds for all times.
     StaticTransforms,
+    /// `tf2_msgs/TFMessage` that holds at the times that it says.
+    Transforms,
     /// `geometry_msgs/Transform`: the extrinsics of a stream of a `RealSense`.
     Extrinsics,
     /// `std_msgs/Float32`: an option of a sensor of a `RealSense`.
@@ -30,9 +32,11 @@ impl CameraMessage {
             ("sensor_msgs", "Image") => Self::Image,
             ("sensor_msgs", "CompressedImage") => Self::CompressedImage,
             ("sensor_msgs", "CameraInfo") => Self::CameraInfo,
-            ("tf2_msgs", "TFMessage") | ("tf", "tfMessage") if topic.trim_start_matches('/') == "tf_static" => {
-                Self::StaticTransforms
-            }
+            ("tf2_msgs", "TFMessage") | ("tf", "tfMessage") => match topic.trim_start_matches('/') {
+                "tf_static" => Self::StaticTransforms,
+                "tf" => Self::Transforms,
+                _ => return None,
+            },
             ("geometry_msgs", "Transform") if topic.contains("/tf/") => Self::Extrinsics,
             ("std_msgs", "Float32") if topic.contains("/option/") => Self::Number,
             _ => return None,

@@ -1,0 +1,181 @@
+//! Where a frame of reference is in the world over time, by the links that a robot publishes (`/tf`).
+//!
+//! *How it works.* Links form a tree: a frame has one parent. From the frame of a camera the way leads up to the root,
+//! which is the world as far as the recording knows it (`map`, `odom`, `world`). A link that moves is a list of places
+//! with their times; between two it goes straight and turns evenly, as `tf2` does. Beyond the first and the last it is
+//! known for as long as images of one moment may be apart. A camera without a link that moves above it has no pose:
+//! nobody has said that it moves, or where.
+
+use super::pairs::MOST_APART;
+use crate::io::recording::camera::Link;
+use glam::DAffine3;
+use std::collections::HashMap;
+use std::time::Duration;
+
+/// Frames of reference with the places that they had.
+#[derive(Debug, Default)]
+pub(super) struct MovingFrames {
+    /// By the child.
+    parents: HashMap<String, Parent>,
+}
+
+/// Where a frame is in its parent.
+#[derive(Debug)]
+struct Parent {
+    name: String,
+    /// Whether it holds for all times.
+    is_static: bool,
+    /// In the order of time; one at least.
+    places: Vec<(Duration, DAffine3)>,
+}
+
+impl MovingFrames {
+    /// By links that hold for all times, and by those that hold at their time. Of a frame with several parents the
+    /// first one counts.
+    pub(super) fn of(statics: Vec<Link>, moving: Vec<Link>) -> Self {
+        let mut frames = Self::default();
+        for (is_static, links) in [(true, statics), (false, moving)] {
+            for link in links {
+                let parent = frames.parents.entry(link.child).or_insert_with(|| Parent {
+                    name: link.parent.clone(),
+                    is_static,
+                    places: Vec::new(),
+                });
+                if parent.name == link.parent && parent.is_static == is_static {
+                    parent.places.push((link.time, link.parent_from_child));
+                }
+            }
+        }
+        for parent in frames.parents.values_mut() {
+            parent.places.sort_by_key(|&(time, _)| time);
+        }
+        frames
+    }
+
+    /// Where `frame` was in the root of its tree at `time`; `None` where nothing above it moves, and where nobody knows
+    /// it for this time.
+    pub(super) fn world_from(&self, frame: &str, time: Duration) -> Option<DAffine3> {
+        let mut world_from_frame = DAffine3::IDENTITY;
+        let mut moves = false;
+        let mut at = frame;
+        // As many steps as there are links: more lead in circles.
+        for _ in 0..=self.parents.len() {
+            let Some(parent) = self.parents.get(at) else {
+                return moves.then_some(world_from_frame);
+            };
+            moves |= !parent.is_static;
+            world_from_frame = parent.place(time)? * world_from_frame;
+            at = &parent.name;
+        }
+        None
+    }
+}
+
+impl Parent {
+    fn place(&self, time: Duration) -> Option<DAffine3> {
+        let first_after = self.places.partition_point(|&(at, _)| at <= time);
+        let before = first_after.checked_sub(1).map(|index| self.places[index]);
+        let after = self.places.get(first_after).copied();
+        match (before, after) {
+            (Some((_, place)), _) if self.is_static => Some(place),
+            (None, Some((_, place))) if self.is_static => Some(place),
+            (Some((start, from)), Some((end, to))) => {
+                let share = (time - start).as_secs_f64() / (end - start).as_secs_f64();
+                Some(between(from, to, share))
+            }
+            (Some((at, place)), None) | (None, Some((at, place))) => (at.abs_diff(time) <= MOST_APART).then_some(place),
+            (None, None) => None,
+        }
+    }
+}
+
+/// The place so far on the way.
+fn between(from: DAffine3, to: DAffine3, share: f64) -> DAffine3 {
+    let [(_, turn, at), (_, other_turn, other_at)] = [from, to].map(|place| place.to_scale_rotation_translation());
+    DAffine3::from_rotation_translation(turn.slerp(other_turn, share), at.lerp(other_at, share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn link(parent: &str, child: &str, millis: u64, place: DAffine3) -> Link {
+        Link {
+            parent: parent.to_owned(),
+            child: child.to_owned(),
+            parent_from_child: place,
+            time: Duration::from_millis(millis),
+        }
+    }
+
+    fn robot() -> MovingFrames {
+        let mounted = DAffine3::from_rotation_y(0.5) * DAffine3::from_translation(DVec3::X);
+        let drive = |millis: u64, x: f64, turn: f64| {
+            let place = DAffine3::from_translation(DVec3::X * x) * DAffine3::from_rotation_z(turn);
+            link("odom", "base", millis, place)
+        };
+        MovingFrames::of(
+            vec![
+                link("base", "camera", 0, mounted),
+                link("map", "odom", 9, DAffine3::from_rotation_x(0.1)),
+            ],
+            // Not in the order of time.
+            vec![drive(2000, 3.0, 0.4), drive(1000, 1.0, 0.0), drive(3000, 3.0, 0.4)],
+        )
+    }
+
+    #[test]
+    fn a_camera_moves_with_its_robot() {
+        let robot = robot();
+        let found = robot.world_from("camera", Duration::from_millis(1250)).unwrap();
+        let drive = DAffine3::from_translation(DVec3::X * 1.5) * DAffine3::from_rotation_z(0.1);
+        let mounted = DAffine3::from_rotation_y(0.5) * DAffine3::from_translation(DVec3::X);
+        let expected = DAffine3::from_rotation_x(0.1) * drive * mounted;
+        assert!(found.abs_diff_eq(expected, 1e-12), "{found} {expected}");
+        let last = robot.world_from("base", Duration::from_millis(3020)).unwrap();
+        assert_eq!(last, robot.world_from("base", Duration::from_secs(3)).unwrap());
+        for beyond in [979, 3021] {
+            assert_eq!(
+                robot.world_from("camera", Duration::from_millis(beyond)),
+                None,
+                "{beyond}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_does_not_move_has_no_pose() {
+        let robot = robot();
+        for frame in ["odom", "map", "lidar"] {
+            assert_eq!(robot.world_from(frame, Duration::from_secs(1)), None, "{frame}");
+        }
+        assert_eq!(MovingFrames::default().world_from("camera", Duration::ZERO), None);
+    }
+
+    #[test]
+    fn links_that_lead_in_circles_end() {
+        let place = DAffine3::IDENTITY;
+        let circle = MovingFrames::of(
+            Vec::new(),
+            vec![
+                link("a", "b", 0, place),
+                link("b", "a", 0, place),
+                link("c", "c", 0, place),
+            ],
+        );
+        for frame in ["a", "b", "c"] {
+            assert_eq!(circle.world_from(frame, Duration::ZERO), None);
+        }
+        // Of two parents the first counts.
+        let two = MovingFrames::of(
+            Vec::new(),
+            vec![
+                link("map", "base", 0, DAffine3::from_translation(DVec3::X)),
+                link("other", "base", 0, DAffine3::from_translation(DVec3::Y)),
+            ],
+        );
+        let found = two.world_from("base", Duration::ZERO).unwrap();
+        assert_eq!(found.translation, DVec3::X);
+    }
+}
