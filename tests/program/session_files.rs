@@ -1,7 +1,5 @@
 //! Session files on the command line: what `render` draws of one is what the window would, and what is wrong is said.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
