@@ -6,3 +6,4 @@ mod cli;
 mod cli_convert;
 mod cli_video;
 mod compare;
+mod session_files;
