@@ -3,7 +3,7 @@
 use super::mips::mips;
 use super::photo_image::PhotoImage;
 
-/// A picture with all its mip levels, finest first, down to a single texel.
+/// A picture with all its mip levels, finest first, down to a single texel; or without any.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     levels: Vec<PhotoImage>,
@@ -15,6 +15,11 @@ impl Texture {
         let mut levels = mips(&picture);
         levels.insert(0, picture);
         Self { levels }
+    }
+
+    /// The picture alone, however far away it is: to be compared with.
+    pub fn without_levels(picture: PhotoImage) -> Self {
+        Self { levels: vec![picture] }
     }
 
     /// All levels, finest first; at least one.
@@ -112,6 +117,18 @@ mod tests {
         near([4.0, 4.0], 0.5, [35.0, 70.0, 0.0, 255.0]);
         // The coarsest is one texel.
         near([1.0, 1.0], 9.0, [35.0, 70.0, 0.0, 255.0]);
+    }
+
+    #[test]
+    fn without_levels_the_finest_is_all_there_is() {
+        let [picture, ..] = ramp().levels() else { panic!() };
+        let bare = Texture::without_levels(picture.clone());
+        for lod in [0.0, 0.5, 3.0, f32::INFINITY] {
+            assert_eq!(
+                bare.between_texels([3.25, 2.0], lod),
+                ramp().between_texels([3.25, 2.0], 0.0)
+            );
+        }
     }
 
     #[test]
