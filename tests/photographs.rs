@@ -10,6 +10,11 @@ mod common;
 #[path = "common/photo_scene.rs"]
 mod photo_scene;
 
+#[path = "photographs/holes.rs"]
+mod holes;
+#[path = "photographs/relight.rs"]
+mod relight;
+
 use common::draw;
 use glam::{DAffine3, DVec3, Vec3};
 use image::RgbaImage;
