@@ -2,6 +2,7 @@
 
 use super::mips::mips;
 use super::photo_image::PhotoImage;
+use glam::Vec4;
 
 /// A picture with all its mip levels, finest first, down to a single texel; or without any.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,16 +76,14 @@ fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32
         (texel(left, bottom), (1.0 - across) * down),
         (texel(right, bottom), across * down),
     ];
-    let mut sum = [0.0; 4];
-    for ([red, green, blue, alpha], weight) in corners {
-        let alpha = weight * (1.0 / 255.0) * f32::from(alpha);
-        let color = alpha * (1.0 / 255.0);
-        sum[0] += color * f32::from(red);
-        sum[1] += color * f32::from(green);
-        sum[2] += color * f32::from(blue);
-        sum[3] += alpha;
+    let mut sum = Vec4::ZERO;
+    for (texel, weight) in corners {
+        // All channels at once.
+        let texel = Vec4::from_array(texel.map(f32::from));
+        let alpha = weight * (1.0 / 255.0) * texel.w;
+        sum += (texel * (alpha * (1.0 / 255.0))).with_w(alpha);
     }
-    sum
+    sum.to_array()
 }
 
 #[cfg(test)]
