@@ -1,5 +1,5 @@
-// Surfaces have the colours of their points.
+// Surfaces have the colours and normals of their points.
 
-fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
-    return vec4f(own, 1.0);
+fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
+    return Surface(own, 1.0, normal);
 }

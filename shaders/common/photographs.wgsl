@@ -1,4 +1,5 @@
-// Surfaces have their colours from photographs (paper 004 §3.2-3.4): scene/photographs.rs, render/cpu/photographs.
+// Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths of
+// these (§4.1): scene/photographs.rs, render/cpu/photographs.
 
 // Row 0: number of photographs, how many are blended, 1/σ², and what becomes of what they do not show. Then a row for
 // each photograph.
@@ -148,9 +149,73 @@ fn photo_rim(texel: vec2f, size: vec2f) -> f32 {
     return clamp(min(inwards.x, inwards.y), 1e-3, 1.0);
 }
 
-// The colour of a place in view space; alpha is a factor on its opacity. `normal` has length 1 and is turned to the
-// eye, or is zero.
-fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
+// A depth map with the lens that it was seen through, in its own texels.
+struct DepthMap {
+    photo: u32,
+    last_texel: vec2i,
+    focal: vec2f,
+    principal: vec2f,
+    tolerance: f32,
+}
+
+// What is at a texel of a depth map, in the space of the camera; at the camera where nothing is known. Beyond the
+// border is what is at the border.
+fn depth_place(map: DepthMap, texel: vec2i) -> vec3f {
+    let there = clamp(texel, vec2i(0), map.last_texel);
+    let distance = abs(textureLoad(photo_depths, there, map.photo, 0).r);
+    return distance * vec3f((vec2f(there) + 0.5 - map.principal) / map.focal, 1.0);
+}
+
+fn is_near_depth(other: vec3f, middle: vec3f, tolerance: f32) -> bool {
+    return other.z > 0.0 && abs(other.z - middle.z) <= tolerance;
+}
+
+// The normal of a texel of a depth map in the space of the camera, by the places around it: zero beside steps and where
+// it is seen from the side. render/cpu/photographs/normals.rs.
+fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
+    let middle = depth_place(map, texel);
+    let left = depth_place(map, texel - vec2i(1, 0));
+    let right = depth_place(map, texel + vec2i(1, 0));
+    let up = depth_place(map, texel - vec2i(0, 1));
+    let down = depth_place(map, texel + vec2i(0, 1));
+    if (middle.z <= 0.0
+        || !is_near_depth(left, middle, map.tolerance) || !is_near_depth(right, middle, map.tolerance)
+        || !is_near_depth(up, middle, map.tolerance) || !is_near_depth(down, middle, map.tolerance)) {
+        return vec3f(0.0);
+    }
+    let across = cross(left - right, up - down);
+    let length2 = dot(across, across);
+    if (length2 == 0.0) {
+        return vec3f(0.0);
+    }
+    let normal = across / sqrt(length2);
+    let facing = -dot(normal, middle) / length(middle);
+    return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_LEAST_FACING);
+}
+
+// The normal of what a photograph shows, in view space, between the four texels of its depth map around a place; zero
+// where depths do not tell it.
+fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
+    let of_map = photo_entry(photo, 7u);
+    let lens = photo_entry(photo, 4u);
+    let scale = of_map.xy / photo_entry(photo, 5u).xy;
+    let map = DepthMap(photo, vec2i(of_map.xy) - 1, lens.xy * scale, lens.zw * scale, of_map.z);
+    let at = clamp(texel * scale - 0.5, vec2f(0.0), of_map.xy - 1.0);
+    let before = vec2i(at);
+    let after = min(before + 1, map.last_texel);
+    let share = at - vec2f(before);
+    var sum = vec3f(0.0);
+    for (var corner = 0u; corner < 4u; corner++) {
+        let is_after = vec2<bool>((corner & 1u) != 0u, (corner & 2u) != 0u);
+        let shares = select(1.0 - share, share, is_after);
+        sum += shares.x * shares.y * depth_normal(map, select(before, after, is_after));
+    }
+    let rows = mat3x3f(photo_entry(photo, 0u).xyz, photo_entry(photo, 1u).xyz, photo_entry(photo, 2u).xyz);
+    return rows * (sum / sqrt(max(dot(sum, sum), 1e-37)));
+}
+
+// The colour and the normal of a place in view space. `normal` has length 1 and is turned to the eye, or is zero.
+fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
     let photos = u32(header.x);
     let blended = u32(header.y);
@@ -159,6 +224,8 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     let leaves_holes = (flags & PHOTO_LEAVES_HOLES) != 0u;
     let clips_by_vote = (flags & PHOTO_CLIPS_BY_VOTE) != 0u;
     let clips_by_any = (flags & PHOTO_CLIPS_BY_ANY) != 0u;
+    let relights = (flags & PHOTO_RELIGHTS) != 0u;
+    let is_white = (flags & PHOTO_IS_WHITE) != 0u;
     let to_eye = -normalize(place);
     // The nearest to the eye's direction, nearest first.
     var nearest: array<u32, PHOTO_MOST_ASKED>;
@@ -206,10 +273,11 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
             found++;
         }
     }
+    let clipped = Surface(vec3f(0.0), 0.0, normal);
     if (clips_by_vote && through > seen || clips_by_any && through > 0.0) {
-        return vec4f(0.0);
+        return clipped;
     }
-    let unseen = vec4f(own, select(1.0, 0.0, leaves_holes));
+    let unseen = Surface(select(own, vec3f(1.0), is_white), select(1.0, 0.0, leaves_holes), normal);
     if (found == 0u) {
         return unseen;
     }
@@ -218,6 +286,7 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
     var color = vec3f(0.0);
+    var normals = vec3f(0.0);
     var sum = 0.0;
     var object = 0.0;
     var background = 0.0;
@@ -229,16 +298,26 @@ fn surface_color(own: vec3f, place: vec3f, normal: vec3f) -> vec4f {
         let weight = (weights[which] / weights[0] - beyond) * trusts[which] * photo_rim(at.texel, sizes.xy);
         color += weight * photo_entry(photo, 6u).xyz * sampled.rgb;
         sum += weight * sampled.a;
+        if (relights) {
+            normals += weight * sampled.a * photo_normal(photo, at.texel);
+        }
         if (sizes.w > 0.0) {
             object += weight * sampled.a;
             background += weight * (1.0 - sampled.a);
         }
     }
     if (clips_by_vote && background > object || clips_by_any && background > 0.0) {
-        return vec4f(0.0);
+        return clipped;
     }
     if (sum <= 0.0) {
         return unseen;
     }
-    return vec4f(min(color / sum, vec3f(1.0)), PHOTO_OPACITY);
+    let shown = select(min(color / sum, vec3f(1.0)), vec3f(1.0), is_white);
+    let length2 = dot(normals, normals);
+    if (length2 == 0.0) {
+        return Surface(shown, PHOTO_OPACITY, normal);
+    }
+    let lit_normal = normals / sqrt(length2);
+    // Surfaces have two sides.
+    return Surface(shown, PHOTO_OPACITY, select(lit_normal, -lit_normal, dot(lit_normal, to_eye) < 0.0));
 }

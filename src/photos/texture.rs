@@ -2,8 +2,9 @@
 
 use super::mips::mips;
 use super::photo_image::PhotoImage;
+use glam::Vec4;
 
-/// A picture with all its mip levels, finest first, down to a single texel.
+/// A picture with all its mip levels, finest first, down to a single texel; or without any.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     levels: Vec<PhotoImage>,
@@ -15,6 +16,11 @@ impl Texture {
         let mut levels = mips(&picture);
         levels.insert(0, picture);
         Self { levels }
+    }
+
+    /// The picture alone, however far away it is: to be compared with.
+    pub fn without_levels(picture: PhotoImage) -> Self {
+        Self { levels: vec![picture] }
     }
 
     /// All levels, finest first; at least one.
@@ -70,16 +76,14 @@ fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32
         (texel(left, bottom), (1.0 - across) * down),
         (texel(right, bottom), across * down),
     ];
-    let mut sum = [0.0; 4];
-    for ([red, green, blue, alpha], weight) in corners {
-        let alpha = weight * (1.0 / 255.0) * f32::from(alpha);
-        let color = alpha * (1.0 / 255.0);
-        sum[0] += color * f32::from(red);
-        sum[1] += color * f32::from(green);
-        sum[2] += color * f32::from(blue);
-        sum[3] += alpha;
+    let mut sum = Vec4::ZERO;
+    for (texel, weight) in corners {
+        // All channels at once.
+        let texel = Vec4::from_array(texel.map(f32::from));
+        let alpha = weight * (1.0 / 255.0) * texel.w;
+        sum += (texel * (alpha * (1.0 / 255.0))).with_w(alpha);
     }
-    sum
+    sum.to_array()
 }
 
 #[cfg(test)]
@@ -112,6 +116,18 @@ mod tests {
         near([4.0, 4.0], 0.5, [35.0, 70.0, 0.0, 255.0]);
         // The coarsest is one texel.
         near([1.0, 1.0], 9.0, [35.0, 70.0, 0.0, 255.0]);
+    }
+
+    #[test]
+    fn without_levels_the_finest_is_all_there_is() {
+        let [picture, ..] = ramp().levels() else { panic!() };
+        let bare = Texture::without_levels(picture.clone());
+        for lod in [0.0, 0.5, 3.0, f32::INFINITY] {
+            assert_eq!(
+                bare.between_texels([3.25, 2.0], lod),
+                ramp().between_texels([3.25, 2.0], 0.0)
+            );
+        }
     }
 
     #[test]

@@ -62,6 +62,9 @@ pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 /// What a pixel covers of a surface that is seen more from the side than this is that of one that is seen so.
 pub(super) const PHOTO_LEAST_COSINE: f32 = 0.1;
 
+/// Normals of depths are none where the surface is seen at a smaller cosine: that of 80° (paper 004 §4.1).
+pub(super) const PHOTO_LEAST_FACING: f32 = 0.173_648_18;
+
 /// Light of a surface that is seen edge-on.
 pub(super) const HEAD_LIGHT_AMBIENT: f32 = 0.25;
 /// White that is added where a surface faces the eye.

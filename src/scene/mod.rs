@@ -66,8 +66,8 @@ pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
     LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelStyle, VoxelLight,
-    VoxelStyle, coloring, describe,
+    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
+    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelStyle,
+    VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -9,9 +9,11 @@
 //!
 //! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
 //! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
+//!
+//! Surfaces can be lit anew by normals of the depths that photographs see (§4.1): `render/cpu/photographs/normals.rs`.
 
 use super::style::Primitive;
-use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, ScenePacket, ViewTransform};
+use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, PhotoRelight, ScenePacket, ViewTransform};
 use crate::photos::Photograph;
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
@@ -28,6 +30,8 @@ pub struct PhotoViews {
     pub clipping: PhotoClipping,
     /// What places look like that no photograph sees.
     pub holes: PhotoHoles,
+    /// Whether normals are those of their depths, and colours theirs.
+    pub relight: PhotoRelight,
 }
 
 /// Where one photograph was taken, as a picture sees it.
@@ -75,6 +79,7 @@ impl PhotoViews {
             blended: style.blended(),
             clipping: style.clipping,
             holes: style.holes,
+            relight: style.relight,
         })
     }
 }

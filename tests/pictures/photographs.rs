@@ -4,6 +4,9 @@
 //! Held: held-out views against ray-traced truth, beside the colours of the same points; a photograph's own view;
 //! steady pictures while the camera turns; what is behind something is not coloured by it; both renderers.
 
+mod holes;
+mod relight;
+
 use crate::common::draw;
 use crate::photo_scene::{
     DISTANCE, SCENE_RADIUS, cloud, frame, hit, photographed, photographs, pinhole, pose, poses, style,

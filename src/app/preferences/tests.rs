@@ -7,8 +7,9 @@ use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
     LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelStyle, VoxelLight, VoxelStyle,
+    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
+    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelStyle, VoxelLight,
+    VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -70,6 +71,7 @@ fn unusual() -> Preferences {
                 angle: 2.5,
                 clipping: PhotoClipping::Paper,
                 holes: PhotoHoles::Left,
+                relight: PhotoRelight::DepthOnly,
                 gains: PhotoGains::Off,
             },
             backdrop: Backdrop {

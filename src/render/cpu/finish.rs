@@ -157,6 +157,8 @@ impl Tile {
                     self.write_opacities(row, held, depths, pixels);
                 }
                 TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
+                // Written already.
+                TileRow::Photographed(_) => {}
             }
         }
     }

@@ -54,8 +54,8 @@ use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use illumination::Illumination;
 use image::RgbaImage;
-use photographs::Projected;
 pub(in crate::render) use photographs::{DepthMap, DepthMaps};
+use photographs::{Found, Projected, fill_holes};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
@@ -81,6 +81,8 @@ pub struct CpuRenderer {
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
     /// The depths that photographs see.
     photograph_depths: Option<DepthMaps>,
+    /// What photographs say of the pixels of the picture, where holes are filled from around.
+    photographed: Vec<Found>,
     stats: RenderStats,
 }
 
@@ -157,7 +159,14 @@ impl CpuRenderer {
         let photographs = photo_views.as_ref().zip(packet.photographs.as_ref());
         let projected = photographs.map(|(views, shown)| {
             let depths = depths_of_photographs(&mut self.photograph_depths, packet);
-            Projected::new(views, shown.photographs.all(), depths)
+            let projected = Projected::new(views, shown.photographs.all(), depths);
+            if projected.fills_holes() {
+                self.photographed.resize(pixels, Found::default());
+                look(&projected, packet, blocks, &mut self.photographed);
+                fill_holes(&mut self.photographed, packet.viewport_px);
+                return projected.with_told(&self.photographed);
+            }
+            projected
         });
         let illumination = Lights::of(packet).map(|lights| Illumination {
             lights,
@@ -254,6 +263,19 @@ fn draw_distances(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks
         *distance = packet.view.near / *distance;
     }
     distances
+}
+
+/// What photographs say of all pixels of a packet.
+fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [Found]) {
+    let illumination = Lights::of(packet).map(|lights| Illumination {
+        lights,
+        occlusion: None,
+        shadow: None,
+        physical: None,
+        photographs: Some(photographs),
+    });
+    let bands = bands_of(packet, told, 1).map(TileRow::Photographed);
+    Drawable::of(packet).draw(packet, blocks, illumination, bands.collect());
 }
 
 /// The reversed depths that a lamp sees: those that are known, or drawn now.

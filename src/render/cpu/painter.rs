@@ -2,7 +2,7 @@
 
 use super::finish::{Finish, Gradient, Held};
 use super::illumination::Illumination;
-use super::photographs::Projected;
+use super::photographs::{Found, Projected};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -73,6 +73,9 @@ impl<'a> Painter<'a> {
         let clip = tile.rect().intersection(picture);
         content.draw(simd, tile, clip, self.tiles.columns * row + column, scratch);
         if let Some(photographs) = self.finish.illumination.and_then(|light| light.photographs) {
+            if let TileRow::Photographed(rows) = rows {
+                return look_at_tile(simd, photographs, tile, &self.finish.view, clip, rows);
+            }
             color_tile(simd, photographs, tile, &self.finish.view, clip);
         }
         finish_tile(simd, tile, &self.finish, rows);
@@ -85,6 +88,22 @@ fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, vi
     simd.vectorize(
         #[inline(always)]
         || photographs.color(tile, view, clip),
+    );
+}
+
+/// Writes what photographs say of the surface in a tile.
+#[inline(never)]
+fn look_at_tile<S: Simd>(
+    simd: S,
+    photographs: &Projected<'_>,
+    tile: &Tile,
+    view: &PixelView,
+    clip: PixelRect,
+    rows: &mut [Found],
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || photographs.look(tile, view, clip, rows),
     );
 }
 

@@ -1,5 +1,6 @@
 //! Rows of tiles of what is made of a picture: each is the work of one task.
 
+use super::photographs::Found;
 use super::tile::HEIGHT;
 use crate::scene::ScenePacket;
 
@@ -12,6 +13,8 @@ pub(super) enum TileRow<'a> {
     Unfinished { bytes: &'a mut [u8], depths: &'a mut [f32] },
     /// Reversed depths alone.
     Depths(&'a mut [f32]),
+    /// What photographs say of the surface, alone.
+    Photographed(&'a mut [Found]),
 }
 
 /// What belongs to rows of tiles, of as many values for each pixel of a picture.

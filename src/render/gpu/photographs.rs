@@ -7,13 +7,15 @@
 use super::context::Context;
 use crate::photos::Photographs;
 use crate::render::cpu::{DepthMap, DepthMaps, depths_of_photographs};
-use crate::scene::{PhotoClipping, PhotoHoles, PhotoView, PhotoViews, PhotographsInFrame, ScenePacket};
+use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame, ScenePacket};
 use std::sync::Arc;
 
 /// What shaders read of the choices that are no numbers.
 pub(super) const PHOTO_LEAVES_HOLES: u32 = 1;
 pub(super) const PHOTO_CLIPS_BY_VOTE: u32 = 2;
 pub(super) const PHOTO_CLIPS_BY_ANY: u32 = 4;
+pub(super) const PHOTO_RELIGHTS: u32 = 8;
+pub(super) const PHOTO_IS_WHITE: u32 = 16;
 
 /// Entries of a row of the table.
 const COLUMNS: usize = 8;
@@ -129,9 +131,16 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
         PhotoClipping::Paper => PHOTO_CLIPS_BY_ANY,
         PhotoClipping::Off => 0,
     };
-    if views.holes == PhotoHoles::Left {
-        flags |= PHOTO_LEAVES_HOLES;
-    }
+    flags |= match views.holes {
+        PhotoHoles::Left => PHOTO_LEAVES_HOLES,
+        // What looks beyond a pixel is the processor's: here holes have the colours of points.
+        PhotoHoles::Points | PhotoHoles::Filled => 0,
+    };
+    flags |= match views.relight {
+        PhotoRelight::Off => 0,
+        PhotoRelight::Photos => PHOTO_RELIGHTS,
+        PhotoRelight::DepthOnly => PHOTO_RELIGHTS | PHOTO_IS_WHITE,
+    };
     let mut rows = vec![[0.0; 4]; COLUMNS];
     rows[0] = [count as f32, views.blended as f32, views.per_sigma2, flags as f32];
     for ((view, photograph), map) in views.views.iter().zip(shown.photographs.all()).zip(maps).take(count) {

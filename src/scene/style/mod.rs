@@ -33,7 +33,7 @@ pub use levels::{LevelStructure, LevelStyle};
 pub use light::{EyeDome, LightRig, LightStyle, Lighting, OnOff};
 pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
-pub use photos::{PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle};
+pub use photos::{PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle};
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use surfels::{BackFaces, Kernel, SplatFilter, SplatGeometry, Splatting, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
@@ -205,12 +205,15 @@ impl Style {
     }
 
     /// This style with light on the finished surface: white from all sides, where light is none or falls on splats.
-    /// Photographs are put on that surface, and have the light in them that they were taken in.
+    /// Photographs are put on that surface, and have the light in them that they were taken in. Where they are to be
+    /// lit anew, light that falls on splats becomes matt light.
     #[must_use]
     pub fn of_photographs(mut self) -> Self {
         if !self.light.lighting.is_deferred() {
+            if self.photos.relight == PhotoRelight::Off || self.light.lighting == Lighting::Unlit {
+                self.light.rig = LightRig::None;
+            }
             self.light.lighting = Lighting::Lambert;
-            self.light.rig = LightRig::None;
             self.light.ao = OnOff::Off;
             self.light.shadows = OnOff::Off;
         }

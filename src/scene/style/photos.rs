@@ -28,6 +28,17 @@ choices! {
     PhotoHoles, "way to fill holes" {
         Points = "point-color", "Colours of points", "Have the points' own colours";
         Left = "discard", "Nothing", "Are not drawn";
+        /// Gortler et al. 1996. The processor alone does it: a graphics card draws [`PhotoHoles::Points`].
+        Filled = "push-pull", "Filled from around", "Have the colours of what is around them, where the processor draws";
+    }
+}
+
+choices! {
+    /// Whether light falls on what photographs show.
+    PhotoRelight, "way of relighting" {
+        Off = "off", "Off", "Normals are those of points; without a choice of light, photographs keep theirs";
+        Photos = "photos", "Colours of photographs", "Light falls on colours of photographs, by normals of their depths";
+        DepthOnly = "depth-only", "White", "Light falls on a white surface, by normals of depths of photographs";
     }
 }
 
@@ -110,6 +121,18 @@ group! {
             section: Section::Photographs,
             when: When::DrawsPhotographs,
             values: Values::Words(PhotoHoles::WORDS),
+        }
+        /// Whether light falls on what photographs show, and on which normals.
+        relight: PhotoRelight = PhotoRelight::Off, "photo_relight" RELIGHT {
+            flag: "relight",
+            value_name: "WHAT",
+            help: "Let light fall on normals of the depths of photographs",
+            title: "Relighting",
+            hint: "Whether light falls on what photographs show, by normals of their depths",
+            section: Section::Photographs,
+            when: When::DrawsPhotographs,
+            label: Label::Unusual(Place::What, "relit: {}"),
+            values: Values::Words(PhotoRelight::WORDS),
         }
         /// Whether photographs are made as bright as each other.
         gains: PhotoGains = PhotoGains::On, "photo_gains" GAINS {

@@ -1,65 +1,59 @@
-//! Photographs of what has none: pictures of all its points, and a few of the points to put them on.
+//! Photographs of what has none: pictures of all its points.
 //!
 //! That is the experiment of paper 004 (§6, Table 2): what a few thousand points with photographs show of a dense
 //! cloud.
 
 use super::backgrounds::is_covered;
+use super::filmed::Filmed;
 use crate::bench::BenchError;
 use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
 use crate::bench::scenario;
 use crate::photos::{PhotoImage, Photograph, Photographs, Texture};
-use crate::rgbd::{self, Distortion};
-use crate::scene::{Background, Camera, FirstLook, Scene, Style};
-use crate::sequence::{PrepareCounters, PreparedFrame, prepare};
+use crate::render::Renderer as _;
+use crate::render::cpu::CpuRenderer;
+use crate::rgbd::{self, DepthImage, Distortion};
+use crate::scene::{Camera, FirstLook};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
-use std::sync::Arc;
 
 /// Photographs that are made, and their width and height: the paper has 36 to 50 of 512 or 1024.
 pub(super) const COUNT: usize = 36;
 const EDGE_PX: u32 = 512;
 
-/// Points that are left of the cloud (paper 004, Table 2: 3.5 K of the bunny).
-const POINTS: usize = 3_500;
-
 /// Cotangent of half the field of view.
 const FOCAL: f64 = 2.5;
 
-/// The few points of `frame`, and pictures of all of them from around `look`; `None` where too few are left.
+/// Pictures of all points of a cloud from around it, with the depths of all points; `None` where it has no middle.
 pub(super) fn make(
     run: &mut Run<'_>,
     runner: &mut Runner,
-    frame: &PreparedFrame,
-    (look, style, origin): (&FirstLook, &Style, DVec3),
-) -> Result<Option<(PreparedFrame, Photographs)>, BenchError> {
-    let Ok((few, _)) = frame.frame.sample(POINTS) else {
-        return Ok(None);
-    };
-    let few = prepare(
-        frame.index,
-        Arc::new(few),
-        0.0,
-        &Scene::needs(style),
-        &PrepareCounters::default(),
-    );
+    filmed: &Filmed<'_>,
+) -> Result<Option<Photographs>, BenchError> {
+    let look = filmed.look;
     let edge = f64::from(EDGE_PX);
     let focal = DVec2::splat(0.5 * FOCAL * edge);
     let Ok(pinhole) = rgbd::Camera::new([EDGE_PX; 2], focal, DVec2::splat(0.5 * edge - 0.5), Distortion::None) else {
         return Ok(None);
     };
-    let middle = origin + look.trimmed.center().as_dvec3();
+    let middle = filmed.origin + look.trimmed.center().as_dvec3();
     let distance = 1.1 * FOCAL.hypot(1.0) * f64::from(look.trimmed.radius()).max(f64::MIN_POSITIVE.sqrt());
+    let mut depths = CpuRenderer::new();
     let mut photographs = Vec::new();
     for (number, (azimuth_deg, elevation_deg)) in scenario::directions(COUNT).enumerate() {
         run.check_cancelled()?;
         let camera_from_world = pose(look, middle, distance, [azimuth_deg, elevation_deg]);
         let camera = Camera::of_pinhole(&pinhole, camera_from_world.inverse(), distance, look.up);
-        let mut pictures = Vec::new();
-        for background in COVERAGE_BACKGROUNDS {
-            let style = style.with(|style| style.backdrop.background = Background::solid(background));
-            let packet = Scene::default().packet(frame, origin, &camera, &style, [EDGE_PX; 2]);
-            pictures.push(runner.image(&packet)?);
-        }
+        let packets = COVERAGE_BACKGROUNDS
+            .map(|background| filmed.packet(filmed.frame, &camera, &filmed.style, (background, [EDGE_PX; 2])));
+        let pictures = [runner.image(&packets[0])?, runner.image(&packets[1])?];
+        depths.prepare(&packets[0])?;
+        let depth = depths.draw_depths()?;
+        // Beside it, photographs see far.
+        let far = (distance + 2.0 * f64::from(look.trimmed.radius())) as f32;
+        let depth = depth
+            .depth
+            .iter()
+            .map(|&depth| if depth.is_finite() { depth } else { far });
         let pixels = pictures[0].pixels().zip(pictures[1].pixels());
         let texels = pixels.map(|(dark, bright)| {
             let [red, green, blue, _] = dark.0;
@@ -80,12 +74,25 @@ pub(super) fn make(
             texture: Texture::new(image),
             is_masked: true,
             gain: Vec3::ONE,
-            depth: None,
+            depth: DepthImage::new([EDGE_PX; 2], depth.collect()),
         });
     }
     // Directions are spread evenly over the sphere.
     let angle = (4.0 * std::f64::consts::PI / COUNT as f64).sqrt();
-    Ok(Some((few, Photographs::new(photographs, Some(angle)))))
+    Ok(Some(Photographs::new(photographs, Some(angle))))
+}
+
+/// The same photographs without depths: those of what they are put on are drawn.
+pub(super) fn without_depths(photographs: &Photographs) -> Photographs {
+    let photographs_without = photographs.all().iter().map(|photograph| Photograph {
+        name: photograph.name.clone(),
+        pinhole: photograph.pinhole.clone(),
+        texture: photograph.texture.clone(),
+        depth: None,
+        ..**photograph
+    });
+    let angle = f64::from(photographs.neighbour_angle());
+    Photographs::new(photographs_without.collect(), Some(angle))
 }
 
 /// Of a camera that looks at `middle`.

@@ -3,16 +3,26 @@
 //! How it works: some photographs of each set are left out, all at once, and drawn from where they were taken by the
 //! others. What they show there is the truth. It is compared where something was drawn: a hole says nothing of colours,
 //! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`).
-//! Sequences without photographs are photographed: see `made.rs`.
+//!
+//! Sequences without photographs are photographed (`made.rs`), and a tree is beside them (`tree.rs`). Of these the truth
+//! is known, and so there are tables of what the paper shows: bytes beside errors (`sizes.rs`), clipping (`clipped.rs`),
+//! and what a checker looks like (`checker.rs`).
 
 mod backgrounds;
+mod checker;
+mod clipped;
+mod columns;
+mod filmed;
 mod made;
+mod sizes;
+mod tree;
 
-use crate::bench::report::{Cell, Column, Row};
+use crate::bench::report::{Cell, Row};
 use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
 use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
+use crate::bench::truth_cache::TruthCache;
 use crate::bench::{BenchError, Quantiles};
 use crate::headless::PHOTOGRAPH_BYTES;
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db};
@@ -21,25 +31,15 @@ use crate::render::AnyRenderer;
 use crate::scene::{Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use backgrounds::is_covered;
+use columns::{COLUMNS, LEFT_OUT};
+use filmed::{Filmed, TrueView};
+use glam::DVec3;
 use image::{Rgba, RgbaImage};
 use std::sync::Arc;
 
-/// In the order in which [`Compared::row`] fills them.
-const COLUMNS: &[Column] = &[
-    Column::text("sequence", "sequence"),
-    Column::text("photo", "photograph"),
-    Column::number("number", "number", 0).hidden(),
-    Column::text("mode", "mode"),
-    Column::number("points", "points", 0),
-    Column::number("photographs", "photographs", 0),
-    Column::number("width", "width", 0).hidden(),
-    Column::number("height", "height", 0).hidden(),
-    Column::number("covered", "covered", 3),
-    Column::number("psnr_db", "PSNR, dB", 2),
-    Column::number("flip", "FLIP", 4),
-    Column::number("ms", "ms", 1),
-    Column::number("ms_q3", "75 %", 1).hidden(),
-];
+/// Points that are left of a cloud that is photographed (paper 004, Table 2: 3.5 K of the bunny), and of the tree.
+const POINTS: usize = 3_500;
+const POINTS_OF_TREE: usize = 40_000;
 
 /// Photographs that are left out, drawn by the others.
 pub const VDTS: &Suite = &Suite {
@@ -48,12 +48,15 @@ pub const VDTS: &Suite = &Suite {
     title: "Photographs",
     hint: "How near pictures by photographs are to photographs that were left out",
     description: "views of photographs that were left out, drawn by the others: view-dependent, by the nearest one, \
-        and in the colours of the points (paper 004)",
+        and in the colours of the points (paper 004); what bytes, clipping and filtering do (Table 2, Figs. 5 and 10)",
     measured: "error beside the photograph that was left out, without its lens and times its gain, of the pixels in \
         which something is drawn; `covered` is their share. ms: a picture by the software renderer, depth maps of the \
-        photographs known",
+        photographs known. Sizes, clipping: errors beside all points as disks of f64, of the pixels that show \
+        something in either; ms in the size of pictures that was asked for; bytes of points as a sequence file and of \
+        photographs as JPEG files of quality 90. Filtering: beside 8×8 rays a pixel",
     not_measured: "reading photographs, depth maps, uploads. Of sequences without photographs, 36 of 512×512 are made \
-        of all their points, and put on 3,500 of them",
+        of all their points, and put on 3,500 of them (40,000 of the tree, which is made as well); clipping has the \
+        depths of all points. Masks are not in the bytes",
     covered_by: "points",
     defaults: Defaults {
         viewport_px: [1280, 720],
@@ -83,57 +86,140 @@ struct Compared<'a> {
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let mut runner = Runner::new(AnyRenderer::cpu());
+    let mut has_made = false;
     for subject in run.subjects(1)? {
-        let index = subject.chosen.first().copied().unwrap_or(0);
-        let style = style();
-        let Ok(frame) = run.load(&subject, index, 1, &Scene::needs(&style))? else {
-            continue;
+        has_made |= measure_sequence(run, &mut runner, &subject, POINTS)?;
+    }
+    if has_made {
+        run.add_steps(1 + checker::STEPS);
+        let tree = Subject {
+            name: "tree",
+            sequence: &Arc::new(tree::tree()),
+            shape: None,
+            chosen: vec![0],
         };
-        let origin = subject.sequence.origin();
-        let look = FirstLook::of_sequence(&frame.frame, subject.sequence);
-        let style = style.resolved(&look).with(|style| {
-            style.primitive = Primitive::Surfel;
-            style.of_sequence.has_photographs = true;
-        });
-        let (frame, photographs) = if let Some(set) = subject.sequence.source().photographs(index) {
-            run.check_cancelled()?;
-            let loaded = LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, run.progress());
-            for note in &loaded.notes {
-                run.note(format!("{}: {note}", subject.name));
-            }
-            (frame, loaded.photographs)
-        } else {
-            let Some((few, photographs)) = made::make(run, &mut runner, &frame, (&look, &style, origin))? else {
-                continue;
-            };
-            (few, Arc::new(photographs))
-        };
-        let numbers = photographs.all().iter().map(|photograph| photograph.number + 1);
-        let left_out = run.options.leave_out.of(numbers.max().unwrap_or(0));
-        let used = Arc::new(photographs.without(&left_out));
-        let mut rows = Vec::new();
-        run.add_steps(left_out.len());
-        let all = photographs.all().iter();
-        for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
-            run.begin_step(format!("{}: {}", subject.name, photograph.name))?;
-            let world_from_camera = photograph.camera_from_world.inverse();
-            let camera = look.camera_of_pinhole(&photograph.pinhole, world_from_camera, origin);
-            for mode in MODES {
-                let style = style.with(|style| style.photos.mode = mode);
-                let compared = compare(
-                    run,
-                    &mut runner,
-                    (photograph, &used),
-                    &frame,
-                    (&camera, &style),
-                    &subject,
-                )?;
-                rows.push(compared.row(subject.name, frame.frame.len(), used.all().len()));
-            }
-        }
-        run.finish(&subject, &[frame.frame.len() as f64], &[], rows);
+        measure_sequence(run, &mut runner, &tree, POINTS_OF_TREE)?;
+        let rows = checker::measure(run, &mut runner, &style())?;
+        run.add_rows(rows);
     }
     Ok(())
+}
+
+/// Says whether photographs were made of it.
+fn measure_sequence(
+    run: &mut Run<'_>,
+    runner: &mut Runner,
+    subject: &Subject<'_>,
+    few_points: usize,
+) -> Result<bool, BenchError> {
+    let index = subject.chosen.first().copied().unwrap_or(0);
+    let style = style();
+    let Ok(frame) = run.load(subject, index, 1, &Scene::needs(&style))? else {
+        return Ok(false);
+    };
+    let origin = subject.sequence.origin();
+    let look = FirstLook::of_sequence(&frame.frame, subject.sequence);
+    let style = style.resolved(&look).with(|style| {
+        style.primitive = Primitive::Surfel;
+        style.of_sequence.has_photographs = true;
+    });
+    if let Some(set) = subject.sequence.source().photographs(index) {
+        run.check_cancelled()?;
+        let loaded = LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, run.progress());
+        for note in &loaded.notes {
+            run.note(format!("{}: {note}", subject.name));
+        }
+        let rows = leave_out(
+            run,
+            runner,
+            (subject, origin),
+            (&frame, &look, &style),
+            &loaded.photographs,
+        )?;
+        run.finish(subject, &[frame.frame.len() as f64], &[], rows);
+        return Ok(false);
+    }
+    let filmed = Filmed {
+        name: subject.name,
+        frame: &frame,
+        origin,
+        look: &look,
+        style,
+    };
+    let Some(with_depths) = made::make(run, runner, &filmed)? else {
+        return Ok(false);
+    };
+    let few = filmed.few(few_points)?;
+    let photographs = made::without_depths(&with_depths);
+    let mut rows = leave_out(run, runner, (subject, origin), (&few, &look, &style), &photographs)?;
+    rows.extend(tables_of_paper(run, runner, &filmed, &few, &with_depths)?);
+    run.finish(subject, &[few.frame.len() as f64], &[], rows);
+    Ok(true)
+}
+
+/// The photographs that are to be left out, by their numbers.
+fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
+    let numbers = photographs.all().iter().map(|photograph| photograph.number + 1);
+    run.options.leave_out.of(numbers.max().unwrap_or(0))
+}
+
+/// Pictures from where photographs were taken that are left out, by the others.
+fn leave_out(
+    run: &mut Run<'_>,
+    runner: &mut Runner,
+    (subject, origin): (&Subject<'_>, DVec3),
+    (frame, look, style): (&PreparedFrame, &FirstLook, &Style),
+    photographs: &Photographs,
+) -> Result<Vec<Row>, BenchError> {
+    let left_out = left_out(run, photographs);
+    let used = Arc::new(photographs.without(&left_out));
+    let mut rows = Vec::new();
+    run.add_steps(left_out.len());
+    let all = photographs.all().iter();
+    for photograph in all.filter(|photograph| left_out.contains(&photograph.number)) {
+        run.begin_step(format!("{}: {}", subject.name, photograph.name))?;
+        let world_from_camera = photograph.camera_from_world.inverse();
+        let camera = look.camera_of_pinhole(&photograph.pinhole, world_from_camera, origin);
+        for mode in MODES {
+            let style = style.with(|style| style.photos.mode = mode);
+            let compared = compare(run, runner, (photograph, &used), frame, (&camera, &style), subject)?;
+            rows.push(compared.row(subject.name, frame.frame.len(), used.all().len()));
+        }
+    }
+    Ok(rows)
+}
+
+/// Tables of what is photographed by the program itself, in views of which the truth is known.
+fn tables_of_paper(
+    run: &mut Run<'_>,
+    runner: &mut Runner,
+    filmed: &Filmed<'_>,
+    few: &PreparedFrame,
+    with_depths: &Photographs,
+) -> Result<Vec<Row>, BenchError> {
+    let left_out = left_out(run, with_depths);
+    let cache = TruthCache::new(run.options.truth_folder.clone());
+    run.add_steps(left_out.len() + sizes::STEPS + clipped::steps(filmed.frame.frame.len()));
+    let mut views = Vec::new();
+    for photograph in with_depths.all() {
+        if left_out.contains(&photograph.number) {
+            run.begin_step(format!("{}: the truth of {}", filmed.name, photograph.name))?;
+            let world_from_camera = photograph.camera_from_world.inverse();
+            let camera = filmed
+                .look
+                .camera_of_pinhole(&photograph.pinhole, world_from_camera, filmed.origin);
+            let size_px = photograph.texture.size_px();
+            views.push(TrueView::new(&cache, filmed, camera, size_px));
+        }
+    }
+    if views.is_empty() {
+        return Ok(Vec::new());
+    }
+    let with_depths = Arc::new(with_depths.without(&left_out));
+    let used = Arc::new(made::without_depths(&with_depths));
+    let mut rows = sizes::measure(run, runner, filmed, (few, &used), &views)?;
+    rows.extend(clipped::measure(run, runner, filmed, &with_depths, &views)?);
+    Ok(rows)
 }
 
 /// Photographs have their light in them.
@@ -223,20 +309,23 @@ impl Compared<'_> {
     fn row(&self, sequence: &str, points: usize, photographs: usize) -> Row {
         let [width, height] = self.photograph.texture.size_px();
         let times = Quantiles::of(&self.times_ms);
-        Row::new(vec![
-            Cell::Text(sequence.to_owned()),
-            Cell::Text(self.photograph.name.clone()),
-            Cell::Number(self.photograph.number as f64),
-            Cell::Text(self.mode.to_string()),
-            Cell::Number(points as f64),
-            Cell::Number(photographs as f64),
-            Cell::Number(f64::from(width)),
-            Cell::Number(f64::from(height)),
-            Cell::Number(self.covered),
-            Cell::Number(self.psnr_db),
-            Cell::Number(self.flip),
-            Cell::maybe(times.map(|times| times.median)),
-            Cell::maybe(times.map(|times| times.q3)),
-        ])
+        columns::row(
+            LEFT_OUT,
+            &[
+                ("sequence", Cell::Text(sequence.to_owned())),
+                ("photo", Cell::Text(self.photograph.name.clone())),
+                ("number", Cell::Number(self.photograph.number as f64)),
+                ("mode", Cell::Text(self.mode.to_string())),
+                ("points", Cell::Number(points as f64)),
+                ("photographs", Cell::Number(photographs as f64)),
+                ("width", Cell::Number(f64::from(width))),
+                ("height", Cell::Number(f64::from(height))),
+                ("covered", Cell::Number(self.covered)),
+                ("psnr_db", Cell::Number(self.psnr_db)),
+                ("flip", Cell::Number(self.flip)),
+                ("ms", Cell::maybe(times.map(|times| times.median))),
+                ("ms_q3", Cell::maybe(times.map(|times| times.q3))),
+            ],
+        )
     }
 }

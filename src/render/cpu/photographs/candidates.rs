@@ -32,6 +32,8 @@ pub(super) struct Candidates {
 pub(super) struct Scores {
     /// The cosine of the angle between the ways to the camera and to the eye; [`Scores::NONE`] where it does not look.
     cosines: Vec<f32>,
+    /// The largest cosine of each eight: most of them need not be gone through for the next one.
+    largest: Vec<f32>,
     /// Where it is in them, texels from the upper left corner.
     places: [Vec<f32>; 2],
     /// Along the axes of their cameras.
@@ -80,7 +82,9 @@ impl Candidates {
             .iter_mut()
             .zip(columns)
             .zip(rows.iter_mut().zip(distances.iter_mut().zip(facings)));
-        for (group, ((cosines, columns), (rows, (distances, facings)))) in self.groups.iter().zip(of_groups) {
+        let of_groups = of_groups.zip(&mut scores.largest);
+        for (group, (of_group, largest)) in self.groups.iter().zip(of_groups) {
+            let ((cosines, columns), (rows, (distances, facings))) = of_group;
             for lane in 0..LANES {
                 let along = |row: &[Eight; 4]| {
                     row[0][lane] * place.x + row[1][lane] * place.y + row[2][lane] * place.z + row[3][lane]
@@ -98,21 +102,28 @@ impl Candidates {
                 let per_length = 1.0 / length2.max(f32::MIN_POSITIVE).sqrt();
                 let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) * per_length;
                 let facing = (x * normal.x + y * normal.y + z * normal.z) * per_length;
-                let is_inside = distance > 0.0
-                    && column >= 0.0
-                    && column < group.size[0][lane]
-                    && row >= 0.0
-                    && row < group.size[1][lane];
+                // Not `&&`: with branches, lanes are worked out one by one.
+                let is_inside = (distance > 0.0)
+                    & (column >= 0.0)
+                    & (column < group.size[0][lane])
+                    & (row >= 0.0)
+                    & (row < group.size[1][lane]);
                 // Without a normal that is 0 everywhere.
-                let looks = is_inside && facing >= 0.0;
+                let looks = is_inside & (facing >= 0.0);
                 cosines[lane] = if looks { cosine } else { Scores::NONE };
                 columns[lane] = column;
                 rows[lane] = row;
                 distances[lane] = distance;
                 facings[lane] = facing;
             }
+            *largest = largest_of(cosines);
         }
     }
+}
+
+#[inline(always)]
+fn largest_of(cosines: &Eight) -> f32 {
+    cosines.iter().copied().fold(Scores::NONE, f32::max)
 }
 
 impl Scores {
@@ -124,6 +135,7 @@ impl Scores {
             for values in [&mut self.cosines, columns, rows, &mut self.distances, &mut self.facings] {
                 values.resize(count, Self::NONE);
             }
+            self.largest.resize(count / LANES, Self::NONE);
         }
     }
 
@@ -131,17 +143,21 @@ impl Scores {
     /// again.
     #[inline(always)]
     pub(super) fn take_best(&mut self) -> Option<(usize, f32)> {
-        let (mut best, mut cosine) = (0, Self::NONE);
-        for (at, &value) in self.cosines.iter().enumerate() {
+        let (mut group, mut cosine) = (0, Self::NONE);
+        for (at, &value) in self.largest.iter().enumerate() {
             if value > cosine {
-                (best, cosine) = (at, value);
+                (group, cosine) = (at, value);
             }
         }
         if cosine == Self::NONE {
             return None;
         }
-        self.cosines[best] = Self::NONE;
-        Some((best, cosine))
+        let (groups, _) = self.cosines.as_chunks_mut::<LANES>();
+        let lanes = &mut groups[group];
+        let lane = lanes.iter().position(|&value| value == cosine)?;
+        lanes[lane] = Self::NONE;
+        self.largest[group] = largest_of(lanes);
+        Some((LANES * group + lane, cosine))
     }
 
     /// Where the place is in a photograph, texels from its upper left corner.

@@ -3,12 +3,19 @@
 //! How it works: when all splats of a tile are summed up, each pixel of the surface asks where all photographs have it,
 //! eight of them at a time. It then goes through those that look at it, the nearest to the eye's direction first, and
 //! leaves out those from which something hides it, until there are enough. Only these are sampled.
+//!
+//! What fills holes from around looks beyond a tile. There, what photographs say of all pixels is told first, in a pass
+//! of its own ([`Projected::look`]), then holes are filled (`push_pull.rs`), and the picture is drawn by what was told
+//! ([`Projected::with_told`]).
 
 mod candidates;
 mod depths;
+mod normals;
+mod push_pull;
 mod sampling;
 
 pub(in crate::render) use depths::{DepthMap, DepthMaps};
+pub(super) use push_pull::fill_holes;
 
 use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -16,10 +23,11 @@ use crate::photos::Photograph;
 use crate::render::constants::{
     PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
 };
-use crate::scene::{PhotoClipping, PhotoHoles, PhotoStyle, PhotoViews};
+use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
 use candidates::{Candidates, Scores};
 use depths::Seen;
 use glam::{Vec3, Vec4};
+use normals::normal;
 use sampling::{Footprint, sample};
 use std::sync::Arc;
 
@@ -30,6 +38,8 @@ pub(super) struct Projected<'a> {
     photographs: &'a [Arc<Photograph>],
     depths: &'a [DepthMap],
     candidates: Candidates,
+    /// What was told of all pixels of the picture before.
+    told: Option<&'a [Found]>,
 }
 
 /// A place of the surface, in view space.
@@ -55,12 +65,14 @@ struct Seeing {
 }
 
 /// What the photographs say of a place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Found {
-    Color([f32; 3]),
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) enum Found {
+    /// What its colour is; and its normal in view space, if that is not to be the points' own: else of length 0.
+    Shown { color: [f32; 3], normal: [f32; 3] },
     /// None of them sees it.
     Unseen,
     /// It is not there.
+    #[default]
     Clipped,
 }
 
@@ -72,30 +84,59 @@ impl<'a> Projected<'a> {
             photographs,
             depths,
             candidates: Candidates::of(&views.views),
+            told: None,
+        }
+    }
+
+    /// Whether holes are filled from around: then [`Projected::look`] comes first.
+    pub(super) fn fills_holes(&self) -> bool {
+        self.views.holes == PhotoHoles::Filled
+    }
+
+    /// The same where it is known what they say of each pixel of the picture.
+    pub(super) fn with_told(self, told: &'a [Found]) -> Self {
+        Self {
+            told: Some(told),
+            ..self
+        }
+    }
+
+    /// Writes what they say of the surface in a tile, to the rows of the picture that the tile is in. Precondition: the
+    /// tile holds sums of surfaces.
+    #[inline(always)]
+    pub(super) fn look(&self, tile: &Tile, view: &PixelView, clip: PixelRect, rows: &mut [Found]) {
+        let mut scores = Scores::default();
+        for y in clip.start[1]..clip.end[1] {
+            let row = (y - tile.origin[1]) as usize;
+            for x in clip.start[0]..clip.end[0] {
+                let at = WIDTH * row + (x - tile.origin[0]) as usize;
+                rows[view.size_px[0] as usize * row + x as usize] = match Place::of_pixel(tile, view, [x, y], at) {
+                    Some(place) => self.find(&place, &mut scores),
+                    None => Found::Clipped,
+                };
+            }
         }
     }
 
     /// Colours the surface in a tile. Precondition: it holds sums of surfaces.
     #[inline(always)]
     pub(super) fn color(&self, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
+        let is_white = self.views.relight == PhotoRelight::DepthOnly;
         let mut scores = Scores::default();
         for y in clip.start[1]..clip.end[1] {
             let first = WIDTH * (y - tile.origin[1]) as usize;
             for x in clip.start[0]..clip.end[0] {
                 let at = first + (x - tile.origin[0]) as usize;
                 let weight = tile.weight[at];
-                if weight <= 0.0 {
+                let Some(place) = Place::of_pixel(tile, view, [x, y], at) else {
                     continue;
-                }
-                let [nx, ny, nz, depth] = [0, 1, 2, 3].map(|sum| tile.surfaces[sum][at] / weight);
-                let place = Place::at(
-                    view,
-                    [x, y],
-                    view.near / depth.max(f32::MIN_POSITIVE),
-                    Vec3::new(nx, ny, nz),
-                );
-                match self.find(&place, &mut scores) {
-                    Found::Color(color) => {
+                };
+                let found = match self.told {
+                    Some(told) => told[view.size_px[0] as usize * y as usize + x as usize],
+                    None => self.find(&place, &mut scores),
+                };
+                match found {
+                    Found::Shown { color, normal } => {
                         tile.weight[at] *= PHOTO_OPACITY;
                         for sum in &mut tile.surfaces {
                             sum[at] *= PHOTO_OPACITY;
@@ -103,8 +144,17 @@ impl<'a> Projected<'a> {
                         for (sum, value) in tile.colors.iter_mut().zip(color) {
                             sum[at] = value * weight * PHOTO_OPACITY;
                         }
+                        if normal != [0.0; 3] {
+                            for (sum, value) in tile.surfaces.iter_mut().zip(normal) {
+                                sum[at] = value * weight * PHOTO_OPACITY;
+                            }
+                        }
                     }
-                    Found::Unseen if self.views.holes == PhotoHoles::Points => {}
+                    Found::Unseen if self.views.holes != PhotoHoles::Left => {
+                        if is_white {
+                            tile.colors.iter_mut().for_each(|sum| sum[at] = weight);
+                        }
+                    }
                     Found::Unseen | Found::Clipped => {
                         tile.weight[at] = 0.0;
                         tile.depth[at] = 0.0;
@@ -183,6 +233,7 @@ impl<'a> Projected<'a> {
         // Where that is as near as the nearest, all count alike.
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
         let (mut color, mut sum, mut object, mut background) = (Vec3::ZERO, 0.0, 0.0, 0.0);
+        let mut normals = Vec3::ZERO;
         for seen in blended {
             let view = &self.views.views[seen.view];
             let photograph = &self.photographs[seen.view];
@@ -191,6 +242,9 @@ impl<'a> Projected<'a> {
             let weight = (weight(seen) - beyond) * seen.trust * rim(scores.place(seen.view), view.size);
             color += weight * view.gain * Vec3::new(red, green, blue);
             sum += weight * alpha;
+            if self.views.relight != PhotoRelight::Off {
+                normals += weight * alpha * normal(&self.depths[seen.view], view, footprint.place);
+            }
             if photograph.is_masked {
                 object += weight * alpha;
                 background += weight * (1.0 - alpha);
@@ -204,7 +258,16 @@ impl<'a> Projected<'a> {
         if is_background {
             Found::Clipped
         } else if sum > 0.0 {
-            Found::Color((color / sum).min(Vec3::ONE).to_array())
+            let is_white = self.views.relight == PhotoRelight::DepthOnly;
+            let color = if is_white {
+                Vec3::ONE
+            } else {
+                (color / sum).min(Vec3::ONE)
+            };
+            Found::Shown {
+                color: color.to_array(),
+                normal: normals.normalize_or_zero().to_array(),
+            }
         } else {
             Found::Unseen
         }
@@ -258,6 +321,18 @@ fn rim(place: [f32; 2], size: [f32; 2]) -> f32 {
 }
 
 impl Place {
+    /// The blended surface at a pixel, which is at this place of the tile; `None` where nothing is.
+    #[inline(always)]
+    fn of_pixel(tile: &Tile, view: &PixelView, pixel: [i32; 2], at: usize) -> Option<Self> {
+        let weight = tile.weight[at];
+        if weight <= 0.0 {
+            return None;
+        }
+        let [x, y, z, depth] = [0, 1, 2, 3].map(|sum| tile.surfaces[sum][at] / weight);
+        let distance = view.near / depth.max(f32::MIN_POSITIVE);
+        Some(Self::at(view, pixel, distance, Vec3::new(x, y, z)))
+    }
+
     /// The surface at a pixel, `distance` along the view axis.
     #[inline(always)]
     fn at(view: &PixelView, [x, y]: [i32; 2], distance: f32, normal: Vec3) -> Self {

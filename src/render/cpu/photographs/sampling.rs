@@ -16,14 +16,16 @@ pub(super) struct Footprint {
 #[inline(always)]
 pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     let [first, second] = footprint.per_px;
-    let [first_len, second_len] = [first, second].map(|[x, y]| x.hypot(y));
+    // Not `hypot`, which is a call.
+    let [first_len, second_len] = [first, second].map(|[x, y]| (x * x + y * y).sqrt());
     let (long, long_len, short_len) = if first_len >= second_len {
         (first, first_len, second_len)
     } else {
         (second, second_len, first_len)
     };
     let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MOST_TAPS);
-    let lod = (long_len / taps).max(1.0).log2();
+    let per_tap = long_len / taps;
+    let lod = if per_tap > 1.0 { per_tap.log2() } else { 0.0 };
     let mut sum = [0.0; 4];
     for tap in 0..taps as usize {
         let along = (tap as f32 + 0.5) / taps - 0.5;

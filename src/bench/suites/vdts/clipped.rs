@@ -1,0 +1,50 @@
+//! Fig. 10 of paper 004 in numbers: pictures with and without clipping, by how many points there are.
+//!
+//! How it works: photographs have the depths of all points, and are put on fewer and fewer of them. Disks that are as
+//! large as points are apart reach beyond the outline, where depths say that they are not there.
+
+use super::columns::CLIPPED;
+use super::filmed::{Errors, Filmed, TrueView};
+use crate::bench::BenchError;
+use crate::bench::report::{Cell, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::Runner;
+use crate::photos::Photographs;
+use crate::scene::PhotoClipping;
+use std::sync::Arc;
+
+const POINTS: [usize; 5] = [1_000, 3_000, 10_000, 30_000, 100_000];
+
+/// How many rows there are of a cloud of so many points; each is a step.
+pub(super) fn steps(points: usize) -> usize {
+    PhotoClipping::ALL.len() * POINTS.into_iter().filter(|&few| few < points).count()
+}
+
+/// The views by every way of clipping.
+pub(super) fn measure(
+    run: &mut Run<'_>,
+    runner: &mut Runner,
+    filmed: &Filmed<'_>,
+    used: &Arc<Photographs>,
+    views: &[TrueView],
+) -> Result<Vec<Row>, BenchError> {
+    let mut rows = Vec::new();
+    let all = filmed.frame.frame.len();
+    for points in POINTS.into_iter().filter(|&few| few < all) {
+        let frame = filmed.few(points)?.with_photographs(Arc::clone(used));
+        for &clipping in PhotoClipping::ALL {
+            run.begin_step(format!("{}: {points} points, clipping {clipping}", filmed.name))?;
+            let style = filmed.style.with(|style| style.photos.clipping = clipping);
+            let errors = Errors::of(run, runner, filmed, (&frame, &style), views)?;
+            let cells = vec![
+                ("sequence", Cell::Text(filmed.name.to_owned())),
+                ("mode", Cell::Text(style.photos.mode.name().to_owned())),
+                ("clipping", Cell::Text(clipping.name().to_owned())),
+                ("points", Cell::Number(frame.frame.len() as f64)),
+                ("photographs", Cell::Number(used.all().len() as f64)),
+            ];
+            rows.push(errors.row(CLIPPED, cells, &[]));
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,185 @@
+//! A cloud that photographs are made of, and pictures of it beside the truth.
+
+use super::backgrounds::is_covered;
+use super::columns::row;
+use crate::bench::report::{Cell, Row};
+use crate::bench::run::{COVERAGE_BACKGROUNDS, Run};
+use crate::bench::runner::Runner;
+use crate::bench::statistics::mean;
+use crate::bench::truth_cache::TruthCache;
+use crate::bench::{BenchError, Quantiles};
+use crate::cloud::CloudError;
+use crate::measure::{flip, mean_squared_error, psnr_db};
+use crate::render::truth::{Disks, Truth, TruthKey, TruthView};
+use crate::scene::{Background, Camera, FirstLook, Lighting, Scene, ScenePacket, Style};
+use crate::sequence::{PrepareCounters, PreparedFrame, prepare};
+use glam::DVec3;
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// A cloud without photographs, and how it is drawn.
+pub(super) struct Filmed<'a> {
+    pub(super) name: &'a str,
+    /// All of its points.
+    pub(super) frame: &'a PreparedFrame,
+    pub(super) origin: DVec3,
+    pub(super) look: &'a FirstLook,
+    pub(super) style: Style,
+}
+
+impl Filmed<'_> {
+    /// At most so many of its points, taken evenly.
+    pub(super) fn few(&self, most_points: usize) -> Result<PreparedFrame, CloudError> {
+        let (few, _) = self.frame.frame.sample(most_points)?;
+        let needs = Scene::needs(&self.style);
+        Ok(prepare(
+            self.frame.index,
+            Arc::new(few),
+            0.0,
+            &needs,
+            &PrepareCounters::default(),
+        ))
+    }
+
+    /// What is drawn of a frame of it.
+    pub(super) fn packet(
+        &self,
+        frame: &PreparedFrame,
+        camera: &Camera,
+        style: &Style,
+        (background, size_px): ([u8; 3], [u32; 2]),
+    ) -> ScenePacket {
+        let style = style.with(|style| style.backdrop.background = Background::solid(background));
+        Scene::default().packet(frame, self.origin, camera, &style, size_px)
+    }
+}
+
+/// A view of which the truth is known.
+pub(super) struct TrueView {
+    camera: Camera,
+    picture: RgbaImage,
+    /// Where the picture shows something.
+    is_object: Vec<bool>,
+}
+
+/// How far pictures of several views are from the truth.
+#[derive(Default)]
+pub(super) struct Errors {
+    squared: Vec<f64>,
+    flip: Vec<f64>,
+    extra: Vec<f64>,
+    holes: Vec<f64>,
+}
+
+impl TrueView {
+    /// Of all points, as disks without light: see [`Truth`].
+    pub(super) fn new(cache: &TruthCache, filmed: &Filmed<'_>, camera: Camera, size_px: [u32; 2]) -> Self {
+        let background = Background::solid(COVERAGE_BACKGROUNDS[0]);
+        let view = TruthView::new(&camera, filmed.origin, size_px, Lighting::Unlit, background);
+        let frame = filmed.frame;
+        let disks = Disks {
+            points: &frame.points,
+            shapes: frame.shapes.as_deref().map_or(&[][..], Vec::as_slice),
+            are_ellipses: frame.has_ellipses,
+            cull_back_faces: true,
+        };
+        let truth = cache.get(&TruthKey::of_disks(disks, &view), || Truth::of_disks(&disks, &view));
+        Self {
+            camera,
+            picture: truth.image,
+            is_object: truth.depth.depth.iter().map(|depth| depth.is_finite()).collect(),
+        }
+    }
+
+    fn size_px(&self) -> [u32; 2] {
+        self.picture.dimensions().into()
+    }
+}
+
+impl Errors {
+    /// Of pictures of `frame` in these views.
+    pub(super) fn of(
+        run: &Run<'_>,
+        runner: &mut Runner,
+        filmed: &Filmed<'_>,
+        (frame, style): (&PreparedFrame, &Style),
+        views: &[TrueView],
+    ) -> Result<Self, BenchError> {
+        let mut errors = Self::default();
+        for view in views {
+            run.check_cancelled()?;
+            let [dark, bright] = COVERAGE_BACKGROUNDS
+                .map(|background| filmed.packet(frame, &view.camera, style, (background, view.size_px())));
+            let (dark, bright) = (runner.image(&dark)?, runner.image(&bright)?);
+            errors.add(view, &dark, &bright)?;
+        }
+        Ok(errors)
+    }
+
+    /// Over the pixels that show something, in the truth or in the picture. The others are black in both.
+    fn add(&mut self, view: &TrueView, dark: &RgbaImage, bright: &RgbaImage) -> Result<(), BenchError> {
+        let pixels = dark.pixels().zip(bright.pixels());
+        let covered: Vec<bool> = pixels.map(|(dark, bright)| is_covered(*dark, *bright)).collect();
+        let count = |is: &dyn Fn(usize) -> bool| (0..covered.len()).filter(|&pixel| is(pixel)).count() as f64;
+        let is_object = &view.is_object;
+        let shown = count(&|pixel| covered[pixel] || is_object[pixel]).max(1.0);
+        let object = count(&|pixel| is_object[pixel]).max(1.0);
+        let squared = mean_squared_error(&view.picture, dark)?;
+        self.squared.push(squared * covered.len() as f64 / shown);
+        let errors = flip(&view.picture, dark)?;
+        self.flip
+            .push(errors.mean_where(|pixel| covered[pixel] || is_object[pixel]));
+        self.extra
+            .push(count(&|pixel| covered[pixel] && !is_object[pixel]) / object);
+        self.holes
+            .push(count(&|pixel| !covered[pixel] && is_object[pixel]) / object);
+        Ok(())
+    }
+
+    fn cells(&self) -> Vec<(&'static str, Cell)> {
+        let psnr = psnr_db(mean(&self.squared));
+        vec![
+            ("extra_share", Cell::Number(mean(&self.extra))),
+            ("hole_share", Cell::Number(mean(&self.holes))),
+            ("psnr_db", Cell::maybe(psnr.is_finite().then_some(psnr))),
+            ("flip", Cell::Number(mean(&self.flip))),
+        ]
+    }
+
+    /// A row with these errors and times.
+    pub(super) fn row(&self, table: &str, cells: Vec<(&'static str, Cell)>, times_ms: &[f64]) -> Row {
+        let times = Quantiles::of(times_ms);
+        let times = [
+            ("ms", Cell::maybe(times.map(|times| times.median))),
+            ("ms_q3", Cell::maybe(times.map(|times| times.q3))),
+        ];
+        let cells: Vec<_> = cells.into_iter().chain(self.cells()).chain(times).collect();
+        row(table, &cells)
+    }
+}
+
+/// What pictures of `frame` take in these views, in the size that was asked for.
+pub(super) fn times_ms(
+    run: &Run<'_>,
+    runner: &mut Runner,
+    filmed: &Filmed<'_>,
+    (frame, style): (&PreparedFrame, &Style),
+    views: &[TrueView],
+) -> Result<Vec<f64>, BenchError> {
+    let size_px = run.options.viewport_px;
+    let packets: Vec<ScenePacket> = views
+        .iter()
+        .map(|view| filmed.packet(frame, &view.camera, style, (COVERAGE_BACKGROUNDS[0], size_px)))
+        .collect();
+    let mut times_ms = Vec::new();
+    for round in 0..run.options.warmup + run.options.repeat {
+        for packet in &packets {
+            run.check_cancelled()?;
+            let time = runner.draw(packet)?;
+            if round >= run.options.warmup {
+                times_ms.push(time.wall_ms);
+            }
+        }
+    }
+    Ok(times_ms)
+}

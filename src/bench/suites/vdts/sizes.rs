@@ -1,0 +1,139 @@
+//! Table 2 of paper 004 with what there is here: bytes beside errors and times, for a few points with photographs and
+//! for many without.
+//!
+//! How it works: points are counted as a sequence file of them, photographs as JPEG files, as in the paper. What all
+//! points look like as disks of f64 is the truth; photographs were made of the same points by the software renderer, and
+//! those of the views that are compared are left out.
+
+use super::columns::SIZES;
+use super::filmed::{Errors, Filmed, TrueView, times_ms};
+use crate::bench::BenchError;
+use crate::bench::report::{Cell, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::Runner;
+use crate::cloud::{Attributes, Frame, Positions, RawCloud};
+use crate::photos::{PhotoImage, Photographs};
+use crate::reel::{NewFrame, ReelOptions, write_to_memory};
+use crate::scene::{PhotoMode, Style};
+use crate::sequence::PreparedFrame;
+use glam::Vec3;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
+use std::sync::Arc;
+
+/// The splats without photographs, at most: as many as the paper has.
+const MOST_SPLATS: usize = 1_000_000;
+
+/// The paper says "high".
+const JPEG_QUALITY: u8 = 90;
+
+/// Rows of [`measure`], each a step.
+pub(super) const STEPS: usize = 4;
+
+/// What a few points are without photographs, with them, and what many are.
+pub(super) fn measure(
+    run: &mut Run<'_>,
+    runner: &mut Runner,
+    filmed: &Filmed<'_>,
+    (few, used): (&PreparedFrame, &Arc<Photographs>),
+    views: &[TrueView],
+) -> Result<Vec<Row>, BenchError> {
+    let point_bytes = bytes_of_points(&few.frame)?;
+    let pictures = used.all().iter().map(|photograph| &photograph.texture.levels()[0]);
+    let photo_bytes: Option<usize> = pictures.map(bytes_of_picture).sum();
+    let photographed = few.with_photographs(Arc::clone(used));
+    let mut rows = Vec::new();
+    for mode in [PhotoMode::Vdts, PhotoMode::Single, PhotoMode::Colored] {
+        run.begin_step(format!("{}: {mode} by size", filmed.name))?;
+        let has_photos = mode != PhotoMode::Colored;
+        let (photographs, photo_bytes) = if has_photos {
+            (used.all().len(), photo_bytes)
+        } else {
+            (0, Some(0))
+        };
+        let style = filmed.style.with(|style| style.photos.mode = mode);
+        let bytes = photo_bytes.map(|photos| (point_bytes + photos) as f64);
+        let cells = cells(filmed.name, mode.name(), (few, photographs), bytes);
+        rows.push(drawn(run, runner, filmed, (&photographed, &style), views)?.row(cells));
+    }
+    run.begin_step(format!("{}: splats by size", filmed.name))?;
+    let splats = filmed.few(MOST_SPLATS)?;
+    let bytes = Some(bytes_of_points(&splats.frame)? as f64);
+    let cells = cells(filmed.name, "splats", (&splats, 0), bytes);
+    rows.push(drawn(run, runner, filmed, (&splats, &filmed.style), views)?.row(cells));
+    Ok(rows)
+}
+
+struct Drawn {
+    errors: Errors,
+    times_ms: Vec<f64>,
+}
+
+fn drawn(
+    run: &Run<'_>,
+    runner: &mut Runner,
+    filmed: &Filmed<'_>,
+    (frame, style): (&PreparedFrame, &Style),
+    views: &[TrueView],
+) -> Result<Drawn, BenchError> {
+    Ok(Drawn {
+        errors: Errors::of(run, runner, filmed, (frame, style), views)?,
+        times_ms: times_ms(run, runner, filmed, (frame, style), views)?,
+    })
+}
+
+impl Drawn {
+    fn row(&self, cells: Vec<(&'static str, Cell)>) -> Row {
+        self.errors.row(SIZES, cells, &self.times_ms)
+    }
+}
+
+fn cells(
+    name: &str,
+    mode: &str,
+    (frame, photographs): (&PreparedFrame, usize),
+    bytes: Option<f64>,
+) -> Vec<(&'static str, Cell)> {
+    vec![
+        ("sequence", Cell::Text(name.to_owned())),
+        ("mode", Cell::Text(mode.to_owned())),
+        ("points", Cell::Number(frame.frame.len() as f64)),
+        ("photographs", Cell::Number(photographs as f64)),
+        ("bytes", Cell::maybe(bytes)),
+    ]
+}
+
+/// As a sequence file with the usual options.
+fn bytes_of_points(frame: &Frame) -> Result<usize, BenchError> {
+    let positions = frame.positions().iter().map(Vec3::to_array).collect();
+    let cloud = RawCloud {
+        attributes: Attributes {
+            colors: frame.colors().map(<[_]>::to_vec),
+            normals: frame
+                .normals()
+                .map(|normals| normals.iter().map(Vec3::to_array).collect()),
+            ..Attributes::default()
+        },
+        ..RawCloud::from_positions(Positions::F32(positions))
+    };
+    let frame = NewFrame {
+        cloud: &cloud,
+        name: "",
+        time: None,
+    };
+    Ok(write_to_memory(&[frame], &ReelOptions::default())?.len())
+}
+
+/// As a JPEG file; `None` where none can be written.
+fn bytes_of_picture(picture: &PhotoImage) -> Option<usize> {
+    let [width, height] = picture.size_px();
+    let pixels = picture
+        .pixels()
+        .iter()
+        .flat_map(|&[red, green, blue, _]| [red, green, blue]);
+    let pixels: Vec<u8> = pixels.collect();
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    encoder.encode(&pixels, width, height, ExtendedColorType::Rgb8).ok()?;
+    Some(bytes.len())
+}

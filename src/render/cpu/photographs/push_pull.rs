@@ -1,0 +1,225 @@
+//! Holes that photographs leave, filled from around (Gortler et al. 1996, *The Lumigraph*, §3.5: push–pull).
+//!
+//! How it works: what photographs say of all pixels is kept beside the picture. Going up (pull), each pixel of a level of
+//! half the size has the mean colour of its four, weighted by how sure they are, and is as sure as all of them together,
+//! at most 1. Going down (push), what is not quite sure takes the rest from the level above, between whose pixels it
+//! lies. So a small hole has the colour of its rim, and a large one is smooth; the work is that of a third more pixels.
+//! Pixels that are no surface neither give nor take.
+
+use super::Found;
+use rayon::prelude::*;
+
+/// Red, green and blue times how sure they are, and that, 0 to 1.
+type Sure = [f32; 4];
+
+/// A picture of a level of the pyramid.
+struct Level {
+    size: [usize; 2],
+    pixels: Vec<Sure>,
+}
+
+/// Gives what no photograph sees the colours of what is around. Precondition: `found` has `size_px` pixels, rows of
+/// which follow each other. Where no photograph sees anything, nothing changes.
+pub(in crate::render::cpu) fn fill_holes(found: &mut [Found], size_px: [u32; 2]) {
+    let is_hole = |found: &Found| *found == Found::Unseen;
+    if !found.par_iter().any(is_hole) {
+        return;
+    }
+    let size = size_px.map(|edge| edge as usize);
+    let seen = found.par_iter().map(|found| match found {
+        Found::Shown {
+            color: [red, green, blue],
+            ..
+        } => [*red, *green, *blue, 1.0],
+        Found::Unseen | Found::Clipped => [0.0; 4],
+    });
+    let mut levels = vec![Level {
+        size,
+        pixels: seen.collect(),
+    }];
+    while let Some(coarser) = levels.last().and_then(Level::coarser) {
+        levels.push(coarser);
+    }
+    while let Some(coarser) = levels.pop() {
+        if let Some(finer) = levels.last_mut() {
+            finer.complete(&coarser);
+        } else {
+            let filled = found.par_iter_mut().zip(&coarser.pixels);
+            filled.for_each(|(found, &[red, green, blue, sure])| {
+                if is_hole(found) && sure > 0.0 {
+                    *found = Found::Shown {
+                        color: [red, green, blue].map(|channel| (channel / sure).min(1.0)),
+                        normal: [0.0; 3],
+                    };
+                }
+            });
+        }
+    }
+}
+
+impl Level {
+    /// Half as wide and high; `None` of a single pixel.
+    fn coarser(&self) -> Option<Self> {
+        if self.size == [1, 1] {
+            return None;
+        }
+        let size = self.size.map(|edge| edge.div_ceil(2));
+        let mut pixels = vec![[0.0; 4]; size[0] * size[1]];
+        pixels.par_chunks_mut(size[0]).enumerate().for_each(|(row, line)| {
+            for (column, pixel) in line.iter_mut().enumerate() {
+                let rows = 2 * row..(2 * row + 2).min(self.size[1]);
+                let columns = 2 * column..(2 * column + 2).min(self.size[0]);
+                let mut sum = [0.0; 4];
+                for row in rows {
+                    for finer in &self.pixels[self.size[0] * row..][columns.clone()] {
+                        add(&mut sum, *finer, 1.0);
+                    }
+                }
+                *pixel = sum.map(|value| value / sum[3].max(1.0));
+            }
+        });
+        Some(Self { size, pixels })
+    }
+
+    /// What is not quite sure takes the rest from between the pixels of `coarser`.
+    fn complete(&mut self, coarser: &Self) {
+        let [width, _] = self.size;
+        self.pixels.par_chunks_mut(width).enumerate().for_each(|(row, line)| {
+            for (column, pixel) in line.iter_mut().enumerate() {
+                let missing = 1.0 - pixel[3];
+                if missing > 0.0 {
+                    add(pixel, coarser.between([column, row]), missing);
+                }
+            }
+        });
+    }
+
+    /// What is at a pixel of the next finer level: its middle lies a quarter of a pixel from that of the one it is in,
+    /// towards one on each axis.
+    fn between(&self, finer: [usize; 2]) -> Sure {
+        let [columns, rows] = [0, 1].map(|axis| {
+            let own = finer[axis] / 2;
+            let beside = if finer[axis] % 2 == 0 {
+                own.saturating_sub(1)
+            } else {
+                own + 1
+            };
+            [(own, 0.75), (beside.min(self.size[axis] - 1), 0.25)]
+        });
+        let mut sum = [0.0; 4];
+        for (row, down) in rows {
+            for (column, across) in columns {
+                add(&mut sum, self.pixels[self.size[0] * row + column], across * down);
+            }
+        }
+        sum
+    }
+}
+
+fn add(sum: &mut Sure, value: Sure, share: f32) {
+    for (sum, value) in sum.iter_mut().zip(value) {
+        *sum += share * value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn shown(color: [f32; 3]) -> Found {
+        Found::Shown {
+            color,
+            normal: [0.0, 0.0, 1.0],
+        }
+    }
+
+    fn color(found: Found) -> [f32; 3] {
+        match found {
+            Found::Shown { color, .. } => color,
+            Found::Unseen | Found::Clipped => panic!("{found:?} has no colour"),
+        }
+    }
+
+    #[test]
+    fn a_hole_has_the_colours_of_its_rim() {
+        // The left is red and the right green; between them, two columns are unseen.
+        let row = |column: usize| match column {
+            0..7 => shown([1.0, 0.0, 0.0]),
+            7..9 => Found::Unseen,
+            _ => shown([0.0, 1.0, 0.0]),
+        };
+        let mut found: Vec<Found> = (0..16 * 16).map(|at| row(at % 16)).collect();
+        let before = found.clone();
+        fill_holes(&mut found, [16, 16]);
+        for (at, (found, before)) in found.iter().zip(&before).enumerate() {
+            if *before != Found::Unseen {
+                assert_eq!(found, before);
+                continue;
+            }
+            let [red, green, blue] = color(*found);
+            assert!((red + green - 1.0).abs() < 1e-5 && blue == 0.0);
+            assert!(
+                if at % 16 == 7 { red > 0.5 } else { green > 0.5 },
+                "{at}: {red} {green}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_surface_neither_gives_nor_takes() {
+        let mut found = vec![Found::Clipped; 30 * 7];
+        found[3] = shown([0.25, 0.5, 0.75]);
+        found[30 * 6 + 29] = Found::Unseen;
+        fill_holes(&mut found, [30, 7]);
+        let [red, green, blue] = color(found[30 * 6 + 29]);
+        assert!((red - 0.25).abs() < 1e-5 && (green - 0.5).abs() < 1e-5 && (blue - 0.75).abs() < 1e-5);
+        assert_eq!(
+            found.iter().filter(|&&found| found == Found::Clipped).count(),
+            30 * 7 - 2
+        );
+    }
+
+    #[test]
+    fn where_nothing_is_seen_nothing_changes() {
+        for size in [[1, 1], [5, 3], [64, 1]] {
+            let mut found = vec![Found::Unseen; (size[0] * size[1]) as usize];
+            fill_holes(&mut found, size);
+            assert!(found.iter().all(|found| *found == Found::Unseen));
+        }
+        fill_holes(&mut [], [0, 0]);
+    }
+
+    proptest! {
+        /// Of colours between two, and all pixels that can be filled are.
+        #[test]
+        fn holes_have_colours_between_those_around(
+            width in 1_u32..40,
+            height in 1_u32..40,
+            kinds in prop::collection::vec(0_u8..4, 40 * 40),
+            values in prop::collection::vec(0.2_f32..0.7, 40 * 40),
+        ) {
+            let count = (width * height) as usize;
+            let mut found: Vec<Found> = kinds[..count].iter().zip(&values).map(|(kind, &value)| match kind {
+                0 => Found::Clipped,
+                1 => shown([value, 0.9 - value, 0.5]),
+                _ => Found::Unseen,
+            }).collect();
+            let before = found.clone();
+            fill_holes(&mut found, [width, height]);
+            let is_seen = |found: &Found| matches!(found, Found::Shown { .. });
+            let sees = before.iter().any(is_seen);
+            for (found, before) in found.iter().zip(&before) {
+                prop_assert_eq!(is_seen(found), is_seen(before) || sees && *before == Found::Unseen);
+                if let Found::Shown { color: [red, green, blue], .. } = found {
+                    prop_assert!((0.199..0.701).contains(red) && (red + green - 0.9).abs() < 1e-3);
+                    prop_assert!((blue - 0.5).abs() < 1e-3);
+                }
+            }
+            let mut again = before;
+            rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap()
+                .install(|| fill_holes(&mut again, [width, height]));
+            prop_assert_eq!(found, again);
+        }
+    }
+}
