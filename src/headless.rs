@@ -6,7 +6,9 @@ use crate::math::Aabb;
 use crate::photos::{LoadedPhotographs, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
-use crate::scene::{Camera, FirstLook, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style, UpAxis};
+use crate::scene::{
+    Camera, FirstLook, LevelStructure, Projection, Scene, ScenePacket, SceneStats, ScreenStats, Style, UpAxis,
+};
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;
 use glam::DVec3;
@@ -100,6 +102,9 @@ pub struct PictureStats {
     pub octree: Option<OctreeStats>,
     /// The levels of detail that surfels are taken from, if they are.
     pub levels: Option<LevelsStats>,
+    /// Visible points and their normals, where these are of the screen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screen: Option<ScreenStats>,
     /// Counters and times of the renderer.
     pub render: RenderStats,
 }
@@ -270,6 +275,11 @@ impl Headless {
         self.renderer.read_image()
     }
 
+    /// What was done for normals of the screen, if the last packet has such.
+    pub fn screen_stats(&self) -> Option<ScreenStats> {
+        self.scene.screen_stats()
+    }
+
     /// What the last [`Headless::draw`] of `frame` took.
     pub fn stats(&self, frame: &PreparedFrame) -> PictureStats {
         let traversal = self.scene.stats();
@@ -300,6 +310,7 @@ impl Headless {
                 traverse_ms,
                 traversal,
             }),
+            screen: self.scene.screen_stats(),
             render: self.renderer.stats(),
         }
     }
