@@ -113,7 +113,10 @@ mod tests {
         assert_eq!(shares, [0.25, 0.5, 0.25]);
         assert!((errors.mean_deg - 12.5).abs() < 0.01, "{}", errors.mean_deg);
         assert!((errors.p95_deg - 10.0).abs() < 0.01, "{}", errors.p95_deg);
-        assert_eq!([colors[0], colors[3]], [NormalErrors::COLORS[0], NormalErrors::COLORS[2]]);
+        assert_eq!(
+            [colors[0], colors[3]],
+            [NormalErrors::COLORS[0], NormalErrors::COLORS[2]]
+        );
         assert_eq!(colors[1], colors[2]);
         assert!(colors[1][1] > colors[0][1] && colors[1][2] < colors[0][2]);
     }

@@ -73,7 +73,10 @@ impl Legend {
             (none, format!("up to 1°: {}", percent(errors.below_1_deg))),
             (some, format!("up to 22.5°: {}", percent(errors.below_22_5_deg))),
             (large, format!("more: {}", percent(errors.above_22_5_deg))),
-            ([0; 4], format!("mean {:.2}°, 95 % below {:.1}°", errors.mean_deg, errors.p95_deg)),
+            (
+                [0; 4],
+                format!("mean {:.2}°, 95 % below {:.1}°", errors.mean_deg, errors.p95_deg),
+            ),
         ];
         Self {
             title: "Error of normals".to_owned(),

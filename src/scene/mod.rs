@@ -61,9 +61,9 @@ pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelColors, SurfelStyle, VoxelLight,
-    VoxelStyle, coloring, describe,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff,
+    ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape,
+    PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style,
+    SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

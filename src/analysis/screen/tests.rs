@@ -89,9 +89,17 @@ fn a_tilted_plane_without_noise_has_its_normal_at_every_point() {
         let plane = |ray: DVec3| Some(-2.0 * normal.z / normal.dot(ray)).filter(|depth| (1.0..4.0).contains(depth));
         let points = depth_image(plane);
         let found = estimate(&sensor(), &points, 2.0 / 525.0, Search::Fixed);
-        assert!(found.visible.len() * 100 > points.len() * 99, "{normal}: {}", found.visible.len());
+        assert!(
+            found.visible.len() * 100 > points.len() * 99,
+            "{normal}: {}",
+            found.visible.len()
+        );
         let errors = found.errors(&points, |_| normal);
-        assert!(errors[errors.len() - 1] < 0.01, "{normal}: {}", errors[errors.len() - 1]);
+        assert!(
+            errors[errors.len() - 1] < 0.01,
+            "{normal}: {}",
+            errors[errors.len() - 1]
+        );
         for (&slot, shape) in found.visible.slots.iter().zip(&found.shapes) {
             let to_eye = -Vec3::from_array(points[slot as usize].position);
             assert!(oct_decode(shape.normal).dot(to_eye) > 0.0, "turned to the eye");
@@ -108,8 +116,17 @@ fn radii_close_a_square_grid_and_no_more_than_twice_that() {
             let (column, row) = ((index % 160) as f32, (index / 160) as f32);
             Vec3::new((column - 79.5) * spacing, (row - 59.5) * spacing, -1.0)
         }));
-        let found = estimate(&view([640, 480], px_per_spacing / spacing), &points, spacing, Search::Fixed);
-        let mut radii: Vec<f64> = found.shapes.iter().map(|shape| f64::from(shape.radius / spacing)).collect();
+        let found = estimate(
+            &view([640, 480], px_per_spacing / spacing),
+            &points,
+            spacing,
+            Search::Fixed,
+        );
+        let mut radii: Vec<f64> = found
+            .shapes
+            .iter()
+            .map(|shape| f64::from(shape.radius / spacing))
+            .collect();
         radii.sort_by(f64::total_cmp);
         // Half a diagonal closes it; at the rim of the grid half of a neighbourhood is empty.
         let (least, median) = (radii[0], quantile(&radii, 0.5));
@@ -224,7 +241,13 @@ fn results_are_the_same_for_any_number_of_threads_and_again() {
         assert_eq!(once.shapes, other.shapes);
     }
     // What is kept from another picture does not show.
-    let (view, cloud) = (sensor(), ScreenCloud { spacing: 0.002, sensor: None });
+    let (view, cloud) = (
+        sensor(),
+        ScreenCloud {
+            spacing: 0.002,
+            sensor: None,
+        },
+    );
     let mut estimator = ScreenEstimator::default();
     let other = records((0..1000).map(|index| Vec3::new(0.0, index as f32 * 1e-3, -0.5)));
     let visible = estimator.cull(&self::view([1001, 77], 300.0), &other, &cloud);
@@ -325,13 +348,21 @@ proptest! {
 fn times() {
     use std::time::Instant;
     let noisy = |seed: u32, places: Vec<PointRecord>, shift: Vec3| -> Vec<PointRecord> {
-        places.into_iter().enumerate().map(|(i, mut p)| {
-            let h = (i as u32).wrapping_mul(2_654_435_761).wrapping_add(seed.wrapping_mul(40_503)).rotate_left(13).wrapping_mul(2_246_822_519);
-            let n = 1.0 + 0.0015 * (h as f32 / u32::MAX as f32 - 0.5);
-            let q = Vec3::from_array(p.position) * n + shift;
-            p.position = q.to_array();
-            p
-        }).collect()
+        places
+            .into_iter()
+            .enumerate()
+            .map(|(i, mut p)| {
+                let h = (i as u32)
+                    .wrapping_mul(2_654_435_761)
+                    .wrapping_add(seed.wrapping_mul(40_503))
+                    .rotate_left(13)
+                    .wrapping_mul(2_246_822_519);
+                let n = 1.0 + 0.0015 * (h as f32 / u32::MAX as f32 - 0.5);
+                let q = Vec3::from_array(p.position) * n + shift;
+                p.position = q.to_array();
+                p
+            })
+            .collect()
     };
     let scene = |ray: DVec3| Some(ball(ray).unwrap_or(2.0 / (1.0 - 0.3 * ray.x)));
     let one = noisy(1, depth_image(scene), Vec3::ZERO);
@@ -339,12 +370,28 @@ fn times() {
     for count in [1usize, 12] {
         let mut points = Vec::new();
         for k in 0..count {
-            let shift = Vec3::new((k as f32 * 0.618).fract() * 0.004, (k as f32 * 0.73).fract() * 0.004, 0.0);
+            let shift = Vec3::new(
+                (k as f32 * 0.618).fract() * 0.004,
+                (k as f32 * 0.73).fract() * 0.004,
+                0.0,
+            );
             points.extend(noisy(k as u32 + 7, one.clone(), shift));
         }
         // Morton order, roughly: by cells.
-        let cell = |p: &PointRecord| { let q = Vec3::from_array(p.position) * 32.0; ((q.x + 999.0) as u32, (q.y + 999.0) as u32, (q.z + 999.0) as u32) };
-        points.sort_by_key(|p| { let (x, y, z) = cell(p); let mut key = 0u64; for b in 0..16 { key |= u64::from((x >> b) & 1) << (3 * b) | u64::from((y >> b) & 1) << (3 * b + 1) | u64::from((z >> b) & 1) << (3 * b + 2); } key });
+        let cell = |p: &PointRecord| {
+            let q = Vec3::from_array(p.position) * 32.0;
+            ((q.x + 999.0) as u32, (q.y + 999.0) as u32, (q.z + 999.0) as u32)
+        };
+        points.sort_by_key(|p| {
+            let (x, y, z) = cell(p);
+            let mut key = 0u64;
+            for b in 0..16 {
+                key |= u64::from((x >> b) & 1) << (3 * b)
+                    | u64::from((y >> b) & 1) << (3 * b + 1)
+                    | u64::from((z >> b) & 1) << (3 * b + 2);
+            }
+            key
+        });
         let spacing = 0.0038 / (count as f32).sqrt();
         for threads in [1, 2] {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -365,7 +412,15 @@ fn times() {
                     best[2] = best[2].min(t.elapsed().as_secs_f64() * 1e3);
                     n = visible.len();
                 }
-                eprintln!("{} points {} visible {} threads: cull {:.1} normals {:.1} bisected {:.1}", points.len(), n, threads, best[0], best[1], best[2]);
+                eprintln!(
+                    "{} points {} visible {} threads: cull {:.1} normals {:.1} bisected {:.1}",
+                    points.len(),
+                    n,
+                    threads,
+                    best[0],
+                    best[1],
+                    best[2]
+                );
             });
         }
     }

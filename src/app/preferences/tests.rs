@@ -6,10 +6,10 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing, PointStyle,
-    Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors, SurfelStyle, VoxelLight,
-    VoxelStyle,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits,
+    OnOff, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle, PointLight, PointShape, PointSizing,
+    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors, SurfelStyle,
+    VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};

@@ -35,9 +35,7 @@ pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use photos::{PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoStyle};
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
-pub use surfels::{
-    BackFaces, Kernel, NormalSource, SplatFilter, SplatGeometry, Splatting, SurfelColors, SurfelStyle,
-};
+pub use surfels::{BackFaces, Kernel, NormalSource, SplatFilter, SplatGeometry, Splatting, SurfelColors, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, When, Word};

@@ -4,7 +4,7 @@
 //! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
 //! can. All stages are timed from memory to memory, in turns with the search of AutoSplats for the same visible points.
 
-use super::made::{SCENE_MIDDLE, made_cloud};
+use super::made::{SCENE_MIDDLE, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
@@ -23,6 +23,11 @@ const PAPER: [(usize, f64); 4] = [(36_000, 3.92), (307_000, 7.56), (3_600_000, 1
 
 /// Clouds beside those of the sequences.
 pub(super) const CLOUDS: usize = PAPER.len();
+
+const TABLE: &str = "Visible points, their normals and their picture";
+
+/// Columns between the name of a stage and the number of threads, which are of filters.
+const FILTER_COLUMNS: usize = 8;
 
 /// What was measured of one cloud.
 #[derive(Default)]
@@ -55,7 +60,7 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
         // As the sensor that the first of the views is from.
         let camera = Camera {
             target_in_world: SCENE_MIDDLE,
-            ..Camera::of_pinhole(&super::made::pinhole()?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
+            ..Camera::of_pinhole(&pinhole()?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
         };
         rows.push(measure(
             run,
@@ -156,12 +161,12 @@ fn row(seen: &Seen<'_>, visible: usize, samples: &Samples) -> Row {
     let total = stages.iter().copied().sum::<Option<f64>>();
     let [cull, normals, draw] = stages;
     let mut cells = vec![
-        Cell::Text(super::SCREEN_TABLE.to_owned()),
+        Cell::Text(TABLE.to_owned()),
         Cell::Text(seen.name.to_owned()),
         Cell::Text(seen.image.to_owned()),
         Cell::Text("visible points to picture".to_owned()),
     ];
-    cells.extend((0..super::FILTER_COLUMNS).map(|_| Cell::Missing));
+    cells.extend((0..FILTER_COLUMNS).map(|_| Cell::Missing));
     cells.push(Cell::Number(rayon::current_num_threads() as f64));
     cells.push(Cell::Number(seen.frame.points.len() as f64));
     cells.push(Cell::Number(visible as f64));
