@@ -49,10 +49,10 @@ impl Planes<'_> {
         let most = self.cells.most_radius_px() * seen.depth / self.view.px_per_unit();
         // From one window of pixels to the next larger one, until there are enough.
         let mut high = MOST_REACH * seen.depth / self.view.px_per_unit();
-        let mut around = self.around(simd, seen, high);
+        let mut around = self.around(simd, seen, high, false);
         while around.points < WANTED && high < most {
             high *= 2.0;
-            around = self.around(simd, seen, high);
+            around = self.around(simd, seen, high, false);
         }
         let mut low = 0.0;
         for _ in 0..MOST_STEPS {
@@ -60,7 +60,7 @@ impl Planes<'_> {
                 break;
             }
             let middle = 0.5 * (low + high);
-            let tried = self.around(simd, seen, middle);
+            let tried = self.around(simd, seen, middle, false);
             if tried.points < WANTED {
                 low = middle;
             } else {

@@ -1,5 +1,5 @@
 //! Visible points in cells of the picture, in a pyramid of them: those around a place in 64 cells at most, whatever
-//! part of the picture that is.
+//! part of the picture that is; in 256 where somebody looks twice.
 //!
 //! **How it works.** A cell of level L is 2^L pixels wide. It has the nearest of the points in it, of equally near ones
 //! the first, and the number of all. Only the finest level is filled from points; a cell of each other one takes the
@@ -14,8 +14,11 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 /// The coarsest level: its cells are 128 pixels wide.
 pub(super) const MOST_LEVELS: u32 = 7;
 
-/// Cells of a row, and rows, that a window may have.
+/// Cells of a row that are read at once.
 pub(super) const WINDOW: usize = 8;
+
+/// How many times as far a wide window reaches.
+const WIDE: usize = 2;
 
 /// A window reaches so many cells from its middle at most: then it is no more than eight cells wide.
 pub(super) const MOST_REACH: f32 = 3.5;
@@ -24,7 +27,10 @@ pub(super) const MOST_REACH: f32 = 3.5;
 pub(super) const LEAST_RADIUS_PX: f32 = 2.0;
 
 /// Cells before the first one of a row, and rows before the first.
-const BORDER: usize = 4;
+const BORDER: usize = 8;
+
+/// Cells after the last one of a row, and rows after the last.
+const BORDER_AFTER: usize = WIDE * WINDOW;
 
 /// No point is there.
 const EMPTY: u64 = u64::MAX;
@@ -62,6 +68,8 @@ pub(super) struct Window<'a> {
     /// Index of the first cell.
     pub(super) first: usize,
     pub(super) rows: usize,
+    /// How many times eight cells a row has.
+    pub(super) eights: usize,
     pub(super) stride: usize,
 }
 
@@ -120,22 +128,24 @@ impl Cells {
         });
     }
 
-    /// The cells within `radius_px` of a place, of the level that is meant for that; of the coarsest there is where
-    /// they would be too many, which are fewer then.
+    /// The cells within `radius_px` of a place, of the level that is meant for that, or the finer one in a wide window;
+    /// of the coarsest there is where they would be too many, which are fewer then.
     #[inline(always)]
-    pub(super) fn window(&self, place_px: [f32; 2], radius_px: f32) -> Window<'_> {
-        let wanted = level_of(radius_px).clamp(self.finest, self.coarsest());
+    pub(super) fn window(&self, place_px: [f32; 2], radius_px: f32, is_wide: bool) -> Window<'_> {
+        let eights = if is_wide { WIDE } else { 1 };
+        let wanted = level_of(radius_px / eights as f32).clamp(self.finest, self.coarsest());
         let level = &self.levels[(wanted - self.finest) as usize];
         let per_px = 1.0 / (1_u32 << wanted) as f32;
-        let reach = (radius_px * per_px).min(MOST_REACH);
+        let reach = (radius_px * per_px).min(MOST_REACH * eights as f32);
         // The border makes them positive.
         let start = place_px.map(|px| (px * per_px - reach + BORDER as f32).max(0.0) as usize);
         let last_row = (place_px[1] * per_px + reach) as usize + BORDER;
-        let rows = (last_row + 1).saturating_sub(start[1]).min(WINDOW);
+        let rows = (last_row + 1).saturating_sub(start[1]).min(eights * WINDOW);
         Window {
             level,
             first: start[1] * level.stride + start[0],
             rows,
+            eights,
             stride: level.stride,
         }
     }
@@ -155,8 +165,8 @@ impl CellLevel {
     fn resize(&mut self, size: [usize; 2]) {
         let [width, height] = size;
         self.size = size;
-        self.stride = width + BORDER + WINDOW;
-        let cells = self.stride * (height + BORDER + WINDOW);
+        self.stride = width + BORDER + BORDER_AFTER;
+        let cells = self.stride * (height + BORDER + BORDER_AFTER);
         for axis in &mut self.places {
             axis.clear();
             axis.resize(cells, NOWHERE);

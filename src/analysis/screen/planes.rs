@@ -3,8 +3,11 @@
 //! **How it works.** With the offsets d = (q − p)/R of the n neighbours q within the radius R of a point p, one a cell
 //! of its window, and their mean m, the covariance is C = Σddᵀ/n − mmᵀ, and the normal its eigenvector of the smallest
 //! eigenvalue (paper 003 §3.5). Offsets are at most 1 and from the point itself, so sums of eight cells side by side in
-//! f32 lose nothing. Where n is below six, or the neighbours stand in a row, as those of far rows of a depth image do,
-//! all is summed up anew for 2R, and so on up to 8R. Four points are solved together.
+//! f32 lose nothing. Four points are solved together.
+//!
+//! Where n is below six, or the neighbours stand in a row, as those of far rows of a depth image do, all is summed up
+//! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
+//! far apart.
 //!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one.
 
@@ -77,13 +80,13 @@ impl Planes<'_> {
             let mut around = [Neighbourhood::NONE; FOUR];
             for (around, seen) in around.iter_mut().zip(seen) {
                 let mut radius = self.radius_at(seen.depth);
-                *around = self.around(simd, seen, radius);
+                *around = self.around(simd, seen, radius, false);
                 for _ in 0..MOST_DOUBLINGS {
                     if around.found >= FEWEST && around.is_plane() {
                         break;
                     }
                     radius *= 2.0;
-                    *around = self.around(simd, seen, radius);
+                    *around = self.around(simd, seen, radius, true);
                 }
             }
             self.solve(simd, seen, &around, shapes);
@@ -97,11 +100,11 @@ impl Planes<'_> {
 
     /// The neighbours of a point within a radius, or within the largest one that there are cells for.
     #[inline(always)]
-    pub(super) fn around<S: Simd>(&self, simd: S, seen: &Seen, radius: f32) -> Neighbourhood {
+    pub(super) fn around<S: Simd>(&self, simd: S, seen: &Seen, radius: f32, is_wide: bool) -> Neighbourhood {
         let px_per_unit = self.view.px_per_unit() / seen.depth;
         let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
         let radius = radius.min(radius_px / px_per_unit);
-        let window = self.cells.window(seen.place_px, radius_px);
+        let window = self.cells.window(seen.place_px, radius_px, is_wide);
         sum(simd, &window, seen.offset, radius)
     }
 
@@ -194,8 +197,9 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
     let (mut found, mut points) = (zero, zero);
     let (mut sums, mut products) = ([zero; 3], [zero; 6]);
     let CellLevel { places, counts, .. } = window.level;
-    for row in 0..window.rows {
-        let start = window.first + row * window.stride;
+    for eight in 0..window.rows * window.eights {
+        let (row, column) = (eight / window.eights, eight % window.eights);
+        let start = window.first + row * window.stride + column * WINDOW;
         let end = start + WINDOW;
         let mut d = [zero; 3];
         for axis in 0..3 {

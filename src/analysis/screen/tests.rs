@@ -82,7 +82,7 @@ fn a_tilted_plane_without_noise_has_its_normal_at_every_point() {
         DVec3::Z,
         DVec3::new(0.3, -0.4, 1.0),
         DVec3::new(-1.2, 0.1, 0.9),
-        DVec3::new(0.0, 2.0, 1.0),
+        DVec3::new(0.0, 1.4, 1.0),
     ] {
         let normal = normal.normalize();
         // Meets the view axis at two metres.
