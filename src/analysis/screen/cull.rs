@@ -1,10 +1,10 @@
 //! Points that others hide.
 //!
 //! **How it works.** Every point leaves its depth at the pixel of its middle, if it is the nearest there. A point is a
-//! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers what
-//! the others do, and it is enough to ask the pixels around a point whether what is there reaches it. Those that could
-//! are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points. What
-//! is drawn with its whole square instead writes up to 49 pixels a point.
+//! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers
+//! what the others do, and it is enough to ask the pixels around a point whether what is there reaches it. Those that
+//! could are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points.
+//! What is drawn with its whole square instead writes up to 49 pixels a point.
 //!
 //! A point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are looked
 //! for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees and

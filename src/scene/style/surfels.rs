@@ -137,7 +137,7 @@ choices! {
         Points = "colors", "Colours", "The colours of the points";
         /// Paper 003, Figs. 5 and 6.
         NormalErrors = "normal-error", "Normal errors",
-            "How far normals of the screen are from those of the file or of neighbours: blue 0°, green up to 22.5°, red";
+            "How far normals of the screen are from those of the file, or of neighbours: blue 0°, green, red from 22.5°";
     }
 }
 
@@ -215,8 +215,8 @@ group! {
             value_name: "FROM",
             help: "What normals and radii of surfels are told by",
             title: "Normals from",
-            hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a frame \
-                   is seen; hidden points have none",
+            hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
+                   frame is seen; hidden points have none",
             section: Section::Surfels,
             when: When::WholeSurfels,
             label: Label::Unusual(Place::What, "{} normals"),

@@ -59,7 +59,7 @@ pub const RGBD: &Suite = &Suite {
     brief: "depth images",
     title: "Depth images",
     hint: "Times of decoding depth images, of each of their filters, and of pictures with normals of the screen",
-    description: "decoding recordings of depth images, their filters one by one, and pictures with normals of the screen",
+    description: "decoding recordings of depth images, their filters, and pictures with normals of the screen",
     measured: "files in the cache of the system to a cloud (decode); each filter of the image that those before it \
         made, from memory to memory; visible points, their normals and radii, and the picture of them on all threads; \
         medians",
