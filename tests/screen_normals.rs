@@ -16,7 +16,6 @@ use pointreel::scene::{
 };
 use pointreel::sequence::{ColorSource, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 const SIZE: [u32; 2] = [320, 240];
 
@@ -58,9 +57,9 @@ fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
 
 #[test]
 fn a_frame_needs_no_normals_to_be_drawn_lit() {
-    let (frame, counters) = sphere(40_000, &style(), false);
+    let (frame, counters) = sphere(8_000, &style(), false);
     assert!(frame.shapes.is_none());
-    assert_eq!(counters.surfaces_estimated.load(Ordering::Relaxed), 0);
+    assert_eq!(counters.surfaces_estimated(), 0);
     let mut scene = Scene::default();
     let packet = packet_of(&mut scene, &frame, &style());
     let Content::Surfels(surfels) = &packet.content else {
@@ -81,7 +80,7 @@ fn a_frame_needs_no_normals_to_be_drawn_lit() {
 
 #[test]
 fn both_renderers_draw_the_same_closed_picture() {
-    let (frame, _) = sphere(40_000, &style(), false);
+    let (frame, _) = sphere(8_000, &style(), false);
     let packet = packet_of(&mut Scene::default(), &frame, &style());
     let (cpu, gpu) = (draw_on_cpu(&packet), draw(&packet));
     let differing = cpu.pixels().zip(gpu.pixels());
@@ -116,7 +115,7 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
         style.light.rig = LightRig::Auto;
         style.light.environment = Environment::Uniform;
     });
-    let (frame, _) = sphere(40_000, &style, false);
+    let (frame, _) = sphere(8_000, &style, false);
     let image = draw_on_cpu(&packet_of(&mut Scene::default(), &frame, &style));
     for y in 100..140 {
         for x in 140..180 {
@@ -136,7 +135,7 @@ fn what_is_picked_is_the_point_that_is_drawn() {
     for clip in [None, Some(clip)] {
         let mut clipped = style();
         clipped.of_sequence.clip = clip;
-        let (frame, _) = sphere(20_000, &clipped, false);
+        let (frame, _) = sphere(8_000, &clipped, false);
         let packet = packet_of(&mut Scene::default(), &frame, &clipped);
         let mut picked = 0;
         for y in (60..180).step_by(7) {
@@ -162,14 +161,14 @@ fn errors_of_normals_are_shown_in_their_colours_and_told() {
         style.surfels.shown = SurfelColors::NormalErrors;
         style.light.lighting = Lighting::PerFragment;
     });
-    let (frame, _) = sphere(40_000, &style, true);
+    let (frame, _) = sphere(8_000, &style, true);
     let mut scene = Scene::default();
     let packet = packet_of(&mut scene, &frame, &style);
     assert_eq!(packet.style.light.lighting, Lighting::Unlit);
     let errors = scene.screen_stats().unwrap().errors.unwrap();
     let shares = errors.below_1_deg + errors.below_22_5_deg + errors.above_22_5_deg;
     assert!((shares - 1.0).abs() < 1e-9);
-    assert!(errors.mean_deg < 3.0 && errors.above_22_5_deg < 0.05, "{errors:?}");
+    assert!(errors.mean_deg < 5.0 && errors.above_22_5_deg < 0.1, "{errors:?}");
     // In the middle they are small: blue.
     let [red, green, blue, _] = draw_on_cpu(&packet).get_pixel(160, 120).0;
     assert!(blue > 180 && red < 80 && green < 130, "{red} {green} {blue}");

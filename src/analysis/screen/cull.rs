@@ -6,7 +6,10 @@
 //! could are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points.
 //! What is drawn with its whole square instead writes up to 49 pixels a point.
 //!
-//! A point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are looked
+//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a graphics card has one
+//! a pixel: however dense a cloud is, no more is visible than the picture has pixels.
+//!
+//! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are looked
 //! for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees and
 //! more it still is.
 
@@ -44,6 +47,8 @@ pub(super) struct DepthPicture {
     depths: Vec<f32>,
     stride: usize,
     radius: f32,
+    /// Points at larger depths are smaller than a pixel.
+    small_beyond: f32,
     /// How far squares of points reach.
     reach_px: usize,
     /// Of the pixels in eight lanes, by the row: what is nearer than this covers the pixel in the middle.
@@ -120,6 +125,7 @@ impl DepthPicture {
                 };
             }
         }
+        self.small_beyond = below(0, 1).min(below(1, 1));
         let nearest = self.depths.par_iter().with_min_len(1 << 16).copied();
         let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
         let reaches = |&steps: &usize| nearest < below(0, steps).max(below(1, steps));
@@ -160,7 +166,7 @@ impl DepthPicture {
     ) {
         for (slot, point) in (first..).zip(points) {
             if let Some((seen, place)) = in_picture(view, point)
-                && !self.is_hidden(simd, place, seen.depth - self.radius)
+                && !self.is_hidden(simd, place, seen.depth)
             {
                 slots.push(slot);
                 visible.push(seen);
@@ -168,12 +174,14 @@ impl DepthPicture {
         }
     }
 
-    /// Whether something nearer than `limit` covers a pixel.
+    /// Whether a point at a pixel is hidden.
     #[inline(always)]
-    fn is_hidden<S: Simd>(&self, simd: S, [column, row]: [usize; 2], limit: f32) -> bool {
+    fn is_hidden<S: Simd>(&self, simd: S, [column, row]: [usize; 2], depth: f32) -> bool {
+        let limit = depth - self.radius;
+        let own_limit = if depth > self.small_beyond { depth } else { limit };
         // Of the first row and column that are looked at; the border is as wide as squares reach.
         let corner = row * self.stride + column;
-        if self.depths[corner + MOST_REACH_PX * self.stride + MOST_REACH_PX] < limit {
+        if self.depths[corner + MOST_REACH_PX * self.stride + MOST_REACH_PX] < own_limit {
             return true;
         }
         if self.reach_px == 0 {

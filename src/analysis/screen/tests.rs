@@ -274,8 +274,8 @@ fn a_few_points_and_lines_have_disks_that_face_the_eye() {
     assert!(estimate(&sensor(), &[], 0.1, Search::Bisected).shapes.is_empty());
 }
 
-/// Whether another point covers the pixel of this one and is nearer by more than the radius, where lengths are
-/// `factor` times as long as they are: by all pairs.
+/// Whether another point covers the pixel of this one and is nearer by more than the radius, or is nearer in the same
+/// pixel and this one smaller than that, where lengths are `factor` times as long as they are: by all pairs.
 fn hidden(view: &ScreenView, points: &[PointRecord], slot: usize, spacing: f32, factor: f64) -> bool {
     let place = |point: &PointRecord| {
         let seen = view.see(point.position)?;
@@ -285,12 +285,14 @@ fn hidden(view: &ScreenView, points: &[PointRecord], slot: usize, spacing: f32, 
         return true;
     };
     let half_width = f64::from(spacing) * std::f64::consts::FRAC_1_SQRT_2;
+    let is_small = half_width * f64::from(view.px_per_slope[0]) / depth < 0.5 * factor;
     points.iter().filter_map(place).any(|(other_depth, other)| {
         let reach = half_width * f64::from(view.px_per_slope[0]) / other_depth;
         // Three pixels to each side at most.
         let reach = (factor * reach + 0.5).floor().min(3.0) as i64;
         let covers = (0..2).all(|axis| pixel[axis].abs_diff(other[axis]) <= reach as u64);
-        covers && other_depth * factor.recip() < depth * factor - 3.0 * f64::from(spacing) * factor.recip()
+        is_small && pixel == other && other_depth < depth
+            || covers && other_depth * factor.recip() < depth * factor - 3.0 * f64::from(spacing) * factor.recip()
     })
 }
 
@@ -339,89 +341,6 @@ proptest! {
             for shape in found.shapes {
                 prop_assert!(!shape.radius.is_nan() && shape.radius >= 0.0);
             }
-        }
-    }
-}
-
-#[test]
-#[ignore = "prints times"]
-fn times() {
-    use std::time::Instant;
-    let noisy = |seed: u32, places: Vec<PointRecord>, shift: Vec3| -> Vec<PointRecord> {
-        places
-            .into_iter()
-            .enumerate()
-            .map(|(i, mut p)| {
-                let h = (i as u32)
-                    .wrapping_mul(2_654_435_761)
-                    .wrapping_add(seed.wrapping_mul(40_503))
-                    .rotate_left(13)
-                    .wrapping_mul(2_246_822_519);
-                let n = 1.0 + 0.0015 * (h as f32 / u32::MAX as f32 - 0.5);
-                let q = Vec3::from_array(p.position) * n + shift;
-                p.position = q.to_array();
-                p
-            })
-            .collect()
-    };
-    let scene = |ray: DVec3| Some(ball(ray).unwrap_or(2.0 / (1.0 - 0.3 * ray.x)));
-    let one = noisy(1, depth_image(scene), Vec3::ZERO);
-    let view = view([1920, 1080], 1181.0);
-    for count in [1usize, 12] {
-        let mut points = Vec::new();
-        for k in 0..count {
-            let shift = Vec3::new(
-                (k as f32 * 0.618).fract() * 0.004,
-                (k as f32 * 0.73).fract() * 0.004,
-                0.0,
-            );
-            points.extend(noisy(k as u32 + 7, one.clone(), shift));
-        }
-        // Morton order, roughly: by cells.
-        let cell = |p: &PointRecord| {
-            let q = Vec3::from_array(p.position) * 32.0;
-            ((q.x + 999.0) as u32, (q.y + 999.0) as u32, (q.z + 999.0) as u32)
-        };
-        points.sort_by_key(|p| {
-            let (x, y, z) = cell(p);
-            let mut key = 0u64;
-            for b in 0..16 {
-                key |= u64::from((x >> b) & 1) << (3 * b)
-                    | u64::from((y >> b) & 1) << (3 * b + 1)
-                    | u64::from((z >> b) & 1) << (3 * b + 2);
-            }
-            key
-        });
-        let spacing = 0.0038 / (count as f32).sqrt();
-        for threads in [1, 2] {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                let cloud = ScreenCloud { spacing, sensor: None };
-                let mut estimator = ScreenEstimator::default();
-                let mut best = [f64::INFINITY; 3];
-                let mut n = 0;
-                for _ in 0..5 {
-                    let t = Instant::now();
-                    let visible = estimator.cull(&view, &points, &cloud);
-                    best[0] = best[0].min(t.elapsed().as_secs_f64() * 1e3);
-                    let t = Instant::now();
-                    estimator.surface(&visible, &cloud, Search::Fixed);
-                    best[1] = best[1].min(t.elapsed().as_secs_f64() * 1e3);
-                    let t = Instant::now();
-                    estimator.surface(&visible, &cloud, Search::Bisected);
-                    best[2] = best[2].min(t.elapsed().as_secs_f64() * 1e3);
-                    n = visible.len();
-                }
-                eprintln!(
-                    "{} points {} visible {} threads: cull {:.1} normals {:.1} bisected {:.1}",
-                    points.len(),
-                    n,
-                    threads,
-                    best[0],
-                    best[1],
-                    best[2]
-                );
-            });
         }
     }
 }
