@@ -7,8 +7,8 @@ use crate::photos::{LoadedPhotographs, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{
-    Camera, FirstLook, Label, LabelOnPicture, LevelStructure, Projection, Scene, ScenePacket, SceneStats, Style,
-    UpAxis, labels_on_picture,
+    Camera, FirstLook, Label, LabelOnPicture, LevelStructure, Projection, Scene, ScenePacket, SceneStats, ScreenStats,
+    Style, UpAxis, labels_on_picture,
 };
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
 use crate::timeline::Direction;
@@ -103,6 +103,9 @@ pub struct PictureStats {
     pub octree: Option<OctreeStats>,
     /// The levels of detail that surfels are taken from, if they are.
     pub levels: Option<LevelsStats>,
+    /// Visible points and their normals, where these are of the screen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screen: Option<ScreenStats>,
     /// Counters and times of the renderer.
     pub render: RenderStats,
 }
@@ -302,6 +305,11 @@ impl Headless {
         self.renderer.read_image()
     }
 
+    /// What was done for normals of the screen, if the last packet has such.
+    pub fn screen_stats(&self) -> Option<ScreenStats> {
+        self.scene.screen_stats()
+    }
+
     /// What the last [`Headless::draw`] of `frame` took.
     pub fn stats(&self, frame: &PreparedFrame) -> PictureStats {
         let traversal = self.scene.stats();
@@ -332,6 +340,7 @@ impl Headless {
                 traverse_ms,
                 traversal,
             }),
+            screen: self.scene.screen_stats(),
             render: self.renderer.stats(),
         }
     }

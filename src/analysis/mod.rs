@@ -18,6 +18,7 @@ mod four_matrices;
 mod lanes;
 mod nearest_point;
 mod neighbours;
+mod normal_errors;
 mod normals;
 mod openings;
 mod orientation;
@@ -26,6 +27,7 @@ mod plane_tests;
 mod point_tree;
 mod radii;
 mod robust_planes;
+pub mod screen;
 mod smallest_rows;
 mod steps;
 #[cfg(test)]
@@ -41,6 +43,7 @@ pub use colors::fake_color;
 pub use file_surface::FileSurface;
 pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
+pub use normal_errors::NormalErrors;
 pub use radii::LONE_RADIUS;
 
 use crate::cloud::Ellipse;

@@ -169,7 +169,11 @@ fn for_each_strip(
     let packet = headless.packet(frame, camera, &style, size_px);
     let halo_px = halo_px(&packet);
     let [part_width, part_height] = size.largest_part_px(headless.renderer(), &packet);
-    let legend = Legend::of(frame).filter(|_| size.has_legend);
+    let legend = match headless.screen_stats().and_then(|stats| stats.errors) {
+        Some(errors) => Some(Legend::of_errors(&errors)),
+        None => Legend::of(frame),
+    };
+    let legend = legend.filter(|_| size.has_legend);
     let unit = frame.frame.unit();
     let bar = size
         .has_scale_bar

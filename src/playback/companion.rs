@@ -187,7 +187,7 @@ impl Companion {
         };
         match self.loader.get(frame, &needs) {
             Slot::Ready(_) | Slot::Coarse(_) | Slot::Partial(_) | Slot::Failed(_) => true,
-            Slot::Stale(frame) => can_draw(&frame, style.primitive),
+            Slot::Stale(frame) => can_draw(&frame, style),
             Slot::Pending => false,
         }
     }
@@ -206,7 +206,7 @@ impl Companion {
                     self.shown = Some(frame);
                 }
                 Slot::Stale(frame)
-                    if can_draw(&frame, style.primitive) || self.shown.as_ref().is_some_and(|s| s.index == index) =>
+                    if can_draw(&frame, style) || self.shown.as_ref().is_some_and(|s| s.index == index) =>
                 {
                     self.shown = Some(frame);
                 }

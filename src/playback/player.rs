@@ -314,7 +314,7 @@ impl Player {
         let frame = match slot {
             Slot::Partial(frame) | Slot::Ready(frame) | Slot::Coarse(frame) => Some(frame),
             // An older picture of the same pose serves meanwhile; one that cannot be drawn as asked would only flash.
-            Slot::Stale(frame) if can_draw(&frame, style.primitive) || self.shows(target) => Some(frame),
+            Slot::Stale(frame) if can_draw(&frame, style) || self.shows(target) => Some(frame),
             Slot::Stale(_) | Slot::Pending => None,
             Slot::Failed(error) => {
                 self.arrive(ahead, now);
@@ -426,10 +426,12 @@ pub(super) fn new_warnings(frame: &PreparedFrame, told: &mut HashSet<usize>) -> 
     warnings.to_vec()
 }
 
-/// True if `frame` has what `primitive` is made from.
-pub fn can_draw(frame: &PreparedFrame, primitive: Primitive) -> bool {
-    match primitive {
-        Primitive::Auto | Primitive::Surfel | Primitive::Sprite => frame.shapes.is_some(),
+/// True if `frame` has what is drawn in a style.
+pub fn can_draw(frame: &PreparedFrame, style: &Style) -> bool {
+    match style.primitive {
+        Primitive::Auto | Primitive::Surfel | Primitive::Sprite => {
+            frame.shapes.is_some() || style.has_screen_normals() && !style.shows_normal_errors()
+        }
         Primitive::Ellipse => frame.shapes.is_some() && frame.has_ellipses,
         Primitive::Voxel => frame.levels.octree().is_some(),
         Primitive::Mesh => frame.mesh.is_some() || !frame.frame.has_faces(),

@@ -6,9 +6,11 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::typical_spacing;
 use super::packet::ScenePacket;
+use super::screen_surfels::{ScreenInput, ScreenStats, ScreenSurfels};
 use super::{
     Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
 };
+use crate::analysis::screen::ScreenCloud;
 use crate::cloud::Frame;
 use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
@@ -44,6 +46,7 @@ pub struct Scene {
     clipped: Option<Clipped>,
     /// The last frame whose points were measured, and how far apart they typically are.
     spacing: Option<(Arc<Frame>, f32)>,
+    screen: ScreenSurfels,
     remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
@@ -126,8 +129,12 @@ impl Scene {
 
     /// What a frame must have for a picture with these settings.
     pub fn needs(style: &Style) -> Needs {
+        // Where errors of normals of the screen are shown, others are held to be true.
+        let is_of_screen = style.has_screen_normals() && !style.shows_normal_errors();
         Needs {
-            shapes: style.draws_surfels() || style.lights_voxels_by_normals() || style.has_points_with_shapes(),
+            shapes: style.draws_surfels() && !is_of_screen
+                || style.lights_voxels_by_normals()
+                || style.has_points_with_shapes(),
             ellipses: style.primitive == Primitive::Ellipse,
             mesh: style.primitive == Primitive::Mesh,
             levels: style.levels_kind().map(|kind| LevelsKey {
@@ -168,6 +175,9 @@ impl Scene {
         if photographs.is_some() {
             style = style.of_photographs();
         }
+        if style.shows_normal_errors() {
+            style = style.of_normal_errors();
+        }
         style.of_sequence.clip = clip.map(|clip| clip.relative_to(origin));
         style.of_sequence.point_spacing = self.point_spacing(frame, &style);
         let bounds = frame.frame.bounds();
@@ -194,6 +204,10 @@ impl Scene {
         viewport_px: [u32; 2],
         style: &Style,
     ) -> Content {
+        let is_of_screen = style.has_screen_normals();
+        if !is_of_screen {
+            self.screen.forget();
+        }
         let kind = style.levels_kind();
         let coded = self.coded(frame, style);
         if let Some(coded) = coded.filter(|_| style.of_sequence.clip.is_none()) {
@@ -222,6 +236,7 @@ impl Scene {
             }))
         };
         let whole = match style.primitive {
+            _ if is_of_screen && !style.shows_normal_errors() => Content::Points(points()),
             Primitive::Point if style.has_points_with_shapes() => {
                 surfels().unwrap_or_else(|| Content::Points(points()))
             }
@@ -235,15 +250,29 @@ impl Scene {
             },
             Primitive::Voxel => Content::Nothing,
         };
-        match style.of_sequence.clip {
+        let whole = match style.of_sequence.clip {
             Some(clip) => self.clip(clip, whole),
             None => whole,
+        };
+        if !is_of_screen {
+            return whole;
         }
+        self.screen.content(ScreenInput {
+            content: whole,
+            view: *view,
+            viewport_px,
+            cloud: ScreenCloud {
+                spacing: style.of_sequence.point_spacing,
+                sensor: frame.frame.sensor(),
+            },
+            shows_errors: style.shows_normal_errors(),
+        })
     }
 
     /// [`OfSequence::point_spacing`](super::OfSequence) of a frame for a style, if that asks for it.
     fn point_spacing(&mut self, frame: &PreparedFrame, style: &Style) -> f32 {
-        if style.primitive != Primitive::Point || style.points.sizing == PointSizing::Pixels {
+        let is_of_points = style.primitive == Primitive::Point && style.points.sizing != PointSizing::Pixels;
+        if !is_of_points && !style.has_screen_normals() {
             return 0.0;
         }
         let known = self.spacing.take().filter(|(of, _)| Arc::ptr_eq(of, &frame.frame));
@@ -300,6 +329,11 @@ impl Scene {
     /// Counters since the scene was made.
     pub fn stats(&self) -> SceneStats {
         self.stats
+    }
+
+    /// What was done for normals of the screen, if the last picture has such.
+    pub fn screen_stats(&self) -> Option<ScreenStats> {
+        self.screen.stats()
     }
 
     /// The records of a cut for a view; those of the last one if nothing has changed.

@@ -3,7 +3,7 @@
 //! It is text, colours and places from 0 to 1; the window (`app/panels/legend.rs`) and exports (`export/overlay`) draw
 //! it.
 
-use crate::analysis::{ColorMap, ColorScale, class_color, class_name, class_of};
+use crate::analysis::{ColorMap, ColorScale, NormalErrors, class_color, class_name, class_of};
 use crate::cloud::ValueSample;
 use crate::sequence::{Paint, PaintValues, PreparedFrame, plain_field_name, value_kind};
 
@@ -60,6 +60,27 @@ impl Legend {
                     ticks: ticks(scale),
                 },
             }),
+        }
+    }
+}
+
+impl Legend {
+    /// The legend of a picture of errors of normals.
+    pub fn of_errors(errors: &NormalErrors) -> Self {
+        let [none, some, large] = NormalErrors::COLORS;
+        let percent = |share: f64| format!("{:.1} %", 1e2 * share);
+        let rows = vec![
+            (none, format!("up to 1°: {}", percent(errors.below_1_deg))),
+            (some, format!("up to 22.5°: {}", percent(errors.below_22_5_deg))),
+            (large, format!("more: {}", percent(errors.above_22_5_deg))),
+            (
+                [0; 4],
+                format!("mean {:.2}°, 95 % below {:.1}°", errors.mean_deg, errors.p95_deg),
+            ),
+        ];
+        Self {
+            title: "Error of normals".to_owned(),
+            body: LegendBody::Classes(rows),
         }
     }
 }
@@ -200,6 +221,25 @@ mod tests {
         assert_eq!(field_title("gps_time"), "GPS time (s)");
         assert_eq!(field_title("éclat"), "Éclat");
         assert_eq!(field_title(""), "");
+    }
+
+    #[test]
+    fn errors_of_normals_are_told_in_per_cent() {
+        let errors = NormalErrors {
+            points: 8,
+            below_1_deg: 0.5,
+            below_22_5_deg: 0.375,
+            above_22_5_deg: 0.125,
+            mean_deg: 4.125,
+            p95_deg: 31.0,
+        };
+        let LegendBody::Classes(rows) = Legend::of_errors(&errors).body else {
+            panic!("no list");
+        };
+        let texts: Vec<&str> = rows.iter().map(|(_, text)| text.as_str()).collect();
+        let shares = ["up to 1°: 50.0 %", "up to 22.5°: 37.5 %", "more: 12.5 %"];
+        assert_eq!(texts[..3], shares);
+        assert_eq!(texts[3], "mean 4.12°, 95 % below 31.0°");
     }
 
     proptest! {

@@ -29,6 +29,7 @@ mod picture_plane;
 mod pinhole_view;
 mod point_size;
 mod scale_bar;
+mod screen_surfels;
 mod shadow;
 mod style;
 mod view_text;
@@ -61,13 +62,14 @@ pub use picture_plane::PicturePlane;
 pub use pinhole_view::sensor_target_distance;
 pub use point_size::PointSize;
 pub use scale_bar::ScaleBar;
+pub use screen_surfels::{ScreenStats, screen_view};
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, EyeDome, Footprint, Kernel, LevelStructure,
-    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff, ParseChoiceError,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
-    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, Style, SurfelStyle,
-    VoxelLight, VoxelStyle, coloring, describe,
+    LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits, OnOff,
+    ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight,
+    PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy,
+    Style, SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;

@@ -73,7 +73,7 @@ impl SurfelsInView {
         viewport_px: [u32; 2],
         now: Duration,
     ) -> Option<Arc<PreparedFrame>> {
-        let are_missing = style.draws_surfels() && !can_draw(frame, style.primitive);
+        let are_missing = style.draws_surfels() && !can_draw(frame, style);
         if !are_missing || frame.is_sample() || frame.points.len() < self.fewest_points {
             self.wanted = None;
             self.made = None;
@@ -218,7 +218,7 @@ mod tests {
         surfels.take(&made);
         assert_eq!(surfels.next_deadline(), None);
         let part = choose(&mut surfels, &frame, &near, 60).unwrap();
-        assert!(can_draw(&part, Primitive::Surfel) && part.is_sample());
+        assert!(can_draw(&part, &Style::default()) && part.is_sample());
         assert!(part.points.len() < frame.points.len());
 
         assert!(choose(&mut surfels, &frame, &far, 70).is_none());

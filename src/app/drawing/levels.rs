@@ -63,8 +63,10 @@ impl Levels {
             || self.asked_for == Some(frame.id)
             || style.draws_points()
             || style.draws_codes()
+            // Levels have normals of their own.
+            || style.has_screen_normals()
             // What it lacks is on its way, or not wanted.
-            || !can_draw(frame, style.primitive)
+            || !can_draw(frame, style)
         {
             return;
         }
@@ -105,7 +107,7 @@ impl Levels {
             .moved_at
             .is_some_and(|moved_at| now.saturating_sub(moved_at) < REST);
         self.are_drawn = false;
-        if is_moving && self.is_slow(frame) && !style.draws_points() {
+        if is_moving && self.is_slow(frame) && !style.draws_points() && !style.has_screen_normals() {
             let coarse = in_cells(style);
             let needs = Scene::needs(&coarse);
             let made = self.made_for(frame, &needs);

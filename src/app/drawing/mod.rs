@@ -5,7 +5,7 @@ pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, Style, hidden, pick};
+use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, ScreenStats, Style, hidden, pick};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
 use glam::{DVec2, DVec3};
@@ -71,6 +71,11 @@ impl Drawing {
     /// Counters of the traversal.
     pub(in crate::app) fn stats(&self) -> SceneStats {
         self.scene.stats()
+    }
+
+    /// What was done for normals of the screen, if the last picture has such.
+    pub(in crate::app) fn screen_stats(&self) -> Option<ScreenStats> {
+        self.scene.screen_stats()
     }
 
     /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if
@@ -144,12 +149,11 @@ impl Drawing {
             drawn.pose = part;
         }
         let (frame, mut style) = self.levels.choose(&drawn.frame, camera, style, now);
-        if !can_draw(&drawn.frame, style.primitive) {
-            style.primitive = if can_draw(&drawn.frame, self.primitive) {
-                self.primitive
-            } else {
-                Primitive::Point
-            };
+        if !can_draw(&drawn.frame, &style) {
+            style.primitive = self.primitive;
+            if !can_draw(&drawn.frame, &style) {
+                style.primitive = Primitive::Point;
+            }
         }
         let packet = self.scene.packet(&frame, drawn.origin, camera, &style, viewport_px);
         if self.packet.as_ref() == Some(&packet) {

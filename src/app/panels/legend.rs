@@ -17,7 +17,11 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     if !state.panels.has(PanelId::LEGEND) || is_elsewhere {
         return;
     }
-    let Some(legend) = state.drawn_frame().and_then(|frame| Legend::of(frame)) else {
+    let legend = match state.screen_stats().and_then(|stats| stats.errors) {
+        Some(errors) => Some(Legend::of_errors(&errors)),
+        None => state.drawn_frame().and_then(|frame| Legend::of(frame)),
+    };
+    let Some(legend) = legend else {
         return;
     };
     let text =

@@ -7,7 +7,7 @@ use crate::app::widgets::rows::heading_of_list;
 use crate::levels::LevelsSize;
 use crate::levels::octree::Octree;
 use crate::playback::Player;
-use crate::scene::{LevelStructure, SceneStats};
+use crate::scene::{LevelStructure, SceneStats, ScreenStats};
 use crate::sequence::PreparedFrame;
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 use std::time::Duration;
@@ -224,6 +224,9 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             "Writing the records that are uploaded, on a worker",
         );
     });
+    if let Some(screen) = state.screen_stats() {
+        section(ui, "Normals of the screen", |ui| screen_rows(ui, &screen));
+    }
     if let Some(octree) = frame.levels.octree() {
         octree_ui(ui, octree, timings.octree_ms, &state.scene_stats());
     } else if let Some((kind, levels)) = frame.levels.of_surfels() {
@@ -232,6 +235,28 @@ fn shown_frame(ui: &mut Ui, state: &State, frame: &PreparedFrame) {
             traversal_rows(ui, timings.octree_ms, &state.scene_stats());
         });
     }
+}
+
+/// What the last picture shows, and what its normals took.
+fn screen_rows(ui: &mut Ui, screen: &ScreenStats) {
+    row(
+        ui,
+        "Visible points",
+        grouped(screen.visible as u64),
+        "Points that no other one hides in the picture",
+    );
+    row(
+        ui,
+        "Culling",
+        milliseconds(screen.cull_ms),
+        "Telling visible points from hidden ones, for each view",
+    );
+    row(
+        ui,
+        "Planes",
+        milliseconds(screen.normals_ms),
+        "Normals and radii of the visible points, for each view",
+    );
 }
 
 /// The tree, and what was last drawn of it.

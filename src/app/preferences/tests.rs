@@ -6,10 +6,10 @@ use crate::levels::octree::StopCriterion;
 use crate::levels::{Lod, LodMetric};
 use crate::scene::{
     Antialiasing, BackFaces, Backdrop, Background, CodeStyle, DrawingStyle, Environment, EyeDome, Footprint, Kernel,
-    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, OfSequence, OffsetBits, OnOff,
-    PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape, PointSizing,
-    PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelStyle, VoxelLight,
-    VoxelStyle,
+    LevelStructure, LevelStyle, LightRig, LightStyle, Lighting, NormalBits, NormalSource, OfSequence, OffsetBits,
+    OnOff, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight, PointShape,
+    PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting, Strategy, SurfelColors,
+    SurfelStyle, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorHints, ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -26,6 +26,8 @@ fn unusual() -> Preferences {
                 filter: SplatFilter::Ewa,
                 geometry: SplatGeometry::Triangle,
                 kernel: Kernel::Hat,
+                normals: NormalSource::Screen,
+                shown: SurfelColors::NormalErrors,
                 splat_scale: 1.25,
                 enlargement: 3.5,
                 back_faces: BackFaces::Drawn,
@@ -125,6 +127,8 @@ fn of_version_6() -> Preferences {
             style.surfels.filter = SplatFilter::Off;
             style.surfels.geometry = SplatGeometry::Quad;
             style.surfels.kernel = Kernel::Gaussian;
+            style.surfels.normals = NormalSource::Neighbours;
+            style.surfels.shown = SurfelColors::Points;
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = LightRig::Auto;
             style.light.metallic = 0.0;

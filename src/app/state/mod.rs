@@ -73,7 +73,7 @@ use crate::app::work::works::Works;
 use crate::cloud::LengthUnit;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
-use crate::scene::{Camera, SceneStats, Style};
+use crate::scene::{Camera, SceneStats, ScreenStats, Style};
 use crate::timeline::Clock;
 use glam::DVec3;
 use std::sync::Arc;
@@ -229,6 +229,11 @@ impl State {
     /// Counters of the traversal.
     pub fn scene_stats(&self) -> SceneStats {
         self.main.drawing.stats()
+    }
+
+    /// What was done for normals of the screen, if the last picture has such.
+    pub fn screen_stats(&self) -> Option<ScreenStats> {
+        self.main.drawing.screen_stats()
     }
 
     /// The unit of lengths in the open sequence, where its files say it.

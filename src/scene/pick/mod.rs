@@ -136,6 +136,11 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             } else {
                 ray.choose(&Disks::new(surfels, &packet.style), radius_px)?
             };
+            if packet.style.has_screen_normals() {
+                // Of the visible points alone, so that places tell which they are.
+                let place = Vec3::from_array(surfels.points.get(chosen.record)?.position);
+                return nearest_drawn(packet, frame, place.as_dvec3(), |_| true);
+            }
             let kind = packet.style.levels_kind();
             if kind.and_then(|kind| frame.levels.get(kind)).is_none() {
                 return slot_of(packet, frame, &surfels.points, chosen.record);

@@ -35,7 +35,7 @@ pub use of_sequence::OfSequence;
 pub use parse_error::ParseChoiceError;
 pub use photos::{PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle};
 pub use points::{PointLight, PointShape, PointSizing, PointStyle};
-pub use surfels::{BackFaces, Kernel, SplatFilter, SplatGeometry, Splatting, SurfelStyle};
+pub use surfels::{BackFaces, Kernel, NormalSource, SplatFilter, SplatGeometry, Splatting, SurfelColors, SurfelStyle};
 pub use voxels::{VoxelLight, VoxelStyle};
 
 use self::describe::{Described, Label, Place, Section, Setting as _, Shorthand, Value, Values, When, Word};
@@ -161,6 +161,7 @@ impl Style {
             When::BlendedSurfels => self.blends_surfels(),
             When::MaskedSurfels => self.draws_surfels() && self.surfels.splatting.has_masks() && !self.filters_splats(),
             When::EnlargedSurfels => self.draws_surfels() && self.surfels.splatting.enlarges(),
+            When::WholeSurfels => self.draws_whole_surfels(),
             When::GpuDisks => {
                 self.is(When::Gpu)
                     && self.draws_surfels()
@@ -223,6 +224,33 @@ impl Style {
     /// Whether surfels are drawn, and blended at the surface that a pass of their depths finds.
     pub fn blends_surfels(&self) -> bool {
         self.draws_surfels() && self.surfels.splatting.sums_masks()
+    }
+
+    /// Whether surfels are drawn, round and one for each point: then normals and radii can be those of the screen.
+    /// Ellipses and levels of detail are made of those of neighbours, and photographs see what is hidden.
+    fn draws_whole_surfels(&self) -> bool {
+        matches!(self.primitive, Primitive::Auto | Primitive::Surfel | Primitive::Sprite)
+            && self.levels_kind().is_none()
+            && !self.draws_photographs()
+    }
+
+    /// Whether surfels are drawn of what the picture shows, with normals and radii of the screen.
+    pub fn has_screen_normals(&self) -> bool {
+        let is_chosen = self.surfels.normals == NormalSource::Screen || self.shows_normal_errors();
+        is_chosen && self.draws_whole_surfels()
+    }
+
+    /// Whether surfels have the colours of errors of such normals.
+    pub fn shows_normal_errors(&self) -> bool {
+        self.surfels.shown == SurfelColors::NormalErrors && self.draws_whole_surfels()
+    }
+
+    /// This style without light, which would change colours that mean something.
+    #[must_use]
+    pub(in crate::scene) fn of_normal_errors(mut self) -> Self {
+        self.light.lighting = Lighting::Unlit;
+        self.light.eye_dome = EyeDome::Off;
+        self
     }
 
     /// How splats are filtered to the pixels that they are seen in.

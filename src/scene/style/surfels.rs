@@ -122,6 +122,25 @@ choices! {
     }
 }
 
+choices! {
+    /// What normals and radii of surfels are told by.
+    NormalSource, "source of normals" {
+        Neighbours = "neighbours", "Neighbours", "The file, else the nearest points of each: once for a frame";
+        /// Paper 003 §3.5.
+        Screen = "screen", "Screen", "What is seen around each point: anew for each view, and of visible points alone";
+    }
+}
+
+choices! {
+    /// What the colours of surfels show.
+    SurfelColors, "choice of what is shown" {
+        Points = "colors", "Colours", "The colours of the points";
+        /// Paper 003, Figs. 5 and 6.
+        NormalErrors = "normal-error", "Normal errors",
+            "How far normals of the screen are from those of the file, or of neighbours: blue 0°, green, red from 22.5°";
+    }
+}
+
 /// How it is read from files: as its word, or as it was written when there were two choices. To leave them out was the
 /// default then, so that says nothing.
 #[derive(serde::Deserialize)]
@@ -189,6 +208,31 @@ group! {
             when: When::MaskedSurfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(Kernel::WORDS),
+        }
+        /// What their normals and radii are told by.
+        normals: NormalSource = NormalSource::Neighbours, "surfel_normals" NORMALS {
+            flag: "normals",
+            value_name: "FROM",
+            help: "What normals and radii of surfels are told by",
+            title: "Normals from",
+            hint: "What normals and radii of surfels are told by. Those of the screen need no estimation before a \
+                   frame is seen; hidden points have none",
+            section: Section::Surfels,
+            when: When::WholeSurfels,
+            label: Label::Unusual(Place::What, "{} normals"),
+            values: Values::Words(NormalSource::WORDS),
+        }
+        /// What their colours show.
+        shown: SurfelColors = SurfelColors::Points, "surfel_colors" SHOWN {
+            flag: "show",
+            value_name: "WHAT",
+            help: "What the colours of surfels show",
+            title: "Show",
+            hint: "What the colours of surfels show: those of the points, or errors of normals of the screen",
+            section: Section::Surfels,
+            when: When::WholeSurfels,
+            label: Label::Unusual(Place::What, "{}"),
+            values: Values::Words(SurfelColors::WORDS),
         }
         /// Factor on every splat radius.
         splat_scale: f32 = 1.0, "splat_scale" SPLAT_SCALE {

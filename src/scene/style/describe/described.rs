@@ -163,6 +163,8 @@ pub enum When {
     MaskedSurfels,
     /// Surfels are drawn, enlarged.
     EnlargedSurfels,
+    /// Surfels are drawn, round and one for each point, without photographs.
+    WholeSurfels,
     /// The GPU draws surfels on their planes, and what is beside their disks is not seen.
     GpuDisks,
     /// What is drawn has the radii of surfels: these, or adaptive points.

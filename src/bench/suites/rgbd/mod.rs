@@ -1,9 +1,13 @@
-//! Depth images: decoding and each filter, on one thread and on all.
+//! Depth images: decoding and each filter, on one thread and on all; then what becomes of their points in a picture
+//! (`screen.rs`).
 //!
 //! How it works: the frames of a recording are decoded as they are played, without filters. Each filter is then applied
 //! to the image that those before it made, as often as asked for; the two numbers of threads take turns, so that what
 //! slows the machine down slows both. Sequences that are no depth images are measured by an image that is made here: a
-//! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor.
+//! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor (`made.rs`).
+
+mod made;
+mod screen;
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -13,12 +17,14 @@ use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::RawCloud;
 use crate::rgbd::{DepthImage, Filters, TemporalFilter};
+use made::made;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// In the order in which [`Stage::row`] fills them.
+/// In the order in which [`Stage::row`] and `screen.rs` fill them.
 const COLUMNS: &[Column] = &[
+    Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
     Column::text("image", "image"),
     Column::text("stage", "stage"),
@@ -31,21 +37,36 @@ const COLUMNS: &[Column] = &[
     Column::number("all_threads_ms_q3", "75 %", 3).hidden(),
     Column::number("mpixels_per_s", "M pixels/s, 1 thread", 1),
     Column::number("threads", "threads", 0).hidden(),
+    Column::number("points", "points", 0),
+    Column::number("visible", "visible", 0),
+    Column::number("cull_ms_median", "cull ms", 2),
+    Column::number("normals_ms_median", "normals ms", 2),
+    Column::number("draw_ms_median", "draw ms", 2),
+    Column::number("total_ms", "all ms", 2),
+    Column::number("bisected_ms_median", "normals by bisection ms", 2),
+    Column::number("paper_ms", "paper, all ms", 2),
 ];
+
+/// The name of the table of filters.
+const FILTER_TABLE: &str = "Depth images";
+
+/// Columns after the number of threads, which filters leave empty.
+const SCREEN_COLUMNS: usize = 8;
 
 /// Decoding and filters of depth images.
 pub const RGBD: &Suite = &Suite {
     name: "rgbd",
     brief: "depth images",
     title: "Depth images",
-    hint: "Times of decoding depth images and of each of their filters",
-    description: "decoding recordings of depth images, and their filters one by one",
+    hint: "Times of decoding depth images, of each of their filters, and of pictures with normals of the screen",
+    description: "decoding recordings of depth images, their filters, and pictures with normals of the screen",
     measured: "files in the cache of the system to a cloud (decode); each filter of the image that those before it \
-        made, from memory to memory; medians of all frames",
-    not_measured: "disks, normals, drawing",
+        made, from memory to memory; visible points, their normals and radii, and the picture of them on all threads; \
+        medians",
+    not_measured: "disks, Morton order, showing; the paper's times are those of its graphics card",
     covered_by: "points",
     defaults: Defaults {
-        viewport_px: [1280, 720],
+        viewport_px: [1920, 1080],
         viewpoints: 1,
         frames: 3,
     },
@@ -58,11 +79,11 @@ pub const RGBD: &Suite = &Suite {
     bar_labels: 3,
 };
 
-/// Size of the image that is made: that of most depth cameras.
-const MADE_PX: [u32; 2] = [640, 480];
-
 /// Decoding, each filter, and the usual filters together.
 const STEPS_PER_FRAME: usize = 2 + Filters::NAMES.len();
+
+/// The first frame of a sequence is drawn, too.
+const STEPS_PER_SEQUENCE: usize = 1;
 
 /// What was measured of one stage.
 struct Stage {
@@ -77,7 +98,9 @@ struct Stage {
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
-    for subject in run.subjects(STEPS_PER_FRAME)? {
+    let subjects = run.subjects(STEPS_PER_FRAME)?;
+    run.add_steps(subjects.len() * STEPS_PER_SEQUENCE + screen::CLOUDS);
+    for subject in subjects {
         let mut stages: Vec<Stage> = Vec::new();
         let (mut image_kind, mut pixels) = ("made", Vec::new());
         for &index in &subject.chosen {
@@ -94,9 +117,14 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
             pixels.push(image.metres().len() as f64);
             filter(run, image, &label, &one_thread, &mut stages)?;
         }
-        let rows: Vec<Row> = stages.iter().map(|stage| stage.row(subject.name, image_kind)).collect();
+        let mut rows: Vec<Row> = stages.iter().map(|stage| stage.row(subject.name, image_kind)).collect();
+        if let Some(&index) = subject.chosen.first() {
+            rows.extend(screen::measure_frame(run, &subject, index)?);
+        }
         run.finish(&subject, &pixels, &[], rows);
     }
+    let rows = screen::measure_made(run)?;
+    run.add_rows(rows);
     Ok(())
 }
 
@@ -201,32 +229,6 @@ fn time(
     Ok(())
 }
 
-/// A ball of half a metre before a wall, seen from two metres.
-fn made() -> Option<DepthImage> {
-    let [width, height] = MADE_PX;
-    let pixel = |at: u32| {
-        let [u, v] = [at % width, at / width].map(f64::from);
-        let [x, y] = [(u - 319.5) / 525.0, (v - 239.5) / 525.0];
-        // |t·ray − (0, 0, 1.5)|² = 0.5².
-        let square = x * x + y * y + 1.0;
-        let under_root = 1.5_f64.powi(2) - square * (1.5_f64.powi(2) - 0.25);
-        let z = if under_root > 0.0 {
-            (1.5 - under_root.sqrt()) / square
-        } else {
-            2.0 + 0.3 * x
-        };
-        let random = |turn: u32| f64::from(at.wrapping_mul(2_654_435_761).rotate_left(turn) >> 8) / f64::from(1 << 24);
-        let noise = (0.0012 + 0.0019 * (z - 0.4).powi(2)) * (random(0) + random(7) + random(13) - 1.5) * 2.0;
-        match random(19) {
-            share if share < 0.08 => 0.0,
-            share if share < 0.085 => (z + 0.5) as f32,
-            _ => (((z + noise) * 1000.0).round() / 1000.0) as f32,
-        }
-    };
-    let metres = (0..width * height).map(pixel).collect();
-    DepthImage::new(MADE_PX, metres)
-}
-
 impl Stage {
     fn row(&self, sequence: &str, image: &str) -> Row {
         let one = Quantiles::of(&self.one_thread_ms);
@@ -234,7 +236,8 @@ impl Stage {
         // Frames add up in counts; a time is that of one.
         let frames = self.frames.max(1) as f64;
         let pixels = self.pixels as f64 / frames;
-        Row::new(vec![
+        let mut cells = vec![
+            Cell::Text(FILTER_TABLE.to_owned()),
             Cell::Text(sequence.to_owned()),
             Cell::Text(image.to_owned()),
             Cell::Text(self.name.to_owned()),
@@ -247,21 +250,8 @@ impl Stage {
             Cell::maybe(all.map(|times| times.q3)),
             Cell::maybe(one.map(|times| pixels / (1e3 * times.median))),
             Cell::Number(rayon::current_num_threads() as f64),
-        ])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_image_that_is_made_has_what_a_sensor_has() {
-        let image = made().unwrap();
-        let valid = image.valid_count() as f64 / image.metres().len() as f64;
-        assert!((0.90..0.94).contains(&valid), "{valid}");
-        let middle = image.metres()[640 * 240 + 322];
-        assert!(middle == 0.0 || (0.95..1.6).contains(&middle), "{middle}");
-        assert_eq!(Some(image), made());
+        ];
+        cells.extend((0..SCREEN_COLUMNS).map(|_| Cell::Missing));
+        Row::new(cells)
     }
 }

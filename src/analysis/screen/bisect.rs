@@ -1,0 +1,72 @@
+//! Neighbourhoods of sixteen points: the radius of each is bisected until it holds so many, as AutoSplats do (Preiner
+//! et al. 2012), beside which paper 003 measures a fixed radius (Fig. 4).
+
+use super::cells::MOST_REACH;
+use super::planes::{Neighbourhood, Planes};
+use super::view::Seen;
+use crate::analysis::four_matrices::FOUR;
+use crate::cloud::ShapeRecord;
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
+/// So many neighbours are looked for.
+const WANTED: f32 = 16.0;
+
+/// Most halvings of the interval; radii are within a thousandth then.
+const MOST_STEPS: usize = 10;
+
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 9;
+
+impl Planes<'_> {
+    /// Neighbourhoods of sixteen points.
+    pub(super) fn bisected(&self, seen: &[Seen]) -> Vec<ShapeRecord> {
+        let level = Level::new();
+        let tasks = seen.par_chunks(POINTS_PER_TASK);
+        let tasks: Vec<Vec<ShapeRecord>> = tasks
+            .map(|seen| {
+                let mut shapes = vec![bytemuck::Zeroable::zeroed(); seen.len()];
+                dispatch!(level, simd => self.bisect(simd, seen, &mut shapes));
+                shapes
+            })
+            .collect();
+        tasks.concat()
+    }
+
+    #[inline(always)]
+    fn bisect<S: Simd>(&self, simd: S, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+        for (seen, shapes) in seen.chunks(FOUR).zip(shapes.chunks_mut(FOUR)) {
+            let mut around = [Neighbourhood::NONE; FOUR];
+            for (around, seen) in around.iter_mut().zip(seen) {
+                *around = self.sixteen_around(simd, seen);
+            }
+            self.solve(simd, seen, &around, shapes);
+        }
+    }
+
+    #[inline(always)]
+    fn sixteen_around<S: Simd>(&self, simd: S, seen: &Seen) -> Neighbourhood {
+        let most = self.cells.most_radius_px() * seen.depth / self.view.px_per_unit();
+        // From one window of pixels to the next larger one, until there are enough.
+        let mut high = MOST_REACH * seen.depth / self.view.px_per_unit();
+        let mut around = self.around(simd, seen, high, false);
+        while around.points < WANTED && high < most {
+            high *= 2.0;
+            around = self.around(simd, seen, high, false);
+        }
+        let mut low = 0.0;
+        for _ in 0..MOST_STEPS {
+            if around.points == WANTED {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            let tried = self.around(simd, seen, middle, false);
+            if tried.points < WANTED {
+                low = middle;
+            } else {
+                (high, around) = (middle, tried);
+            }
+        }
+        around
+    }
+}

@@ -1,0 +1,224 @@
+//! Points that others hide.
+//!
+//! **How it works.** Every point leaves its depth at the pixel of its middle, if it is the nearest there. A point is a
+//! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers
+//! what the others do, and it is enough to ask the pixels around a point whether what is there reaches it. Those that
+//! could are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points.
+//! What is drawn with its whole square instead writes up to 49 pixels a point.
+//!
+//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a graphics card has one
+//! a pixel: however dense a cloud is, no more is visible than the picture has pixels.
+//!
+//! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are looked
+//! for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees and
+//! more it still is.
+
+use super::compact::compact;
+use super::view::{RADIUS_SPACINGS, ScreenView, Seen, Visible};
+use crate::cloud::PointRecord;
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
+use rayon::prelude::*;
+use std::f32::consts::FRAC_1_SQRT_2;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// How far the square of a point reaches from its pixel at most: it is seven pixels wide.
+const MOST_REACH_PX: usize = 3;
+
+/// Floats of a row that are looked at together.
+const LANES: usize = 8;
+
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 13;
+
+/// So many points tell how far beside the picture splats may reach into it.
+const MARGIN_SAMPLES: usize = 1 << 10;
+
+/// No splat is thought to reach farther.
+const MOST_MARGIN_PX: f32 = 256.0;
+
+/// Depths of the nearest points.
+#[derive(Debug, Default)]
+pub(super) struct DepthPicture {
+    /// The view that is drawn, of a picture with a margin.
+    view: Option<ScreenView>,
+    /// Where points are nearest, as they are found.
+    nearest: Vec<AtomicU32>,
+    /// The same with a border, infinite where nothing is.
+    depths: Vec<f32>,
+    stride: usize,
+    radius: f32,
+    /// Points at larger depths are smaller than a pixel.
+    small_beyond: f32,
+    /// How far squares of points reach.
+    reach_px: usize,
+    /// Of the pixels in eight lanes, by the row: what is nearer than this covers the pixel in the middle.
+    covers_below: [[f32; LANES]; MOST_REACH_PX + 1],
+}
+
+impl DepthPicture {
+    /// The view whose pixels [`Seen::place_px`] are of.
+    pub(super) fn view(&self) -> Option<&ScreenView> {
+        self.view.as_ref()
+    }
+
+    /// Size of the picture with its margin.
+    pub(super) fn size_px(&self) -> [usize; 2] {
+        let size = self.view.as_ref().map_or([0; 2], |view| view.size_px);
+        size.map(|edge| edge as usize)
+    }
+
+    /// Draws the middles of points that are `spacing` apart.
+    pub(super) fn draw(&mut self, view: &ScreenView, points: &[PointRecord], spacing: f32) {
+        let spacing = spacing.max(0.0);
+        self.radius = RADIUS_SPACINGS * spacing;
+        let view = view.with_margin(margin_px(view, points, self.radius));
+        self.view = Some(view);
+        let [width, height] = self.size_px();
+        self.nearest.resize_with(width * height, AtomicU32::default);
+        self.nearest
+            .par_iter_mut()
+            .with_min_len(1 << 16)
+            .for_each(|pixel| *pixel.get_mut() = f32::INFINITY.to_bits());
+        let nearest = &self.nearest;
+        points.par_chunks(POINTS_PER_TASK).for_each(|points| {
+            for point in points {
+                let Some((seen, [column, row])) = in_picture(&view, point) else {
+                    continue;
+                };
+                // Positive f32 are ordered as their bits are.
+                let depth = seen.depth.to_bits();
+                let pixel = &nearest[row * width + column];
+                if depth < pixel.load(Ordering::Relaxed) {
+                    pixel.fetch_min(depth, Ordering::Relaxed);
+                }
+            }
+        });
+        self.stride = width + MOST_REACH_PX + LANES;
+        self.depths.clear();
+        self.depths
+            .resize(self.stride * (height + 2 * MOST_REACH_PX), f32::INFINITY);
+        let rows = self.depths.par_chunks_mut(self.stride).skip(MOST_REACH_PX);
+        rows.zip(nearest.par_chunks(width.max(1))).for_each(|(row, nearest)| {
+            for (depth, nearest) in row[MOST_REACH_PX..].iter_mut().zip(nearest) {
+                *depth = f32::from_bits(nearest.load(Ordering::Relaxed));
+            }
+        });
+        self.measure_reach(spacing * FRAC_1_SQRT_2);
+    }
+
+    /// Which depths cover how much: a point is as wide as the diagonal of a square of the spacing, so that points on a
+    /// grid leave no gap.
+    fn measure_reach(&mut self, half_width: f32) {
+        let Some(view) = self.view else { return };
+        // A square reaches so many pixels if half its width is so many and a half.
+        let below = |axis: usize, steps: usize| match steps {
+            0 => f32::INFINITY,
+            steps => half_width * view.px_per_slope[axis].abs() / (steps as f32 - 0.5),
+        };
+        for (row, lanes) in self.covers_below.iter_mut().enumerate() {
+            for (lane, covers_below) in lanes.iter_mut().enumerate() {
+                let column = lane.abs_diff(MOST_REACH_PX);
+                *covers_below = if column > MOST_REACH_PX {
+                    0.0
+                } else {
+                    below(0, column).min(below(1, row))
+                };
+            }
+        }
+        self.small_beyond = below(0, 1).min(below(1, 1));
+        let nearest = self.depths.par_iter().with_min_len(1 << 16).copied();
+        let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
+        let reaches = |&steps: &usize| nearest < below(0, steps).max(below(1, steps));
+        self.reach_px = (1..=MOST_REACH_PX).rev().find(reaches).unwrap_or(0);
+    }
+
+    /// The points that survive, in their order.
+    pub(super) fn visible(&self, points: &[PointRecord]) -> Visible {
+        let Some(view) = &self.view else {
+            return Visible::default();
+        };
+        let level = Level::new();
+        let tasks: Vec<(Vec<u32>, Vec<Seen>)> = points
+            .par_chunks(POINTS_PER_TASK)
+            .enumerate()
+            .map(|(task, points)| {
+                let first = (task * POINTS_PER_TASK) as u32;
+                let mut visible = (Vec::new(), Vec::new());
+                dispatch!(level, simd => self.keep_visible(simd, view, first, points, &mut visible));
+                visible
+            })
+            .collect();
+        let (slots, seen): (Vec<_>, Vec<_>) = tasks.into_iter().unzip();
+        Visible {
+            slots: compact(&slots),
+            seen: compact(&seen),
+        }
+    }
+
+    #[inline(always)]
+    fn keep_visible<S: Simd>(
+        &self,
+        simd: S,
+        view: &ScreenView,
+        first: u32,
+        points: &[PointRecord],
+        (slots, visible): &mut (Vec<u32>, Vec<Seen>),
+    ) {
+        for (slot, point) in (first..).zip(points) {
+            if let Some((seen, place)) = in_picture(view, point)
+                && !self.is_hidden(simd, place, seen.depth)
+            {
+                slots.push(slot);
+                visible.push(seen);
+            }
+        }
+    }
+
+    /// Whether a point at a pixel is hidden.
+    #[inline(always)]
+    fn is_hidden<S: Simd>(&self, simd: S, [column, row]: [usize; 2], depth: f32) -> bool {
+        let limit = depth - self.radius;
+        let own_limit = if depth > self.small_beyond { depth } else { limit };
+        // Of the first row and column that are looked at; the border is as wide as squares reach.
+        let corner = row * self.stride + column;
+        if self.depths[corner + MOST_REACH_PX * self.stride + MOST_REACH_PX] < own_limit {
+            return true;
+        }
+        if self.reach_px == 0 {
+            return false;
+        }
+        let limits = f32x8::splat(simd, limit);
+        let mut hides = None;
+        for row in MOST_REACH_PX - self.reach_px..=MOST_REACH_PX + self.reach_px {
+            let start = corner + row * self.stride;
+            let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
+            let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(MOST_REACH_PX)]);
+            let hidden = depths.simd_lt(covers_below.min(limits));
+            hides = Some(hides.map_or(hidden, |others| others | hidden));
+        }
+        hides.is_some_and(|hides| simd.any_true_mask32x8(hides))
+    }
+}
+
+/// A point with the pixel of its middle, if that is in the picture.
+#[inline(always)]
+fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(Seen, [usize; 2])> {
+    let seen = view.see(point.position)?;
+    let [x, y] = seen.place_px;
+    let [width, height] = view.size_px;
+    let is_inside = x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32;
+    is_inside.then_some((seen, [x as usize, y as usize]))
+}
+
+/// How far beside the picture splats may reach into it: as far as the radius of neighbourhoods is seen, of the nearest
+/// of some points.
+fn margin_px(view: &ScreenView, points: &[PointRecord], radius: f32) -> u32 {
+    let step = points.len().div_ceil(MARGIN_SAMPLES).max(1);
+    let samples = points.iter().step_by(step);
+    let nearest = samples
+        .filter_map(|point| in_picture(view, point))
+        .map(|(seen, _)| seen.depth)
+        .fold(f32::INFINITY, f32::min);
+    let margin = radius * view.px_per_unit() / nearest;
+    margin.clamp(MOST_REACH_PX as f32, MOST_MARGIN_PX).ceil() as u32
+}

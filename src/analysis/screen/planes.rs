@@ -1,0 +1,243 @@
+//! Planes through the neighbours of points in a picture.
+//!
+//! **How it works.** With the offsets d = (q − p)/R of the n neighbours q within the radius R of a point p, one a cell
+//! of its window, and their mean m, the covariance is C = Σddᵀ/n − mmᵀ, and the normal its eigenvector of the smallest
+//! eigenvalue (paper 003 §3.5). Offsets are at most 1 and from the point itself, so sums of eight cells side by side in
+//! f32 lose nothing. Four points are solved together.
+//!
+//! Where n is below six, or the neighbours stand in a row, as those of far rows of a depth image do, all is summed up
+//! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
+//! far apart.
+//!
+//! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one.
+
+use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
+use super::view::{RADIUS_SPACINGS, ScreenView, Seen};
+use crate::analysis::four_matrices::{FOUR, FourMatrices};
+use crate::cloud::{ShapeRecord, oct_encode};
+use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// A neighbourhood with fewer is looked at once more, twice as far.
+const FEWEST: f32 = 6.0;
+
+/// Three points are a plane.
+const FEWEST_OF_PLANE: f32 = 3.0;
+
+/// So often at most.
+const MOST_DOUBLINGS: usize = 3;
+
+/// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
+/// its noise.
+const LEAST_SPREAD: f64 = 2e-3;
+
+/// Points that are worth handing to another thread.
+const POINTS_PER_TASK: usize = 1 << 9;
+
+/// What planes are made from.
+#[derive(Debug)]
+pub(super) struct Planes<'a> {
+    pub(super) view: &'a ScreenView,
+    pub(super) cells: &'a Cells,
+    /// Of neighbourhoods, scene units.
+    pub(super) radius: f32,
+    pub(super) spacing: f32,
+    /// From the eye.
+    pub(super) sensor: Option<Vec3>,
+}
+
+/// The neighbours of a point within a radius.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Neighbourhood {
+    pub(super) radius: f32,
+    /// How many cells have one.
+    pub(super) found: f32,
+    /// How many points there are.
+    pub(super) points: f32,
+    /// Sums of offsets in radii.
+    sums: [f32; 3],
+    /// Sums of their products: xx, yy, zz, xy, yz, zx.
+    products: [f32; 6],
+}
+
+impl Planes<'_> {
+    /// Neighbourhoods of a fixed radius.
+    pub(super) fn fixed(&self, seen: &[Seen]) -> Vec<ShapeRecord> {
+        let mut shapes = vec![NO_SHAPE; seen.len()];
+        let level = Level::new();
+        let tasks = shapes.par_chunks_mut(POINTS_PER_TASK);
+        tasks.zip(seen.par_chunks(POINTS_PER_TASK)).for_each(|(shapes, seen)| {
+            dispatch!(level, simd => self.fit(simd, seen, shapes));
+        });
+        shapes
+    }
+
+    #[inline(always)]
+    fn fit<S: Simd>(&self, simd: S, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+        for (seen, shapes) in seen.chunks(FOUR).zip(shapes.chunks_mut(FOUR)) {
+            let mut around = [Neighbourhood::NONE; FOUR];
+            for (around, seen) in around.iter_mut().zip(seen) {
+                let mut radius = self.radius_at(seen.depth);
+                *around = self.around(simd, seen, radius, false);
+                for _ in 0..MOST_DOUBLINGS {
+                    if around.found >= FEWEST && around.is_plane() {
+                        break;
+                    }
+                    radius *= 2.0;
+                    *around = self.around(simd, seen, radius, true);
+                }
+            }
+            self.solve(simd, seen, &around, shapes);
+        }
+    }
+
+    /// The radius in which neighbours of a point are looked for, scene units.
+    pub(super) fn radius_at(&self, depth: f32) -> f32 {
+        self.radius.max(LEAST_RADIUS_PX * depth / self.view.px_per_unit())
+    }
+
+    /// The neighbours of a point within a radius, or within the largest one that there are cells for.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(&self, simd: S, seen: &Seen, radius: f32, is_wide: bool) -> Neighbourhood {
+        let px_per_unit = self.view.px_per_unit() / seen.depth;
+        let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
+        let radius = radius.min(radius_px / px_per_unit);
+        let window = self.cells.window(seen.place_px, radius_px, is_wide);
+        sum(simd, &window, seen.offset, radius)
+    }
+
+    /// The shapes of at most four points.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(
+        &self,
+        simd: S,
+        seen: &[Seen],
+        around: &[Neighbourhood; FOUR],
+        shapes: &mut [ShapeRecord],
+    ) {
+        let covariances = around.map(|around| around.covariance());
+        let row = |entry: usize| f64x4::from_slice(simd, &[0, 1, 2, 3].map(|lane| covariances[lane][entry]));
+        let matrices = FourMatrices {
+            diagonal: [row(0), row(1), row(2)],
+            beside: [row(3), row(4), row(5)],
+        };
+        let normals = matrices.smallest_eigenvectors(simd);
+        for (lane, (seen, shape)) in seen.iter().zip(shapes).enumerate() {
+            let around = &around[lane];
+            *shape = self.shape(seen, around, around.is_plane().then_some(normals[lane]));
+        }
+    }
+
+    fn shape(&self, seen: &Seen, around: &Neighbourhood, normal: Option<DVec3>) -> ShapeRecord {
+        let to_eye = -seen.offset;
+        let Some(normal) = normal.map(DVec3::as_vec3).filter(|normal| normal.is_finite()) else {
+            return ShapeRecord {
+                normal: oct_encode(to_eye.normalize_or(Vec3::Z)),
+                radius: self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
+                ..NO_SHAPE
+            };
+        };
+        let outwards = self.sensor.map_or(to_eye, |sensor| sensor - seen.offset);
+        let faces_away = normal.dot(outwards) < 0.0;
+        ShapeRecord {
+            normal: oct_encode(if faces_away { -normal } else { normal }),
+            radius: around.radius * (PI / around.points.max(PI)).sqrt(),
+            ..NO_SHAPE
+        }
+    }
+}
+
+const NO_SHAPE: ShapeRecord = ShapeRecord {
+    normal: [0; 2],
+    radius: 0.0,
+    ellipse: 0,
+    scalar: 0.0,
+};
+
+impl Neighbourhood {
+    pub(super) const NONE: Self = Self {
+        radius: 0.0,
+        found: 0.0,
+        points: 0.0,
+        sums: [0.0; 3],
+        products: [0.0; 6],
+    };
+
+    /// Whether the neighbours spread in two directions.
+    fn is_plane(&self) -> bool {
+        let [xx, yy, zz, xy, yz, zx] = self.covariance();
+        let trace = xx + yy + zz;
+        // The sum of the products of two eigenvalues each: of the two larger ones, but for noise.
+        let products = (xx * yy - xy * xy) + (xx * zz - zx * zx) + (yy * zz - yz * yz);
+        self.found >= FEWEST_OF_PLANE && products > LEAST_SPREAD * trace * trace
+    }
+
+    /// xx, yy, zz, xy, yz, zx.
+    fn covariance(&self) -> [f64; 6] {
+        let per_count = 1.0 / f64::from(self.found.max(1.0));
+        let mean = self.sums.map(|sum| f64::from(sum) * per_count);
+        let pairs = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
+        let mut entries = [0.0; 6];
+        for ((entry, product), [a, b]) in entries.iter_mut().zip(self.products).zip(pairs) {
+            *entry = f64::from(product) * per_count - mean[a] * mean[b];
+        }
+        entries
+    }
+}
+
+/// Adds up what is within a radius of a place.
+#[inline(always)]
+fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neighbourhood {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let per_radius = splat(1.0 / radius.max(f32::MIN_POSITIVE));
+    let center = [splat(center.x), splat(center.y), splat(center.z)];
+    let (mut found, mut points) = (zero, zero);
+    let (mut sums, mut products) = ([zero; 3], [zero; 6]);
+    let CellLevel { places, counts, .. } = window.level;
+    for eight in 0..window.rows * window.eights {
+        let (row, column) = (eight / window.eights, eight % window.eights);
+        let start = window.first + row * window.stride + column * WINDOW;
+        let end = start + WINDOW;
+        let mut d = [zero; 3];
+        for axis in 0..3 {
+            d[axis] = (f32x8::from_slice(simd, &places[axis][start..end]) - center[axis]) * per_radius;
+        }
+        let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        let is_within = squared.simd_le(one);
+        for axis in 0..3 {
+            d[axis] = simd.select_f32x8(is_within, d[axis], zero);
+        }
+        found += simd.select_f32x8(is_within, one, zero);
+        let counted = f32x8::from_slice(simd, &counts[start..end]);
+        points += simd.select_f32x8(is_within, counted, zero);
+        for axis in 0..3 {
+            sums[axis] += d[axis];
+            products[axis] += d[axis] * d[axis];
+            products[3 + axis] += d[axis] * d[(axis + 1) % 3];
+        }
+    }
+    Neighbourhood {
+        radius,
+        found: total(found),
+        points: total(points),
+        sums: [total(sums[0]), total(sums[1]), total(sums[2])],
+        products: [
+            total(products[0]),
+            total(products[1]),
+            total(products[2]),
+            total(products[3]),
+            total(products[4]),
+            total(products[5]),
+        ],
+    }
+}
+
+/// The sum of eight lanes, in an order that all machines have.
+#[inline(always)]
+fn total<S: Simd>(lanes: f32x8<S>) -> f32 {
+    let [a, b, c, d, e, f, g, h]: [f32; WINDOW] = lanes.into();
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}

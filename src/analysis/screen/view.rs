@@ -1,0 +1,109 @@
+//! From the space of a cloud to the pixels of a picture.
+
+use glam::{Mat3, Vec3};
+use rayon::prelude::*;
+
+/// The radius in which neighbours are looked for, in spacings of the points: about 28 are within it.
+pub const RADIUS_SPACINGS: f32 = 3.0;
+
+/// A view of a cloud, and the pixels of its picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScreenView {
+    /// From the axes of the cloud to those of the view: right, up, backward.
+    pub rotation: Mat3,
+    /// The eye in the space of the cloud, rounded to f32.
+    pub eye_high: Vec3,
+    /// What the rounding left over.
+    pub eye_low: Vec3,
+    /// Nothing nearer along the view axis is seen.
+    pub near: f32,
+    /// Width and height of the picture.
+    pub size_px: [u32; 2],
+    /// Pixels from the view axis for a slope of 1, rightwards and downwards.
+    pub px_per_slope: [f32; 2],
+    /// Where the view axis meets the picture.
+    pub middle_px: [f32; 2],
+}
+
+/// A point in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Seen {
+    /// From the eye, in the axes of the cloud.
+    pub(super) offset: Vec3,
+    /// Distance along the view axis.
+    pub(super) depth: f32,
+    /// Pixels from the upper left corner.
+    pub(super) place_px: [f32; 2],
+}
+
+/// The points that a picture shows.
+#[derive(Debug, Clone, Default)]
+pub struct Visible {
+    /// Their places among all, ascending.
+    pub slots: Vec<u32>,
+    pub(super) seen: Vec<Seen>,
+}
+
+impl ScreenView {
+    /// A place relative to the eye. Subtracting the rounded eye first is exact near the eye.
+    #[inline(always)]
+    pub(super) fn offset(&self, position: [f32; 3]) -> Vec3 {
+        (Vec3::from_array(position) - self.eye_high) - self.eye_low
+    }
+
+    /// Where a point is seen, beside the picture as well; `None` before the near plane, and of what is no number.
+    #[inline(always)]
+    pub(super) fn see(&self, position: [f32; 3]) -> Option<Seen> {
+        let offset = self.offset(position);
+        let in_view = self.rotation * offset;
+        let depth = -in_view.z;
+        // Positive, so that depths are ordered as their bits are.
+        (depth >= self.near && depth > 0.0 && depth < f32::INFINITY).then(|| {
+            let per_depth = 1.0 / depth;
+            let place = |axis: usize| in_view[axis] * per_depth * self.px_per_slope[axis] + self.middle_px[axis];
+            Seen {
+                offset,
+                depth,
+                place_px: [place(0), place(1)],
+            }
+        })
+    }
+
+    /// How many pixels a length covers at a distance of 1, along the axis where these are most.
+    pub(super) fn px_per_unit(&self) -> f32 {
+        let [x, y] = self.px_per_slope.map(f32::abs);
+        x.max(y)
+    }
+
+    /// The same view of a picture that is larger by as many pixels at each side.
+    pub(super) fn with_margin(&self, margin_px: u32) -> Self {
+        Self {
+            size_px: self.size_px.map(|edge| edge + 2 * margin_px),
+            middle_px: self.middle_px.map(|middle| middle + margin_px as f32),
+            ..*self
+        }
+    }
+}
+
+impl Seen {
+    /// The least and the largest depth.
+    pub(super) fn depth_range(seen: &[Self]) -> [f32; 2] {
+        let none = || [f32::INFINITY, 0.0_f32];
+        seen.par_iter()
+            .with_min_len(1 << 14)
+            .fold(none, |[low, high], seen| [low.min(seen.depth), high.max(seen.depth)])
+            .reduce(none, |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+}
+
+impl Visible {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+}

@@ -1,0 +1,175 @@
+//! Visible points, their normals and their picture, beside Table 1 and Fig. 4 of paper 003.
+//!
+//! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
+//! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
+//! can. All stages are timed from memory to memory, in turns with the search of AutoSplats for the same visible points.
+
+use super::made::{SCENE_MIDDLE, made_cloud, pinhole};
+use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
+use crate::bench::report::{Cell, Row};
+use crate::bench::run::Run;
+use crate::bench::runner::milliseconds_since;
+use crate::bench::subject::Subject;
+use crate::bench::{BenchError, Quantiles};
+use crate::cloud::Frame;
+use crate::scene::{Camera, FirstLook, NormalSource, Primitive, Scene, Style, UpAxis, screen_view};
+use crate::sequence::{PrepareCounters, PreparedFrame, prepare};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Points of the clouds of the paper's Table 1, and its milliseconds for all stages (GTX 1060).
+const PAPER: [(usize, f64); 4] = [(36_000, 3.92), (307_000, 7.56), (3_600_000, 19.92), (5_000_000, 28.90)];
+
+/// Clouds beside those of the sequences.
+pub(super) const CLOUDS: usize = PAPER.len();
+
+const TABLE: &str = "Visible points, their normals and their picture";
+
+/// Columns between the name of a stage and the number of threads, which are of filters.
+const FILTER_COLUMNS: usize = 8;
+
+/// What was measured of one cloud.
+#[derive(Default)]
+struct Samples {
+    cull_ms: Vec<f64>,
+    normals_ms: Vec<f64>,
+    bisected_ms: Vec<f64>,
+    draw_ms: Vec<f64>,
+}
+
+/// A cloud, and where it is seen from.
+struct Seen<'a> {
+    name: &'a str,
+    image: &'a str,
+    frame: &'a PreparedFrame,
+    origin: DVec3,
+    camera: Camera,
+    paper_ms: Option<f64>,
+}
+
+/// Clouds of the paper's sizes.
+pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
+    let mut rows = Vec::new();
+    for (points, paper_ms) in PAPER {
+        run.begin_step(format!("{points} points merged"))?;
+        let Ok(frame) = Frame::from_raw(made_cloud(points), DVec3::ZERO) else {
+            continue;
+        };
+        let frame = prepared(frame);
+        // As the sensor that the first of the views is from.
+        let camera = Camera {
+            target_in_world: SCENE_MIDDLE,
+            ..Camera::of_pinhole(&pinhole()?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
+        };
+        rows.push(measure(
+            run,
+            &Seen {
+                name: "made",
+                image: "merged",
+                frame: &frame,
+                origin: DVec3::ZERO,
+                camera,
+                paper_ms: Some(paper_ms),
+            },
+        )?);
+    }
+    Ok(rows)
+}
+
+/// A frame of a sequence, from where its sensor stood if that is known.
+pub(super) fn measure_frame(run: &mut Run<'_>, subject: &Subject<'_>, index: usize) -> Result<Option<Row>, BenchError> {
+    run.begin_step(format!("{} frame {index}: visible points", subject.name))?;
+    let Some(frame) = subject.sequence.frame(index).ok().filter(|frame| !frame.is_empty()) else {
+        return Ok(None);
+    };
+    let origin = subject.sequence.origin();
+    let frame = prepared(frame);
+    let camera = match subject.sequence.source().sensor(index) {
+        Some(sensor) => {
+            let look = FirstLook::of(&[&frame.frame], origin);
+            look.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
+        }
+        None => subject.framing(&frame),
+    };
+    measure(
+        run,
+        &Seen {
+            name: subject.name,
+            image: "recorded",
+            frame: &frame,
+            origin,
+            camera,
+            paper_ms: None,
+        },
+    )
+    .map(Some)
+}
+
+fn prepared(frame: Frame) -> PreparedFrame {
+    let needs = Scene::needs(&style());
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+/// Surfels with normals of the screen.
+fn style() -> Style {
+    Style::default().with(|style| {
+        style.primitive = Primitive::Surfel;
+        style.surfels.normals = NormalSource::Screen;
+    })
+}
+
+fn measure(run: &mut Run<'_>, seen: &Seen<'_>) -> Result<Row, BenchError> {
+    let viewport_px = run.options.viewport_px;
+    let packet = Scene::default().packet(seen.frame, seen.origin, &seen.camera, &style(), viewport_px);
+    let view = screen_view(&packet.view, packet.viewport_px);
+    let cloud = ScreenCloud {
+        spacing: packet.style.of_sequence.point_spacing,
+        sensor: seen.frame.frame.sensor(),
+    };
+    let points = &seen.frame.points;
+    let mut estimator = ScreenEstimator::default();
+    let mut samples = Samples::default();
+    let mut visible_count = 0;
+    for round in 0..run.options.warmup + run.options.repeat {
+        run.check_cancelled()?;
+        let start = Instant::now();
+        let visible = estimator.cull(&view, points, &cloud);
+        let cull_ms = milliseconds_since(start);
+        let start = Instant::now();
+        estimator.surface(&visible, &cloud, Search::Fixed);
+        let normals_ms = milliseconds_since(start);
+        let start = Instant::now();
+        estimator.surface(&visible, &cloud, Search::Bisected);
+        let bisected_ms = milliseconds_since(start);
+        let draw_ms = run.runner.draw(&packet)?.wall_ms;
+        visible_count = visible.len();
+        if round >= run.options.warmup {
+            samples.cull_ms.push(cull_ms);
+            samples.normals_ms.push(normals_ms);
+            samples.bisected_ms.push(bisected_ms);
+            samples.draw_ms.push(draw_ms);
+        }
+    }
+    Ok(row(seen, visible_count, &samples))
+}
+
+/// In the order of the suite's columns: what is of filters alone is missing.
+fn row(seen: &Seen<'_>, visible: usize, samples: &Samples) -> Row {
+    let median = |times: &[f64]| Quantiles::of(times).map(|times| times.median);
+    let stages = [&samples.cull_ms, &samples.normals_ms, &samples.draw_ms].map(|times| median(times));
+    let total = stages.iter().copied().sum::<Option<f64>>();
+    let [cull, normals, draw] = stages;
+    let mut cells = vec![
+        Cell::Text(TABLE.to_owned()),
+        Cell::Text(seen.name.to_owned()),
+        Cell::Text(seen.image.to_owned()),
+        Cell::Text("visible points to picture".to_owned()),
+    ];
+    cells.extend((0..FILTER_COLUMNS).map(|_| Cell::Missing));
+    cells.push(Cell::Number(rayon::current_num_threads() as f64));
+    cells.push(Cell::Number(seen.frame.points.len() as f64));
+    cells.push(Cell::Number(visible as f64));
+    cells.extend([cull, normals, draw, total, median(&samples.bisected_ms), seen.paper_ms].map(Cell::maybe));
+    Row::new(cells)
+}
