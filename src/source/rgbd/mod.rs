@@ -15,6 +15,7 @@ mod layouts;
 mod merged;
 mod options;
 mod pairs;
+mod received;
 mod recording;
 mod sizes;
 mod stored_image;
@@ -25,6 +26,8 @@ mod trajectory;
 pub use error::RgbdError;
 pub use merged::MergedFrames;
 pub use options::RgbdOptions;
+pub(super) use decoder::{FramesBefore, GROUP_FRAMES};
+pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
 
 use super::{OpenOptions, SequenceError, Source};

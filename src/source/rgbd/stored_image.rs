@@ -1,10 +1,11 @@
-//! Where an image is: in a file of its own, or in a message of a recording.
+//! Where an image is: in a file of its own, in a message of a recording, or in memory as it was received.
 
 use super::error::RgbdError;
 use super::text;
-use crate::io::raster::{self, Raster};
+use crate::io::raster::{self, Raster, Samples};
 use crate::io::recording::camera::CameraMessage;
 use crate::io::{Message, ReadOptions, recording};
+use crate::wire::{PackedImage, RawColor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,6 +16,16 @@ pub(super) enum StoredImage {
     File(PathBuf),
     /// A message.
     Message(ImageMessage),
+    /// In memory.
+    Received(ReceivedImage),
+}
+
+/// An image that a live stream has sent.
+#[derive(Debug, Clone)]
+pub(super) struct ReceivedImage {
+    /// The address or the file that it is from.
+    pub(super) input: Arc<Path>,
+    pub(super) image: PackedImage,
 }
 
 /// An image in a message of a recording.
@@ -34,6 +45,7 @@ impl StoredImage {
         match self {
             Self::File(path) => path,
             Self::Message(image) => &image.path,
+            Self::Received(image) => &image.input,
         }
     }
 
@@ -55,7 +67,30 @@ impl StoredImage {
                     }
                 })
             }
+            Self::Received(ReceivedImage { input, image }) => {
+                image.raster(options.max_memory_bytes).map_err(|reason| RgbdError::Received {
+                    input: input.to_path_buf(),
+                    reason,
+                })
+            }
         }
+    }
+
+    /// Its colours as they are stored, and its size; `None` of what cannot be read.
+    pub(super) fn raw_color(&self, options: &ReadOptions) -> Option<(RawColor, [u32; 2])> {
+        /// What a JPEG begins with.
+        const JPEG: &[u8] = b"\xff\xd8\xff";
+        if let Self::File(path) = self {
+            let bytes = text::read_bytes(path, options.max_memory_bytes).ok()?;
+            if bytes.starts_with(JPEG) {
+                let size_px = raster::size_px(&bytes).ok()?;
+                return Some((RawColor::Jpeg(size_px, bytes), size_px));
+            }
+        }
+        let raster = self.raster(options).ok()?;
+        let size_px = raster.size_px;
+        let is_color = !matches!(raster.samples, Samples::GrayF32(_));
+        is_color.then_some((RawColor::Pixels(raster), size_px))
     }
 
     /// Width and height, as far as they can be read; what cannot is said when it is decoded.
@@ -63,6 +98,7 @@ impl StoredImage {
         match self {
             Self::File(path) => raster::size_px(&text::read_bytes(path, options.max_memory_bytes).ok()?).ok(),
             Self::Message(_) => Some(self.raster(options).ok()?.size_px),
+            Self::Received(image) => Some(image.image.size_px()),
         }
     }
 }

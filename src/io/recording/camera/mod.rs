@@ -6,7 +6,7 @@
 mod compressed;
 mod messages;
 mod pixels;
-mod rvl;
+pub(crate) mod rvl;
 mod topics;
 
 pub(crate) use messages::{CameraInfo, ImageHead, Link, camera_info, extrinsics, head, links, number};
