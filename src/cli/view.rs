@@ -42,6 +42,10 @@ pub(super) struct ViewArgs {
     #[arg(long)]
     follow: bool,
 
+    /// Write what arrives of a live stream (tcp://) to this file, which is an INPUT again
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+
     /// Do not play
     #[arg(long)]
     paused: bool,
@@ -87,6 +91,12 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         ..args.read.picture_options()
     };
     let sequence = open_sequence(&args.inputs, &open)?;
+    if let Some(path) = &args.record {
+        match sequence.source().live() {
+            Some(live) => live.start_recording(path).map_err(anyhow::Error::msg)?,
+            None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
+        }
+    }
     let compare = match args.compare.as_slice() {
         [] => None,
         inputs => {

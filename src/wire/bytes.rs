@@ -89,13 +89,19 @@ impl Written {
 
 /// Single floats of as many bytes as are a multiple of four.
 pub(super) fn f32s(bytes: &[u8]) -> Vec<f32> {
-    bytes.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
+    bytes
+        .as_chunks()
+        .0
+        .iter()
+        .map(|&bytes| f32::from_le_bytes(bytes))
+        .collect()
 }
 
 /// Triples of single floats of as many bytes as are a multiple of twelve.
 pub(super) fn f32_triples(bytes: &[u8]) -> Vec<[f32; 3]> {
     let triples = bytes.as_chunks::<12>().0.iter();
-    let number = |bytes: &[u8; 12], at: usize| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+    let number =
+        |bytes: &[u8; 12], at: usize| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
     triples
         .map(|triple| [number(triple, 0), number(triple, 4), number(triple, 8)])
         .collect()

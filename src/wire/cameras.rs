@@ -22,9 +22,8 @@ pub(super) fn checked_size(size_px: [u32; 2], what: &'static str) -> Result<[u32
     if edges.contains(&width) && edges.contains(&height) && pixels <= MOST_PIXELS {
         return Ok(size_px);
     }
-    let reason = format!(
-        "{width} × {height} pixels, and 1 to {MOST_EDGE_PX} along an edge and {MOST_PIXELS} together are read"
-    );
+    let reason =
+        format!("{width} × {height} pixels, and 1 to {MOST_EDGE_PX} along an edge and {MOST_PIXELS} together are read");
     Err(WireError::malformed(what, reason))
 }
 

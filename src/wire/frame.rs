@@ -63,7 +63,10 @@ impl FrameHead {
     pub fn parse(payload: &[u8]) -> Result<(Self, usize), WireError> {
         let (head, bytes) = Self::parse_begin(payload)?;
         if !(FRAME_HEAD_BYTES..=payload.len()).contains(&bytes) {
-            let reason = format!("it claims {bytes} bytes, expected {FRAME_HEAD_BYTES} to {}", payload.len());
+            let reason = format!(
+                "it claims {bytes} bytes, expected {FRAME_HEAD_BYTES} to {}",
+                payload.len()
+            );
             return Err(WireError::malformed(WHAT, reason));
         }
         Ok((head, bytes))

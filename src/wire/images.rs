@@ -176,7 +176,9 @@ pub(crate) fn images_body(
 /// Code and bytes; the code is `u32::MAX` for what is no depth.
 fn packed_depth(raster: &Raster, coding: DepthCoding) -> (u32, Vec<u8>) {
     match (&raster.samples, coding) {
-        (Samples::Gray16(depths), DepthCoding::Raw) => (0, depths.iter().flat_map(|depth| depth.to_le_bytes()).collect()),
+        (Samples::Gray16(depths), DepthCoding::Raw) => {
+            (0, depths.iter().flat_map(|depth| depth.to_le_bytes()).collect())
+        }
         (Samples::GrayF32(depths), _) => (1, depths.iter().flat_map(|depth| depth.to_le_bytes()).collect()),
         (Samples::Gray16(depths), DepthCoding::Rvl) => (2, rvl::encode(raster.size_px, depths)),
         (Samples::Gray8(_) | Samples::Rgb8(_), _) => (u32::MAX, Vec::new()),

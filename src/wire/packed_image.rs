@@ -125,6 +125,11 @@ impl PackedImage {
 impl std::fmt::Debug for PackedImage {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [width, height] = self.size_px;
-        write!(formatter, "{:?} {width} × {height} in {} bytes", self.packing, self.bytes.len())
+        write!(
+            formatter,
+            "{:?} {width} × {height} in {} bytes",
+            self.packing,
+            self.bytes.len()
+        )
     }
 }

@@ -82,7 +82,9 @@ pub fn points_body(cloud: &RawCloud) -> Vec<u8> {
         + attributes.scalars.len() as u32;
     let [grid_width, grid_height] = cloud.grid.map_or([0; 2], |grid| [grid.width(), grid.height()]);
     let point_bytes = 12 + attributes.point_bytes();
-    let mut body = Written(Vec::with_capacity(LAYOUT_BYTES + count * point_bytes + 64 * arrays as usize));
+    let mut body = Written(Vec::with_capacity(
+        LAYOUT_BYTES + count * point_bytes + 64 * arrays as usize,
+    ));
     body.u32(LAYOUT_BYTES as u32)
         .u32(arrays)
         .u64(count as u64)
@@ -131,7 +133,9 @@ fn from_origin(positions: &Positions) -> (DVec3, std::borrow::Cow<'_, [[f32; 3]]
         }
         _ => DVec3::ZERO,
     };
-    let relative = exact.iter().map(|&position| (DVec3::from_array(position) - origin).as_vec3().to_array());
+    let relative = exact
+        .iter()
+        .map(|&position| (DVec3::from_array(position) - origin).as_vec3().to_array());
     (origin, relative.collect::<Vec<_>>().into())
 }
 

@@ -22,6 +22,8 @@ pub enum DialogKind {
     CompareFolder,
     /// Where to write the picture.
     SavePicture,
+    /// Where to record a live stream.
+    RecordTo,
     /// A camera path to open.
     OpenPath,
     /// Where to write the camera path.
@@ -99,6 +101,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::CompareFiles => "Compare with point clouds",
         DialogKind::CompareFolder => "Compare with a folder of frames",
         DialogKind::SavePicture => "Save the picture",
+        DialogKind::RecordTo => "Record the live stream",
         DialogKind::OpenPath => "Open a camera path",
         DialogKind::SavePath => "Save the camera path",
         DialogKind::ExportTo(_) => "Export to",
@@ -112,7 +115,9 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::OpenFiles | DialogKind::CompareFiles => dialog
             .add_filter(
                 "Point clouds",
-                &io::supported_extensions().chain(["reel"]).collect::<Vec<_>>(),
+                &io::supported_extensions()
+                    .chain(["reel", "pointreel-stream"])
+                    .collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
             .pick_files(),
@@ -121,6 +126,9 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         }
         DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
+        DialogKind::RecordTo => one(dialog
+            .add_filter("Recording of a stream", &["pointreel-stream"])
+            .save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
         DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
         DialogKind::ExportTo(extension) => one(dialog.add_filter(extension.to_uppercase(), &[extension]).save_file()),

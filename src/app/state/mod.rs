@@ -12,6 +12,7 @@ mod files;
 mod first_look;
 mod inspecting;
 mod intake;
+mod live;
 mod main_picture;
 mod measured_way;
 mod measuring;

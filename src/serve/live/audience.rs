@@ -57,10 +57,10 @@ pub(super) struct Client {
 }
 
 impl Client {
-    pub(super) fn new(address: SocketAddr, stream: TcpStream, spacing: Duration) -> Self {
+    pub(super) fn new(address: SocketAddr, stream: TcpStream) -> Self {
         Self {
             address,
-            mailbox: Mailbox::new(spacing),
+            mailbox: Mailbox::default(),
             sent_frames: AtomicU64::new(0),
             sent_bytes: AtomicU64::new(0),
             joined: Instant::now(),
@@ -120,7 +120,10 @@ impl Audience {
     pub(super) fn send(&self, frame: &Arc<Outgoing>) -> u64 {
         let mut inside = lock(&self.inside);
         inside.newest = Some(Arc::clone(frame));
-        let dropped = inside.clients.iter().filter(|client| client.mailbox.push(Arc::clone(frame)));
+        let dropped = inside
+            .clients
+            .iter()
+            .filter(|client| client.mailbox.push(Arc::clone(frame)));
         dropped.count() as u64
     }
 
@@ -136,7 +139,11 @@ impl Audience {
     /// Bytes that those who are there were sent.
     pub(super) fn sent_bytes(&self) -> u64 {
         let inside = lock(&self.inside);
-        inside.clients.iter().map(|client| client.sent_bytes.load(Ordering::Relaxed)).sum()
+        inside
+            .clients
+            .iter()
+            .map(|client| client.sent_bytes.load(Ordering::Relaxed))
+            .sum()
     }
 
     /// Says that it is over, and hangs up where nobody listens.

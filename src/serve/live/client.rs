@@ -6,7 +6,7 @@ use crate::wire::{Got, Kind, Ping, Pong, StreamHead, WireError, read_message};
 use std::io::{self, BufReader, Write as _};
 use std::net::TcpStream;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Where there is no frame, it is said once in this time that the server is there.
 const HEARTBEAT: Duration = Duration::from_secs(1);
@@ -88,7 +88,7 @@ pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() ->
                     };
                     client.mailbox.answer(pong.message());
                 }
-                Kind::Got => client.mailbox.got(Got::parse(&message.payload)?.number, Instant::now()),
+                Kind::Got => client.mailbox.got(Got::parse(&message.payload)?.number),
                 _ => {}
             }
             Ok(())

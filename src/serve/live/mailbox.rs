@@ -1,16 +1,16 @@
 //! What one client is to be sent: two frames at most, and answers.
 //!
 //! A frame that comes while two wait takes the place of the oldest: the newest wins. So that frames do not queue in the
-//! buffers of the network instead, no more are on the way than two, and as many as a frame takes to be received on a
-//! connection that is free; a client says what it has received ([`crate::wire::Got`]). One that never says so is sent
-//! what the network takes.
+//! buffers of the network instead, which hold seconds of small ones, no more than two are on the way: a client says
+//! what it has received ([`crate::wire::Got`]). One that never says so is sent what the network takes. A client whose
+//! answers take longer than two frames last gets two frames in that time.
 
 use super::outgoing::Outgoing;
 use crate::locks::lock;
 use crate::wire::{Message, Now};
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Frames that wait.
 pub(super) const MOST_FRAMES: usize = 2;
@@ -18,14 +18,8 @@ pub(super) const MOST_FRAMES: usize = 2;
 /// Answers that wait: a client that asks more often is not answered.
 const MOST_ANSWERS: usize = 8;
 
-/// Frames on the way where one takes no time.
-const FEWEST_ON_THE_WAY: usize = 2;
-
-/// Frames on the way at most, however far the client is.
-const MOST_ON_THE_WAY: usize = 64;
-
-/// Of the last so many frames the fastest tells how far away the client is.
-const REMEMBERED_WAYS: usize = 64;
+/// Frames that are on the way to a client that says what it has received.
+const MOST_ON_THE_WAY: usize = 2;
 
 /// What is to be sent next.
 #[derive(Debug)]
@@ -39,48 +33,30 @@ pub(super) enum Next {
 }
 
 /// What one client is to be sent.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Mailbox {
     inside: Mutex<Inside>,
     changed: Condvar,
-    /// Of the stream.
-    spacing: Duration,
 }
 
 #[derive(Debug, Default)]
 struct Inside {
     frames: VecDeque<Arc<Outgoing>>,
     answers: VecDeque<Message>,
-    /// Numbers of frames that were sent and not received yet, and when they were.
-    on_the_way: VecDeque<(u64, Instant)>,
-    ways: VecDeque<Duration>,
+    /// Numbers of the newest frames that were sent and not received yet.
+    on_the_way: VecDeque<u64>,
     says_what_it_got: bool,
     dropped: u64,
     end: Option<String>,
 }
 
 impl Inside {
-    fn is_free(&self, spacing: Duration) -> bool {
-        if !self.says_what_it_got {
-            return true;
-        }
-        let fastest = self.ways.iter().min().copied().unwrap_or_default();
-        let frames = fastest.as_secs_f64() / spacing.as_secs_f64().max(1e-6);
-        let most = FEWEST_ON_THE_WAY.saturating_add(frames as usize).min(MOST_ON_THE_WAY);
-        self.on_the_way.len() < most
+    fn is_free(&self) -> bool {
+        !self.says_what_it_got || self.on_the_way.len() < MOST_ON_THE_WAY
     }
 }
 
 impl Mailbox {
-    /// Of a stream with a frame every `spacing`.
-    pub(super) fn new(spacing: Duration) -> Self {
-        Self {
-            inside: Mutex::default(),
-            changed: Condvar::default(),
-            spacing,
-        }
-    }
-
     /// Takes a frame; says whether another one was dropped for it.
     pub(super) fn push(&self, frame: Arc<Outgoing>) -> bool {
         let mut inside = lock(&self.inside);
@@ -105,20 +81,10 @@ impl Mailbox {
     }
 
     /// The client has received the frame of this number, and those before it.
-    pub(super) fn got(&self, number: u64, now: Instant) {
+    pub(super) fn got(&self, number: u64) {
         let mut inside = lock(&self.inside);
         inside.says_what_it_got = true;
-        while let Some(&(sent, at)) = inside.on_the_way.front()
-            && sent <= number
-        {
-            inside.on_the_way.pop_front();
-            if sent == number {
-                if inside.ways.len() == REMEMBERED_WAYS {
-                    inside.ways.pop_front();
-                }
-                inside.ways.push_back(now.saturating_duration_since(at));
-            }
-        }
+        inside.on_the_way.retain(|sent| *sent > number);
         drop(inside);
         self.changed.notify_all();
     }
@@ -138,7 +104,7 @@ impl Mailbox {
     pub(super) fn next(&self, at_most: Duration) -> Next {
         let inside = lock(&self.inside);
         let nothing = |inside: &mut Inside| {
-            let has_frame = !inside.frames.is_empty() && inside.is_free(self.spacing);
+            let has_frame = !inside.frames.is_empty() && inside.is_free();
             !has_frame && inside.answers.is_empty() && inside.end.is_none()
         };
         let waited = self.changed.wait_timeout_while(inside, at_most, nothing);
@@ -149,7 +115,7 @@ impl Mailbox {
         if let Some(answer) = inside.answers.pop_front() {
             return Next::Answer(answer);
         }
-        if !inside.is_free(self.spacing) {
+        if !inside.is_free() {
             return Next::Nothing;
         }
         let Some(frame) = inside.frames.pop_front() else {
@@ -158,7 +124,7 @@ impl Mailbox {
         if inside.on_the_way.len() >= MOST_ON_THE_WAY {
             inside.on_the_way.pop_front();
         }
-        inside.on_the_way.push_back((frame.number, Instant::now()));
+        inside.on_the_way.push_back(frame.number);
         Next::Frame(frame)
     }
 }
@@ -193,42 +159,41 @@ mod tests {
 
     #[test]
     fn the_newest_two_frames_wait() {
-        let mailbox = Mailbox::new(Duration::from_millis(33));
+        let mailbox = Mailbox::default();
         let drops: Vec<bool> = (0..5).map(|number| mailbox.push(frame(number))).collect();
         assert_eq!(drops, [false, false, true, true, true]);
-        assert_eq!((sent(&mailbox), sent(&mailbox), sent(&mailbox)), (Some(3), Some(4), None));
+        assert_eq!(
+            (sent(&mailbox), sent(&mailbox), sent(&mailbox)),
+            (Some(3), Some(4), None)
+        );
         assert_eq!(mailbox.dropped(), 3);
     }
 
     #[test]
     fn no_more_frames_are_on_the_way_than_a_client_receives() {
-        let mailbox = Mailbox::new(Duration::from_millis(100));
-        let now = Instant::now();
+        let mailbox = Mailbox::default();
         let mut push_and_send = |number| {
             mailbox.push(frame(number));
             sent(&mailbox)
         };
         assert_eq!(push_and_send(0), Some(0));
-        mailbox.got(0, now);
+        mailbox.got(0);
         // Two are on the way; the third waits until one has come.
         assert_eq!([1, 2, 3].map(&mut push_and_send), [Some(1), Some(2), None]);
-        mailbox.got(1, now);
+        mailbox.got(1);
         assert_eq!(sent(&mailbox), Some(3));
-        // A client as far away as three frames last is sent three more.
-        let far = Mailbox::new(Duration::from_millis(100));
-        far.push(frame(0));
-        sent(&far);
-        far.got(0, Instant::now() + Duration::from_millis(350));
-        let sent_far = (1..8).filter(|&number| {
-            far.push(frame(number));
-            sent(&far).is_some()
+        // One that never says what it has received is sent all.
+        let silent = Mailbox::default();
+        let all = (0..8).filter(|&number| {
+            silent.push(frame(number));
+            sent(&silent).is_some()
         });
-        assert_eq!(sent_far.count(), 5);
+        assert_eq!(all.count(), 8);
     }
 
     #[test]
     fn answers_come_first_and_the_end_before_all() {
-        let mailbox = Mailbox::new(Duration::from_millis(33));
+        let mailbox = Mailbox::default();
         mailbox.push(frame(0));
         for number in 0..20 {
             mailbox.answer(heartbeat(number, None));

@@ -272,9 +272,8 @@ impl LiveServer {
     fn welcome(&self, stream: TcpStream, address: SocketAddr) -> io::Result<()> {
         // Some systems hand over what the listener is set to.
         stream.set_nonblocking(false)?;
-        let spacing = Duration::try_from_secs_f64(self.schedule.fps().recip()).unwrap_or_default();
         let shared = Arc::clone(&self.shared);
-        let client = Arc::new(Client::new(address, stream.try_clone()?, spacing));
+        let client = Arc::new(Client::new(address, stream.try_clone()?));
         if !shared.audience.join(Arc::clone(&client)) {
             (shared.tell)(LiveEvent::Full(address));
             return Ok(());
@@ -292,15 +291,13 @@ impl LiveServer {
 fn attend(shared: &Arc<Shared>, client: &Arc<Client>, stream: TcpStream) -> io::Result<()> {
     let heard = stream.try_clone()?;
     let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
-    thread::Builder::new()
-        .name("live listener".to_owned())
-        .spawn(move || {
-            let error = client::listen(&listener, &heard, || clock.clock_ns());
-            log::debug!("{}: {error}", listener.address);
-            // The one that sends need not wait for a frame to find out.
-            listener.mailbox.end("it has left");
-            listener.hang_up();
-        })?;
+    thread::Builder::new().name("live listener".to_owned()).spawn(move || {
+        let error = client::listen(&listener, &heard, || clock.clock_ns());
+        log::debug!("{}: {error}", listener.address);
+        // The one that sends need not wait for a frame to find out.
+        listener.mailbox.end("it has left");
+        listener.hang_up();
+    })?;
     let (shared, client) = (Arc::clone(shared), Arc::clone(client));
     let sending = thread::Builder::new().name("live sender".to_owned());
     sending

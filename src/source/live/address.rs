@@ -48,7 +48,14 @@ mod tests {
         ] {
             assert_eq!(parse(Path::new(input)).as_deref(), Ok(address));
         }
-        for wrong in ["tcp://", "tcp://host", "tcp://host:0", "tcp://host:99999", "tcp://::1", "tcp://a/b:1"] {
+        for wrong in [
+            "tcp://",
+            "tcp://host",
+            "tcp://host:0",
+            "tcp://host:99999",
+            "tcp://::1",
+            "tcp://a/b:1",
+        ] {
             let problem = parse(Path::new(wrong)).unwrap_err();
             assert!(problem.contains("tcp://127.0.0.1:9000"), "{problem}");
         }

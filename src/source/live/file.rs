@@ -10,7 +10,7 @@ use crate::rgbd::Sensor;
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::{
-    FRAME_HEAD_BYTES, FrameHead, Frame, MAGIC, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
+    FRAME_HEAD_BYTES, Frame, FrameHead, MAGIC, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
 };
 use std::fs::File;
@@ -138,11 +138,7 @@ impl Walked {
 }
 
 /// The frame in the message at `offset`, if it is one, and where the message ends.
-fn next(
-    file: &mut BufReader<File>,
-    offset: u64,
-    length: u64,
-) -> Result<Option<(Option<FrameHead>, u64)>, WireError> {
+fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(Option<FrameHead>, u64)>, WireError> {
     let Some(header) = MessageHeader::read(file)? else {
         return Ok(None);
     };
@@ -156,7 +152,9 @@ fn next(
     if header.kind.is_frame() {
         let mut bytes = Vec::with_capacity(FRAME_HEAD_BYTES);
         let wanted = FRAME_HEAD_BYTES as u64;
-        let read = file.take(wanted.min(u64::from(header.payload_bytes))).read_to_end(&mut bytes);
+        let read = file
+            .take(wanted.min(u64::from(header.payload_bytes)))
+            .read_to_end(&mut bytes);
         at += read.map_err(WireError::Io)? as u64;
         head = Some(FrameHead::parse_begin(&bytes)?.0);
     }
@@ -174,7 +172,9 @@ impl FrameStore for Recorded {
             .map_err(WireError::Io)
             .and_then(|_| read_message(&mut *file, self.most_bytes));
         drop(file);
-        let frame = read.and_then(Frame::of).map_err(|error| format!("byte {offset}: {error}"))?;
+        let frame = read
+            .and_then(Frame::of)
+            .map_err(|error| format!("byte {offset}: {error}"))?;
         frame.ok_or_else(|| format!("byte {offset}: it is no frame any more"))
     }
 }

@@ -26,7 +26,10 @@ impl Rate {
 
     /// Bytes and frames a second.
     pub(super) fn per_s(&self, now: Instant) -> (f64, f64) {
-        let recent = self.came.iter().filter(|(at, _)| now.saturating_duration_since(*at) < WINDOW);
+        let recent = self
+            .came
+            .iter()
+            .filter(|(at, _)| now.saturating_duration_since(*at) < WINDOW);
         let (mut bytes, mut frames, mut first) = (0, 0, None);
         for (at, count) in recent {
             first = first.or(Some(*at));
@@ -54,7 +57,10 @@ mod tests {
             rate.add(begun + Duration::from_millis(50 * frame), 1000);
         }
         let (bytes, frames) = rate.per_s(begun + Duration::from_secs(5));
-        assert!((bytes - 20_000.0).abs() < 600.0 && (frames - 20.0).abs() < 0.6, "{bytes} {frames}");
+        assert!(
+            (bytes - 20_000.0).abs() < 600.0 && (frames - 20.0).abs() < 0.6,
+            "{bytes} {frames}"
+        );
         assert_eq!(rate.per_s(begun + Duration::from_secs(60)), (0.0, 0.0));
     }
 }

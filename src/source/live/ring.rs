@@ -75,7 +75,9 @@ impl Ring {
     /// Until there are more than `count` frames, or that time is over.
     pub(super) fn wait(&self, count: usize, at_most: Duration) {
         let frames = lock(&self.frames);
-        let waited = self.comes.wait_timeout_while(frames, at_most, |frames| frames.count <= count);
+        let waited = self
+            .comes
+            .wait_timeout_while(frames, at_most, |frames| frames.count <= count);
         drop(waited.unwrap_or_else(PoisonError::into_inner));
     }
 

@@ -103,7 +103,9 @@ impl Shared {
         let (session, fps) = link.head.map_or((0, 30.0), |head| (head.session, head.fps));
         let spacing = Duration::try_from_secs_f64(fps.recip()).unwrap_or_default();
         let time = link.timeline.next(session, head.time_ns, spacing);
-        link.lost += link.newest.map_or(0, |newest| head.number.saturating_sub(newest.saturating_add(1)));
+        link.lost += link
+            .newest
+            .map_or(0, |newest| head.number.saturating_sub(newest.saturating_add(1)));
         link.newest = Some(head.number);
         link.delay_s = link.clock.since_s(head.served_ns, now_ns);
         link.received += 1;

@@ -1,11 +1,11 @@
 //! A live stream as a source of frames.
 
+use super::address;
 use super::connection::{self, PATIENCE};
 use super::decoder::{StreamDecoder, group, raw_images, sensor};
 use super::recorder::{Recorder, StreamRecording};
 use super::shared::Shared;
 use super::status::{Live, LiveStatus};
-use super::address;
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Sensor;

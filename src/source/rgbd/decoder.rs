@@ -192,7 +192,11 @@ impl Recorded {
         });
         let (prepared, color) = match with_color {
             Some(found) => found,
-            None => (self.prepared(&frame.calibration, raster.size_px, None).map_err(path_of)?, None),
+            None => (
+                self.prepared(&frame.calibration, raster.size_px, None)
+                    .map_err(path_of)?,
+                None,
+            ),
         };
         let (depth, units_per_metre) = match (&raster.samples, self.code.units_per_metre()) {
             (Samples::Gray16(_), Some(units)) => (raster, units),
@@ -200,7 +204,13 @@ impl Recorded {
                 let depth = self.code.depth_image(path, raster, &prepared.rays)?;
                 let metres = Samples::GrayF32(depth.metres().to_vec());
                 let size_px = depth.size_px();
-                (Raster { size_px, samples: metres }, 1.0)
+                (
+                    Raster {
+                        size_px,
+                        samples: metres,
+                    },
+                    1.0,
+                )
             }
         };
         Ok(RawImages {
@@ -260,7 +270,12 @@ impl Recorded {
     ) -> Result<RawCloud, RgbdError> {
         let (depth, color) = rayon::join(
             || self.depth(frame),
-            || frame.color.as_ref().map(|image| (image.path(), self.color_image(image))),
+            || {
+                frame
+                    .color
+                    .as_ref()
+                    .map(|image| (image.path(), self.color_image(image)))
+            },
         );
         let (depth, rays) = depth?;
         let depth = with_frames_before(depth);
@@ -406,7 +421,9 @@ impl Decoder for ImageDecoder {
             let temporal = recorded.filters.temporal;
             self.before.filtered(temporal, (index, depth), before, progress)
         };
-        Ok(recorded.frame_cloud(&recorded.frames[index], with_frames_before)?.into())
+        Ok(recorded
+            .frame_cloud(&recorded.frames[index], with_frames_before)?
+            .into())
     }
 }
 

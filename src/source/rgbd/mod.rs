@@ -23,10 +23,10 @@ mod text;
 mod topics;
 mod trajectory;
 
+pub(super) use decoder::{FramesBefore, GROUP_FRAMES};
 pub use error::RgbdError;
 pub use merged::MergedFrames;
 pub use options::RgbdOptions;
-pub(super) use decoder::{FramesBefore, GROUP_FRAMES};
 pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
 

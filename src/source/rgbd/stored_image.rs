@@ -68,10 +68,12 @@ impl StoredImage {
                 })
             }
             Self::Received(ReceivedImage { input, image }) => {
-                image.raster(options.max_memory_bytes).map_err(|reason| RgbdError::Received {
-                    input: input.to_path_buf(),
-                    reason,
-                })
+                image
+                    .raster(options.max_memory_bytes)
+                    .map_err(|reason| RgbdError::Received {
+                        input: input.to_path_buf(),
+                        reason,
+                    })
             }
         }
     }
