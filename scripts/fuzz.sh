@@ -18,8 +18,9 @@ cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuz
 extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 pcap pcapng zip tar tgz gz)
 lists=(zip tar tgz mcap bag db3 e57 glb)
 cameras=(bag mcap db3)
-mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel fuzz/corpus/packets
+mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel fuzz/corpus/packets fuzz/corpus/wire
 cp src/reel/tests/*.reel fuzz/corpus/reel/
+xxd -r -p src/wire/test_vector.txt fuzz/corpus/wire/test_vector
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
 seed() {
@@ -47,6 +48,6 @@ while IFS= read -r -d '' file; do
 # Large files make slow seeds; what is in them is in small ones too.
 done < <(find tests/data "$@" -type f -size -64k -print0)
 
-for target in read list cameras reel packets; do
+for target in read list cameras reel packets wire; do
     cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
 done

@@ -157,15 +157,12 @@ pub(crate) fn images_body(
         .f64s(&[images.units_per_metre]);
     write_transform(&pose, &mut body);
     write_camera(&images.rig.depth, &mut body);
-    match &images.rig.color {
-        Some(camera) => {
-            write_camera(&camera.camera, &mut body);
-            write_transform(&camera.color_from_depth, &mut body);
-        }
-        None => {
-            write_size(images.color.as_ref().map_or([0; 2], RawColor::size_px), &mut body);
-            write_transform(&DAffine3::IDENTITY, &mut body);
-        }
+    if let Some(camera) = &images.rig.color {
+        write_camera(&camera.camera, &mut body);
+        write_transform(&camera.color_from_depth, &mut body);
+    } else {
+        write_size(images.color.as_ref().map_or([0; 2], RawColor::size_px), &mut body);
+        write_transform(&DAffine3::IDENTITY, &mut body);
     }
     debug_assert_eq!(body.0.len(), LAYOUT_BYTES);
     body.0.extend_from_slice(&depth);

@@ -233,10 +233,13 @@ fn the_test_vector_of_the_document() {
     point.unit = Some(LengthUnit::Metre);
     let payload = [frame.encode(), points_body(&point)].concat();
     let stream = [stream_head.encode(), Message::new(Kind::Points, payload).encode()].concat();
-    let written: String = stream.iter().map(|byte| format!("{byte:02x}")).collect();
-    let expected = include_str!("test_vector.txt");
-    let expected: String = expected.split_whitespace().collect();
-    assert_eq!(written, expected);
+    let digits: String = include_str!("test_vector.txt").split_whitespace().collect();
+    let bytes = digits
+        .as_bytes()
+        .chunks(2)
+        .map(|pair| std::str::from_utf8(pair).unwrap());
+    let expected: Vec<u8> = bytes.map(|pair| u8::from_str_radix(pair, 16).unwrap()).collect();
+    assert_eq!(stream, expected);
     let mut reader = stream.as_slice();
     assert_eq!(StreamHead::read(&mut reader).unwrap(), stream_head);
     let read = Frame::of(read_message(&mut reader, MOST).unwrap()).unwrap().unwrap();

@@ -65,24 +65,21 @@ impl Feed {
     }
 
     fn made(&mut self, index: usize) -> Result<Body, String> {
-        let (kind, bytes) = match self.source.raw_images(index) {
-            Some(images) => {
-                let images = images.map_err(|error| error.to_string())?;
-                let (body, problem) = images_body(&images, self.coding, self.most_bytes)?;
-                if let Some(problem) = problem
-                    && (self.source.is_live() || self.said.insert(index))
-                {
-                    log::warn!("frame {index} is sent without colours: {problem}");
-                }
-                (Kind::Images, body)
+        let (kind, bytes) = if let Some(images) = self.source.raw_images(index) {
+            let images = images.map_err(|error| error.to_string())?;
+            let (body, problem) = images_body(&images, self.coding, self.most_bytes)?;
+            if let Some(problem) = problem
+                && (self.source.is_live() || self.said.insert(index))
+            {
+                log::warn!("frame {index} is sent without colours: {problem}");
             }
-            None => {
-                let entry = self.source.entry(index);
-                let progress = Progress::default();
-                let decoded = self.decoder.decode(index, &entry, usize::MAX, &progress);
-                let decoded = decoded.map_err(|error| error.to_string())?;
-                (Kind::Points, points_body(&decoded.cloud))
-            }
+            (Kind::Images, body)
+        } else {
+            let entry = self.source.entry(index);
+            let progress = Progress::default();
+            let decoded = self.decoder.decode(index, &entry, usize::MAX, &progress);
+            let decoded = decoded.map_err(|error| error.to_string())?;
+            (Kind::Points, points_body(&decoded.cloud))
         };
         if bytes.len() as u64 + 1024 > MOST_PAYLOAD_BYTES {
             return Err(format!(

@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-const LONG: Duration = Duration::from_secs(60);
+const LONG: Duration = Duration::from_mins(1);
 
 const RAW: ImageCoding = ImageCoding {
     depth: DepthCoding::Raw,
@@ -47,10 +47,15 @@ struct Running {
 
 impl Running {
     fn new(source: impl Source + 'static, fps: f64, coding: ImageCoding) -> Self {
-        Self::at(Arc::new(source), fps, coding, "127.0.0.1:0".parse().unwrap())
+        Self::at(
+            &(Arc::new(source) as Arc<dyn Source>),
+            fps,
+            coding,
+            "127.0.0.1:0".parse().unwrap(),
+        )
     }
 
-    fn at(source: Arc<dyn Source>, fps: f64, coding: ImageCoding, address: SocketAddr) -> Self {
+    fn at(source: &Arc<dyn Source>, fps: f64, coding: ImageCoding, address: SocketAddr) -> Self {
         let schedule = Schedule::new(source.frames().len(), fps, |_| 1.0);
         let options = LiveOptions {
             coding,
@@ -65,7 +70,7 @@ impl Running {
         // A port that was just left may be busy for a moment.
         let server = loop {
             let hear = tell.clone().unwrap();
-            match LiveServer::bind(Arc::clone(&source), schedule.clone(), address, options, hear) {
+            match LiveServer::bind(Arc::clone(source), schedule.clone(), address, options, hear) {
                 Ok(server) => break server,
                 Err(error) if begun.elapsed() < LONG => {
                     assert_eq!(error.kind(), std::io::ErrorKind::AddrInUse);
@@ -174,7 +179,7 @@ fn recording(folder: &Path) {
     std::fs::write(folder.join("camera_intrinsic.json"), camera).unwrap();
     for frame in 0..2u16 {
         let depth = |x: u32, y: u32| {
-            image::Luma([if (x + y) % 11 == 0 {
+            image::Luma([if (x + y).is_multiple_of(11) {
                 0
             } else {
                 900 + 3 * x as u16 + 50 * frame
@@ -204,7 +209,7 @@ fn images_arrive_raw_and_become_the_clouds_that_files_do_whatever_the_filters() 
         let mut options = OpenOptions::default();
         let inputs = [folder.path().to_owned()];
         let files = source::open(&inputs, &options, &Progress::default()).unwrap();
-        let server = Running::at(files, 100.0, coding, "127.0.0.1:0".parse().unwrap());
+        let server = Running::at(&files, 100.0, coding, "127.0.0.1:0".parse().unwrap());
         options.rgbd.filters = filters.parse().unwrap();
         let filtered = source::open(&inputs, &options, &Progress::default()).unwrap();
         let stream = LiveStream::open(&server.url(), &options, &Progress::default()).unwrap();
@@ -234,7 +239,7 @@ fn a_temporal_filter_sees_the_frames_before() {
     let mut options = OpenOptions::default();
     let inputs = [folder.path().to_owned()];
     let files = source::open(&inputs, &options, &Progress::default()).unwrap();
-    let server = Running::at(files, 100.0, EXACT, "127.0.0.1:0".parse().unwrap());
+    let server = Running::at(&files, 100.0, EXACT, "127.0.0.1:0".parse().unwrap());
     options.rgbd.filters = "temporal".parse().unwrap();
     options.live_seconds = Some(3600.0);
     let stream = LiveStream::open(&server.url(), &options, &Progress::default()).unwrap();
@@ -334,7 +339,7 @@ fn a_client_connects_again_after_the_server_has_died() {
     wait_for("the end", || matches!(state(), LiveState::Reconnecting(_)));
     stream.look_again().unwrap();
     let before = stream.frames().end;
-    let second = Running::at(Arc::new(points(7, 20)), 100.0, RAW, address);
+    let second = Running::at(&(Arc::new(points(7, 20)) as Arc<dyn Source>), 100.0, RAW, address);
     wait_for("more frames", || {
         stream.look_again().is_ok() && stream.frames().end >= before + 5
     });
@@ -471,7 +476,7 @@ fn what_arrives_is_recorded_and_opened_again() {
     std::fs::write(&cut, &whole[..60]).unwrap();
     assert!(open(&cut).err().unwrap().to_string().contains("no whole frame"));
     // And a recording can be served.
-    let again = Running::at(recorded, 100.0, RAW, "127.0.0.1:0".parse().unwrap());
+    let again = Running::at(&recorded, 100.0, RAW, "127.0.0.1:0".parse().unwrap());
     let stream = opened(&again.url());
     assert_eq!(decoded(&stream, 0).positions.len(), 40);
 }

@@ -38,7 +38,7 @@ impl ClockDifference {
             self.measured.pop_front();
         }
         self.measured.push_back(Measured {
-            server_ahead_ns: ((received - asked) + (sent - now)) / 2,
+            server_ahead_ns: (received - asked).midpoint(sent - now),
             way_ns,
         });
     }
