@@ -19,11 +19,12 @@ extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb
 lists=(zip tar tgz mcap bag db3 e57 glb)
 cameras=(bag mcap db3)
 mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel fuzz/corpus/packets \
-    fuzz/corpus/photos fuzz/corpus/matroska
+    fuzz/corpus/photos fuzz/corpus/matroska fuzz/corpus/wire
 cp src/reel/tests/*.reel fuzz/corpus/reel/
 # Written by hand: the smallest files of each format that have everything.
 cp fuzz/seeds/photos/* fuzz/corpus/photos/
 cp fuzz/seeds/matroska/* fuzz/corpus/matroska/
+xxd -r -p src/wire/test_vector.txt fuzz/corpus/wire/test_vector
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
 seed() {
@@ -51,6 +52,6 @@ while IFS= read -r -d '' file; do
 # Large files make slow seeds; what is in them is in small ones too.
 done < <(find tests/data "$@" -type f -size -64k -print0)
 
-for target in read list cameras reel packets photos matroska; do
+for target in read list cameras reel packets photos matroska wire; do
     cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
 done

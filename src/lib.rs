@@ -19,6 +19,7 @@
 //! | [`measure`] | errors of pictures (PSNR, FLIP, SSIM, holes), clouds (D1, D2) and normals (angles) |
 //! | [`levels`] | levels of detail: the sparse voxel octree: build, byte code, visible set |
 //! | [`reel`] | sequence files: a 4D scan in a few bits a point, any prefix of a frame a coarser picture |
+//! | [`wire`] | what live streams are made of: messages, images, points |
 //! | [`source`] | where frames come from: files in order, recordings, shapes, streams |
 //! | [`timeline`] | which frame is due when: the clock, its pace and the range that plays |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
@@ -31,7 +32,7 @@
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`mod@check`] | what may be wrong with a sequence |
 //! | [`mod@convert`] | frames written anew |
-//! | [`serve`] | a sequence file by HTTP |
+//! | [`serve`] | a sequence file by HTTP, any sequence as a live stream |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 
@@ -66,3 +67,4 @@ pub mod session;
 pub mod source;
 pub mod stereo;
 pub mod timeline;
+pub mod wire;

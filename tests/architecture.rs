@@ -37,6 +37,7 @@ const ORDER: &[&[&str]] = &[
     &["measure"],
     &["levels"],
     &["reel"],
+    &["wire"],
     &["source"],
     &["timeline"],
     &["sequence"],

@@ -32,6 +32,9 @@ pub mod reel;
 #[path = "../../src/rgbd/mod.rs"]
 pub mod rgbd;
 
+#[path = "../../src/wire/mod.rs"]
+pub mod wire;
+
 /// Crates whose panics the readers catch.
 const CAUGHT: [&str; 2] = ["/laz-", "/draco-core-"];
 

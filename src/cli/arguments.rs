@@ -58,6 +58,10 @@ pub(super) struct ReadArgs {
     #[arg(long)]
     dense: bool,
 
+    /// Keep so many seconds of a live stream (tcp://) to go back to (usually 10)
+    #[arg(long, value_name = "SECONDS", value_parser = positive_f64)]
+    live_seconds: Option<f64>,
+
     #[command(flatten)]
     rgbd: RgbdArgs,
 }
@@ -89,6 +93,7 @@ impl ReadArgs {
             topic: self.topic.as_deref().map(Arc::from),
             most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
             dense: self.dense,
+            live_seconds: self.live_seconds,
             rgbd: self.rgbd.options(Filters::NONE),
         }
     }

@@ -66,8 +66,9 @@ enum Verb {
     Check(check::CheckArgs),
     /// Writes frames in another format, moved, thinned out, with normals
     Convert(Box<convert::ConvertArgs>),
-    /// Serves a sequence file by HTTP: what it says is an INPUT of all verbs, on this machine or, with --listen, others
-    Serve(serve::ServeArgs),
+    /// Serves a sequence file by HTTP, or, with --live, any input as a live stream: what it says is an INPUT of all
+    /// verbs, on this machine or, with --listen, others
+    Serve(Box<serve::ServeArgs>),
     /// Says how far a picture is from another one: PSNR, FLIP, SSIM, pixels that differ
     Compare(compare::CompareArgs),
     /// Says how far the points of one frame are from another frame: mean, quantiles, maximum, share above a threshold

@@ -1,42 +1,164 @@
-//! `pointreel serve`: a sequence file for those who play it over the network.
+//! `pointreel serve`: a sequence for those who play it over the network, as a file or live.
 
-use super::output::answer;
+use super::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
+use super::output::{answer, say};
 use crate::reel::MAGIC;
+use crate::sequence::{OpenOptions, Sequence};
 use crate::serve::FileServer;
+use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
+use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
 use anyhow::{Context as _, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::fs::File;
 use std::io::Read as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where it is listened unless somebody says otherwise: other machines cannot connect.
+const USUAL_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8089);
 
 /// Arguments of `pointreel serve`.
 #[derive(Debug, Args)]
 pub(super) struct ServeArgs {
-    /// A sequence file (.reel); `pointreel convert` writes them
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    /// A sequence file (.reel); `pointreel convert` writes them. With --live any INPUT of `view`
+    #[arg(value_name = "INPUT", required = true)]
+    inputs: Vec<PathBuf>,
 
     /// Where to listen: an address of this machine and a port, 0 for any that is free
-    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 8089))]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = USUAL_ADDRESS)]
     listen: SocketAddr,
+
+    /// Play it as a live stream, which `pointreel tcp://ADDRESS:PORT` shows
+    #[arg(long)]
+    live: bool,
+
+    /// Frames a second of the stream (usually as their time stamps say, else 24 or 30)
+    #[arg(long, value_name = "FPS", value_parser = frame_rate, requires = "live")]
+    fps: Option<f64>,
+
+    /// End with the sequence, in place of playing it over and over
+    #[arg(long, requires = "live")]
+    once: bool,
+
+    /// How depth images are sent: rvl is without loss, in about a third of the bytes
+    #[arg(long, value_name = "CODING", default_value = "rvl", requires = "live")]
+    depth_coding: Depths,
+
+    /// How colour images are sent: jpeg, or raw without loss
+    #[arg(long, value_name = "CODING", default_value = "jpeg", requires = "live")]
+    color_coding: Colors,
+
+    #[command(flatten)]
+    read: ReadArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Depths {
+    Rvl,
+    Raw,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Colors {
+    Jpeg,
+    Raw,
 }
 
 pub(super) fn run(arguments: &ServeArgs) -> anyhow::Result<()> {
-    let path = &arguments.file;
+    if arguments.live {
+        return run_live(arguments);
+    }
+    match arguments.inputs.as_slice() {
+        [file] => run_file(file, arguments.listen),
+        _ => bail!("one sequence file is served by HTTP: name one, or add --live to play all of these as one sequence"),
+    }
+}
+
+fn run_file(path: &Path, listen: SocketAddr) -> anyhow::Result<()> {
     let mut begin = [0; MAGIC.len()];
     let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
     read.with_context(|| format!("{} cannot be read", path.display()))?;
     if begin != MAGIC {
         bail!(
-            "{} is no sequence file: make one with pointreel convert INPUT {}",
+            "{} is no sequence file: make one with pointreel convert INPUT {}, or add --live to play it as a stream",
             path.display(),
             path.with_extension("reel").display()
         );
     }
-    let server = FileServer::bind(path, arguments.listen);
-    let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
+    let server = FileServer::bind(path, listen);
+    let server = server.with_context(|| format!("{listen} cannot be listened at"))?;
     answer(&format!("{} (play it with pointreel, end with Ctrl+C)", server.url()?));
     server.run()?;
     Ok(())
+}
+
+fn run_live(arguments: &ServeArgs) -> anyhow::Result<()> {
+    let open = OpenOptions {
+        fps: arguments.fps,
+        ..arguments.read.picture_options()
+    };
+    let sequence = open_sequence_and_tell(&arguments.inputs, &open)?;
+    let options = LiveOptions {
+        coding: ImageCoding {
+            depth: match arguments.depth_coding {
+                Depths::Rvl => DepthCoding::Rvl,
+                Depths::Raw => DepthCoding::Raw,
+            },
+            color: match arguments.color_coding {
+                Colors::Jpeg => ColorCoding::Jpeg,
+                Colors::Raw => ColorCoding::Raw,
+            },
+        },
+        repeats: !arguments.once,
+        most_bytes: open.read.max_memory_bytes,
+    };
+    let source = Arc::clone(sequence.source());
+    let server = LiveServer::bind(source, schedule(&sequence), arguments.listen, options, tell);
+    let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
+    let server = Arc::new(server);
+    let stopped = Arc::clone(&server);
+    ctrlc::set_handler(move || stopped.stop()).context("Ctrl+C cannot be waited for")?;
+    answer(&format!(
+        "{} ({} frames, {:.1} a second; show it with pointreel, end with Ctrl+C)",
+        server.url()?,
+        sequence.len(),
+        sequence.fps()
+    ));
+    server.run()?;
+    let report = server.report();
+    say(&format!(
+        "{} frames served, {} not made in time, {} dropped for clients that were slow, {:.1} MB sent",
+        report.served_frames,
+        report.missed_frames,
+        report.dropped_frames,
+        report.sent_bytes as f64 * 1e-6
+    ));
+    Ok(())
+}
+
+/// The pace of a sequence.
+fn schedule(sequence: &Sequence) -> Schedule {
+    let pace = sequence.pace();
+    Schedule::new(sequence.len(), sequence.fps(), |frame| pace.duration(frame))
+}
+
+fn tell(event: LiveEvent) {
+    match event {
+        LiveEvent::Joined(address) => say(&format!("{address} has connected")),
+        LiveEvent::Full(address) => say(&format!("{address} was sent away: there are as many clients as may be")),
+        LiveEvent::Left(report) => say(&left(&report)),
+    }
+}
+
+fn left(report: &ClientReport) -> String {
+    let seconds = report.time.as_secs_f64().max(1e-3);
+    format!(
+        "{}: {}; {} frames sent in {seconds:.1} s, {} dropped, {:.1} MB/s",
+        report.address,
+        report.reason,
+        report.sent_frames,
+        report.dropped_frames,
+        report.sent_bytes as f64 * 1e-6 / seconds
+    )
 }

@@ -43,6 +43,10 @@ pub(super) struct ViewArgs {
     #[arg(long)]
     follow: bool,
 
+    /// Write what arrives of a live stream (tcp://) to this file, which is an INPUT again
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+
     /// Do not play
     #[arg(long)]
     paused: bool,
@@ -94,6 +98,12 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         read.session.settings = style;
         read.session.clip = style.of_sequence.clip;
         read.session.view = args.view.or(read.session.view);
+    }
+    if let Some(path) = &args.record {
+        match sequence.source().live() {
+            Some(live) => live.start_recording(path).map_err(anyhow::Error::msg)?,
+            None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
+        }
     }
     let compare = match args.compare.as_slice() {
         [] => None,

@@ -1,3 +1,5 @@
+//! Sequences over the network: one file by HTTP, or frames as a live stream ([`live`]).
+//!
 //! One file by HTTP, for those who read ranges of it: `pointreel serve walk.reel`.
 //!
 //! **How it works.** A thread a connection, a few at once; requests are parsed by `httparse`. `GET` and `HEAD` of the
@@ -7,6 +9,7 @@
 //! **Bounds.** A request has 8 KiB of head at most and no body, a connection that says nothing is closed, and more
 //! connections than `MOST_CONNECTIONS` wait.
 
+pub mod live;
 mod request;
 
 use request::{Answer, Request};

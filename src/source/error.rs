@@ -71,6 +71,14 @@ pub enum SequenceError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// A live stream, or a recording of one, that cannot be opened.
+    #[error("{input}: {problem}")]
+    Stream {
+        /// The input as given.
+        input: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A recording of depth images that cannot be opened.
     #[error(transparent)]
     Rgbd(Box<super::rgbd::RgbdError>),

@@ -16,6 +16,7 @@ mod files;
 mod generated;
 mod http;
 mod list;
+mod live;
 mod options;
 mod photos;
 mod reel;
@@ -32,6 +33,7 @@ pub use error::SequenceError;
 pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
+pub use live::{Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording};
 pub use options::OpenOptions;
 pub use photos::PhotoScene;
 pub use reel::Reel;
@@ -46,9 +48,10 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a sequence file ([`Reel`]),
-/// calibrated photographs ([`PhotoScene`]), a recording of depth images ([`RgbdRecording`]), else files, folders and
-/// patterns. `progress` counts the files that were looked at, and may be cancelled.
+/// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a stream ([`LiveStream`]) or
+/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs ([`PhotoScene`]), a
+/// recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that
+/// were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
@@ -63,6 +66,20 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
                 problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
             }),
         };
+    }
+    if let Some(stream) = inputs.iter().find(|input| LiveStream::is_one(input)) {
+        return match inputs {
+            [_] => Ok(Arc::new(LiveStream::open(stream, options, progress)?)),
+            _ => Err(SequenceError::Stream {
+                input: stream.display().to_string(),
+                problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
+            }),
+        };
+    }
+    if let [input] = inputs
+        && RecordedStream::is_one(input)
+    {
+        return Ok(Arc::new(RecordedStream::open(input, options)?));
     }
     if let Some(reel) = inputs.iter().find(|input| Reel::is_url(input) || Reel::is_one(input)) {
         return match inputs {

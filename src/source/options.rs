@@ -19,6 +19,8 @@ pub struct OpenOptions {
     pub most_bits_per_s: Option<f64>,
     /// Points of photographs are made by stereo, also where there are sparse ones.
     pub dense: bool,
+    /// How much of a live stream can be gone back to, seconds; as much as usual if `None`.
+    pub live_seconds: Option<f64>,
     /// How recordings of depth images are read.
     pub rgbd: RgbdOptions,
 }

@@ -3,12 +3,14 @@
 use super::entry::FrameEntry;
 use super::error::SequenceError;
 use super::files::{Recording, topics_of};
+use super::live::Live;
 use crate::cloud::RawCloud;
 use crate::io::Topic;
 use crate::photos::ViewSet;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
 use crate::rgbd::Sensor;
+use crate::wire::RawImages;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -122,6 +124,16 @@ pub trait Source: Send + Sync {
     /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
     /// anybody knows.
     fn sensor(&self, _index: usize) -> Option<Sensor> {
+        None
+    }
+
+    /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
+    fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        None
+    }
+
+    /// How a live stream is doing, and what records it; `None` of sources that are none.
+    fn live(&self) -> Option<&dyn Live> {
         None
     }
 

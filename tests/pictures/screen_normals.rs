@@ -1,10 +1,6 @@
 //! Surfels with normals of the screen: without any estimation before, drawn as others are, by both renderers.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod common;
-
-use common::{camera_at, draw};
+use crate::common::{camera_at, draw};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud, oct_decode};

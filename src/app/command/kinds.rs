@@ -82,6 +82,8 @@ pub enum Command {
     CloseSequence,
     /// Open the demo sequence.
     OpenDemo,
+    /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
+    ToggleRecording,
     /// Write the picture to a new file.
     Screenshot,
     /// Write the picture to a file chosen with a dialog.

@@ -96,6 +96,20 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
         run_by(ui, state, button, Command::SaveSession, tooltip);
         item(ui, state, "Save session as…", Command::SaveSessionAs);
     });
+    let live = state
+        .player
+        .as_ref()
+        .and_then(|player| player.sequence().source().live());
+    let is_recording = live.map(|live| live.status().recording.is_some());
+    ui.add_enabled_ui(is_recording.is_some(), |ui| {
+        let text = if is_recording == Some(true) {
+            "Stop recording"
+        } else {
+            "Record…"
+        };
+        let tooltip = "Writes what arrives of a live stream to a file, as it comes; the file opens as any other";
+        run_by(ui, state, Button::new(text), Command::ToggleRecording, tooltip);
+    });
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         ui.menu_button("Compare with…", |ui| compare_menu(ui, state));

@@ -9,6 +9,7 @@ use crate::levels::octree::Octree;
 use crate::playback::Player;
 use crate::scene::{LevelStructure, SceneStats, ScreenStats};
 use crate::sequence::PreparedFrame;
+use crate::source::{Live, LiveState};
 use egui::{DragValue, Grid, Label, RichText, ScrollArea, Ui};
 use std::time::Duration;
 
@@ -19,6 +20,11 @@ const NAME_WIDTH: f32 = 92.0;
 pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         frame_times(ui, state);
+        if let Some(player) = &state.player
+            && let Some(live) = player.sequence().source().live()
+        {
+            live_stream(ui, live, player.shown().map(|frame| frame.index));
+        }
         picture(ui, state);
         if let Some(frame) = state.player.as_ref().and_then(|player| player.shown().cloned()) {
             shown_frame(ui, state, &frame);
@@ -26,6 +32,56 @@ pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
         memory(ui, state);
         heading_of_list(ui, "Adapter");
         ui.add(Label::new(&state.graphics.adapter).wrap());
+    });
+}
+
+fn live_stream(ui: &mut Ui, live: &dyn Live, shown: Option<usize>) {
+    let status = live.status();
+    section(ui, "Live", |ui| {
+        let state = match &status.state {
+            LiveState::Reconnecting(problem) => format!("reconnecting: {problem}"),
+            _ => "connected".to_owned(),
+        };
+        row(ui, "Stream", state, "A connection that breaks is made again by itself");
+        let behind = shown.and_then(|shown| live.frames_behind(shown));
+        let behind = behind.map_or_else(|| "not in the ring".to_owned(), |frames| format!("{frames} frames"));
+        row(
+            ui,
+            "Behind",
+            behind,
+            "How many frames are newer than the one that is shown",
+        );
+        let delay = status.delay_s.map_or_else(
+            || "not yet".to_owned(),
+            |(delay_s, wrong_s)| format!("{:.1} ± {:.1} ms", 1e3 * delay_s, 1e3 * wrong_s),
+        );
+        let tooltip = "How long after it was served the newest frame had come. The clocks of two machines differ: what \
+            pings tell of that is uncertain by half of the time that they take";
+        row(ui, "Delay", delay, tooltip);
+        let rate = format!("{:.1} MB/s, {:.1} fps", status.bytes_per_s * 1e-6, status.frames_per_s);
+        row(ui, "Arriving", rate, "In the last two seconds");
+        let lost = format!(
+            "{} of {}",
+            grouped(status.lost_frames),
+            grouped(status.lost_frames + status.received_frames)
+        );
+        row(
+            ui,
+            "Lost",
+            lost,
+            "Frames that the server dropped for newer ones, or did not make in time",
+        );
+        let kept = format!("{:.1} s, {}", status.kept_s, bytes(status.kept_bytes as u64));
+        row(
+            ui,
+            "Kept",
+            kept,
+            "What can be gone back to; --live-seconds says how much",
+        );
+        if let Some(recording) = &status.recording {
+            let recorded = format!("{} frames, {}", grouped(recording.frames), bytes(recording.bytes));
+            row(ui, "Recording", recorded, &recording.path.display().to_string());
+        }
     });
 }
 

@@ -76,6 +76,7 @@ impl State {
             }
             Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
+            Command::ToggleRecording => self.toggle_recording(),
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {
                 let name = format!("{}.png", self.picture_stem());

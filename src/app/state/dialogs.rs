@@ -23,6 +23,8 @@ pub enum DialogKind {
     CompareFolder,
     /// Where to write the picture.
     SavePicture,
+    /// Where to record a live stream.
+    RecordTo,
     /// A camera path to open.
     OpenPath,
     /// Where to write the camera path.
@@ -102,6 +104,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::CompareFiles => "Compare with point clouds",
         DialogKind::CompareFolder => "Compare with a folder of frames",
         DialogKind::SavePicture => "Save the picture",
+        DialogKind::RecordTo => "Record the live stream",
         DialogKind::OpenPath => "Open a camera path",
         DialogKind::SavePath => "Save the camera path",
         DialogKind::SaveSession => "Save the session",
@@ -117,7 +120,7 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
             .add_filter(
                 "Point clouds and sessions",
                 &io::supported_extensions()
-                    .chain(["mkv", "reel", EXTENSION])
+                    .chain(["mkv", "reel", "pointreel-stream", EXTENSION])
                     .collect::<Vec<_>>(),
             )
             .add_filter("All files", &["*"])
@@ -128,6 +131,9 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         DialogKind::SaveSession => one(dialog.add_filter("Session", &[EXTENSION]).save_file()),
         DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
         DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
+        DialogKind::RecordTo => one(dialog
+            .add_filter("Recording of a stream", &["pointreel-stream"])
+            .save_file()),
         DialogKind::OpenPath => one(dialog.add_filter("Camera path", &["json"]).pick_file()),
         DialogKind::SavePath => one(dialog.add_filter("Camera path", &["json"]).save_file()),
         DialogKind::ExportTo(extension) => one(dialog.add_filter(extension.to_uppercase(), &[extension]).save_file()),

@@ -37,6 +37,7 @@ impl State {
                 self.requests
                     .push(WindowRequest::Screenshot(Some(with_extension(first, "png"))));
             }
+            DialogKind::RecordTo => self.record_to(&with_extension(first, "pointreel-stream")),
             DialogKind::OpenPath => self.open_path(first),
             DialogKind::SavePath => self.save_path_to(with_extension(first, "json")),
             DialogKind::SaveSession => self.save_session_to(with_extension(first, EXTENSION)),

@@ -13,6 +13,7 @@ mod first_look;
 mod inspecting;
 mod intake;
 mod labels;
+mod live;
 mod main_picture;
 mod measured_way;
 mod measuring;

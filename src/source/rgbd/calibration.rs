@@ -42,6 +42,16 @@ impl Intrinsics {
         }
     }
 
+    /// Those of `camera`.
+    fn of_camera(camera: &Camera) -> Self {
+        Self {
+            focal_px: camera.focal_px(),
+            principal_px: camera.principal_px(),
+            distortion: *camera.distortion(),
+            for_size_px: Some(camera.size_px()),
+        }
+    }
+
     /// The camera of images of `size_px`, which may be those that the numbers are for in another size, but of the same
     /// shape; the size that was expected otherwise.
     fn camera(&self, size_px: [u32; 2]) -> Result<Camera, NoCamera> {
@@ -80,6 +90,15 @@ impl Calibration {
             units_per_metre: None,
             because: because.into(),
             is_assumed: false,
+        }
+    }
+
+    /// The numbers of cameras that are known already.
+    pub(super) fn of_rig(rig: &Rig, because: impl Into<String>) -> Self {
+        let color = rig.color.as_ref();
+        Self {
+            color: color.map(|color| (Intrinsics::of_camera(&color.camera), color.color_from_depth)),
+            ..Self::of_depth(Intrinsics::of_camera(&rig.depth), because)
         }
     }
 

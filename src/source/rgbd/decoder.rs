@@ -17,18 +17,19 @@ use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
 use crate::rgbd::{ColorImage, DepthImage, Filters, RayTable, Rig, Sensor, Temporal, TemporalFilter, cloud};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
+use crate::wire::RawImages;
 use glam::DAffine3;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 /// Frames that are decoded one after the other where each is filtered with those before it.
-pub(super) const GROUP_FRAMES: usize = 32;
+pub(in crate::source) const GROUP_FRAMES: usize = 32;
 
 /// A recording as its decoders share it.
 #[derive(Debug)]
 pub(super) struct Recorded {
     frames: Vec<FrameImages>,
-    code: DepthCode,
+    pub(super) code: DepthCode,
     sizes: Sizes,
     pub(super) filters: Filters,
     pub(super) read: ReadOptions,
@@ -61,6 +62,19 @@ impl Recorded {
         }
     }
 
+    /// What decodes images that are in no recording: see [`Recorded::frame_cloud`].
+    pub(super) fn of_no_frames(code: DepthCode, filters: Filters, read: ReadOptions) -> Self {
+        Self {
+            frames: Vec::new(),
+            code,
+            sizes: Sizes::UNKNOWN,
+            filters,
+            read,
+            left_out: Vec::new(),
+            cameras: Mutex::default(),
+        }
+    }
+
     pub(super) fn sensor(&self, index: usize) -> Option<Sensor> {
         let frame = self.frames.get(index)?;
         let Sizes { depth_px, color_px } = self.sizes;
@@ -80,7 +94,7 @@ impl Recorded {
     pub(super) fn color_file(&self, index: usize) -> Option<&Path> {
         match self.frames.get(index)?.color.as_ref()? {
             StoredImage::File(path) => Some(path),
-            StoredImage::Message(_) | StoredImage::Block(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
         }
     }
 
@@ -92,7 +106,7 @@ impl Recorded {
                 path: path.clone(),
                 kind: DepthKind::Scaled(self.code.metres_per_unit()?),
             }),
-            StoredImage::Message(_) | StoredImage::Block(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
         }
     }
 
@@ -139,21 +153,73 @@ impl Recorded {
         Ok(prepared)
     }
 
-    /// The depth image of a frame after the filters that look at it alone.
-    fn depth(&self, frame: &FrameImages) -> Result<(DepthImage, Arc<RayTable>), RgbdError> {
-        let path = frame.depth.path();
-        let raster = match &frame.depth {
+    /// The depth image of a frame as it was recorded, in its own units.
+    fn depth_raster(&self, frame: &FrameImages) -> Result<Raster, RgbdError> {
+        match &frame.depth {
             StoredImage::File(path) if has_extension(name_of(path), &["depth"]) => {
                 let bytes = text::read_bytes(path, self.read.max_memory_bytes)?;
-                text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))?
+                text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))
             }
-            image => image.raster(&self.read)?,
-        };
+            image => image.raster(&self.read),
+        }
+    }
+
+    /// The depth image of a frame after the filters that look at it alone.
+    pub(super) fn depth(&self, frame: &FrameImages) -> Result<(DepthImage, Arc<RayTable>), RgbdError> {
+        let path = frame.depth.path();
+        let raster = self.depth_raster(frame)?;
         let prepared = self
             .prepared(&frame.calibration, raster.size_px, None)
             .map_err(|error| no_camera(error, path, raster.size_px, &frame.calibration))?;
         let depth = self.code.depth_image(path, raster, &prepared.rays)?;
         Ok((self.filters.apply(depth), Arc::clone(&prepared.rays)))
+    }
+
+    /// The images of frame `index` as they were recorded, unless their depths are in a code of their own: those become
+    /// metres. Colours are left out where they cannot be read.
+    pub(super) fn raw_images(&self, index: usize) -> Option<Result<RawImages, RgbdError>> {
+        Some(self.raw_images_of(self.frames.get(index)?))
+    }
+
+    fn raw_images_of(&self, frame: &FrameImages) -> Result<RawImages, RgbdError> {
+        let path = frame.depth.path();
+        let raster = self.depth_raster(frame)?;
+        let color = frame.color.as_ref().and_then(|image| image.raw_color(&self.read));
+        let path_of = |error| no_camera(error, path, raster.size_px, &frame.calibration);
+        let with_color = color.and_then(|(color, size_px)| {
+            let prepared = self.prepared(&frame.calibration, raster.size_px, Some(size_px)).ok()?;
+            Some((prepared, Some(color)))
+        });
+        let (prepared, color) = match with_color {
+            Some(found) => found,
+            None => (
+                self.prepared(&frame.calibration, raster.size_px, None)
+                    .map_err(path_of)?,
+                None,
+            ),
+        };
+        let (depth, units_per_metre) = match (&raster.samples, self.code.units_per_metre()) {
+            (Samples::Gray16(_), Some(units)) => (raster, units),
+            _ => {
+                let depth = self.code.depth_image(path, raster, &prepared.rays)?;
+                let metres = Samples::GrayF32(depth.metres().to_vec());
+                let size_px = depth.size_px();
+                (
+                    Raster {
+                        size_px,
+                        samples: metres,
+                    },
+                    1.0,
+                )
+            }
+        };
+        Ok(RawImages {
+            rig: Arc::clone(&prepared.rig),
+            world_from_camera: frame.world_from_camera,
+            units_per_metre,
+            depth,
+            color,
+        })
     }
 
     fn color_image(&self, image: &StoredImage) -> Result<ColorImage, RgbdError> {
@@ -194,6 +260,26 @@ impl Recorded {
             });
         }
         Ok(image.pixels().iter().map(|&[r, g, b]| [r, g, b, 255]).collect())
+    }
+
+    /// The cloud of `frame`, whose filtered depth image goes through `with_frames_before`.
+    pub(super) fn frame_cloud(
+        &self,
+        frame: &FrameImages,
+        with_frames_before: impl FnOnce(DepthImage) -> DepthImage,
+    ) -> Result<RawCloud, RgbdError> {
+        let (depth, color) = rayon::join(
+            || self.depth(frame),
+            || {
+                frame
+                    .color
+                    .as_ref()
+                    .map(|image| (image.path(), self.color_image(image)))
+            },
+        );
+        let (depth, rays) = depth?;
+        let depth = with_frames_before(depth);
+        Ok(self.cloud(frame, &depth, &rays, color))
     }
 
     /// The cloud of a frame of this depth image. Broken colours are a warning: the points are there.
@@ -262,47 +348,62 @@ fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, R
     })
 }
 
-/// Decodes frames of a recording. It keeps the state of the temporal filter, if there is one.
-pub(super) struct ImageDecoder {
-    recorded: Arc<Recorded>,
+/// The temporal filter of one thread: after which frame, and its state.
+#[derive(Debug, Default)]
+pub(in crate::source) struct FramesBefore {
     /// The filter after the frame of this index.
-    temporal: Option<(usize, TemporalFilter)>,
+    last: Option<(usize, TemporalFilter)>,
 }
 
-impl ImageDecoder {
-    pub(super) fn new(recorded: Arc<Recorded>) -> Self {
-        Self {
-            recorded,
-            temporal: None,
-        }
-    }
-
-    /// `depth`, which is that of frame `index`, with the frames before it. Broken ones among these are passed over.
-    fn with_frames_before(&mut self, index: usize, depth: DepthImage, progress: &Progress) -> DepthImage {
-        let Some(temporal) = self.recorded.filters.temporal else {
+impl FramesBefore {
+    /// `depth`, which is that of frame `index`, with the frames before it, which `before` gives. Broken ones among
+    /// these, and those that are gone, are passed over.
+    pub(super) fn filtered(
+        &mut self,
+        temporal: Option<Temporal>,
+        (index, depth): (usize, DepthImage),
+        before: impl Fn(usize) -> Option<DepthImage>,
+        progress: &Progress,
+    ) -> DepthImage {
+        let Some(temporal) = temporal else {
             return depth;
         };
         let begin = temporal_begin(index);
         // The frames of a group go on from each other; each group has a beginning of its own.
         let known = self
-            .temporal
+            .last
             .take()
             .filter(|(last, _)| *last < index && temporal_begin(*last) == begin);
         let (first, mut filter) = known.map_or_else(
             || (begin, TemporalFilter::new(temporal)),
             |(last, filter)| (last + 1, filter),
         );
-        for before in first..index {
+        for index in first..index {
             if progress.is_cancelled() {
                 return depth;
             }
-            if let Ok((before, _)) = self.recorded.depth(&self.recorded.frames[before]) {
+            if let Some(before) = before(index) {
                 filter.next(before);
             }
         }
         let filtered = filter.next(depth);
-        self.temporal = Some((index, filter));
+        self.last = Some((index, filter));
         filtered
+    }
+}
+
+/// Decodes frames of a recording. It keeps the state of the temporal filter, if there is one.
+pub(super) struct ImageDecoder {
+    recorded: Arc<Recorded>,
+    before: FramesBefore,
+}
+
+impl ImageDecoder {
+    pub(super) fn new(recorded: Arc<Recorded>) -> Self {
+        Self {
+            recorded,
+            before: FramesBefore::default(),
+        }
     }
 }
 
@@ -315,19 +416,14 @@ impl Decoder for ImageDecoder {
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let recorded = Arc::clone(&self.recorded);
-        let frame = &recorded.frames[index];
-        let (depth, color) = rayon::join(
-            || recorded.depth(frame),
-            || {
-                frame
-                    .color
-                    .as_ref()
-                    .map(|image| (image.path(), recorded.color_image(image)))
-            },
-        );
-        let (depth, rays) = depth?;
-        let depth = self.with_frames_before(index, depth, progress);
-        Ok(recorded.cloud(frame, &depth, &rays, color).into())
+        let with_frames_before = |depth| {
+            let before = |index: usize| Some(recorded.depth(&recorded.frames[index]).ok()?.0);
+            let temporal = recorded.filters.temporal;
+            self.before.filtered(temporal, (index, depth), before, progress)
+        };
+        Ok(recorded
+            .frame_cloud(&recorded.frames[index], with_frames_before)?
+            .into())
     }
 }
 

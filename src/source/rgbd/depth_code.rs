@@ -36,6 +36,12 @@ impl DepthCode {
         is_plain.then(|| self.units_per_metre.recip())
     }
 
+    /// How many units are a metre, where whole numbers are plain depths along the axis.
+    pub(super) fn units_per_metre(&self) -> Option<f64> {
+        let is_plain = self.bits == Bits::Plain && !self.is_ray_length;
+        is_plain.then_some(self.units_per_metre)
+    }
+
     /// So many units are a metre.
     pub(super) fn per_metre(units_per_metre: f64) -> Self {
         Self {

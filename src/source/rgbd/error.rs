@@ -64,6 +64,14 @@ pub enum RgbdError {
         /// What is wrong with it.
         problem: String,
     },
+    /// An image of a live stream that cannot be decoded.
+    #[error("{} has sent an image that cannot be read: {reason}. The other frames are read", input.display())]
+    Received {
+        /// The address, or the file of a recording.
+        input: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// An image of something else than depths.
     #[error(
         "{} holds {found}, and depths are grey of 16 bits or in single floats: check that it is the depth image, and \

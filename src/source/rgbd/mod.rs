@@ -17,6 +17,7 @@ mod merged;
 mod moving_frames;
 mod options;
 mod pairs;
+mod received;
 mod recording;
 mod sizes;
 mod stored_image;
@@ -24,9 +25,11 @@ mod text;
 mod topics;
 mod trajectory;
 
+pub(super) use decoder::{FramesBefore, GROUP_FRAMES};
 pub use error::RgbdError;
 pub use merged::MergedFrames;
 pub use options::RgbdOptions;
+pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
 
 use super::{OpenOptions, SequenceError, Source};

@@ -13,7 +13,8 @@ use super::trajectory::Trajectory;
 use crate::io::{Entry, Part};
 use crate::rgbd::Sensor;
 use crate::source::files::number;
-use crate::source::{Decoder, FrameEntry, OpenOptions, Source};
+use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
+use crate::wire::RawImages;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -115,6 +116,8 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
                 ..whole
             }
         }
+        // A recording has none of these.
+        StoredImage::Received(image) => FrameEntry::embedded(&*image.input, &[]),
     }
 }
 
@@ -181,5 +184,9 @@ impl Source for RgbdRecording {
 
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.recorded.sensor(index)
+    }
+
+    fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        Some(self.recorded.raw_images(index)?.map_err(DecodeFailure::from))
     }
 }

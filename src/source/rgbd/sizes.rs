@@ -14,6 +14,12 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
+    /// Of images that are not there yet.
+    pub(super) const UNKNOWN: Self = Self {
+        depth_px: None,
+        color_px: None,
+    };
+
     /// Looks at the first images of `found`. Cameras that do not say for which size they are get these.
     pub(super) fn learn(found: &mut Found, options: &ReadOptions) -> Self {
         let size_of = |image: &StoredImage| image.size_px(options);

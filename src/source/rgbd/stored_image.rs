@@ -1,11 +1,13 @@
-//! Where an image is: in a file of its own, in a message of a recording, or in a block of a film.
+//! Where an image is: in a file of its own, in a message of a recording, in a block of a film, or in memory as it was
+//! received.
 
 use super::error::RgbdError;
 use super::text;
 use crate::io::matroska::Block;
-use crate::io::raster::{self, Raster};
+use crate::io::raster::{self, Raster, Samples};
 use crate::io::recording::camera::{self, CameraMessage};
 use crate::io::{Message, ReadOptions, recording};
+use crate::wire::{PackedImage, RawColor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,6 +20,16 @@ pub(super) enum StoredImage {
     Message(ImageMessage),
     /// A block of a Matroska file.
     Block(BlockImage),
+    /// In memory.
+    Received(ReceivedImage),
+}
+
+/// An image that a live stream has sent.
+#[derive(Debug, Clone)]
+pub(super) struct ReceivedImage {
+    /// The address or the file that it is from.
+    pub(super) input: Arc<Path>,
+    pub(super) image: PackedImage,
 }
 
 /// An image in a message of a recording.
@@ -80,6 +92,7 @@ impl StoredImage {
             Self::File(path) => path,
             Self::Message(image) => &image.path,
             Self::Block(image) => &image.path,
+            Self::Received(image) => &image.input,
         }
     }
 
@@ -107,7 +120,32 @@ impl StoredImage {
                 offset: image.block.offset,
                 problem,
             }),
+            Self::Received(ReceivedImage { input, image }) => {
+                image
+                    .raster(options.max_memory_bytes)
+                    .map_err(|reason| RgbdError::Received {
+                        input: input.to_path_buf(),
+                        reason,
+                    })
+            }
         }
+    }
+
+    /// Its colours as they are stored, and its size; `None` of what cannot be read.
+    pub(super) fn raw_color(&self, options: &ReadOptions) -> Option<(RawColor, [u32; 2])> {
+        /// What a JPEG begins with.
+        const JPEG: &[u8] = b"\xff\xd8\xff";
+        if let Self::File(path) = self {
+            let bytes = text::read_bytes(path, options.max_memory_bytes).ok()?;
+            if bytes.starts_with(JPEG) {
+                let size_px = raster::size_px(&bytes).ok()?;
+                return Some((RawColor::Jpeg(size_px, bytes), size_px));
+            }
+        }
+        let raster = self.raster(options).ok()?;
+        let size_px = raster.size_px;
+        let is_color = !matches!(raster.samples, Samples::GrayF32(_));
+        is_color.then_some((RawColor::Pixels(raster), size_px))
     }
 
     /// Width and height, as far as they can be read; what cannot is said when it is decoded.
@@ -116,6 +154,7 @@ impl StoredImage {
             Self::File(path) => raster::size_px(&text::read_bytes(path, options.max_memory_bytes).ok()?).ok(),
             Self::Message(_) => Some(self.raster(options).ok()?.size_px),
             Self::Block(image) => Some(image.size_px),
+            Self::Received(image) => Some(image.image.size_px()),
         }
     }
 }

@@ -26,6 +26,7 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Light theme", Command::Theme(ThemePreference::Light)),
     ("Dark theme", Command::Theme(ThemePreference::Dark)),
     ("Save a picture as a file of a name", Command::SaveScreenshotAs),
+    ("Record the live stream, or end that", Command::ToggleRecording),
     ("Export the camera path", Command::ExportPath),
     ("New camera path", Command::NewPath),
     ("Open a camera path", Command::OpenPath),

@@ -122,7 +122,9 @@ impl Save {
         };
         if sequence.source().is_live() || sequence.frames().start > 0 {
             return Some(
-                "This sequence is live: its frames are gone before all of them could be read again".to_owned(),
+                "This sequence is live: its frames are gone before all of them could be read again. Record a stream by \
+                 File, Record… and save what was recorded"
+                    .to_owned(),
             );
         }
         if of.is_busy {

@@ -7,7 +7,7 @@ mod bayer;
 mod compressed;
 mod messages;
 mod pixels;
-mod rvl;
+pub(crate) mod rvl;
 mod topics;
 mod yuv;
 

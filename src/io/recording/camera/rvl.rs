@@ -13,7 +13,7 @@ const MOST_NIBBLES: u32 = 11;
 const MOST_EDGE_PX: u32 = 1 << 15;
 
 /// The image in `bytes`, which takes no more than `most_bytes`; the error is the end of a sentence.
-pub(super) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
+pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     let mut head = Bytes::new(bytes);
     let size = head.u32().zip(head.u32());
     let (width, height) = size.ok_or("it is shorter than its width and height")?;
@@ -92,45 +92,69 @@ impl Nibbles<'_> {
     }
 }
 
+/// The bytes of an image of `depths`. Precondition: they are as many as it has pixels.
+pub(crate) fn encode(size_px: [u32; 2], depths: &[u16]) -> Vec<u8> {
+    let mut written = WrittenNibbles {
+        // Neighbours are mostly near each other: a nibble or two each.
+        bytes: Vec::with_capacity(depths.len() + 16),
+        word: 0,
+        count: 0,
+    };
+    written.bytes.extend(size_px.into_iter().flat_map(u32::to_le_bytes));
+    let (mut rest, mut last) = (depths, 0i32);
+    while !rest.is_empty() {
+        let holes = rest.iter().take_while(|&&depth| depth == 0).count();
+        rest = &rest[holes..];
+        let measured = rest.iter().take_while(|&&depth| depth != 0).count();
+        written.number(holes as u32);
+        written.number(measured as u32);
+        for &depth in &rest[..measured] {
+            let difference = i32::from(depth) - last;
+            written.number(((difference << 1) ^ (difference >> 31)) as u32);
+            last = i32::from(depth);
+        }
+        rest = &rest[measured..];
+    }
+    written.end()
+}
+
+struct WrittenNibbles {
+    bytes: Vec<u8>,
+    word: u32,
+    /// Nibbles in it.
+    count: u32,
+}
+
+impl WrittenNibbles {
+    fn number(&mut self, mut number: u32) {
+        loop {
+            let more = u32::from(number > 7) << 3;
+            self.word = (self.word << 4) | (number & 7) | more;
+            self.count += 1;
+            if self.count == 8 {
+                self.bytes.extend(self.word.to_le_bytes());
+                (self.word, self.count) = (0, 0);
+            }
+            number >>= 3;
+            if more == 0 {
+                return;
+            }
+        }
+    }
+
+    fn end(mut self) -> Vec<u8> {
+        if self.count > 0 {
+            self.word <<= 4 * (8 - self.count);
+            self.bytes.extend(self.word.to_le_bytes());
+        }
+        self.bytes
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
-
-    /// As the paper prints it.
-    fn encode([width, height]: [u32; 2], depths: &[u16]) -> Vec<u8> {
-        let mut nibbles = Vec::new();
-        let mut number = |mut value: u32| {
-            loop {
-                let more = value > 7;
-                nibbles.push((value & 7) | if more { 8 } else { 0 });
-                value >>= 3;
-                if !more {
-                    break;
-                }
-            }
-        };
-        let (mut at, mut last) = (0, 0i32);
-        while at < depths.len() {
-            let holes = depths[at..].iter().take_while(|&&depth| depth == 0).count();
-            let measured = depths[at + holes..].iter().take_while(|&&depth| depth != 0).count();
-            number(holes as u32);
-            number(measured as u32);
-            for &depth in &depths[at + holes..at + holes + measured] {
-                let difference = i32::from(depth) - last;
-                number(((difference << 1) ^ (difference >> 31)) as u32);
-                last = i32::from(depth);
-            }
-            at += holes + measured;
-        }
-        let word = |eight: &[u32]| (0..8).fold(0, |word, place| (word << 4) | eight.get(place).copied().unwrap_or(0));
-        let words = nibbles.chunks(8).map(word);
-        [width, height]
-            .into_iter()
-            .chain(words)
-            .flat_map(u32::to_le_bytes)
-            .collect()
-    }
 
     proptest! {
         #[test]
@@ -156,6 +180,7 @@ mod tests {
         let bytes = [5u32, 1, 0x23a1_1820].map(u32::to_le_bytes).concat();
         let raster = decode(&bytes, 1 << 16).unwrap();
         assert_eq!(raster.samples, Samples::Gray16(vec![0, 0, 5, 4, 12]));
+        assert_eq!(encode([5, 1], &[0, 0, 5, 4, 12]), bytes);
         assert!(decode(&bytes[..8], 1 << 16).is_err());
         assert!(decode(&bytes, 9).unwrap_err().contains("9 bytes"));
     }

@@ -1,0 +1,167 @@
+//! Those who are connected.
+
+use super::mailbox::Mailbox;
+use super::outgoing::Outgoing;
+use crate::locks::lock;
+use std::net::{Shutdown, SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Clients at once.
+pub(super) const MOST_CLIENTS: usize = 64;
+
+/// How long clients may take to hear that it is over.
+const PARTING: Duration = Duration::from_millis(500);
+
+/// What happens while a sequence is served.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum LiveEvent {
+    /// Somebody has connected.
+    Joined(SocketAddr),
+    /// Somebody has left, or was left.
+    Left(ClientReport),
+    /// Somebody was sent away, as there are as many clients as may be.
+    Full(SocketAddr),
+}
+
+/// What a client was sent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClientReport {
+    /// Who it was.
+    pub address: SocketAddr,
+    /// Frames that it was sent.
+    pub sent_frames: u64,
+    /// Frames that were dropped for newer ones.
+    pub dropped_frames: u64,
+    /// Bytes that it was sent.
+    pub sent_bytes: u64,
+    /// How long it was there.
+    pub time: Duration,
+    /// Why it is not there any more.
+    pub reason: String,
+}
+
+/// One client.
+#[derive(Debug)]
+pub(super) struct Client {
+    pub(super) address: SocketAddr,
+    pub(super) mailbox: Mailbox,
+    pub(super) sent_frames: AtomicU64,
+    pub(super) sent_bytes: AtomicU64,
+    joined: Instant,
+    /// To end what its threads wait for.
+    stream: TcpStream,
+}
+
+impl Client {
+    pub(super) fn new(address: SocketAddr, stream: TcpStream) -> Self {
+        Self {
+            address,
+            mailbox: Mailbox::default(),
+            sent_frames: AtomicU64::new(0),
+            sent_bytes: AtomicU64::new(0),
+            joined: Instant::now(),
+            stream,
+        }
+    }
+
+    pub(super) fn hang_up(&self) {
+        // It may have left already.
+        let _ = self.stream.shutdown(Shutdown::Both);
+    }
+
+    pub(super) fn report(&self, reason: String) -> ClientReport {
+        ClientReport {
+            address: self.address,
+            sent_frames: self.sent_frames.load(Ordering::Relaxed),
+            dropped_frames: self.mailbox.dropped(),
+            sent_bytes: self.sent_bytes.load(Ordering::Relaxed),
+            time: self.joined.elapsed(),
+            reason,
+        }
+    }
+}
+
+/// All clients, and the newest frame, which is what a new one begins with.
+#[derive(Debug, Default)]
+pub(super) struct Audience {
+    inside: Mutex<Inside>,
+}
+
+#[derive(Debug, Default)]
+struct Inside {
+    clients: Vec<Arc<Client>>,
+    newest: Option<Arc<Outgoing>>,
+    is_over: bool,
+}
+
+impl Audience {
+    /// Takes a client; `false` where there are too many, or it is over.
+    pub(super) fn join(&self, client: Arc<Client>) -> bool {
+        let mut inside = lock(&self.inside);
+        if inside.clients.len() >= MOST_CLIENTS || inside.is_over {
+            return false;
+        }
+        if let Some(newest) = &inside.newest {
+            client.mailbox.push(Arc::clone(newest));
+        }
+        inside.clients.push(client);
+        true
+    }
+
+    pub(super) fn leave(&self, client: &Arc<Client>) {
+        lock(&self.inside).clients.retain(|other| !Arc::ptr_eq(other, client));
+    }
+
+    /// Hands a frame to everybody; says how many frames were dropped for it.
+    pub(super) fn send(&self, frame: &Arc<Outgoing>) -> u64 {
+        let mut inside = lock(&self.inside);
+        inside.newest = Some(Arc::clone(frame));
+        let dropped = inside
+            .clients
+            .iter()
+            .filter(|client| client.mailbox.push(Arc::clone(frame)));
+        dropped.count() as u64
+    }
+
+    /// Number of the newest frame.
+    pub(super) fn newest(&self) -> Option<u64> {
+        lock(&self.inside).newest.as_ref().map(|frame| frame.number)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        lock(&self.inside).clients.len()
+    }
+
+    /// Bytes that those who are there were sent.
+    pub(super) fn sent_bytes(&self) -> u64 {
+        let inside = lock(&self.inside);
+        inside
+            .clients
+            .iter()
+            .map(|client| client.sent_bytes.load(Ordering::Relaxed))
+            .sum()
+    }
+
+    /// Says that it is over, and hangs up where nobody listens.
+    pub(super) fn end(&self, reason: &str) {
+        let clients = {
+            let mut inside = lock(&self.inside);
+            inside.is_over = true;
+            inside.clients.clone()
+        };
+        for client in &clients {
+            client.mailbox.end(reason);
+        }
+        let begun = Instant::now();
+        while self.len() > 0 && begun.elapsed() < PARTING {
+            thread::sleep(Duration::from_millis(5));
+        }
+        for client in &clients {
+            client.hang_up();
+        }
+    }
+}

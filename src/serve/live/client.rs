@@ -1,0 +1,100 @@
+//! The two threads of a client: one sends, one listens.
+
+use super::audience::Client;
+use super::mailbox::{Next, heartbeat};
+use crate::wire::{Got, Kind, Ping, Pong, StreamHead, WireError, read_message};
+use std::io::{self, BufReader, Write as _};
+use std::net::TcpStream;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Where there is no frame, it is said once in this time that the server is there.
+const HEARTBEAT: Duration = Duration::from_secs(1);
+
+/// A client that takes nothing for so long is left.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Bytes of a message of a client.
+const MOST_SAID_BYTES: u64 = 256;
+
+/// Sends what is in the mailbox until the client has left, or there is no more; says why it has ended.
+pub(super) fn send(
+    client: &Client,
+    mut stream: &TcpStream,
+    head: &StreamHead,
+    clock_ns: impl Fn() -> u64,
+    newest: impl Fn() -> Option<u64>,
+) -> String {
+    let mut sent = || -> io::Result<String> {
+        stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.write_all(&head.encode())?;
+        loop {
+            match client.mailbox.next(HEARTBEAT) {
+                Next::Frame(frame) => {
+                    stream.write_all(&frame.head)?;
+                    stream.write_all(&frame.body.bytes)?;
+                    client.sent_frames.fetch_add(1, Ordering::Relaxed);
+                    client.sent_bytes.fetch_add(frame.byte_size() as u64, Ordering::Relaxed);
+                }
+                Next::Answer(mut answer) => {
+                    stamp(&mut answer.payload, answer.kind, clock_ns());
+                    stream.write_all(&answer.encode())?;
+                }
+                Next::Nothing => stream.write_all(&heartbeat(clock_ns(), newest()).encode())?,
+                Next::End(reason) => {
+                    let end = crate::wire::Message::new(Kind::End, reason.clone().into_bytes());
+                    stream.write_all(&end.encode())?;
+                    return Ok(reason);
+                }
+            }
+        }
+    };
+    match sent() {
+        Ok(reason) => reason,
+        Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+            format!("it has taken nothing for {} seconds", PATIENCE.as_secs())
+        }
+        Err(error) => format!("it has left ({error})"),
+    }
+}
+
+/// An answer to a ping says when it is sent, not when it was made: it may have waited behind a frame.
+fn stamp(payload: &mut Vec<u8>, kind: Kind, clock_ns: u64) {
+    if kind == Kind::Pong
+        && let Ok(pong) = Pong::parse(payload)
+    {
+        let stamped = Pong {
+            sent_ns: clock_ns,
+            ..pong
+        };
+        *payload = stamped.message().payload;
+    }
+}
+
+/// Hears what the client says until it says no more.
+pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() -> u64) -> WireError {
+    let mut reader = BufReader::with_capacity(1 << 10, stream);
+    loop {
+        let heard = read_message(&mut reader, MOST_SAID_BYTES).and_then(|message| {
+            match message.kind {
+                Kind::Ping => {
+                    let received_ns = clock_ns();
+                    let Ping { client_ns } = Ping::parse(&message.payload)?;
+                    let pong = Pong {
+                        client_ns,
+                        received_ns,
+                        sent_ns: received_ns,
+                    };
+                    client.mailbox.answer(pong.message());
+                }
+                Kind::Got => client.mailbox.got(Got::parse(&message.payload)?.number),
+                _ => {}
+            }
+            Ok(())
+        });
+        if let Err(error) = heard {
+            return error;
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Frames of a source → bodies of messages.
+
+use super::outgoing::Body;
+use crate::progress::Progress;
+use crate::source::{Decoder, Source};
+use crate::wire::{ImageCoding, Kind, MOST_PAYLOAD_BYTES, images_body, points_body};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
+const MOST_KEPT_BYTES: usize = 256 << 20;
+
+/// Makes bodies of the frames of a source.
+pub(super) struct Feed {
+    source: Arc<dyn Source>,
+    decoder: Box<dyn Decoder>,
+    coding: ImageCoding,
+    most_bytes: u64,
+    kept: BTreeMap<usize, Body>,
+    kept_bytes: usize,
+    /// Frames that cannot be read, which was said.
+    broken: BTreeSet<usize>,
+    /// Frames whose colours cannot be sent, which was said.
+    said: BTreeSet<usize>,
+}
+
+impl Feed {
+    pub(super) fn new(source: Arc<dyn Source>, coding: ImageCoding, most_bytes: u64) -> Self {
+        Self {
+            decoder: source.decoder(),
+            source,
+            coding,
+            most_bytes,
+            kept: BTreeMap::new(),
+            kept_bytes: 0,
+            broken: BTreeSet::new(),
+            said: BTreeSet::new(),
+        }
+    }
+
+    /// The body of frame `index`; `None` if it cannot be read, which is logged once.
+    pub(super) fn body(&mut self, index: usize) -> Option<Body> {
+        if let Some(body) = self.kept.get(&index) {
+            return Some(body.clone());
+        }
+        if self.broken.contains(&index) {
+            return None;
+        }
+        let body = match self.made(index) {
+            Ok(body) => body,
+            Err(problem) => {
+                log::warn!("frame {index} is left out: {problem}");
+                // A live source has each frame once.
+                if !self.source.is_live() {
+                    self.broken.insert(index);
+                }
+                return None;
+            }
+        };
+        if !self.source.is_live() && self.kept_bytes + body.bytes.len() <= MOST_KEPT_BYTES {
+            self.kept_bytes += body.bytes.len();
+            self.kept.insert(index, body.clone());
+        }
+        Some(body)
+    }
+
+    fn made(&mut self, index: usize) -> Result<Body, String> {
+        let (kind, bytes) = if let Some(images) = self.source.raw_images(index) {
+            let images = images.map_err(|error| error.to_string())?;
+            let (body, problem) = images_body(&images, self.coding, self.most_bytes)?;
+            if let Some(problem) = problem
+                && (self.source.is_live() || self.said.insert(index))
+            {
+                log::warn!("frame {index} is sent without colours: {problem}");
+            }
+            (Kind::Images, body)
+        } else {
+            let entry = self.source.entry(index);
+            let progress = Progress::default();
+            let decoded = self.decoder.decode(index, &entry, usize::MAX, &progress);
+            let decoded = decoded.map_err(|error| error.to_string())?;
+            (Kind::Points, points_body(&decoded.cloud))
+        };
+        if bytes.len() as u64 + 1024 > MOST_PAYLOAD_BYTES {
+            return Err(format!(
+                "it is {} bytes, and {MOST_PAYLOAD_BYTES} are sent at most: thin it out by pointreel convert",
+                bytes.len()
+            ));
+        }
+        Ok(Body::new(kind, bytes))
+    }
+}

@@ -1,0 +1,207 @@
+//! What one client is to be sent: two frames at most, and answers.
+//!
+//! A frame that comes while two wait takes the place of the oldest: the newest wins. So that frames do not queue in the
+//! buffers of the network instead, which hold seconds of small ones, no more than two are on the way: a client says
+//! what it has received ([`crate::wire::Got`]). One that never says so is sent what the network takes. A client whose
+//! answers take longer than two frames last gets two frames in that time.
+
+use super::outgoing::Outgoing;
+use crate::locks::lock;
+use crate::wire::{Message, Now};
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Frames that wait.
+pub(super) const MOST_FRAMES: usize = 2;
+
+/// Answers that wait: a client that asks more often is not answered.
+const MOST_ANSWERS: usize = 8;
+
+/// Frames that are on the way to a client that says what it has received.
+const MOST_ON_THE_WAY: usize = 2;
+
+/// What is to be sent next.
+#[derive(Debug)]
+pub(super) enum Next {
+    Frame(Arc<Outgoing>),
+    Answer(Message),
+    /// There is nothing.
+    Nothing,
+    /// Nothing more, for this reason.
+    End(String),
+}
+
+/// What one client is to be sent.
+#[derive(Debug, Default)]
+pub(super) struct Mailbox {
+    inside: Mutex<Inside>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Inside {
+    frames: VecDeque<Arc<Outgoing>>,
+    answers: VecDeque<Message>,
+    /// Numbers of the newest frames that were sent and not received yet.
+    on_the_way: VecDeque<u64>,
+    says_what_it_got: bool,
+    dropped: u64,
+    end: Option<String>,
+}
+
+impl Inside {
+    fn is_free(&self) -> bool {
+        !self.says_what_it_got || self.on_the_way.len() < MOST_ON_THE_WAY
+    }
+}
+
+impl Mailbox {
+    /// Takes a frame; says whether another one was dropped for it.
+    pub(super) fn push(&self, frame: Arc<Outgoing>) -> bool {
+        let mut inside = lock(&self.inside);
+        let drops = inside.frames.len() >= MOST_FRAMES;
+        if drops {
+            inside.frames.pop_front();
+            inside.dropped += 1;
+        }
+        inside.frames.push_back(frame);
+        drop(inside);
+        self.changed.notify_all();
+        drops
+    }
+
+    pub(super) fn answer(&self, message: Message) {
+        let mut inside = lock(&self.inside);
+        if inside.answers.len() < MOST_ANSWERS {
+            inside.answers.push_back(message);
+        }
+        drop(inside);
+        self.changed.notify_all();
+    }
+
+    /// The client has received the frame of this number, and those before it.
+    pub(super) fn got(&self, number: u64) {
+        let mut inside = lock(&self.inside);
+        inside.says_what_it_got = true;
+        inside.on_the_way.retain(|sent| *sent > number);
+        drop(inside);
+        self.changed.notify_all();
+    }
+
+    /// There is nothing more to be sent.
+    pub(super) fn end(&self, reason: &str) {
+        lock(&self.inside).end.get_or_insert_with(|| reason.to_owned());
+        self.changed.notify_all();
+    }
+
+    /// Frames that were dropped.
+    pub(super) fn dropped(&self) -> u64 {
+        lock(&self.inside).dropped
+    }
+
+    /// Waits for what is to be sent next, no longer than that.
+    pub(super) fn next(&self, at_most: Duration) -> Next {
+        let inside = lock(&self.inside);
+        let nothing = |inside: &mut Inside| {
+            let has_frame = !inside.frames.is_empty() && inside.is_free();
+            !has_frame && inside.answers.is_empty() && inside.end.is_none()
+        };
+        let waited = self.changed.wait_timeout_while(inside, at_most, nothing);
+        let (mut inside, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        if let Some(reason) = &inside.end {
+            return Next::End(reason.clone());
+        }
+        if let Some(answer) = inside.answers.pop_front() {
+            return Next::Answer(answer);
+        }
+        if !inside.is_free() {
+            return Next::Nothing;
+        }
+        let Some(frame) = inside.frames.pop_front() else {
+            return Next::Nothing;
+        };
+        if inside.on_the_way.len() >= MOST_ON_THE_WAY {
+            inside.on_the_way.pop_front();
+        }
+        inside.on_the_way.push_back(frame.number);
+        Next::Frame(frame)
+    }
+}
+
+/// What is said where there is no frame for a while.
+pub(super) fn heartbeat(clock_ns: u64, newest: Option<u64>) -> Message {
+    Now { clock_ns, newest }.message()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::outgoing::Body;
+    use super::*;
+    use crate::wire::{FrameHead, Kind};
+
+    fn frame(number: u64) -> Arc<Outgoing> {
+        let head = FrameHead {
+            index: 0,
+            number,
+            time_ns: 0,
+            served_ns: 0,
+        };
+        Arc::new(Outgoing::new(head, Body::new(Kind::Points, Vec::new())))
+    }
+
+    fn sent(mailbox: &Mailbox) -> Option<u64> {
+        match mailbox.next(Duration::ZERO) {
+            Next::Frame(frame) => Some(frame.number),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn the_newest_two_frames_wait() {
+        let mailbox = Mailbox::default();
+        let drops: Vec<bool> = (0..5).map(|number| mailbox.push(frame(number))).collect();
+        assert_eq!(drops, [false, false, true, true, true]);
+        assert_eq!(
+            (sent(&mailbox), sent(&mailbox), sent(&mailbox)),
+            (Some(3), Some(4), None)
+        );
+        assert_eq!(mailbox.dropped(), 3);
+    }
+
+    #[test]
+    fn no_more_frames_are_on_the_way_than_a_client_receives() {
+        let mailbox = Mailbox::default();
+        let mut push_and_send = |number| {
+            mailbox.push(frame(number));
+            sent(&mailbox)
+        };
+        assert_eq!(push_and_send(0), Some(0));
+        mailbox.got(0);
+        // Two are on the way; the third waits until one has come.
+        assert_eq!([1, 2, 3].map(&mut push_and_send), [Some(1), Some(2), None]);
+        mailbox.got(1);
+        assert_eq!(sent(&mailbox), Some(3));
+        // One that never says what it has received is sent all.
+        let silent = Mailbox::default();
+        let all = (0..8).filter(|&number| {
+            silent.push(frame(number));
+            sent(&silent).is_some()
+        });
+        assert_eq!(all.count(), 8);
+    }
+
+    #[test]
+    fn answers_come_first_and_the_end_before_all() {
+        let mailbox = Mailbox::default();
+        mailbox.push(frame(0));
+        for number in 0..20 {
+            mailbox.answer(heartbeat(number, None));
+        }
+        let answers = (0..20).filter(|_| matches!(mailbox.next(Duration::ZERO), Next::Answer(_)));
+        assert_eq!(answers.count(), MOST_ANSWERS);
+        mailbox.answer(heartbeat(0, None));
+        mailbox.end("it is over");
+        assert!(matches!(mailbox.next(Duration::from_mins(1)), Next::End(reason) if reason == "it is over"));
+    }
+}

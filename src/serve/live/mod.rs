@@ -1,0 +1,24 @@
+//! A sequence as a live stream: `pointreel serve walk/ --live`.
+//!
+//! **How it works.** One thread plays: it makes the frame that is due next, as bytes of the wire format
+//! ([`crate::wire`]), waits until it is due, and hands it to every client's mailbox. A client has a thread that sends
+//! and one that listens. A mailbox holds two frames; where a third comes the oldest is dropped, so a client that is
+//! slow misses frames, is never late by more than these, and stops nobody else. Frames of a recording of depth images
+//! are sent as its images, before any filter; all others as points.
+//!
+//! **Bounds.** So many clients at once, so much of what they say, and a client that takes nothing for ten seconds is
+//! left.
+
+mod audience;
+mod client;
+mod feed;
+mod mailbox;
+mod outgoing;
+mod schedule;
+mod server;
+#[cfg(test)]
+mod tests;
+
+pub use audience::{ClientReport, LiveEvent};
+pub use schedule::Schedule;
+pub use server::{LiveOptions, LiveReport, LiveServer};

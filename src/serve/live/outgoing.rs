@@ -1,0 +1,60 @@
+//! A frame as it is sent to every client.
+
+use crate::wire::{FrameHead, Kind, MessageHeader};
+use crc32fast::Hasher;
+use std::sync::Arc;
+
+/// The body of a frame, which may be sent several times.
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    pub(super) kind: Kind,
+    pub(super) bytes: Arc<Vec<u8>>,
+    checksum: Hasher,
+}
+
+impl Body {
+    pub(super) fn new(kind: Kind, bytes: Vec<u8>) -> Self {
+        let mut checksum = Hasher::new();
+        checksum.update(&bytes);
+        Self {
+            kind,
+            bytes: Arc::new(bytes),
+            checksum,
+        }
+    }
+}
+
+/// A frame as it is sent.
+#[derive(Debug)]
+pub(super) struct Outgoing {
+    pub(super) number: u64,
+    /// The header of the message and the head of the frame.
+    pub(super) head: Vec<u8>,
+    pub(super) body: Body,
+}
+
+impl Outgoing {
+    pub(super) fn new(head: FrameHead, body: Body) -> Self {
+        let frame_head = head.encode();
+        let mut checksum = Hasher::new();
+        checksum.update(&frame_head);
+        checksum.combine(&body.checksum);
+        let header = MessageHeader {
+            kind: body.kind,
+            payload_bytes: (frame_head.len() + body.bytes.len()) as u32,
+            checksum: checksum.finalize(),
+        };
+        let mut bytes = header.encode();
+        bytes.extend(frame_head);
+        Self {
+            number: head.number,
+            head: bytes,
+            body,
+        }
+    }
+
+    /// Bytes that are sent.
+    pub(super) fn byte_size(&self) -> usize {
+        self.head.len() + self.body.bytes.len()
+    }
+}

@@ -1,0 +1,325 @@
+//! Plays a sequence to all who are connected.
+
+use super::audience::{Audience, Client, LiveEvent};
+use super::client;
+use super::feed::Feed;
+use super::outgoing::{Body, Outgoing};
+use super::schedule::Schedule;
+use crate::source::Source;
+use crate::wire::{FrameHead, ImageCoding, StreamHead};
+use std::hash::{BuildHasher as _, Hasher as _, RandomState};
+use std::io::{self, ErrorKind};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Between looks at whether it is over, and whether somebody has come.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// How a sequence is served.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LiveOptions {
+    /// How images are sent.
+    pub coding: ImageCoding,
+    /// Whether it begins again at its end.
+    pub repeats: bool,
+    /// Most bytes that a frame may take in memory.
+    pub most_bytes: u64,
+}
+
+/// What was done so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LiveReport {
+    /// Who is there.
+    pub clients: usize,
+    /// Frames that were served, each counted once.
+    pub served_frames: u64,
+    /// Frames that could not be made in time while somebody was there, or not at all.
+    pub missed_frames: u64,
+    /// Frames that were dropped for newer ones, of all clients together.
+    pub dropped_frames: u64,
+    /// Bytes that were sent, to all clients together.
+    pub sent_bytes: u64,
+}
+
+/// Serves a sequence as a live stream until it is stopped.
+pub struct LiveServer {
+    listener: TcpListener,
+    source: Arc<dyn Source>,
+    schedule: Schedule,
+    options: LiveOptions,
+    shared: Arc<Shared>,
+}
+
+/// What threads of clients share with the one that plays.
+struct Shared {
+    audience: Audience,
+    begun: Instant,
+    session: u64,
+    fps: f64,
+    is_over: AtomicBool,
+    served: AtomicU64,
+    missed: AtomicU64,
+    dropped: AtomicU64,
+    sent_bytes: AtomicU64,
+    tell: Box<dyn Fn(LiveEvent) + Send + Sync>,
+}
+
+impl Shared {
+    /// The clock of the server, ns.
+    fn clock_ns(&self) -> u64 {
+        u64::try_from(self.begun.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn is_over(&self) -> bool {
+        self.is_over.load(Ordering::Relaxed)
+    }
+
+    fn head(&self) -> StreamHead {
+        let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        StreamHead {
+            session: self.session,
+            clock_ns: self.clock_ns(),
+            fps: self.fps,
+            wall_ns: u64::try_from(wall.as_nanos()).unwrap_or(u64::MAX),
+        }
+    }
+}
+
+impl LiveServer {
+    /// Listens at `address`; nobody is answered before [`LiveServer::run`]. `tell` hears who comes and goes.
+    ///
+    /// # Errors
+    /// Those of the system, if it cannot be listened there.
+    pub fn bind(
+        source: Arc<dyn Source>,
+        schedule: Schedule,
+        address: SocketAddr,
+        options: LiveOptions,
+        tell: impl Fn(LiveEvent) + Send + Sync + 'static,
+    ) -> io::Result<Self> {
+        let listener = TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        Ok(Self {
+            listener,
+            source,
+            options,
+            shared: Arc::new(Shared {
+                audience: Audience::default(),
+                begun: Instant::now(),
+                session: RandomState::new().build_hasher().finish(),
+                fps: schedule.fps(),
+                is_over: AtomicBool::new(false),
+                served: AtomicU64::new(0),
+                missed: AtomicU64::new(0),
+                dropped: AtomicU64::new(0),
+                sent_bytes: AtomicU64::new(0),
+                tell: Box::new(tell),
+            }),
+            schedule,
+        })
+    }
+
+    /// Where it is: `tcp://127.0.0.1:9000`.
+    pub fn url(&self) -> io::Result<String> {
+        Ok(format!("tcp://{}", self.listener.local_addr()?))
+    }
+
+    /// What was done so far.
+    pub fn report(&self) -> LiveReport {
+        let shared = &self.shared;
+        LiveReport {
+            clients: shared.audience.len(),
+            served_frames: shared.served.load(Ordering::Relaxed),
+            missed_frames: shared.missed.load(Ordering::Relaxed),
+            dropped_frames: shared.dropped.load(Ordering::Relaxed),
+            sent_bytes: shared.sent_bytes.load(Ordering::Relaxed) + shared.audience.sent_bytes(),
+        }
+    }
+
+    /// Ends [`LiveServer::run`], which another thread is in: clients are told.
+    pub fn stop(&self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
+    }
+
+    /// Plays until [`LiveServer::stop`], or to the end of a sequence that is not repeated.
+    pub fn run(&self) -> io::Result<()> {
+        let mut feed = Feed::new(Arc::clone(&self.source), self.options.coding, self.options.most_bytes);
+        let reason = thread::scope(|scope| -> io::Result<&str> {
+            let accepting = thread::Builder::new()
+                .name("live clients".to_owned())
+                .spawn_scoped(scope, || self.accept())?;
+            let reason = if self.source.is_live() {
+                self.relay(&mut feed)
+            } else {
+                self.play(&mut feed)
+            };
+            self.shared.audience.end(reason);
+            self.stop();
+            // What cannot be listened to any more is said by that thread.
+            let _ = accepting.join();
+            Ok(reason)
+        })?;
+        log::debug!("{reason}");
+        Ok(())
+    }
+
+    /// Frames by the schedule.
+    fn play(&self, feed: &mut Feed) -> &'static str {
+        let schedule = &self.schedule;
+        let begun = Instant::now();
+        let mut next = 0;
+        // What a frame takes to be made: the one that is due then is made.
+        let mut cost = Duration::ZERO;
+        while !self.shared.is_over() {
+            let due = schedule.due_by(begun.elapsed() + cost).max(next);
+            let has_clients = self.shared.audience.len() > 0;
+            if has_clients {
+                self.shared.missed.fetch_add(due - next, Ordering::Relaxed);
+            }
+            if !self.options.repeats && due >= schedule.count() as u64 {
+                return "the sequence is over";
+            }
+            next = due + 1;
+            let making = Instant::now();
+            // Nobody waits for it, but a client that comes is shown something at once.
+            let is_wanted = has_clients || self.shared.audience.newest().is_none();
+            let body = is_wanted.then(|| feed.body(schedule.index(due)));
+            cost = making.elapsed();
+            self.wait_until(begun, schedule.due(due));
+            match body {
+                Some(Some(body)) if !self.shared.is_over() => {
+                    self.serve(due, schedule.index(due), schedule.due(due), body);
+                }
+                Some(None) => {
+                    self.shared.missed.fetch_add(1, Ordering::Relaxed);
+                }
+                _ => {}
+            }
+        }
+        "the server was stopped"
+    }
+
+    /// The newest frame of a source that is live itself, as it comes.
+    fn relay(&self, feed: &mut Feed) -> &'static str {
+        let mut last = None;
+        while !self.shared.is_over() {
+            if let Err(error) = self.source.wait_for_more(Duration::from_millis(100)) {
+                log::debug!("{error}");
+            }
+            let newest = self.source.frames().end.checked_sub(1);
+            let Some(index) = newest.filter(|_| newest != last) else {
+                continue;
+            };
+            let missed = last.map_or(0, |last| index.saturating_sub(last + 1));
+            last = newest;
+            if self.shared.audience.len() == 0 && self.shared.audience.newest().is_some() {
+                continue;
+            }
+            self.shared.missed.fetch_add(missed as u64, Ordering::Relaxed);
+            let time = self.source.entry(index).time;
+            if let Some(body) = feed.body(index) {
+                let time = time.unwrap_or_else(|| self.shared.begun.elapsed());
+                self.serve(index as u64, index, time, body);
+            }
+        }
+        "the server was stopped"
+    }
+
+    fn serve(&self, number: u64, index: usize, time: Duration, body: Body) {
+        let head = FrameHead {
+            index: u32::try_from(index).unwrap_or(u32::MAX),
+            number,
+            time_ns: u64::try_from(time.as_nanos()).unwrap_or(u64::MAX),
+            served_ns: self.shared.clock_ns(),
+        };
+        let frame = Arc::new(Outgoing::new(head, body));
+        let dropped = self.shared.audience.send(&frame);
+        self.shared.dropped.fetch_add(dropped, Ordering::Relaxed);
+        self.shared.served.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn wait_until(&self, begun: Instant, due: Duration) {
+        while !self.shared.is_over() {
+            let left = due.saturating_sub(begun.elapsed());
+            if left.is_zero() {
+                return;
+            }
+            thread::sleep(left.min(10 * LOOK));
+        }
+    }
+
+    /// Takes clients until it is over.
+    fn accept(&self) {
+        while !self.shared.is_over() {
+            match self.listener.accept() {
+                Ok((stream, address)) => {
+                    if let Err(error) = self.welcome(stream, address) {
+                        log::debug!("{address}: {error}");
+                    }
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => thread::sleep(LOOK),
+                Err(error) => {
+                    log::debug!("a connection failed: {error}");
+                    thread::sleep(LOOK);
+                }
+            }
+        }
+    }
+
+    fn welcome(&self, stream: TcpStream, address: SocketAddr) -> io::Result<()> {
+        // Some systems hand over what the listener is set to.
+        stream.set_nonblocking(false)?;
+        let shared = Arc::clone(&self.shared);
+        let client = Arc::new(Client::new(address, stream.try_clone()?));
+        if !shared.audience.join(Arc::clone(&client)) {
+            (shared.tell)(LiveEvent::Full(address));
+            return Ok(());
+        }
+        (shared.tell)(LiveEvent::Joined(address));
+        let started = attend(&shared, &client, stream);
+        if started.is_err() {
+            shared.audience.leave(&client);
+        }
+        started
+    }
+}
+
+/// Starts the threads of a client.
+fn attend(shared: &Arc<Shared>, client: &Arc<Client>, stream: TcpStream) -> io::Result<()> {
+    let heard = stream.try_clone()?;
+    let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
+    thread::Builder::new().name("live listener".to_owned()).spawn(move || {
+        let error = client::listen(&listener, &heard, || clock.clock_ns());
+        log::debug!("{}: {error}", listener.address);
+        // The one that sends need not wait for a frame to find out.
+        listener.mailbox.end("it has left");
+        listener.hang_up();
+    })?;
+    let (shared, client) = (Arc::clone(shared), Arc::clone(client));
+    let sending = thread::Builder::new().name("live sender".to_owned());
+    sending
+        .spawn(move || {
+            let head = shared.head();
+            let (clock, newest) = (|| shared.clock_ns(), || shared.audience.newest());
+            let reason = client::send(&client, &stream, &head, clock, newest);
+            client.hang_up();
+            shared.audience.leave(&client);
+            let report = client.report(reason);
+            shared.sent_bytes.fetch_add(report.sent_bytes, Ordering::Relaxed);
+            (shared.tell)(LiveEvent::Left(report));
+        })
+        .map(drop)
+}
+
+impl std::fmt::Debug for LiveServer {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut debug = formatter.debug_struct("LiveServer");
+        debug
+            .field("address", &self.listener.local_addr())
+            .field("report", &self.report())
+            .finish_non_exhaustive()
+    }
+}

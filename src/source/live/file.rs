@@ -1,0 +1,223 @@
+//! A recording of a live stream: a file with the bytes of the stream.
+//!
+//! The heads of messages are walked over once, 44 bytes a frame; a frame then reads its own part of the file. A file
+//! that breaks off, as one does whose writer was ended, has the frames that are whole.
+
+use super::decoder::{FrameStore, StreamDecoder, group, raw_images, sensor};
+use super::timeline::Timeline;
+use crate::locks::lock;
+use crate::rgbd::Sensor;
+use crate::source::rgbd::ReceivedFrames;
+use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::wire::{
+    FRAME_HEAD_BYTES, Frame, FrameHead, MAGIC, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
+    read_message,
+};
+use std::fs::File;
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// Frames of a recording of a live stream.
+#[derive(Debug)]
+pub struct RecordedStream {
+    recorded: Arc<Recorded>,
+    entries: Vec<Arc<FrameEntry>>,
+    inputs: [PathBuf; 1],
+    notes: Vec<String>,
+    fps: f64,
+    received: Arc<ReceivedFrames>,
+}
+
+/// What decoders share.
+#[derive(Debug)]
+struct Recorded {
+    file: Mutex<File>,
+    /// Where the message of each frame begins.
+    offsets: Vec<u64>,
+    most_bytes: u64,
+}
+
+impl RecordedStream {
+    /// Whether the file at `path` begins as a recording does.
+    pub(in crate::source) fn is_one(path: &Path) -> bool {
+        let mut begin = [0; MAGIC.len()];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+        read.is_ok() && begin == MAGIC
+    }
+
+    /// The frames of the file at `path`.
+    ///
+    /// # Errors
+    /// [`SequenceError::Stream`].
+    pub fn open(path: &Path, options: &OpenOptions) -> Result<Self, SequenceError> {
+        let failed = |problem: String| SequenceError::Stream {
+            input: path.display().to_string(),
+            problem,
+        };
+        let unreadable = |error| failed(format!("it cannot be read ({error}): check its permissions"));
+        let file = File::open(path).map_err(unreadable)?;
+        let length = file.metadata().map_err(unreadable)?.len();
+        let walked = Walked::over(BufReader::new(file), length).map_err(|error| failed(error.to_string()))?;
+        if walked.frames.is_empty() {
+            return Err(failed("it has no whole frame: record the stream again".to_owned()));
+        }
+        let entry = |&(_, head, time): &(u64, FrameHead, Duration)| {
+            let mut entry = FrameEntry::embedded(path, &[]);
+            entry.name = format!("{}: {}", entry.name, head.number);
+            entry.number = Some(head.number);
+            entry.time = Some(time);
+            Arc::new(entry)
+        };
+        Ok(Self {
+            entries: walked.frames.iter().map(entry).collect(),
+            inputs: [path.to_owned()],
+            notes: walked.notes(path),
+            fps: walked.head.fps,
+            recorded: Arc::new(Recorded {
+                file: Mutex::new(File::open(path).map_err(unreadable)?),
+                offsets: walked.frames.iter().map(|(offset, ..)| *offset).collect(),
+                most_bytes: options.read.max_memory_bytes,
+            }),
+            received: Arc::new(ReceivedFrames::new(path, options)),
+        })
+    }
+}
+
+/// What a walk over the messages has found.
+struct Walked {
+    head: StreamHead,
+    /// Where each frame is, which one it is, and its time.
+    frames: Vec<(u64, FrameHead, Duration)>,
+    /// Why the walk has ended before the end of the file, and where.
+    damage: Option<(u64, WireError)>,
+}
+
+impl Walked {
+    fn over(mut file: BufReader<File>, length: u64) -> Result<Self, WireError> {
+        let head = StreamHead::read(&mut file)?;
+        let mut walked = Self {
+            head,
+            frames: Vec::new(),
+            damage: None,
+        };
+        let mut timeline = Timeline::default();
+        let spacing = Duration::try_from_secs_f64(head.fps.recip()).unwrap_or_default();
+        let mut offset = file.stream_position().map_err(WireError::Io)?;
+        loop {
+            match next(&mut file, offset, length) {
+                Ok(None) => return Ok(walked),
+                Ok(Some((frame, end))) => {
+                    if let Some(frame) = frame {
+                        // A server that has begun again counts from the beginning, which times tell.
+                        let time = timeline.next(head.session, frame.time_ns, spacing);
+                        walked.frames.push((offset, frame, time));
+                    }
+                    offset = end;
+                }
+                Err(error) => {
+                    walked.damage = Some((offset, error));
+                    return Ok(walked);
+                }
+            }
+        }
+    }
+
+    fn notes(&self, path: &Path) -> Vec<String> {
+        let note = self.damage.as_ref().map(|(offset, error)| {
+            format!(
+                "{}, byte {offset}: {error}; the {} frames before it are read",
+                path.display(),
+                self.frames.len()
+            )
+        });
+        note.into_iter().collect()
+    }
+}
+
+/// The frame in the message at `offset`, if it is one, and where the message ends.
+fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(Option<FrameHead>, u64)>, WireError> {
+    let Some(header) = MessageHeader::read(file)? else {
+        return Ok(None);
+    };
+    let begin = offset + MESSAGE_HEADER_BYTES as u64;
+    let end = begin + u64::from(header.payload_bytes);
+    if end > length {
+        return Err(WireError::BreaksOff { within: "a message" });
+    }
+    let mut head = None;
+    let mut at = begin;
+    if header.kind.is_frame() {
+        let mut bytes = Vec::with_capacity(FRAME_HEAD_BYTES);
+        let wanted = FRAME_HEAD_BYTES as u64;
+        let read = file
+            .take(wanted.min(u64::from(header.payload_bytes)))
+            .read_to_end(&mut bytes);
+        at += read.map_err(WireError::Io)? as u64;
+        head = Some(FrameHead::parse_begin(&bytes)?.0);
+    }
+    // Within the buffer where it can: a seek would drop it.
+    file.seek_relative((end - at) as i64).map_err(WireError::Io)?;
+    Ok(Some((head, end)))
+}
+
+impl FrameStore for Recorded {
+    fn frame(&self, index: usize) -> Result<Frame, String> {
+        let offset = *self.offsets.get(index).ok_or("it is not in the file")?;
+        let mut file = lock(&self.file);
+        let read = file
+            .seek(SeekFrom::Start(offset))
+            .map_err(WireError::Io)
+            .and_then(|_| read_message(&mut *file, self.most_bytes));
+        drop(file);
+        let frame = read
+            .and_then(Frame::of)
+            .map_err(|error| format!("byte {offset}: {error}"))?;
+        frame.ok_or_else(|| format!("byte {offset}: it is no frame any more"))
+    }
+}
+
+impl Source for RecordedStream {
+    fn frames(&self) -> Range<usize> {
+        0..self.entries.len()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&self.entries[index])
+    }
+
+    fn group(&self, index: usize) -> Range<usize> {
+        group(&self.received, index, &self.frames())
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        let store = Arc::clone(&self.recorded);
+        Box::new(StreamDecoder::new(store, Arc::clone(&self.received)))
+    }
+
+    fn fps(&self) -> Option<f64> {
+        Some(self.fps)
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn sensor(&self, index: usize) -> Option<Sensor> {
+        sensor(&self.recorded.frame(index).ok()?)
+    }
+
+    fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        let frame = self.recorded.frame(index).map_err(DecodeFailure::from);
+        match frame {
+            Ok(frame) => raw_images(&frame, self.recorded.most_bytes),
+            Err(error) => Some(Err(error)),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Writes what arrives to a file.
+//!
+//! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
+//! lost on the way, filters can be chosen later, and a recording that breaks off is read up to there. A sequence file
+//! (`.reel`) would have prepared points in place of images, at a hundred times the work; `pointreel convert` makes one
+//! of a recording afterwards.
+
+use crate::wire::{Message, StreamHead};
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+/// What was recorded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StreamRecording {
+    /// The file.
+    pub path: PathBuf,
+    /// Frames in it.
+    pub frames: u64,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// A file that is written.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    file: BufWriter<File>,
+    written: StreamRecording,
+}
+
+impl Recorder {
+    /// A new file at `path` for a stream with this head.
+    pub(super) fn create(path: &Path, head: &StreamHead) -> io::Result<Self> {
+        let mut file = BufWriter::with_capacity(1 << 16, File::create(path)?);
+        let head = head.encode();
+        file.write_all(&head)?;
+        Ok(Self {
+            file,
+            written: StreamRecording {
+                path: path.to_owned(),
+                frames: 0,
+                bytes: head.len() as u64,
+            },
+        })
+    }
+
+    /// Writes a frame.
+    pub(super) fn add(&mut self, message: &Message) -> io::Result<()> {
+        let header = message.header();
+        self.file.write_all(&header)?;
+        self.file.write_all(&message.payload)?;
+        self.written.frames += 1;
+        self.written.bytes += (header.len() + message.payload.len()) as u64;
+        Ok(())
+    }
+
+    pub(super) fn written(&self) -> &StreamRecording {
+        &self.written
+    }
+
+    /// Writes what is left.
+    pub(super) fn finish(mut self) -> io::Result<StreamRecording> {
+        self.file.flush()?;
+        Ok(self.written)
+    }
+}

@@ -1,0 +1,166 @@
+//! What the thread that is connected shares with the source and its decoders.
+
+use super::clock::ClockDifference;
+use super::decoder::FrameStore;
+use super::rate::Rate;
+use super::recorder::Recorder;
+use super::ring::Ring;
+use super::status::{LiveState, LiveStatus};
+use super::timeline::Timeline;
+use crate::locks::lock;
+use crate::wire::{Frame, Message, Pong, StreamHead, WireError};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What the thread that is connected shares.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) ring: Ring,
+    /// Whether nobody wants frames any more.
+    pub(super) is_closed: AtomicBool,
+    /// What our clock counts from.
+    begun: Instant,
+    pub(super) link: Mutex<Link>,
+    /// A disk that is slow keeps the thread that is connected, and nobody who asks how it is doing.
+    pub(super) recorder: Mutex<Option<Recorder>>,
+}
+
+/// The connection, as others see it.
+#[derive(Debug, Default)]
+pub(super) struct Link {
+    /// Why there is no connection, and whether another one would not help.
+    pub(super) problem: Option<(String, bool)>,
+    /// What the stream that was connected last began with.
+    pub(super) head: Option<StreamHead>,
+    timeline: Timeline,
+    clock: ClockDifference,
+    /// The number of the newest frame.
+    newest: Option<u64>,
+    /// How long the newest frame took, and how wrong that may be.
+    delay_s: Option<(f64, f64)>,
+    received: u64,
+    lost: u64,
+    connections: u64,
+    rate: Rate,
+}
+
+impl Shared {
+    pub(super) fn new(keeps: Duration) -> Self {
+        Self {
+            ring: Ring::new(keeps),
+            is_closed: AtomicBool::new(false),
+            begun: Instant::now(),
+            link: Mutex::default(),
+            recorder: Mutex::default(),
+        }
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        self.is_closed.load(Ordering::Relaxed)
+    }
+
+    /// Our clock, ns.
+    pub(super) fn now_ns(&self) -> u64 {
+        u64::try_from(self.begun.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    /// A connection begins with `head`.
+    pub(super) fn connected(&self, head: StreamHead) {
+        let mut link = lock(&self.link);
+        let is_same = link.head.is_some_and(|before| before.session == head.session);
+        if !is_same {
+            // Numbers and the clock are those of another run.
+            link.newest = None;
+        }
+        link.clock = ClockDifference::default();
+        link.head = Some(head);
+        link.connections += 1;
+        link.problem = None;
+    }
+
+    /// The connection has ended, or there is none.
+    pub(super) fn failed(&self, problem: String, is_final: bool) {
+        lock(&self.link).problem = Some((problem, is_final));
+    }
+
+    pub(super) fn pong(&self, pong: Pong) {
+        let now_ns = self.now_ns();
+        lock(&self.link).clock.add(pong, now_ns);
+    }
+
+    /// Takes a frame; says its number. `message` is its message, which is recorded.
+    pub(super) fn frame(&self, message: Message) -> Result<Option<u64>, WireError> {
+        let now = Instant::now();
+        let recorded = self.record(&message);
+        let bytes = message.payload.len();
+        let Some(frame) = Frame::of(message)? else {
+            return Ok(None);
+        };
+        let head = frame.head;
+        let now_ns = self.now_ns();
+        let mut link = lock(&self.link);
+        let (session, fps) = link.head.map_or((0, 30.0), |head| (head.session, head.fps));
+        let spacing = Duration::try_from_secs_f64(fps.recip()).unwrap_or_default();
+        let time = link.timeline.next(session, head.time_ns, spacing);
+        link.lost += link
+            .newest
+            .map_or(0, |newest| head.number.saturating_sub(newest.saturating_add(1)));
+        link.newest = Some(head.number);
+        link.delay_s = link.clock.since_s(head.served_ns, now_ns);
+        link.received += 1;
+        link.rate.add(now, bytes);
+        drop(link);
+        if let Err(problem) = recorded {
+            log::warn!("{problem}");
+        }
+        self.ring.push(frame, time, now);
+        Ok(Some(head.number))
+    }
+
+    /// A file that cannot be written is closed, so that it is said once.
+    fn record(&self, message: &Message) -> Result<(), String> {
+        let mut recorder = lock(&self.recorder);
+        let Some(writing) = recorder.as_mut().filter(|_| message.kind.is_frame()) else {
+            return Ok(());
+        };
+        let added = writing.add(message);
+        let path = writing.written().path.clone();
+        added.map_err(|error| {
+            *recorder = None;
+            format!(
+                "{}: the recording has ended, as no more can be written ({error})",
+                path.display()
+            )
+        })
+    }
+
+    pub(super) fn status(&self) -> LiveStatus {
+        let link = lock(&self.link);
+        let (bytes_per_s, frames_per_s) = link.rate.per_s(Instant::now());
+        let (kept_s, kept_bytes) = self.ring.kept();
+        LiveStatus {
+            state: match &link.problem {
+                None => LiveState::Connected,
+                Some((problem, _)) => LiveState::Reconnecting(problem.clone()),
+            },
+            received_frames: link.received,
+            lost_frames: link.lost,
+            bytes_per_s,
+            frames_per_s,
+            delay_s: link.delay_s,
+            kept_s,
+            kept_bytes,
+            reconnects: link.connections.saturating_sub(1),
+            recording: lock(&self.recorder).as_ref().map(|recorder| recorder.written().clone()),
+        }
+    }
+}
+
+impl FrameStore for Shared {
+    fn frame(&self, index: usize) -> Result<Frame, String> {
+        let held = self.ring.frame(index);
+        held.map(|held| held.frame.clone())
+            .ok_or_else(|| "it is gone for good".to_owned())
+    }
+}

@@ -1,0 +1,206 @@
+//! A live stream as a source of frames.
+
+use super::address;
+use super::connection::{self, PATIENCE};
+use super::decoder::{StreamDecoder, group, raw_images, sensor};
+use super::recorder::{Recorder, StreamRecording};
+use super::shared::Shared;
+use super::status::{Live, LiveStatus};
+use crate::locks::lock;
+use crate::progress::Progress;
+use crate::rgbd::Sensor;
+use crate::source::rgbd::ReceivedFrames;
+use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::wire::RawImages;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Seconds that can be gone back where nobody says how many.
+const USUAL_SECONDS: f64 = 10.0;
+
+/// Between looks at whether the first frame has come.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A live stream over TCP.
+#[derive(Debug)]
+pub struct LiveStream {
+    input: PathBuf,
+    shared: Arc<Shared>,
+    received: Arc<ReceivedFrames>,
+    most_bytes: u64,
+    /// Frames that were told of.
+    told: Mutex<usize>,
+}
+
+impl LiveStream {
+    /// Whether `input` is the address of one.
+    pub(in crate::source) fn is_one(input: &Path) -> bool {
+        address::is_one(input)
+    }
+
+    /// Connects to `input`, such as `tcp://127.0.0.1:9000`, and waits for the first frame. `progress` may be cancelled.
+    ///
+    /// # Errors
+    /// [`SequenceError::Stream`], and [`SequenceError::Cancelled`].
+    pub fn open(input: &Path, options: &OpenOptions, progress: &Progress) -> Result<Self, SequenceError> {
+        let failed = |problem: String| SequenceError::Stream {
+            input: input.display().to_string(),
+            problem,
+        };
+        let address = address::parse(input).map_err(failed)?;
+        let keeps = options.live_seconds.unwrap_or(USUAL_SECONDS);
+        let keeps = Duration::try_from_secs_f64(keeps).unwrap_or(Duration::MAX);
+        let shared = Arc::new(Shared::new(keeps));
+        let connected = Arc::clone(&shared);
+        let most_bytes = options.read.max_memory_bytes;
+        thread::Builder::new()
+            .name("live stream".to_owned())
+            .spawn(move || connection::run(&connected, &address, most_bytes))
+            .map_err(|reason| SequenceError::NoThread { reason })?;
+        let stream = Self {
+            input: input.to_owned(),
+            shared,
+            received: Arc::new(ReceivedFrames::new(input, options)),
+            most_bytes,
+            told: Mutex::default(),
+        };
+        let begun = Instant::now();
+        loop {
+            stream.look_again()?;
+            let is_late = begun.elapsed() >= PATIENCE;
+            match connection::problem(&stream.shared) {
+                _ if !stream.frames().is_empty() => return Ok(stream),
+                Some((problem, is_final)) if is_final || is_late => return Err(failed(problem)),
+                _ if progress.is_cancelled() => return Err(SequenceError::Cancelled),
+                // A connection that has said nothing yet ends about now, and says why.
+                None if begun.elapsed() >= PATIENCE + Duration::from_secs(1) => {
+                    return Err(failed(format!(
+                        "no frame came within {} seconds: check that the sequence that is served plays",
+                        PATIENCE.as_secs()
+                    )));
+                }
+                _ => stream.shared.ring.wait(0, LOOK),
+            }
+        }
+    }
+}
+
+impl Drop for LiveStream {
+    fn drop(&mut self) {
+        // The thread ends by itself, within the time that a connection may take.
+        self.shared.is_closed.store(true, Ordering::Relaxed);
+        if let Err(problem) = self.stop_recording() {
+            log::warn!("{problem}");
+        }
+    }
+}
+
+impl Source for LiveStream {
+    fn frames(&self) -> Range<usize> {
+        let told = *lock(&self.told);
+        self.shared.ring.range().start.min(told)..told
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        let held = self.shared.ring.frame(index);
+        let number = held.as_ref().map_or(index as u64, |held| held.frame.head.number);
+        Arc::new(FrameEntry {
+            name: format!("{} {number}", self.input.display()),
+            number: Some(number),
+            time: held.map(|held| held.time),
+            ..FrameEntry::embedded(self.input.clone(), &[])
+        })
+    }
+
+    fn group(&self, index: usize) -> Range<usize> {
+        group(&self.received, index, &self.frames())
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        let store = Arc::clone(&self.shared);
+        Box::new(StreamDecoder::new(store, Arc::clone(&self.received)))
+    }
+
+    fn fps(&self) -> Option<f64> {
+        lock(&self.shared.link).head.map(|head| head.fps)
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn may_grow(&self) -> bool {
+        true
+    }
+
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        // Held first, so that the number never falls.
+        let mut told = lock(&self.told);
+        let count = self.shared.ring.range().end;
+        let before = std::mem::replace(&mut *told, count);
+        Ok(count - before)
+    }
+
+    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
+        let told = *lock(&self.told);
+        self.shared.ring.wait(told, at_most);
+        self.look_again()
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        std::slice::from_ref(&self.input)
+    }
+
+    fn sensor(&self, index: usize) -> Option<Sensor> {
+        sensor(&self.shared.ring.frame(index)?.frame)
+    }
+
+    fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        raw_images(&self.shared.ring.frame(index)?.frame, self.most_bytes)
+    }
+
+    fn live(&self) -> Option<&dyn Live> {
+        Some(self)
+    }
+}
+
+impl Live for LiveStream {
+    fn status(&self) -> LiveStatus {
+        self.shared.status()
+    }
+
+    fn frames_behind(&self, shown: usize) -> Option<u64> {
+        let newest = self.shared.ring.newest()?.frame.head.number;
+        let shown = self.shared.ring.frame(shown)?.frame.head.number;
+        newest.checked_sub(shown)
+    }
+
+    fn start_recording(&self, path: &Path) -> Result<(), String> {
+        self.stop_recording()?;
+        let head = lock(&self.shared.link).head;
+        let head = head.ok_or_else(|| format!("{}: there was no frame yet", self.input.display()))?;
+        let recorder = Recorder::create(path, &head);
+        let recorder = recorder.map_err(|error| {
+            format!(
+                "{} cannot be written ({error}): choose another folder to record to",
+                path.display()
+            )
+        })?;
+        *lock(&self.shared.recorder) = Some(recorder);
+        Ok(())
+    }
+
+    fn stop_recording(&self) -> Result<Option<StreamRecording>, String> {
+        let Some(recorder) = lock(&self.shared.recorder).take() else {
+            return Ok(None);
+        };
+        let path = recorder.written().path.display().to_string();
+        let finished = recorder.finish();
+        let finished = finished.map_err(|error| format!("{path}: its end could not be written ({error})"))?;
+        Ok(Some(finished))
+    }
+}

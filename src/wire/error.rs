@@ -1,0 +1,77 @@
+//! What can be wrong with a stream.
+
+use std::io;
+
+/// Why bytes are no stream, or no more of it can be read. Messages are the end of a sentence that names the address or
+/// the file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WireError {
+    /// Something else is there.
+    #[error(
+        "what is there is no live stream of pointreel: it begins with {found}. Check the port, and that \
+         `pointreel serve INPUT --live` listens there"
+    )]
+    NotAStream {
+        /// The first bytes, in quotes.
+        found: String,
+    },
+    /// A version that is not known.
+    #[error("the stream has version {found}, and {known} is read: use the same pointreel on both sides")]
+    Version {
+        /// What it has.
+        found: u32,
+        /// What is known.
+        known: u32,
+    },
+    /// A length that is larger than any may be.
+    #[error("{what} claims {bytes} bytes, and {most} are read: raise --max-memory if that is right")]
+    TooLong {
+        /// What claims it.
+        what: &'static str,
+        /// What is claimed.
+        bytes: u64,
+        /// The limit.
+        most: u64,
+    },
+    /// A payload that is another than was sent.
+    #[error("a message of {bytes} bytes has another checksum than it claims: its bytes were changed on the way")]
+    Checksum {
+        /// Bytes of the payload.
+        bytes: usize,
+    },
+    /// A field of a message that cannot be.
+    #[error("{what}: {reason}")]
+    Malformed {
+        /// Which part of the message.
+        what: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The end, in the middle of something.
+    #[error("the stream ends within {within}")]
+    BreaksOff {
+        /// What was being read.
+        within: &'static str,
+    },
+    /// The end, between two messages.
+    #[error("the stream has ended")]
+    Ended,
+    /// The system could not read.
+    #[error("nothing can be read any more ({0})")]
+    Io(#[source] io::Error),
+}
+
+impl WireError {
+    pub(super) fn malformed(what: &'static str, reason: impl Into<String>) -> Self {
+        Self::Malformed {
+            what,
+            reason: reason.into(),
+        }
+    }
+
+    /// Whether trying again is of no use: another program, or another version of this one, is there.
+    pub fn is_final(&self) -> bool {
+        matches!(self, Self::NotAStream { .. } | Self::Version { .. })
+    }
+}

@@ -1,0 +1,172 @@
+//! Messages: kind, length, checksum, payload.
+
+use super::bytes::{Fields, Written};
+use super::error::WireError;
+use super::head::read_exact;
+use std::io::{ErrorKind, Read};
+
+/// Bytes of the header of a message: kind, length, checksum.
+pub(super) const HEADER_BYTES: usize = 12;
+
+/// No payload has more, whatever memory there is: 38 million points with colours and normals.
+pub const MOST_PAYLOAD_BYTES: u64 = 1 << 30;
+
+/// What a message is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A depth image, with colours or without.
+    Images,
+    /// A point cloud.
+    Points,
+    /// What time it is at the server, and which frame is the newest.
+    Now,
+    /// The answer to a ping.
+    Pong,
+    /// The server says why there will be no more.
+    End,
+    /// The client asks what time it is.
+    Ping,
+    /// The client has received a frame.
+    Got,
+    /// Something that a later version says: it is passed over.
+    Other(u32),
+}
+
+impl Kind {
+    /// Its number.
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Images => 1,
+            Self::Points => 2,
+            Self::Now => 3,
+            Self::Pong => 4,
+            Self::End => 5,
+            Self::Ping => 16,
+            Self::Got => 17,
+            Self::Other(number) => number,
+        }
+    }
+
+    /// The kind of this number.
+    pub fn of(number: u32) -> Self {
+        let known = [
+            Self::Images,
+            Self::Points,
+            Self::Now,
+            Self::Pong,
+            Self::End,
+            Self::Ping,
+            Self::Got,
+        ];
+        let found = known.into_iter().find(|kind| kind.number() == number);
+        found.unwrap_or(Self::Other(number))
+    }
+
+    /// Whether it is a frame.
+    pub fn is_frame(self) -> bool {
+        matches!(self, Self::Images | Self::Points)
+    }
+}
+
+/// A message as it came, with its checksum looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// What it is.
+    pub kind: Kind,
+    /// What it says.
+    pub payload: Vec<u8>,
+}
+
+/// Kind, length and checksum of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct MessageHeader {
+    pub(crate) kind: Kind,
+    pub(crate) payload_bytes: u32,
+    pub(crate) checksum: u32,
+}
+
+impl MessageHeader {
+    pub(crate) fn encode(self) -> Vec<u8> {
+        let mut header = Written(Vec::with_capacity(HEADER_BYTES));
+        header
+            .u32(self.kind.number())
+            .u32(self.payload_bytes)
+            .u32(self.checksum);
+        header.0
+    }
+
+    /// The header of the next message; `None` at the end.
+    pub(crate) fn read(reader: &mut impl Read) -> Result<Option<Self>, WireError> {
+        const WITHIN: &str = "the header of a message";
+        let mut bytes = [0; HEADER_BYTES];
+        let first = loop {
+            match reader.read(&mut bytes) {
+                Ok(count) => break count,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(WireError::Io(error)),
+            }
+        };
+        if first == 0 {
+            return Ok(None);
+        }
+        read_exact(reader, &mut bytes[first..], WITHIN)?;
+        let mut fields = Fields::new(&bytes, WITHIN);
+        Ok(Some(Self {
+            kind: Kind::of(fields.u32()?),
+            payload_bytes: fields.u32()?,
+            checksum: fields.u32()?,
+        }))
+    }
+}
+
+impl Message {
+    /// A message of this payload. Precondition: it has fewer than 2³² bytes.
+    pub fn new(kind: Kind, payload: Vec<u8>) -> Self {
+        Self { kind, payload }
+    }
+
+    /// The header before its payload.
+    pub fn header(&self) -> Vec<u8> {
+        let header = MessageHeader {
+            kind: self.kind,
+            payload_bytes: self.payload.len() as u32,
+            checksum: crc32fast::hash(&self.payload),
+        };
+        header.encode()
+    }
+
+    /// All of its bytes.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut bytes = self.header();
+        bytes.extend(&self.payload);
+        bytes
+    }
+}
+
+/// The next message, whose payload has no more than `most_bytes` (nor than [`MOST_PAYLOAD_BYTES`]).
+///
+/// Memory grows with the bytes that come, not with what is claimed.
+///
+/// # Errors
+/// [`WireError`]: [`WireError::Ended`] between two messages.
+pub fn read_message(reader: &mut impl Read, most_bytes: u64) -> Result<Message, WireError> {
+    let header = MessageHeader::read(reader)?.ok_or(WireError::Ended)?;
+    let (claimed, most) = (u64::from(header.payload_bytes), most_bytes.min(MOST_PAYLOAD_BYTES));
+    if claimed > most {
+        return Err(WireError::TooLong {
+            what: "a message",
+            bytes: claimed,
+            most,
+        });
+    }
+    let mut payload = Vec::new();
+    let read = reader.take(claimed).read_to_end(&mut payload).map_err(WireError::Io)?;
+    if (read as u64) < claimed {
+        return Err(WireError::BreaksOff { within: "a message" });
+    }
+    if crc32fast::hash(&payload) != header.checksum {
+        return Err(WireError::Checksum { bytes: payload.len() });
+    }
+    Ok(Message::new(header.kind, payload))
+}

@@ -1,0 +1,41 @@
+//! The wire format of live streams: what `pointreel serve --live` sends and `tcp://` inputs read.
+//!
+//! **How it works.** A stream is a head and messages, each with its kind, its length and a checksum. Every frame tells
+//! all that is needed to read it (cameras, pose, units), so whoever comes late, misses frames or opens a recording in
+//! the middle needs nothing that was sent before. All numbers are little endian. ARCHITECTURE.md, "Live streams over
+//! TCP", has the tables.
+//!
+//! A file with the same bytes is a recording (`.pointreel-stream`).
+//!
+//! **Bounds.** Payloads are read as they come, and never more than a limit; images and arrays have as many bytes as
+//! their sizes say, or are refused before anything is made of them.
+
+mod bytes;
+mod cameras;
+mod error;
+mod frame;
+mod head;
+mod images;
+mod message;
+mod packed_image;
+mod points;
+mod talk;
+#[cfg(test)]
+mod tests;
+
+pub use error::WireError;
+pub use frame::{Content, Frame, FrameHead};
+pub use head::{HEAD_BYTES, MAGIC, StreamHead, VERSION};
+pub use images::{ColorCoding, DepthCoding, ImageCoding, RawImages, ReceivedImages};
+pub(crate) use images::{RawColor, images_body};
+pub(crate) use message::MessageHeader;
+pub use message::{Kind, MOST_PAYLOAD_BYTES, Message, read_message};
+pub use packed_image::PackedImage;
+pub use points::{ReceivedPoints, points_body};
+pub use talk::{Got, Now, Ping, Pong};
+
+/// Bytes of the header of a message: kind, length, checksum.
+pub const MESSAGE_HEADER_BYTES: usize = message::HEADER_BYTES;
+
+/// Bytes before the body of a frame, as this version writes them.
+pub const FRAME_HEAD_BYTES: usize = frame::FRAME_HEAD_BYTES;
