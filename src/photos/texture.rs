@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn without_levels_the_finest_is_all_there_is() {
-        let [picture, ..] = ramp().levels() else { panic!() };
+        let texture = ramp();
+        let [picture, ..] = texture.levels() else { panic!() };
         let bare = Texture::without_levels(picture.clone());
         for lod in [0.0, 0.5, 3.0, f32::INFINITY] {
             assert_eq!(

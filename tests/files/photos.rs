@@ -440,7 +440,7 @@ fn rigs_and_frames_beside_a_model_change_nothing() {
     let scene = Scene::simple();
     scene.write_colmap_binary(folder.path());
     let without = read(folder.path());
-    let model = folder_with(folder.path(), "cameras.bin");
+    let model = model_with(folder.path(), "cameras.bin");
     fs::write(model.join("rigs.bin"), 1_u64.to_le_bytes()).unwrap();
     fs::write(model.join("frames.bin"), [0xff; 40]).unwrap();
     for path in [
@@ -454,7 +454,7 @@ fn rigs_and_frames_beside_a_model_change_nothing() {
 }
 
 /// The folder below `root` that has a file of this name.
-fn folder_with(root: &Path, name: &str) -> std::path::PathBuf {
+fn model_with(root: &Path, name: &str) -> std::path::PathBuf {
     let below = ["", "sparse", "sparse/0"].map(|folder| root.join(folder));
     below.into_iter().find(|folder| folder.join(name).is_file()).unwrap()
 }

@@ -1,4 +1,4 @@
-//! Neighbourhoods of sixteen points: the radius of each is bisected until it holds so many, as AutoSplats do (Preiner
+//! Neighbourhoods of sixteen points: the radius of each is bisected until it holds so many, as `AutoSplats` do (Preiner
 //! et al. 2012), beside which paper 003 measures a fixed radius (Fig. 4).
 
 use super::cells::MOST_REACH;

@@ -1,6 +1,6 @@
 //! Which points a picture shows, and the surface around each of these: normals and radii from the picture alone.
 //!
-//! **How it works** (paper 003 §3.4 and §3.5, after the AutoSplats of Preiner et al. 2012). [`ScreenEstimator::cull`]
+//! **How it works** (paper 003 §3.4 and §3.5, after the `AutoSplats` of Preiner et al. 2012). [`ScreenEstimator::cull`]
 //! draws all points into a depth image of the view and keeps those that lie no deeper than one radius below it
 //! (`cull.rs`). [`ScreenEstimator::surface`] looks for the neighbours of each of these in the picture around it, in a
 //! pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a fixed radius
@@ -42,7 +42,7 @@ pub enum Search {
     /// Within a fixed radius, or twice that where there are few.
     #[default]
     Fixed,
-    /// Within the radius that holds sixteen, which is bisected for each point: AutoSplats. For comparison.
+    /// Within the radius that holds sixteen, which is bisected for each point: `AutoSplats`. For comparison.
     Bisected,
 }
 

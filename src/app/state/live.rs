@@ -24,7 +24,7 @@ impl State {
             Ok(None) => self.ask(DialogKind::RecordTo, Some("live.pointreel-stream".to_owned())),
             Ok(Some(recording)) => {
                 self.notices
-                    .info(format!("{} has {} frames", recording.path.display(), recording.frames))
+                    .info(format!("{} has {} frames", recording.path.display(), recording.frames));
             }
             Err(problem) => self.notices.error(problem),
         }

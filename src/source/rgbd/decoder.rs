@@ -198,9 +198,10 @@ impl Recorded {
                 None,
             ),
         };
-        let (depth, units_per_metre) = match (&raster.samples, self.code.units_per_metre()) {
-            (Samples::Gray16(_), Some(units)) => (raster, units),
-            _ => {
+        let (depth, units_per_metre) =
+            if let (Samples::Gray16(_), Some(units)) = (&raster.samples, self.code.units_per_metre()) {
+                (raster, units)
+            } else {
                 let depth = self.code.depth_image(path, raster, &prepared.rays)?;
                 let metres = Samples::GrayF32(depth.metres().to_vec());
                 let size_px = depth.size_px();
@@ -211,8 +212,7 @@ impl Recorded {
                     },
                     1.0,
                 )
-            }
-        };
+            };
         Ok(RawImages {
             rig: Arc::clone(&prepared.rig),
             world_from_camera: frame.world_from_camera,

@@ -80,7 +80,7 @@ impl Parent {
             (Some((_, place)), _) if self.is_static => Some(place),
             (None, Some((_, place))) if self.is_static => Some(place),
             (Some((start, from)), Some((end, to))) => {
-                let share = (time - start).as_secs_f64() / (end - start).as_secs_f64();
+                let share = time.saturating_sub(start).div_duration_f64(end.saturating_sub(start));
                 Some(between(from, to, share))
             }
             (Some((at, place)), None) | (None, Some((at, place))) => (at.abs_diff(time) <= MOST_APART).then_some(place),

@@ -2,7 +2,7 @@
 //!
 //! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
 //! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
-//! can. All stages are timed from memory to memory, in turns with the search of AutoSplats for the same visible points.
+//! can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible points.
 
 use super::made::{SCENE_MIDDLE, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
@@ -30,6 +30,7 @@ const TABLE: &str = "Visible points, their normals and their picture";
 const FILTER_COLUMNS: usize = 8;
 
 /// What was measured of one cloud.
+#[expect(clippy::struct_field_names, reason = "names have their unit")]
 #[derive(Default)]
 struct Samples {
     cull_ms: Vec<f64>,

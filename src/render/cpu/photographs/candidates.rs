@@ -70,6 +70,10 @@ impl Candidates {
 
     /// Scores all photographs for a place in view space. `to_eye` has length 1, and `normal` too if it is known.
     #[inline(always)]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "with branches, lanes are worked out one by one"
+    )]
     pub(super) fn score(&self, place: Vec3, to_eye: Vec3, normal: Vec3, scores: &mut Scores) {
         scores.resize(LANES * self.groups.len());
         let (cosines, _) = scores.cosines.as_chunks_mut::<LANES>();
@@ -102,7 +106,6 @@ impl Candidates {
                 let per_length = 1.0 / length2.max(f32::MIN_POSITIVE).sqrt();
                 let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) * per_length;
                 let facing = (x * normal.x + y * normal.y + z * normal.z) * per_length;
-                // Not `&&`: with branches, lanes are worked out one by one.
                 let is_inside = (distance > 0.0)
                     & (column >= 0.0)
                     & (column < group.size[0][lane])

@@ -110,7 +110,7 @@ impl DeviceCamera {
             let side = camera
                 .get(key)
                 .and_then(Value::as_u64)
-                .filter(|&side| side <= u64::from(u32::MAX));
+                .filter(|&side| u32::try_from(side).is_ok());
             side.ok_or_else(|| format!("`{key}` is no number of pixels"))
         };
         let numbers = numbers(camera, "/Intrinsics/ModelParameters")?;
