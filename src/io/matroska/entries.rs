@@ -1,7 +1,7 @@
 //! What bodies of small elements say: tracks and tags.
 
 use super::element::{children, text, unsigned};
-use super::{Tag, Track};
+use super::found::{Tag, Track};
 
 const TRACK_ENTRY: u32 = 0xae;
 const TRACK_NUMBER: u32 = 0xd7;

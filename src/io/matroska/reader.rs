@@ -2,10 +2,12 @@
 //! lengths are known: an id says what an element is, wherever it stands.
 
 use super::super::recording::walk::Walk;
-use super::element::{Head, children, head, leading_number, text, unsigned};
-use super::{Attachment, Block, MAGIC, Matroska, MatroskaError, Track, entries};
+use super::element::{Head, MAGIC, children, head, leading_number, text, unsigned};
+use super::entries;
+use super::found::{Attachment, Block, Matroska, MatroskaError, Track};
 use std::collections::HashMap;
 use std::fs::File;
+use std::path::Path;
 use std::time::Duration;
 
 const HEADER: u32 = u32::from_be_bytes(MAGIC);
@@ -37,8 +39,17 @@ const MOST_BLOCK_HEAD_BYTES: u64 = 8 + 2 + 1 + 1;
 /// Flags of a block that say how several frames share it.
 const LACING: u8 = 0b0000_0110;
 
-/// What the file has.
-pub(super) fn read(file: File) -> Result<Matroska, MatroskaError> {
+impl Matroska {
+    /// What the file at `path` has.
+    ///
+    /// # Errors
+    /// [`MatroskaError`]: the system's, and where it is no Matroska file or has no tracks.
+    pub(crate) fn read(path: &Path) -> Result<Self, MatroskaError> {
+        read_file(File::open(path)?)
+    }
+}
+
+fn read_file(file: File) -> Result<Matroska, MatroskaError> {
     let mut reader = Reader {
         walk: Walk::new(file)?,
         found: Matroska::default(),

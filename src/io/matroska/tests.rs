@@ -1,6 +1,7 @@
 //! Files by hand, element by element.
 
-use super::*;
+use super::found::MatroskaError;
+use super::{Matroska, is_one};
 use proptest::prelude::*;
 use std::io::Write as _;
 

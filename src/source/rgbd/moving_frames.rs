@@ -80,8 +80,9 @@ impl Parent {
             (Some((_, place)), _) if self.is_static => Some(place),
             (None, Some((_, place))) if self.is_static => Some(place),
             (Some((start, from)), Some((end, to))) => {
-                let share = time.saturating_sub(start).div_duration_f64(end.saturating_sub(start));
-                Some(between(from, to, share))
+                // `start` is not after `time`, and `end` is.
+                let [passed, whole] = [time, end].map(|later| later.saturating_sub(start).as_secs_f64());
+                Some(between(from, to, passed / whole))
             }
             (Some((at, place)), None) | (None, Some((at, place))) => (at.abs_diff(time) <= MOST_APART).then_some(place),
             (None, None) => None,

@@ -79,16 +79,16 @@ fn jpeg() -> Vec<u8> {
 }
 
 /// Three frames 33 ms apart; colours come five milliseconds later.
-fn tracks(color: (&'static [u8; 4], Vec<u8>)) -> Vec<TrackOf<'static>> {
+fn tracks(fourcc: &'static [u8; 4], color: &[u8]) -> Vec<TrackOf<'static>> {
     let depth: Vec<u16> = pixels(MODE_PX).map(depth_mm).collect();
     let times = || [0_u64, 33_333, 66_667].into_iter();
     let infrared = vec![7; 2 * depth.len()];
     vec![
         TrackOf {
             name: "COLOR",
-            fourcc: color.0,
+            fourcc,
             size_px: COLOR_PX,
-            frames: times().map(|time| (time + 5000, color.1.clone())).collect(),
+            frames: times().map(|time| (time + 5000, color.to_vec())).collect(),
         },
         TrackOf {
             name: "DEPTH",
@@ -113,11 +113,7 @@ fn mode_tag() -> Vec<(&'static str, String)> {
 }
 
 fn usual() -> Vec<u8> {
-    mkv(
-        &tracks((b"MJPG", jpeg())),
-        &mode_tag(),
-        Some(&calibration().to_string()),
-    )
+    mkv(&tracks(b"MJPG", &jpeg()), &mode_tag(), Some(&calibration().to_string()))
 }
 
 fn error_of(path: &Path, bytes: &[u8]) -> String {
@@ -276,7 +272,7 @@ fn colours_may_be_bare_pixels() {
     for (fourcc, bytes) in [(b"NV12", nv12), (b"YUY2", yuy2)] {
         fs::write(
             &path,
-            mkv(&tracks((fourcc, bytes)), &mode_tag(), Some(&calibration().to_string())),
+            mkv(&tracks(fourcc, &bytes), &mode_tag(), Some(&calibration().to_string())),
         )
         .unwrap();
         let cloud = open(&path).decode(0).unwrap();
@@ -293,7 +289,7 @@ fn a_delay_between_the_cameras_is_taken_into_account() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
     for (delay_ns, notes) in [(25_000_000_i64, 0), (0, 1), (-25_000_000, 1)] {
-        let mut tracks = tracks((b"MJPG", jpeg()));
+        let mut tracks = tracks(b"MJPG", &jpeg());
         for (time, _) in &mut tracks[1].frames {
             *time += 30_000;
         }
@@ -319,7 +315,7 @@ fn what_cannot_be_read_is_said() {
     let path = folder.path().join("a.mkv");
     let json = calibration().to_string();
     let of = |change: fn(&mut Vec<TrackOf<'static>>), tags: &[(&str, String)], json: Option<&str>| {
-        let mut tracks = tracks((b"MJPG", jpeg()));
+        let mut tracks = tracks(b"MJPG", &jpeg());
         change(&mut tracks);
         mkv(&tracks, tags, json)
     };
@@ -367,7 +363,7 @@ fn what_cannot_be_read_is_said() {
 fn damaged_images_cost_one_frame_or_its_colours() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mkv");
-    let mut tracks = tracks((b"MJPG", jpeg()));
+    let mut tracks = tracks(b"MJPG", &jpeg());
     tracks[1].frames[0].1.truncate(1000);
     tracks[0].frames[1].1.truncate(30);
     tracks[0].frames[2].1 = rgb(&Recording::new().colors[0], ImageFormat::Png);

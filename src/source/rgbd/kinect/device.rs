@@ -107,11 +107,10 @@ impl Device {
 impl DeviceCamera {
     fn of_json(camera: &Value) -> Result<Self, String> {
         let side = |key: &str| {
-            let side = camera
-                .get(key)
-                .and_then(Value::as_u64)
-                .filter(|&side| u32::try_from(side).is_ok());
-            side.ok_or_else(|| format!("`{key}` is no number of pixels"))
+            let side = camera.get(key).and_then(Value::as_u64);
+            let side = side.and_then(|side| u32::try_from(side).ok());
+            side.map(u64::from)
+                .ok_or_else(|| format!("`{key}` is no number of pixels"))
         };
         let numbers = numbers(camera, "/Intrinsics/ModelParameters")?;
         let &[cx, cy, fx, fy, k1, k2, k3, k4, k5, k6, codx, cody, p2, p1, ..] = numbers.as_slice() else {
