@@ -20,7 +20,7 @@ lists=(zip tar tgz mcap bag db3 e57 glb)
 cameras=(bag mcap db3)
 mkdir -p fuzz/corpus/read fuzz/corpus/list fuzz/corpus/cameras fuzz/corpus/reel fuzz/corpus/packets fuzz/corpus/wire
 cp src/reel/tests/*.reel fuzz/corpus/reel/
-xxd -r -p src/wire/test_vector.txt fuzz/corpus/wire/test_vector
+printf "$(tr -d '[:space:]' <src/wire/test_vector.txt | sed 's/../\\x&/g')" >fuzz/corpus/wire/test_vector
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
 seed() {
