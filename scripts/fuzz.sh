@@ -24,7 +24,7 @@ cp src/reel/tests/*.reel fuzz/corpus/reel/
 # Written by hand: the smallest files of each format that have everything.
 cp fuzz/seeds/photos/* fuzz/corpus/photos/
 cp fuzz/seeds/matroska/* fuzz/corpus/matroska/
-xxd -r -p src/wire/test_vector.txt fuzz/corpus/wire/test_vector
+printf "$(tr -d '[:space:]' <src/wire/test_vector.txt | sed 's/../\\x&/g')" >fuzz/corpus/wire/test_vector
 
 # seed TARGET PLACE FILE: a seed that chooses the extension at PLACE.
 seed() {

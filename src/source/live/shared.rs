@@ -3,12 +3,12 @@
 use super::clock::ClockDifference;
 use super::decoder::FrameStore;
 use super::rate::Rate;
-use super::recorder::Recorder;
+use super::recorder::{Recorder, StreamRecording};
 use super::ring::Ring;
 use super::status::{LiveState, LiveStatus};
 use super::timeline::Timeline;
 use crate::locks::lock;
-use crate::wire::{Frame, Message, Pong, StreamHead, WireError};
+use crate::wire::{Frame, FrameHead, Message, Pong, StreamHead, WireError};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -35,14 +35,17 @@ pub(super) struct Link {
     pub(super) head: Option<StreamHead>,
     timeline: Timeline,
     clock: ClockDifference,
-    /// The number of the newest frame.
+    /// The number of the newest frame, and how many have come since it was connected.
     newest: Option<u64>,
+    came: u64,
     /// How long the newest frame took, and how wrong that may be.
     delay_s: Option<(f64, f64)>,
     received: u64,
     lost: u64,
     connections: u64,
     rate: Rate,
+    /// What the recorder has written.
+    pub(super) recording: Option<StreamRecording>,
 }
 
 impl Shared {
@@ -68,11 +71,8 @@ impl Shared {
     /// A connection begins with `head`.
     pub(super) fn connected(&self, head: StreamHead) {
         let mut link = lock(&self.link);
-        let is_same = link.head.is_some_and(|before| before.session == head.session);
-        if !is_same {
-            // Numbers and the clock are those of another run.
-            link.newest = None;
-        }
+        // Numbers and the clock may be those of another run.
+        (link.newest, link.came) = (None, 0);
         link.clock = ClockDifference::default();
         link.head = Some(head);
         link.connections += 1;
@@ -92,6 +92,10 @@ impl Shared {
     /// Takes a frame; says its number. `message` is its message, which is recorded.
     pub(super) fn frame(&self, message: Message) -> Result<Option<u64>, WireError> {
         let now = Instant::now();
+        if message.kind.is_frame() {
+            // What is no frame is not recorded.
+            FrameHead::parse(&message.payload)?;
+        }
         let recorded = self.record(&message);
         let bytes = message.payload.len();
         let Some(frame) = Frame::of(message)? else {
@@ -103,34 +107,46 @@ impl Shared {
         let (session, fps) = link.head.map_or((0, 30.0), |head| (head.session, head.fps));
         let spacing = Duration::try_from_secs_f64(fps.recip()).unwrap_or_default();
         let time = link.timeline.next(session, head.time_ns, spacing);
-        link.lost += link
-            .newest
-            .map_or(0, |newest| head.number.saturating_sub(newest.saturating_add(1)));
-        link.newest = Some(head.number);
+        // The first frame may be an old one, which is shown until there is another.
+        if link.came > 1 {
+            let expected = link.newest.map_or(0, |newest| newest.saturating_add(1));
+            link.lost += head.number.saturating_sub(expected);
+        }
+        (link.newest, link.came) = (Some(head.number), link.came + 1);
         link.delay_s = link.clock.since_s(head.served_ns, now_ns);
         link.received += 1;
         link.rate.add(now, bytes);
+        let problem = match recorded {
+            Ok(recording) => {
+                link.recording = recording;
+                None
+            }
+            Err(problem) => {
+                link.recording = None;
+                Some(problem)
+            }
+        };
         drop(link);
-        if let Err(problem) = recorded {
+        if let Some(problem) = problem {
             log::warn!("{problem}");
         }
         self.ring.push(frame, time, now);
         Ok(Some(head.number))
     }
 
-    /// A file that cannot be written is closed, so that it is said once.
-    fn record(&self, message: &Message) -> Result<(), String> {
+    /// Says what is written by now. A file that cannot be written is closed, so that it is said once.
+    fn record(&self, message: &Message) -> Result<Option<StreamRecording>, String> {
         let mut recorder = lock(&self.recorder);
         let Some(writing) = recorder.as_mut().filter(|_| message.kind.is_frame()) else {
-            return Ok(());
+            return Ok(None);
         };
         let added = writing.add(message);
-        let path = writing.written().path.clone();
-        added.map_err(|error| {
+        let written = writing.written().clone();
+        added.map(|()| Some(written.clone())).map_err(|error| {
             *recorder = None;
             format!(
                 "{}: the recording has ended, as no more can be written ({error})",
-                path.display()
+                written.path.display()
             )
         })
     }
@@ -152,7 +168,7 @@ impl Shared {
             kept_s,
             kept_bytes,
             reconnects: link.connections.saturating_sub(1),
-            recording: lock(&self.recorder).as_ref().map(|recorder| recorder.written().clone()),
+            recording: link.recording.clone(),
         }
     }
 }

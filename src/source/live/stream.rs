@@ -190,7 +190,9 @@ impl Live for LiveStream {
                 path.display()
             )
         })?;
+        let written = recorder.written().clone();
         *lock(&self.shared.recorder) = Some(recorder);
+        lock(&self.shared.link).recording = Some(written);
         Ok(())
     }
 
@@ -198,6 +200,7 @@ impl Live for LiveStream {
         let Some(recorder) = lock(&self.shared.recorder).take() else {
             return Ok(None);
         };
+        lock(&self.shared.link).recording = None;
         let path = recorder.written().path.display().to_string();
         let finished = recorder.finish();
         let finished = finished.map_err(|error| format!("{path}: its end could not be written ({error})"))?;
