@@ -60,6 +60,7 @@ impl ScreenSurfels {
             return content.clone();
         }
         let Some(points) = from.content.points() else {
+            self.last = None;
             return from.content;
         };
         let (points, truth) = (Arc::clone(points), from.content.shapes().cloned());
