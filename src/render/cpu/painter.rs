@@ -87,7 +87,7 @@ impl<'a> Painter<'a> {
 fn color_tile<S: Simd>(simd: S, photographs: &Projected<'_>, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
     simd.vectorize(
         #[inline(always)]
-        || photographs.color(tile, view, clip),
+        || photographs.color(simd, tile, view, clip),
     );
 }
 
@@ -103,7 +103,7 @@ fn look_at_tile<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || photographs.look(tile, view, clip, rows),
+        || photographs.look(simd, tile, view, clip, rows),
     );
 }
 

@@ -1,7 +1,9 @@
 //! Which photographs look at a place, and from how near to the eye's direction: eight of them at a time.
 
 use crate::render::constants::PHOTO_NOT_LOOKING;
+use crate::render::cpu::eight::Vectors;
 use crate::scene::PhotoView;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use glam::Vec3;
 
 /// Photographs that are asked together.
@@ -70,11 +72,10 @@ impl Candidates {
 
     /// Scores all photographs for a place in view space. `to_eye` has length 1, and `normal` too if it is known.
     #[inline(always)]
-    #[expect(
-        clippy::needless_bitwise_bool,
-        reason = "with branches, lanes are worked out one by one"
-    )]
-    pub(super) fn score(&self, place: Vec3, to_eye: Vec3, normal: Vec3, scores: &mut Scores) {
+    pub(super) fn score<S: Simd>(&self, simd: S, place: Vec3, to_eye: Vec3, normal: Vec3, scores: &mut Scores) {
+        let zero = f32x8::splat(simd, 0.0);
+        let at = Vectors::splat(simd, place);
+        let (to_eye, normal) = (Vectors::splat(simd, to_eye), Vectors::splat(simd, normal));
         scores.resize(LANES * self.groups.len());
         let (cosines, _) = scores.cosines.as_chunks_mut::<LANES>();
         let [columns, rows] = &mut scores.places;
@@ -89,39 +90,50 @@ impl Candidates {
         let of_groups = of_groups.zip(&mut scores.largest);
         for (group, (of_group, largest)) in self.groups.iter().zip(of_groups) {
             let ((cosines, columns), (rows, (distances, facings))) = of_group;
-            for lane in 0..LANES {
-                let along = |row: &[Eight; 4]| {
-                    row[0][lane] * place.x + row[1][lane] * place.y + row[2][lane] * place.z + row[3][lane]
-                };
-                let distance = along(&group.rows[2]);
-                let per_distance = 1.0 / distance;
-                let column = along(&group.rows[0]) * per_distance * group.focal[0][lane] + group.principal[0][lane];
-                let row = along(&group.rows[1]) * per_distance * group.focal[1][lane] + group.principal[1][lane];
-                let [x, y, z] = [
-                    group.center[0][lane] - place.x,
-                    group.center[1][lane] - place.y,
-                    group.center[2][lane] - place.z,
-                ];
-                let length2 = x * x + y * y + z * z;
-                let per_length = 1.0 / length2.max(f32::MIN_POSITIVE).sqrt();
-                let cosine = (x * to_eye.x + y * to_eye.y + z * to_eye.z) * per_length;
-                let facing = (x * normal.x + y * normal.y + z * normal.z) * per_length;
-                let is_inside = (distance > 0.0)
-                    & (column >= 0.0)
-                    & (column < group.size[0][lane])
-                    & (row >= 0.0)
-                    & (row < group.size[1][lane]);
-                // Without a normal that is 0 everywhere.
-                let looks = is_inside & (facing >= 0.0);
-                cosines[lane] = if looks { cosine } else { Scores::NONE };
-                columns[lane] = column;
-                rows[lane] = row;
-                distances[lane] = distance;
-                facings[lane] = facing;
+            let place_in = [along(simd, &group.rows[0], &at), along(simd, &group.rows[1], &at)];
+            let distance = along(simd, &group.rows[2], &at);
+            let per_distance = 1.0 / distance;
+            let column = place_in[0] * per_distance * of(simd, &group.focal[0]) + of(simd, &group.principal[0]);
+            let row = place_in[1] * per_distance * of(simd, &group.focal[1]) + of(simd, &group.principal[1]);
+            let way = Vectors {
+                x: of(simd, &group.center[0]),
+                y: of(simd, &group.center[1]),
+                z: of(simd, &group.center[2]),
             }
+            .minus(at);
+            let per_length = 1.0 / way.dot(way).max(f32::MIN_POSITIVE).sqrt();
+            let cosine = way.dot(to_eye) * per_length;
+            let facing = way.dot(normal) * per_length;
+            // Without a normal `facing` is 0 everywhere.
+            let looks = distance.simd_gt(zero)
+                & column.simd_ge(zero)
+                & column.simd_lt(of(simd, &group.size[0]))
+                & row.simd_ge(zero)
+                & row.simd_lt(of(simd, &group.size[1]))
+                & facing.simd_ge(zero);
+            let none = f32x8::splat(simd, Scores::NONE);
+            cosines.copy_from_slice(simd.select_f32x8(looks, cosine, none).as_slice());
+            columns.copy_from_slice(column.as_slice());
+            rows.copy_from_slice(row.as_slice());
+            distances.copy_from_slice(distance.as_slice());
+            facings.copy_from_slice(facing.as_slice());
             *largest = largest_of(cosines);
         }
     }
+}
+
+#[inline(always)]
+fn of<S: Simd>(simd: S, eight: &Eight) -> f32x8<S> {
+    f32x8::from_slice(simd, eight)
+}
+
+/// Along an axis of each camera.
+#[inline(always)]
+fn along<S: Simd>(simd: S, row: &[Eight; 4], place: &Vectors<S>) -> f32x8<S> {
+    let offset = of(simd, &row[3]);
+    let offset = of(simd, &row[2]).mul_add(place.z, offset);
+    let offset = of(simd, &row[1]).mul_add(place.y, offset);
+    of(simd, &row[0]).mul_add(place.x, offset)
 }
 
 #[inline(always)]
@@ -182,6 +194,7 @@ impl Scores {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
     use glam::Vec4;
 
     /// Cameras at these places of view space that look along −z.
@@ -201,12 +214,17 @@ mod tests {
         centers.iter().map(of).collect()
     }
 
+    /// Of an eye along +z.
+    fn score(candidates: &Candidates, place: Vec3, normal: Vec3, scores: &mut Scores) {
+        dispatch!(Level::new(), simd => candidates.score(simd, place, Vec3::Z, normal, scores));
+    }
+
     #[test]
     fn the_nearest_direction_comes_first_and_each_comes_once() {
         let centers: Vec<Vec3> = (0..11).map(|at| Vec3::new(0.1 * at as f32 - 0.42, 0.0, 2.0)).collect();
         let candidates = Candidates::of(&looking_down(&centers));
         let mut scores = Scores::default();
-        candidates.score(Vec3::new(0.0, 0.0, -1.0), Vec3::Z, Vec3::ZERO, &mut scores);
+        score(&candidates, Vec3::new(0.0, 0.0, -1.0), Vec3::ZERO, &mut scores);
         let mut found = Vec::new();
         while let Some((view, cosine)) = scores.take_best() {
             let expected = (centers[view] + Vec3::Z).normalize().z;
@@ -227,11 +245,11 @@ mod tests {
         let candidates = Candidates::of(&looking_down(&[behind, aside, above]));
         let mut scores = Scores::default();
         let place = Vec3::new(0.0, 0.0, -1.0);
-        candidates.score(place, Vec3::Z, Vec3::ZERO, &mut scores);
+        score(&candidates, place, Vec3::ZERO, &mut scores);
         assert_eq!(scores.take_best().map(|(view, _)| view), Some(2));
         assert_eq!(scores.take_best(), None);
         // A surface that faces away from it.
-        candidates.score(place, Vec3::Z, Vec3::new(0.0, -1.0, 0.0), &mut scores);
+        score(&candidates, place, Vec3::new(0.0, -1.0, 0.0), &mut scores);
         assert_eq!(scores.take_best(), None);
     }
 }

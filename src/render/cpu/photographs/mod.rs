@@ -26,6 +26,7 @@ use crate::render::constants::{
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
 use candidates::{Candidates, Scores};
 use depths::Seen;
+use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 use normals::normal;
 use sampling::{Footprint, sample};
@@ -104,14 +105,14 @@ impl<'a> Projected<'a> {
     /// Writes what they say of the surface in a tile, to the rows of the picture that the tile is in. Precondition: the
     /// tile holds sums of surfaces.
     #[inline(always)]
-    pub(super) fn look(&self, tile: &Tile, view: &PixelView, clip: PixelRect, rows: &mut [Found]) {
+    pub(super) fn look<S: Simd>(&self, simd: S, tile: &Tile, view: &PixelView, clip: PixelRect, rows: &mut [Found]) {
         let mut scores = Scores::default();
         for y in clip.start[1]..clip.end[1] {
             let row = (y - tile.origin[1]) as usize;
             for x in clip.start[0]..clip.end[0] {
                 let at = WIDTH * row + (x - tile.origin[0]) as usize;
                 rows[view.size_px[0] as usize * row + x as usize] = match Place::of_pixel(tile, view, [x, y], at) {
-                    Some(place) => self.find(&place, &mut scores),
+                    Some(place) => self.find(simd, &place, &mut scores),
                     None => Found::Clipped,
                 };
             }
@@ -120,7 +121,7 @@ impl<'a> Projected<'a> {
 
     /// Colours the surface in a tile. Precondition: it holds sums of surfaces.
     #[inline(always)]
-    pub(super) fn color(&self, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
+    pub(super) fn color<S: Simd>(&self, simd: S, tile: &mut Tile, view: &PixelView, clip: PixelRect) {
         let is_white = self.views.relight == PhotoRelight::DepthOnly;
         let mut scores = Scores::default();
         for y in clip.start[1]..clip.end[1] {
@@ -133,7 +134,7 @@ impl<'a> Projected<'a> {
                 };
                 let found = match self.told {
                     Some(told) => told[view.size_px[0] as usize * y as usize + x as usize],
-                    None => self.find(&place, &mut scores),
+                    None => self.find(simd, &place, &mut scores),
                 };
                 match found {
                     Found::Shown { color, normal } => {
@@ -168,9 +169,9 @@ impl<'a> Projected<'a> {
 
     /// The colour of a place.
     #[inline(always)]
-    fn find(&self, place: &Place, scores: &mut Scores) -> Found {
+    fn find<S: Simd>(&self, simd: S, place: &Place, scores: &mut Scores) -> Found {
         self.candidates
-            .score(place.position, place.to_eye, place.normal, scores);
+            .score(simd, place.position, place.to_eye, place.normal, scores);
         // One more than is blended: weights are relative to that of the last.
         let mut seeing = [Seeing::default(); PhotoStyle::MOST_VIEWS + 1];
         let wanted = self.views.blended + 1;
