@@ -28,6 +28,7 @@ mod radii;
 mod robust_planes;
 mod smallest_rows;
 mod steps;
+mod stray;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 #[cfg(test)]
@@ -42,6 +43,7 @@ pub use file_surface::FileSurface;
 pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use radii::LONE_RADIUS;
+pub use stray::stray_points;
 
 use crate::cloud::Ellipse;
 use crate::progress::Progress;
