@@ -30,6 +30,7 @@ mod robust_planes;
 pub mod screen;
 mod smallest_rows;
 mod steps;
+mod stray;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 #[cfg(test)]
@@ -45,6 +46,7 @@ pub use nearest_point::NearestPoint;
 pub use neighbours::{Neighbours, nearest_neighbours};
 pub use normal_errors::NormalErrors;
 pub use radii::LONE_RADIUS;
+pub use stray::stray_points;
 
 use crate::cloud::Ellipse;
 use crate::progress::Progress;

@@ -83,10 +83,10 @@ group! {
             }),
         }
         /// Angle at which the weight of a photograph has fallen to 1/e, as a factor on what is between neighbours.
-        angle: f32 = 1.0, "photo_angle" ANGLE {
+        angle: f32 = 2.0, "photo_angle" ANGLE {
             flag: "photo-angle",
             value_name: "F",
-            help: "How far photographs reach, in angles between neighbours (usually 1)",
+            help: "How far photographs reach, in angles between neighbours (usually 2)",
             title: "Reach",
             hint: "How fast the weight of a photograph falls with its angle to you: σ, as a factor on the angle \
                    between neighbouring photographs",

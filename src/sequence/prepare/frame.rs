@@ -2,6 +2,7 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
+use super::photographed::without_stray_points;
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
@@ -122,13 +123,25 @@ impl PreparedFrame {
         }
     }
 
-    /// The same with photographs, which are put on it where it is drawn.
+    /// The same with photographs, which are put on it where it is drawn: stray points hide nothing of them.
     #[must_use]
     pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
-        Self {
+        let mut photographed = Self {
             photographs: Some(photographs),
             ..self.clone()
+        };
+        let shapes = self.shapes.as_ref().filter(|_| !self.has_ellipses);
+        let shapes = shapes.and_then(|shapes| without_stray_points(&self.frame, shapes));
+        if let Some(shapes) = shapes.map(Arc::new) {
+            photographed.levels = self.levels.made_of(&CloudRecords {
+                positions: self.frame.positions(),
+                colors: self.frame.colors().filter(|_| self.paint == Paint::File),
+                points: &self.points,
+                shapes: Some(&shapes),
+            });
+            photographed.shapes = Some(shapes);
         }
+        photographed
     }
 
     /// The same, said to be painted as another frame: its points are among these.

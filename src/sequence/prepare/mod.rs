@@ -23,6 +23,7 @@ mod build;
 mod counters;
 mod frame;
 mod mesh;
+mod photographed;
 
 pub use counters::{PrepareCounters, Timings};
 pub use frame::PreparedFrame;

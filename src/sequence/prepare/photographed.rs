@@ -1,0 +1,148 @@
+//! The surface that photographs are put on.
+//!
+//! Points of photographs are few, and some of them are wrong: what was taken for one thing in two photographs is
+//! somewhere in the air. The disk of a point that is far from all others is as large as what it hides. With photographs
+//! on it, it shows what is behind it at a wrong place. So [stray points](stray_points) shrink to dots, and normals and
+//! radii are estimated without them, for they had turned the disks around them.
+//!
+//! The points of the frame stay: they are what the file has, and without photographs they are drawn.
+
+use crate::analysis::{Surface, estimate_surface, splat_radii, stray_points};
+use crate::cloud::{Frame, ShapeRecord, oct_decode, oct_encode};
+use glam::Vec3;
+
+/// Clouds of more points are dense: the disks of stray ones are small there.
+const MOST_POINTS: usize = 1 << 18;
+
+/// The disk of a stray point, as a factor on its radius.
+const SHRUNK: f32 = 1e-3;
+
+/// The shapes of a frame without its stray points; `None` where these are to stay as they are: there are none, the file
+/// says how large disks are, or it has too many points. Precondition: a shape for each point.
+pub(super) fn without_stray_points(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec<ShapeRecord>> {
+    if frame.len() > MOST_POINTS || frame.radii().is_some() {
+        return None;
+    }
+    let positions = frame.positions();
+    let is_stray = stray_points(positions);
+    let kept: Vec<usize> = (0..positions.len()).filter(|&at| !is_stray[at]).collect();
+    if kept.len() == positions.len() {
+        return None;
+    }
+    let surface = surface_of(frame, shapes, &kept);
+    let mut shapes = shapes.to_vec();
+    for (shape, _) in shapes.iter_mut().zip(is_stray).filter(|(_, is_stray)| *is_stray) {
+        shape.radius *= SHRUNK;
+    }
+    for (&at, (normal, radius)) in kept.iter().zip(surface) {
+        shapes[at].normal = normal;
+        shapes[at].radius = radius;
+    }
+    Some(shapes)
+}
+
+/// Normals, as records have them, and radii of some points alone. Normals of the file stay.
+fn surface_of(frame: &Frame, shapes: &[ShapeRecord], kept: &[usize]) -> Vec<([i16; 2], f32)> {
+    let places: Vec<Vec3> = kept.iter().map(|&at| frame.positions()[at]).collect();
+    if frame.normals().is_some() {
+        let records: Vec<[i16; 2]> = kept.iter().map(|&at| shapes[at].normal).collect();
+        let normals: Vec<Vec3> = records.iter().map(|&normal| oct_decode(normal)).collect();
+        return records.into_iter().zip(splat_radii(&places, &normals)).collect();
+    }
+    let Surface { normals, radii, .. } = estimate_surface(&places, frame.sensor());
+    normals.into_iter().map(oct_encode).zip(radii).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Attributes, Positions, RawCloud};
+    use crate::photos::Photographs;
+    use crate::sequence::{Needs, PrepareCounters, PreparedFrame, prepare};
+    use glam::DVec3;
+    use std::sync::Arc;
+
+    fn prepared(places: Vec<[f32; 3]>, attributes: Attributes) -> PreparedFrame {
+        let raw = RawCloud {
+            attributes,
+            ..RawCloud::from_positions(Positions::F32(places))
+        };
+        let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+        let needs = Needs {
+            shapes: true,
+            ..Needs::default()
+        };
+        prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+    }
+
+    fn photographed(frame: &PreparedFrame) -> PreparedFrame {
+        frame.with_photographs(Arc::new(Photographs::new(Vec::new(), None)))
+    }
+
+    /// A wall of 400 points that are 1 apart.
+    fn wall() -> Vec<[f32; 3]> {
+        (0..400).map(|at| [(at % 20) as f32, (at / 20) as f32, 0.0]).collect()
+    }
+
+    fn is_in_the_air(frame: &PreparedFrame, at: usize) -> bool {
+        frame.points[at].position[2] != 0.0
+    }
+
+    #[test]
+    fn stray_points_are_dots_and_turn_no_disk() {
+        let mut places = wall();
+        places.push([8.5, 8.5, 1.6]);
+        let frame = prepared(places, Attributes::default());
+        let photographed = photographed(&frame);
+        let shapes = photographed.shapes.as_ref().unwrap();
+        for (at, shape) in shapes.iter().enumerate() {
+            if is_in_the_air(&frame, at) {
+                assert!(shape.radius < 0.01 && shape.radius > 0.0, "{}", shape.radius);
+            } else {
+                assert!(oct_decode(shape.normal).z.abs() > 0.999, "{at}");
+                assert!(shape.radius < 2.0, "{}", shape.radius);
+            }
+        }
+        assert!(Arc::ptr_eq(&frame.points, &photographed.points));
+        // What it had been before.
+        let before = frame.shapes.as_ref().unwrap();
+        let largest = before.iter().map(|shape| shape.radius).fold(0.0, f32::max);
+        assert!(largest > 1.0, "{largest}");
+    }
+
+    #[test]
+    fn a_surface_without_stray_points_stays_the_same_allocation() {
+        let frame = prepared(wall(), Attributes::default());
+        let photographed = photographed(&frame);
+        assert!(Arc::ptr_eq(
+            frame.shapes.as_ref().unwrap(),
+            photographed.shapes.as_ref().unwrap()
+        ));
+    }
+
+    #[test]
+    fn normals_and_radii_of_a_file_stay() {
+        let mut places = wall();
+        places.push([8.5, 8.5, 6.0]);
+        let normal = Vec3::new(0.6, 0.0, 0.8);
+        let with_normals = Attributes {
+            normals: Some(vec![normal.to_array(); places.len()]),
+            ..Attributes::default()
+        };
+        let frame = photographed(&prepared(places.clone(), with_normals.clone()));
+        let shapes = frame.shapes.as_ref().unwrap();
+        assert!(
+            shapes
+                .iter()
+                .all(|shape| oct_decode(shape.normal).distance(normal) < 1e-3)
+        );
+        let dots = shapes.iter().filter(|shape| shape.radius < 0.01).count();
+        assert_eq!(dots, 1);
+        let with_radii = Attributes {
+            radii: Some(vec![0.7; places.len()]),
+            ..with_normals
+        };
+        let frame = photographed(&prepared(places, with_radii));
+        assert!(frame.shapes.as_ref().unwrap().iter().all(|shape| shape.radius == 0.7));
+    }
+}
