@@ -79,6 +79,7 @@ fn jpeg() -> Vec<u8> {
 }
 
 /// Three frames 33 ms apart; colours come five milliseconds later.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "tracks keep it as written")]
 fn tracks(fourcc: &'static [u8; 4], color: &[u8]) -> Vec<TrackOf<'static>> {
     let depth: Vec<u16> = pixels(MODE_PX).map(depth_mm).collect();
     let times = || [0_u64, 33_333, 66_667].into_iter();
