@@ -1,7 +1,7 @@
 //! The readers alone, by their sources: with the window and wgpu around them every target would take ten minutes to
 //! build.
 
-#![allow(dead_code, reason = "the readers are made for the whole program")]
+#![allow(dead_code, unused_imports, reason = "the readers are made for the whole program")]
 
 use std::path::{Path, PathBuf};
 
