@@ -105,7 +105,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     left.state_mut().run(Command::Escape);
     save(&mut left, &file);
     assert!(left.state_mut().may_close(), "it is in the session");
-    assert_eq!(left.state().recent.entries()[0], [file.clone()]);
+    assert_eq!(left.state().recent.entries()[0], std::slice::from_ref(&file));
 
     let mut taken = window();
     let usual = taken.state().style;

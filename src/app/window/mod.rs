@@ -213,12 +213,11 @@ impl App {
         // Who has opened something before is offered that; who begins sees something that moves.
         let demo = || state.recent.entries().is_empty().then(|| Arc::new(Sequence::demo()));
         if let Some(sequence) = options.sequence.take().or_else(demo) {
-            match options.session.take() {
-                Some(session) => state.open_session(sequence, *session),
-                None => {
-                    state.open(sequence);
-                    state.note_opened(options.named.clone(), None);
-                }
+            if let Some(session) = options.session.take() {
+                state.open_session(sequence, *session);
+            } else {
+                state.open(sequence);
+                state.note_opened(options.named.clone(), None);
             }
         }
         if let Some(sequence) = options.compare.take() {
