@@ -17,12 +17,13 @@ pub(super) fn as_text(input: &Path, folder: &Path) -> Result<String, SessionErro
     if is_word(text) {
         return Ok(text.to_owned());
     }
-    let Some(names) = from_folder(input, folder) else {
-        let absolute = std::path::absolute(input).unwrap_or_else(|_| input.to_owned());
-        return absolute.to_str().map(str::to_owned).ok_or_else(no_text);
-    };
-    let names: Option<Vec<&str>> = names.iter().map(|name| name.to_str()).collect();
-    names.map(|names| names.join("/")).ok_or_else(no_text)
+    if let Some(names) = from_folder(input, folder) {
+        let names = names.iter().map(|name| name.to_str());
+        let names: Option<Vec<&str>> = names.collect();
+        return names.map(|names| names.join("/")).ok_or_else(no_text);
+    }
+    let absolute = std::path::absolute(input).unwrap_or_else(|_| input.to_owned());
+    absolute.to_str().map(str::to_owned).ok_or_else(no_text)
 }
 
 /// What a session in `folder` means by `text`.
