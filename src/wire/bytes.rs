@@ -15,7 +15,7 @@ impl<'a> Fields<'a> {
         Self { bytes, what }
     }
 
-    /// The next bytes. Precondition of memory: none, nothing is copied.
+    /// The next bytes.
     pub(super) fn take(&mut self, count: u64) -> Result<&'a [u8], WireError> {
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         let (taken, rest) = self
