@@ -6,9 +6,8 @@
 //! pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a fixed radius
 //! holds too few, it is looked at again with twice the radius.
 //!
-//! **When it wins.** Nothing is searched and no tree is built: 300,000 points of a depth image take a tenth of the time
-//! of [`estimate_surface`](super::estimate_surface), and what is hidden takes none. So it is the way for frames that
-//! are seen once, as those of a live camera are. It loses where a view changes and the cloud does not, as it is done
+//! **When it wins.** Nothing is searched and no tree is built as for [`estimate_surface`](super::estimate_surface), and
+//! what is hidden takes no plane. So it is the way for frames that are seen once, as those of a live camera are. It loses where a view changes and the cloud does not, as it is done
 //! anew for each view, and where the picture is coarser than the points.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
