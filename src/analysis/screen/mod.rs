@@ -6,10 +6,10 @@
 //! pyramid of cells (`cells.rs`), and fits a plane to them (`planes.rs`). Where the neighbourhood of a fixed radius
 //! holds too few, it is looked at again with twice the radius.
 //!
-//! **When it wins.** Nothing is searched and no tree is built: 300,000 points of a depth image take a tenth of the time
-//! of [`estimate_surface`](super::estimate_surface), and what is hidden takes none. So it is the way for frames that
-//! are seen once, as those of a live camera are. It loses where a view changes and the cloud does not, as it is done
-//! anew for each view, and where the picture is coarser than the points.
+//! **When it wins.** Nothing is searched and no tree is built as for [`estimate_surface`](super::estimate_surface), and
+//! what is hidden takes no plane. So it is the way for frames that are seen once, as those of a live camera are. It
+//! loses where a view changes and the cloud does not, as it is done anew for each view, and where the picture is coarser
+//! than the points.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
 //! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a level of the
@@ -64,8 +64,8 @@ pub struct ScreenEstimator {
 
 impl ScreenEstimator {
     /// The points of a cloud that a picture shows, and some beside it whose splats may reach into it: of a point that
-    /// is left out, another one covers the pixel of its middle and is nearer by more than the radius. Points are as
-    /// wide as they are apart, eight pixels at most.
+    /// is left out, another one covers the pixel of its middle and is nearer by more than the radius; or it is smaller
+    /// than a pixel and another one in that is nearer. Points are as wide as they are apart, eight pixels at most.
     pub fn cull(&mut self, view: &ScreenView, points: &[PointRecord], cloud: &ScreenCloud) -> Visible {
         self.picture.draw(view, points, cloud.spacing);
         self.picture.visible(points)

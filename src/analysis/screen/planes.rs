@@ -219,23 +219,24 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
     }
     Neighbourhood {
         radius,
-        found: total(found),
-        points: total(points),
-        sums: [total(sums[0]), total(sums[1]), total(sums[2])],
+        found: total(simd, found),
+        points: total(simd, points),
+        sums: [total(simd, sums[0]), total(simd, sums[1]), total(simd, sums[2])],
         products: [
-            total(products[0]),
-            total(products[1]),
-            total(products[2]),
-            total(products[3]),
-            total(products[4]),
-            total(products[5]),
+            total(simd, products[0]),
+            total(simd, products[1]),
+            total(simd, products[2]),
+            total(simd, products[3]),
+            total(simd, products[4]),
+            total(simd, products[5]),
         ],
     }
 }
 
 /// The sum of eight lanes, in an order that all machines have.
 #[inline(always)]
-fn total<S: Simd>(lanes: f32x8<S>) -> f32 {
-    let [a, b, c, d, e, f, g, h]: [f32; WINDOW] = lanes.into();
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+fn total<S: Simd>(simd: S, lanes: f32x8<S>) -> f32 {
+    let (low, high) = simd.split_f32x8(lanes);
+    let [a, b, c, d]: [f32; FOUR] = (low + high).into();
+    (a + c) + (b + d)
 }
