@@ -99,7 +99,7 @@ impl Level {
     fn between(&self, finer: [usize; 2]) -> Sure {
         let [columns, rows] = [0, 1].map(|axis| {
             let own = finer[axis] / 2;
-            let beside = if finer[axis] % 2 == 0 {
+            let beside = if finer[axis].is_multiple_of(2) {
                 own.saturating_sub(1)
             } else {
                 own + 1
