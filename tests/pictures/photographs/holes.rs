@@ -15,7 +15,7 @@ fn red_on_blue() -> PreparedFrame {
     let of_front = PHOTOGRAPHS
         .all()
         .iter()
-        .filter(|photograph| photograph.number % 12 == 0);
+        .filter(|photograph| photograph.number.is_multiple_of(12));
     let red = of_front.map(|photograph| Photograph {
         name: photograph.name.clone(),
         pinhole: photograph.pinhole.clone(),
