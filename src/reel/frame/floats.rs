@@ -34,12 +34,12 @@ pub(in crate::reel) struct Lattice {
 
 impl Lattice {
     /// A number along an axis.
-    fn value(self, axis: usize, number: i64) -> f64 {
+    fn value(self, axis: usize, number: f64) -> f64 {
         let per_unit = self.per_unit as f64;
         match self.offset {
             // As LAS has it.
-            Some(offset) => number as f64 * (1.0 / per_unit) + offset[axis],
-            None => number as f64 / per_unit,
+            Some(offset) => number * (1.0 / per_unit) + offset[axis],
+            None => number / per_unit,
         }
     }
 
@@ -87,7 +87,7 @@ impl Floats {
     }
 
     fn number(self, lattice: Lattice, axis: usize, number: i64) -> f64 {
-        self.rounded(lattice.value(axis, number))
+        self.rounded(lattice.value(axis, number as f64))
     }
 
     /// The rank of the least number that is not below a border. Zero begins with −0.
@@ -143,12 +143,10 @@ impl Floats {
             if about.abs() >= MOST_NUMBER || about.is_nan() {
                 return None;
             }
-            let is_it = |number: &i64| self.number(lattice, axis, *number).to_bits() == coordinate.to_bits();
-            return [0, -1, 1]
-                .map(|step| about as i64 + step)
-                .into_iter()
-                .find(is_it)
-                .map(rank_of);
+            let is_it = |rank: &u64| self.of_rank(lattice, axis, *rank).to_bits() == coordinate.to_bits();
+            // Zero is two numbers, and rounding may have put a number beside.
+            let ranks = [0, -1, 1].map(|step| rank_of(about as i64 + step));
+            return ranks.into_iter().chain([RANK_OF_ZERO as u64]).find(is_it);
         }
         Some(match positions {
             Positions::F32(positions) => u64::from(ordered32(positions[index][axis].to_bits())),
@@ -163,23 +161,32 @@ impl Floats {
         (above < count).then_some(above)
     }
 
+    fn of_rank(self, lattice: Lattice, axis: usize, rank: u64) -> f64 {
+        self.rounded(lattice.value(axis, number_of(rank)))
+    }
+
     /// The bits of the number of a rank.
     pub(super) fn bits(self, axis: usize, rank: u64) -> u64 {
         match (self.lattice, self.is_double) {
-            (Some(lattice), true) => lattice.value(axis, number_of(rank)).to_bits(),
-            (Some(lattice), false) => u64::from((lattice.value(axis, number_of(rank)) as f32).to_bits()),
+            (Some(lattice), true) => self.of_rank(lattice, axis, rank).to_bits(),
+            (Some(lattice), false) => u64::from((self.of_rank(lattice, axis, rank) as f32).to_bits()),
             (None, true) => unordered64(rank),
             (None, false) => u64::from(unordered32(rank as u32)),
         }
     }
 }
 
+/// The rank of a number, of −0 if it is 0: both are in texts. That of +0 is the next one.
 fn rank_of(number: i64) -> u64 {
-    (number + RANK_OF_ZERO) as u64
+    (number + RANK_OF_ZERO - i64::from(number <= 0)) as u64
 }
 
-fn number_of(rank: u64) -> i64 {
-    (rank as i64).wrapping_sub(RANK_OF_ZERO)
+fn number_of(rank: u64) -> f64 {
+    match (rank as i64).wrapping_sub(RANK_OF_ZERO) {
+        -1 => -0.0,
+        above @ 0.. => above as f64,
+        below => (below + 1) as f64,
+    }
 }
 
 /// Points of a cloud that are tried before all of them are.
@@ -271,7 +278,7 @@ fn offset_of(cloud: &RawCloud, per_unit: u64) -> Option<[f64; 3]> {
             };
             let on = coordinates.iter().filter(|&&along| {
                 let number = lattice.about(axis, along).round();
-                number.abs() < MOST_NUMBER && lattice.value(axis, number as i64) == along
+                number.abs() < MOST_NUMBER && lattice.value(axis, number) == along
             });
             on.count() * 20 >= coordinates.len() * 19
         };
@@ -309,7 +316,9 @@ mod tests {
             offset in prop::option::of(-3.0f64..3.0), is_double in any::<bool>()) {
             let offset = offset.map(|offset| [offset; 3]);
             let lattice = Lattice { per_unit, offset };
-            let per_unit_and_more = numbers.iter().map(|&number| lattice.value(0, number * per_unit as i64 / 1000));
+            let per_unit_and_more = numbers
+                .iter()
+                .map(|&number| lattice.value(0, (number * per_unit as i64 / 1000) as f64));
             let along: Vec<f64> = per_unit_and_more.filter(|along| along.abs() < 127.0).collect();
             let cloud = cloud(is_double, &along);
             let floats = Floats { is_double, lattice: Some(lattice) };
