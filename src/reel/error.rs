@@ -38,6 +38,20 @@ pub enum ReelError {
         /// The latest version that is known.
         known: u16,
     },
+    /// A file of an earlier version.
+    #[error(
+        "{} was written by an earlier version of pointreel (its format is version {found}, known is {known}): convert \
+         what it was made of once more",
+        path.display()
+    )]
+    Earlier {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u16,
+        /// The only version that is known.
+        known: u16,
+    },
     /// Bytes that are not those that were written.
     #[error("{}, byte {byte}: {problem}", path.display())]
     Damaged {

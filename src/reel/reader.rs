@@ -7,6 +7,7 @@ use super::file::{
 };
 use super::frame::StreamKind;
 use super::{MAGIC, ReadAt};
+use std::cmp::Ordering;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -375,12 +376,14 @@ fn check_begin(begin: &[u8], path: &Path) -> Result<(), ReelError> {
     };
     let [known, _] = VERSION;
     match *rest {
-        [low, high, _, _] if u16::from_le_bytes([low, high]) == known => Ok(()),
-        [low, high, _, _] => Err(ReelError::Version {
-            path: path.to_owned(),
-            found: u16::from_le_bytes([low, high]),
-            known,
-        }),
+        [low, high, _, _] => {
+            let (path, found) = (path.to_owned(), u16::from_le_bytes([low, high]));
+            match found.cmp(&known) {
+                Ordering::Equal => Ok(()),
+                Ordering::Less => Err(ReelError::Earlier { path, found, known }),
+                Ordering::Greater => Err(ReelError::Version { path, found, known }),
+            }
+        }
         _ => Err(Fault::new("the file ends before its version").at(path, MAGIC.len() as u64)),
     }
 }

@@ -4,8 +4,10 @@ mod channels;
 mod normal_grid;
 mod normals;
 mod offsets;
+mod value_coder;
 
-pub(super) use channels::{ChannelModels, code_channels};
+pub(super) use channels::{channel_contexts, code_channels};
 pub(super) use normal_grid::{MISSING, NormalGrid};
-pub(super) use normals::{NormalModels, Turned, code_normals, code_turned_normals};
+pub(super) use normals::{NORMAL_CONTEXTS, Turned, code_normals, code_turned_normals};
 pub(super) use offsets::{OffsetModels, code_offsets, offset_class, offset_edges, offset_of, offset_parts};
+pub(super) use value_coder::{ValueCoder, ValueModels};

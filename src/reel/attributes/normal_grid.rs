@@ -6,7 +6,7 @@
 //! above z = 0 in the middle, the others folded outwards over its corners. Middles of triangles are kept in thirds of a
 //! cell, so that all of it stays whole numbers.
 
-use crate::cloud::quantised_normals;
+use crate::cloud::{largest_normal_error, quantised_normals};
 use std::sync::OnceLock;
 
 /// A node without a normal.
@@ -22,6 +22,8 @@ pub(in crate::reel) struct NormalGrid {
     /// The unit vector of each place, cells row by row and their halves; and the same in 1024ths.
     units: Vec<glam::Vec3>,
     directions: Vec<[i16; 3]>,
+    /// Of the largest angle between a unit vector and what its place stands for.
+    least_cosine: f32,
 }
 
 impl NormalGrid {
@@ -40,6 +42,7 @@ impl NormalGrid {
             places: Vec::with_capacity(1 << bits),
             units: vec![glam::Vec3::ZERO; 8 * (half * half) as usize],
             directions: Vec::new(),
+            least_cosine: least_cosine(bits),
         };
         for index in 0..1u32 << bits {
             let place = place_of(index, level);
@@ -74,10 +77,21 @@ impl NormalGrid {
         self.units[self.cell_of(place)]
     }
 
+    /// Whether a place is as near a unit vector as the place of it may be, at most.
+    pub(in crate::reel) fn is_near(&self, place: [i16; 2], direction: glam::Vec3) -> bool {
+        place != MISSING && self.unit(place).dot(direction) >= self.least_cosine
+    }
+
     /// Cells along half the square.
     pub(in crate::reel) fn half(&self) -> i32 {
         self.half
     }
+}
+
+/// Rounded up, so that it is the same wherever cosines differ in their last bit.
+fn least_cosine(bits: u32) -> f32 {
+    let parts = f64::from(1 << 20);
+    ((f64::from(largest_normal_error(bits)).cos() * parts).ceil() / parts) as f32
 }
 
 /// The place of the middle of a triangle.

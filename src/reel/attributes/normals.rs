@@ -1,33 +1,21 @@
 //! Normals as places on the unfolded octahedron: cells as differences to a prediction, and which half of the cell.
 
 use super::normal_grid::{MISSING, NormalGrid};
-use crate::reel::coder::{BitCoder, BitModel, MagnitudeModel, RestModels, divided};
-use crate::reel::tree::{Known, NONE};
+use super::value_coder::ValueCoder;
+use crate::reel::coder::{BitCoder, divided};
+use crate::reel::tree::{Known, MOST_KNOWN, NONE};
+use glam::Vec3;
 
 /// Classes of how far apart the normals around are.
 const SPREADS: usize = 8;
 
-/// What is known of what is not predicted.
-#[derive(Debug, Clone)]
-pub(in crate::reel) struct NormalModels {
-    missing: [BitModel; 3],
-    across: [MagnitudeModel; SPREADS],
-    along: [MagnitudeModel; SPREADS * 3],
-    rest: RestModels,
-    halves: [BitModel; 3 * 3 * 3 * 2],
-}
+/// Contexts: whether there is a normal; the steps along both axes; and which half of the cell.
+const ACROSS: usize = 3;
+const ALONG: usize = ACROSS + SPREADS;
+const HALVES: usize = ALONG + SPREADS * 3;
 
-impl Default for NormalModels {
-    fn default() -> Self {
-        Self {
-            missing: Default::default(),
-            across: Default::default(),
-            along: Default::default(),
-            rest: RestModels::default(),
-            halves: [BitModel::default(); 54],
-        }
-    }
-}
+/// Contexts of normals.
+pub(in crate::reel) const NORMAL_CONTEXTS: usize = HALVES + 3 * 3 * 3 * 2;
 
 /// What is foreseen of a normal.
 struct Foreseen {
@@ -41,9 +29,9 @@ struct Foreseen {
 
 /// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Those of the level above are
 /// `parents`.
+#[inline(always)]
 pub(in crate::reel) fn code_normals<C: BitCoder>(
-    coder: &mut C,
-    models: &mut NormalModels,
+    coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,
     may_miss: bool,
     plan: &[Known],
@@ -65,7 +53,7 @@ pub(in crate::reel) fn code_normals<C: BitCoder>(
             },
         }
     };
-    code_places(coder, models, half, may_miss, places, foresee);
+    code_places(coder, half, may_miss, places, foresee, |_, _, place| place);
 }
 
 /// What is known of the nodes of a level that had normals in the frame before.
@@ -76,15 +64,23 @@ pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) parents: [&'a [[i16; 2]]; 2],
     /// Normals of the frame before.
     pub(in crate::reel) before: &'a [[i16; 2]],
+    /// The unit normals that an encoder has; a decoder has none.
+    pub(in crate::reel) directions: &'a [Vec3],
 }
 
-/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did.
+/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did. What
+/// is foreseen stands while it is as near the normal as a rounded one may be: who turns by less than can be told has
+/// nothing to tell.
 pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
-    coder: &mut C,
-    models: &mut NormalModels,
+    coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,
     may_miss: bool,
-    Turned { plan, parents, before }: Turned<'_>,
+    Turned {
+        plan,
+        parents,
+        before,
+        directions,
+    }: Turned<'_>,
     places: &mut [[i16; 2]],
 ) {
     let half = grid.half();
@@ -119,16 +115,38 @@ pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
             presence: 2,
         }
     };
-    code_places(coder, models, half, may_miss, places, foresee);
+    let settle = |node: usize, predicted: [i16; 2], place: [i16; 2]| {
+        let near = |place: &[i16; 2]| {
+            directions
+                .get(node)
+                .is_some_and(|&direction| grid.is_near(*place, direction))
+        };
+        halves_of(half, predicted).into_iter().find(near).unwrap_or(place)
+    };
+    code_places(coder, half, may_miss, places, foresee, settle);
 }
 
+/// The places in the cell of a place: itself first, if it is one.
+fn halves_of(half: i32, [x, y]: [i16; 2]) -> [[i16; 2]; 2] {
+    let inside = |along: i16| i32::from(along).div_euclid(3).clamp(-half, half - 1);
+    let (u, v) = (inside(x), inside(y));
+    let is_mirrored = (u < 0) != (v < 0);
+    let place = |x_third: i32| {
+        let y_third = if is_mirrored { 3 - x_third } else { x_third };
+        [(3 * u + x_third) as i16, (3 * v + y_third) as i16]
+    };
+    let is_upper = i32::from(x).rem_euclid(3) == 2;
+    [1, 2].map(|third| place(if is_upper { 3 - third } else { third }))
+}
+
+#[inline(always)]
 fn code_places<C: BitCoder>(
-    coder: &mut C,
-    models: &mut NormalModels,
+    coder: &mut ValueCoder<'_, C>,
     half: i32,
     may_miss: bool,
     places: &mut [[i16; 2]],
     foresee: impl Fn(usize, &[[i16; 2]]) -> Foreseen,
+    settle: impl Fn(usize, [i16; 2], [i16; 2]) -> [i16; 2],
 ) {
     for node in 0..places.len() {
         let Foreseen {
@@ -136,7 +154,7 @@ fn code_places<C: BitCoder>(
             spread,
             presence,
         } = foresee(node, places);
-        if may_miss && coder.bit(&mut models.missing[presence], places[node] == MISSING) {
+        if may_miss && coder.flag(presence, places[node] == MISSING) {
             places[node] = MISSING;
             continue;
         }
@@ -144,53 +162,60 @@ fn code_places<C: BitCoder>(
         let cell = |along: i16| i32::from(along).div_euclid(3);
         let third = |along: i16| i32::from(along).rem_euclid(3) as usize;
         let [u0, v0] = predicted.map(cell);
-        let given = if C::DECODES { predicted } else { places[node] };
-        let [u, v] = given.map(cell);
-        let du = models.across[spread].code_signed(coder, &mut models.rest, i64::from(u - u0));
-        let class = du.unsigned_abs().min(2) as usize;
-        let dv = models.along[3 * spread + class].code_signed(coder, &mut models.rest, i64::from(v - v0));
-        // What damaged bytes say may be any number.
-        let inside = |from: i32, step: i64| {
-            (i64::from(from).saturating_add(step)).clamp(-i64::from(half), i64::from(half) - 1) as i32
+        let given = if C::DECODES {
+            predicted
+        } else {
+            settle(node, predicted, places[node])
         };
-        let (u, v) = (inside(u0, du), inside(v0, dv));
+        let [u, v] = given.map(cell);
+        let du = coder.signed(ACROSS + spread, u - u0);
+        let class = du.unsigned_abs().min(2) as usize;
+        let dv = coder.signed(ALONG + 3 * spread + class, v - v0);
+        // What damaged bytes say may be any number.
+        let inside = |along: i32| along.max(-half).min(half - 1);
+        let (u, v) = (inside(u0 + du), inside(v0 + dv));
         let is_mirrored = (u < 0) != (v < 0);
         let off = (du.unsigned_abs() + dv.unsigned_abs()).min(2) as usize;
         let context = ((off * 3 + third(predicted[0])) * 3 + third(predicted[1])) * 2 + usize::from(is_mirrored);
-        let x_third = 1 + i32::from(coder.bit(&mut models.halves[context], third(given[0]) == 2));
+        let x_third = 1 + i32::from(coder.flag(HALVES + context, third(given[0]) == 2));
         let y_third = if is_mirrored { 3 - x_third } else { x_third };
         places[node] = [(3 * u + x_third) as i16, (3 * v + y_third) as i16];
     }
 }
 
 /// The mean of what the parent and the nodes beside have, and a class of how far apart that is.
-#[inline]
+#[inline(always)]
 fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usize) -> [i16; 2]) -> ([i16; 2], usize) {
+    let mut around = [MISSING; MOST_KNOWN];
+    for (place, neighbour) in around.iter_mut().zip(known.beside) {
+        let is_there = neighbour != NONE;
+        // No branch: nobody can guess how many there are.
+        let found = place_of(if is_there { neighbour as usize } else { 0 });
+        *place = if is_there { found } else { MISSING };
+    }
     let mut first = parent;
-    let (mut sums, mut weights, mut spread) = ([0i32; 2], 0, 0u32);
-    let beside = known.beside.iter().take_while(|&&neighbour| neighbour != NONE);
-    let around = beside.map(|&neighbour| (place_of(neighbour as usize), 2));
-    for (place, weight) in std::iter::once((parent, 1)).chain(around) {
-        if place == MISSING {
-            continue;
-        }
+    if first == MISSING {
+        first = around.into_iter().find(|place| *place != MISSING).unwrap_or(MISSING);
         if first == MISSING {
-            first = place;
-        }
-        let offset = [0, 1].map(|axis| i32::from(place[axis]) - i32::from(first[axis]));
-        let distance = offset[0].unsigned_abs().max(offset[1].unsigned_abs());
-        // The border of the square is folded: what is near may be on its other side.
-        if distance < half as u32 {
-            sums[0] += weight * offset[0];
-            sums[1] += weight * offset[1];
-            weights += weight;
-            spread = spread.max(distance);
+            return (MISSING, SPREADS - 1);
         }
     }
-    if weights == 0 {
-        return (MISSING, SPREADS - 1);
+    let (mut sums, mut weights, mut spread) = ([0i32; 2], 0, 0);
+    let mut add = |place: [i16; 2], weight: i32| {
+        let offset = [0, 1].map(|axis| i32::from(place[axis]) - i32::from(first[axis]));
+        let distance = offset[0].abs().max(offset[1].abs());
+        // The border of the square is folded: what is near may be on its other side.
+        let mask = -i32::from((place != MISSING) & (distance < half));
+        sums[0] += weight * offset[0] & mask;
+        sums[1] += weight * offset[1] & mask;
+        weights += weight & mask;
+        spread = spread.max(distance & mask);
+    };
+    add(parent, 1);
+    for place in around {
+        add(place, 2);
     }
     let mean = [0, 1].map(|axis| i32::from(first[axis]) + divided(2 * sums[axis] + weights, 2 * weights));
-    let class = (32 - (spread / 2).leading_zeros()).min(SPREADS as u32 - 1) as usize;
+    let class = (32 - (spread as u32 / 2).leading_zeros()).min(SPREADS as u32 - 1) as usize;
     (mean.map(|along| along as i16), class)
 }

@@ -43,7 +43,10 @@ impl MagnitudeModel {
             }
             coded += 1;
         }
-        coded.saturating_add(rest.code(coder, value.wrapping_sub(coded)))
+        // Handed over, not lent: elsewhere the coder stays in registers.
+        let more;
+        (*coder, more) = rest.code(std::mem::take(coder), value.wrapping_sub(coded));
+        coded.saturating_add(more)
     }
 
     /// Codes a number of either sign and a magnitude below 2⁶².
@@ -68,7 +71,7 @@ impl MagnitudeModel {
 
 impl RestModels {
     #[cold]
-    fn code<C: BitCoder>(&mut self, coder: &mut C, value: u64) -> u64 {
+    fn code<C: BitCoder>(&mut self, mut coder: C, value: u64) -> (C, u64) {
         let value = value.wrapping_add(1);
         let most = 62;
         let length = if C::DECODES { 0 } else { value.ilog2().min(most) };
@@ -77,11 +80,11 @@ impl RestModels {
             coded_length += 1;
         }
         if coded_length == 0 {
-            return 0;
+            return (coder, 0);
         }
         let below = coded_length - 1;
         let high = coder.bit(&mut self.high[coded_length as usize], value >> below & 1 != 0);
         let low = coder.even_bits(below, value & ((1 << below) - 1));
-        (1 << coded_length | u64::from(high) << below | low) - 1
+        (coder, (1 << coded_length | u64::from(high) << below | low) - 1)
     }
 }

@@ -59,17 +59,19 @@ impl Default for RangeEncoder {
     }
 }
 
-impl RangeEncoder {
-    fn carry(&mut self) {
-        for word in self.words.iter_mut().rev() {
-            let (next, overflows) = word.overflowing_add(1);
-            *word = next;
-            if !overflows {
-                break;
-            }
+/// Adds one to the last of some words.
+#[cold]
+fn carry(words: &mut [u32]) {
+    for word in words.iter_mut().rev() {
+        let (next, overflows) = word.overflowing_add(1);
+        *word = next;
+        if !overflows {
+            break;
         }
     }
+}
 
+impl RangeEncoder {
     #[inline(always)]
     fn refill(&mut self) {
         if self.range < 1 << 32 {
@@ -87,7 +89,7 @@ impl RangeEncoder {
         let number = if self.low == 0 {
             0
         } else if has_carried {
-            self.carry();
+            carry(&mut self.words);
             0
         } else {
             let differing = 63 - (self.low ^ last).leading_zeros().min(63);
@@ -116,7 +118,7 @@ impl BitCoder for RangeEncoder {
         self.low = low;
         self.range = bound ^ ((bound ^ (self.range - bound)) & unset);
         if carries {
-            self.carry();
+            carry(&mut self.words);
         }
         self.refill();
         bit
@@ -129,11 +131,20 @@ impl BitCoder for RangeEncoder {
         self.low = low;
         self.range = step;
         if carries {
-            self.carry();
+            carry(&mut self.words);
         }
         self.refill();
         value
     }
+}
+
+/// The word behind the last whole one. The decoder is not lent for it, so that it stays in registers.
+#[cold]
+fn last_word(bytes: &[u8], next: usize) -> u32 {
+    let mut word = [0; 4];
+    let rest = bytes.get(next..).unwrap_or_default();
+    word[..rest.len()].copy_from_slice(rest);
+    u32::from_be_bytes(word)
 }
 
 /// Reads bits. Behind the last byte are zeros; whoever reads on is told by [`RangeDecoder::has_overrun`].
@@ -170,18 +181,10 @@ impl<'a> RangeDecoder<'a> {
     fn word(&mut self) -> u32 {
         let word = match self.bytes.get(self.next..self.next + 4) {
             Some(&[a, b, c, d]) => u32::from_be_bytes([a, b, c, d]),
-            _ => self.last_word(),
+            _ => last_word(self.bytes, self.next),
         };
         self.next += 4;
         word
-    }
-
-    #[cold]
-    fn last_word(&self) -> u32 {
-        let mut word = [0; 4];
-        let rest = self.bytes.get(self.next..).unwrap_or_default();
-        word[..rest.len()].copy_from_slice(rest);
-        u32::from_be_bytes(word)
     }
 
     #[inline(always)]

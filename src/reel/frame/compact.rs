@@ -10,13 +10,15 @@ use super::levels::{Level, Pose, PosePoints};
 use super::schema::{Schema, StreamKind};
 use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted, places_of};
 use crate::reel::attributes::{
-    ChannelModels, NormalGrid, NormalModels, OffsetModels, code_channels, code_normals, code_offsets,
+    NORMAL_CONTEXTS, NormalGrid, OffsetModels, ValueCoder, ValueModels, channel_contexts, code_channels, code_normals,
+    code_offsets,
 };
 use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder};
 use crate::reel::error::Fault;
 use crate::reel::tree::{
-    ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, first_children, parts_of, plan,
+    ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, coders_of, first_children, plan,
 };
+use fearless_simd::{Level as SimdLevel, dispatch};
 use std::ops::Range;
 
 /// The streams of a pose, which becomes what a decoder makes of them.
@@ -65,9 +67,9 @@ pub(super) fn decode(
     Ok(())
 }
 
-/// Parts of the geometry in a section: masks of the level above its first, or of all levels of the first section.
+/// Coders of the geometry in a section: of the masks above its first level, or of all levels of the first section.
 fn parts_of_section(counts: &[usize], levels: &Range<usize>) -> usize {
-    parts_of(counts[levels.start.saturating_sub(1)])
+    coders_of(counts[levels.start.saturating_sub(1)])
 }
 
 /// Codes the whole of a pose; the coders of each stream but the geometry come back.
@@ -209,12 +211,16 @@ fn code_values<C: BitCoder + Send>(
     }
     rayon::join(
         || {
-            let mut models = ChannelModels::new(3);
+            let mut models = ValueModels::new(channel_contexts(3));
             let mut parents = vec![[128u16; 3]];
             if !of_colors.is_empty() {
                 for ((plan, values), &place) in plans.iter().zip(colors).zip(&places) {
                     let steps = (u16::from(schema.color_step), 0..=255);
-                    code_channels(&mut of_colors[place], &mut models, plan, &parents, values, steps);
+                    let bits = std::mem::take(&mut of_colors[place]);
+                    let models = &mut models;
+                    let mut coder = ValueCoder { bits, models };
+                    dispatch!(SimdLevel::new(), _simd => code_channels(&mut coder, plan, &parents, values, steps));
+                    of_colors[place] = coder.bits;
                     if !values.is_empty() {
                         parents.clone_from(values);
                     }
@@ -226,11 +232,15 @@ fn code_values<C: BitCoder + Send>(
                     continue;
                 };
                 let most = schema.most_code(single);
-                let mut models = ChannelModels::new(1);
+                let mut models = ValueModels::new(channel_contexts(1));
                 let mut parents = vec![[most / 2]];
                 for ((plan, values), &place) in plans.iter().zip(levels).zip(&places) {
                     let steps = (1, 0..=i32::from(most));
-                    code_channels(&mut coders[place], &mut models, plan, &parents, values, steps);
+                    let bits = std::mem::take(&mut coders[place]);
+                    let models = &mut models;
+                    let mut coder = ValueCoder { bits, models };
+                    dispatch!(SimdLevel::new(), _simd => code_channels(&mut coder, plan, &parents, values, steps));
+                    coders[place] = coder.bits;
                     if !values.is_empty() {
                         parents.clone_from(values);
                     }
@@ -242,18 +252,17 @@ fn code_values<C: BitCoder + Send>(
                 return;
             }
             let grid = NormalGrid::of(schema.normal_bits);
-            let mut models = NormalModels::default();
+            let mut models = ValueModels::new(NORMAL_CONTEXTS);
             let mut parents = vec![[1i16; 2]];
             for (((plan, values), offsets), &place) in plans.iter().zip(normals).zip(offsets).zip(&places) {
-                code_normals(
-                    &mut of_normals[place],
-                    &mut models,
-                    grid,
-                    schema.normals_may_miss,
-                    plan,
-                    &parents,
-                    values,
-                );
+                let bits = std::mem::take(&mut of_normals[place]);
+                let models = &mut models;
+                let mut coder = ValueCoder { bits, models };
+                let may_miss = schema.normals_may_miss;
+                dispatch!(SimdLevel::new(), _simd => {
+                    code_normals(&mut coder, grid, may_miss, plan, &parents, values);
+                });
+                of_normals[place] = coder.bits;
                 if !values.is_empty() {
                     parents.clone_from(values);
                 }

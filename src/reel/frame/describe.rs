@@ -1,12 +1,18 @@
 //! Which attributes a cloud has, and how options say that they are written.
 
+use super::floats::Lattice;
 use super::schema::{Kept, ScalarSchema, Schema, Values};
 use crate::cloud::{Positions, RawCloud};
 use crate::reel::options::{Precision, ReelOptions};
 use glam::Vec3;
 
 /// The schema of a cloud of a group, of which scalars share their steps.
-pub(super) fn schema(cloud: &RawCloud, group: &[&RawCloud], kept: Kept, options: &ReelOptions) -> Schema {
+pub(super) fn schema(
+    cloud: &RawCloud,
+    group: &[&RawCloud],
+    (kept, lattice): (Kept, Option<Lattice>),
+    options: &ReelOptions,
+) -> Schema {
     let attributes = &cloud.attributes;
     let is_merged = kept == Kept::Merged;
     let has_normals = attributes.normals.is_some();
@@ -29,6 +35,7 @@ pub(super) fn schema(cloud: &RawCloud, group: &[&RawCloud], kept: Kept, options:
         coding: options.coding,
         is_double: matches!(cloud.positions, Positions::F64(_)),
         kept,
+        lattice,
         has_order: options.keep_order,
         color_step: if attributes.colors.is_some() {
             2 * options.color_error + 1

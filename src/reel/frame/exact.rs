@@ -3,7 +3,6 @@
 use super::columns::{code_counts, code_even, code_floats};
 use super::grid::Grid;
 use super::levels::PosePoints;
-use super::points::ranks;
 use super::schema::{Kept, Schema, StreamKind, Values};
 use crate::math::morton;
 use crate::reel::coder::{BitCoder, BitModel};
@@ -29,7 +28,7 @@ pub(super) fn code_positions<C: BitCoder>(
     for (&cell, &count) in cells.iter().zip(&points.counts) {
         let cell = morton::decode(cell);
         let spans = [0, 1, 2].map(|axis| match schema.kept {
-            Kept::Exact => ranks(schema.is_double, grid, axis, u64::from(cell[axis])).1,
+            Kept::Exact => schema.floats().ranks(grid, axis, u64::from(cell[axis])).1,
             _ => 0,
         });
         for point in below.by_ref().take(count as usize) {

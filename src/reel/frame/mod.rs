@@ -7,6 +7,7 @@ mod describe;
 mod exact;
 mod fast;
 mod fast_values;
+mod floats;
 mod grid;
 mod levels;
 mod moved;

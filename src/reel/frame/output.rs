@@ -2,7 +2,6 @@
 
 use super::grid::Grid;
 use super::levels::{LevelValues, Pose};
-use super::points::{bits_of_rank, ranks};
 use super::schema::{Kept, Schema, StreamKind, Values};
 use super::summaries::radius_edges;
 use crate::cloud::{Ellipse, Positions, RawCloud, ScalarField};
@@ -143,8 +142,8 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
         let cell = morton::decode(cell).map(u64::from);
         [0, 1, 2].map(|axis| match schema.kept {
             Kept::Exact => {
-                let (first, _) = ranks(schema.is_double, grid, axis, cell[axis]);
-                bits_of_rank(schema.is_double, first.saturating_add(below[axis]))
+                let (first, _) = schema.floats().ranks(grid, axis, cell[axis]);
+                schema.floats().bits(axis, first.saturating_add(below[axis]))
             }
             Kept::Bits(bits) => {
                 let edge = grid.cell / (1u64 << bits) as f64;

@@ -1,6 +1,7 @@
 //! From clouds to whole numbers: the grid of a group, its schemas, and the levels of each frame.
 
 use super::describe::schema;
+use super::floats::{Floats, Lattice, lattice_of};
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::points;
@@ -46,12 +47,17 @@ struct FrameCells {
 struct Finest {
     grid: Grid,
     kept: Kept,
+    /// What coordinates are whole numbers of, where they are kept to the last bit.
+    lattice: Option<Lattice>,
 }
 
 impl GroupPlan {
     /// Of frames with at least one entry of every attribute they have for each point.
     pub(in crate::reel) fn new(clouds: &[&RawCloud], options: &ReelOptions) -> Self {
-        let finest = finest_grid(clouds, options);
+        let mut finest = finest_grid(clouds, options);
+        if finest.kept == Kept::Exact {
+            finest.lattice = lattice_of(clouds);
+        }
         let cells: Vec<FrameCells> = clouds.par_iter().map(|cloud| cells_of(cloud, &finest)).collect();
         let depth = match options.precision {
             Precision::Bits(_) => finest.grid.depth,
@@ -69,7 +75,7 @@ impl GroupPlan {
         };
         let schemas = clouds
             .iter()
-            .map(|cloud| schema(cloud, clouds, kept, options))
+            .map(|cloud| schema(cloud, clouds, (kept, finest.lattice), options))
             .collect();
         Self {
             grid,
@@ -135,7 +141,11 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
                 cell,
                 depth: u32::from(bits),
             };
-            Finest { grid, kept: merged }
+            Finest {
+                grid,
+                kept: merged,
+                lattice: None,
+            }
         }
         Precision::Length(length) => {
             // The middle of a cell is rounded to the floats of the file once more.
@@ -153,20 +163,27 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
                     depth,
                 };
                 let kept = Kept::Bits(below as u8);
-                return Finest { grid, kept };
+                return Finest {
+                    grid,
+                    kept,
+                    lattice: None,
+                };
             }
             Finest {
                 grid: power_of_two_grid(min, max, extent, largest),
                 kept: Kept::Exact,
+                lattice: None,
             }
         }
         Precision::SamplingDensity => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
             kept: merged,
+            lattice: None,
         },
         Precision::Lossless => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
             kept: Kept::Exact,
+            lattice: None,
         },
     }
 }
@@ -193,10 +210,14 @@ fn power_of_two_grid(min: DVec3, max: DVec3, extent: f64, largest: f64) -> Grid 
 fn cells_of(cloud: &RawCloud, finest: &Finest) -> FrameCells {
     let mut cells = FrameCells::default();
     let mut placed = Vec::new();
+    let floats = Floats {
+        is_double: matches!(cloud.positions, Positions::F64(_)),
+        lattice: finest.lattice,
+    };
     for index in 0..cloud.positions.len() {
         let position = cloud.positions.get(index);
         if is_placed(position)
-            && (finest.kept != Kept::Exact || points::has_rank(&finest.grid, &cloud.positions, index))
+            && (finest.kept != Kept::Exact || points::has_rank(floats, &finest.grid, &cloud.positions, index))
         {
             placed.push(index as u32);
             let cell = [0, 1, 2].map(|axis| finest.grid.index(axis, position[axis]) as u32);

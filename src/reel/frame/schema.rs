@@ -1,5 +1,6 @@
 //! Which attributes a frame has and how each is written.
 
+use super::floats::{Floats, Lattice};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 use crate::reel::options::Coding;
@@ -142,6 +143,8 @@ pub(in crate::reel) struct Schema {
     /// Whether coordinates are of double precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) kept: Kept,
+    /// What coordinates are whole numbers of, where they are kept to the last bit.
+    pub(in crate::reel) lattice: Option<Lattice>,
     pub(in crate::reel) has_order: bool,
     /// An odd step of colours, or 0 without any.
     pub(in crate::reel) color_step: u8,
@@ -171,6 +174,7 @@ impl Schema {
             self.has_ellipses,
             self.has_exact_scalars,
             self.coding == Coding::Fast,
+            self.lattice.is_some(),
         ];
         let bits = flags
             .iter()
@@ -186,6 +190,9 @@ impl Schema {
         writer.byte(self.color_step);
         writer.byte(self.normal_bits);
         writer.byte(self.offset_bits);
+        if let Some(lattice) = self.lattice {
+            lattice.write(writer);
+        }
         writer.number(self.scalars.len() as u64);
         for scalar in &self.scalars {
             writer.text(&scalar.name);
@@ -197,7 +204,7 @@ impl Schema {
 
     pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
         let bits = reader.number()?;
-        if bits >= 1 << 10 {
+        if bits >= 1 << 11 {
             return Err(Fault::new(format!("attributes of unknown kinds ({bits:#b})")));
         }
         let flag = |bit: u32| bits >> bit & 1 != 0;
@@ -213,6 +220,7 @@ impl Schema {
                 "colours in steps of {color_step}, normals of {normal_bits} bits and offsets of {offset_bits} bits"
             )));
         }
+        let lattice = flag(10).then(|| Lattice::read(reader)).transpose()?;
         let mut scalars = Vec::new();
         for _ in 0..reader.count("scalars")? {
             let name = reader.text()?;
@@ -233,6 +241,7 @@ impl Schema {
             coding: if flag(9) { Coding::Fast } else { Coding::Compact },
             is_double: flag(0),
             kept,
+            lattice,
             has_order: flag(1),
             color_step,
             has_alpha: flag(2),
@@ -249,6 +258,14 @@ impl Schema {
             scalars,
             has_exact_scalars: flag(8),
         })
+    }
+
+    /// The numbers that coordinates may be.
+    pub(super) fn floats(&self) -> Floats {
+        Floats {
+            is_double: self.is_double,
+            lattice: self.lattice,
+        }
     }
 
     /// Whether anything is told of nodes beside where they are.

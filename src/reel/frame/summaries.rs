@@ -228,6 +228,11 @@ impl<'a> PointValues<'a> {
 }
 
 impl Summaries {
+    /// Unit normals, none of which is rounded; none if there are none.
+    pub(super) fn directions(&self) -> &[Vec3] {
+        &self.normals
+    }
+
     /// Puts other codes in place of those of a single number.
     pub(super) fn set_single(&mut self, single: usize, codes: Vec<[u16; 1]>) {
         self.singles[single] = codes;

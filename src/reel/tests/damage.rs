@@ -34,9 +34,14 @@ fn other_files_and_later_versions_are_refused() {
     assert!(message(b"").contains("no sequence file"));
     assert!(message(&bytes[..9]).contains("ends before"));
     let mut later = bytes.clone();
-    later[8] = 2;
-    let message = message(&later);
-    assert!(message.contains(PATH) && message.contains("later version"), "{message}");
+    for (version, word) in [(bytes[8] + 1, "later"), (bytes[8] - 1, "earlier")] {
+        later[8] = version;
+        let message = message(&later);
+        assert!(
+            message.contains(PATH) && message.contains(&format!("{word} version")),
+            "{message}"
+        );
+    }
     // A higher second number adds what may be passed over.
     let mut newer = bytes;
     newer[10] = 9;

@@ -245,3 +245,28 @@ fn radii_and_scalars_change() {
         assert!(off.fold(0.0, f32::max) < 0.03);
     }
 }
+
+/// Normals that shake by less than is told stay where they are, and take no bit.
+#[test]
+fn normals_that_hardly_turn_cost_nothing() {
+    let body = surface(10_000, 0.0);
+    let shaken = |frame: u32| {
+        let mut cloud = body.clone();
+        for (point, normal) in (0u32..).zip(cloud.attributes.normals.iter_mut().flatten()) {
+            let shake = ((point * 7 + frame * 3) % 5) as f32 * 0.0002;
+            *normal = (glam::Vec3::from_array(*normal) + glam::Vec3::new(shake, -shake, 0.0))
+                .normalize()
+                .to_array();
+        }
+        cloud
+    };
+    let clouds: Vec<RawCloud> = (0..4).map(shaken).collect();
+    let bytes = file_of(&clouds, &group_of(4));
+    let file = open(&bytes).unwrap();
+    let of_normals = |frame: usize| file.frame(frame).unwrap().bytes_by_stream[StreamKind::Normal as usize];
+    assert!(
+        (1..4).all(|frame| 20 * of_normals(frame) < of_normals(0)),
+        "{:?}",
+        (0..4).map(of_normals).collect::<Vec<_>>()
+    );
+}

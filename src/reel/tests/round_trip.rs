@@ -3,7 +3,7 @@
 use super::clouds::{clouds, decoded, decoder, file_of, open, surface, with_attributes};
 use crate::cloud::{Frame, Positions, RawCloud, largest_normal_error};
 use crate::progress::Progress;
-use crate::reel::{Coding, NewFrame, Precision, ReelOptions, ReelWriter, encode_group};
+use crate::reel::{Coding, NewFrame, Precision, ReelOptions, ReelWriter, StreamKind, encode_group};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::path::Path;
@@ -357,5 +357,37 @@ fn frames_come_in_any_order() {
         } else {
             assert_eq!(frame, decoded(&bytes, index, most));
         }
+    }
+}
+
+/// Coordinates that were a text once take the bits of their digits, and come back to the last bit; so do those of a
+/// few points that have more digits.
+#[test]
+fn thousandths_take_fewer_bits() {
+    let exact = surface(20_000, 0.0);
+    let mut rounded = exact.clone();
+    if let Positions::F32(positions) = &mut rounded.positions {
+        for along in positions.iter_mut().flatten() {
+            *along = ((f64::from(*along) * 1000.0).round() / 1000.0) as f32;
+        }
+        positions[5] = [0.123_456_7; 3];
+        positions[6] = [-0.0, 0.5, 0.25];
+    }
+    for coding in [Coding::Compact, Coding::Fast] {
+        let options = ReelOptions {
+            keep_order: true,
+            coding,
+            ..ReelOptions::lossless()
+        };
+        let [bytes, of_floats] = [&rounded, &exact].map(|cloud| file_of(std::slice::from_ref(cloud), &options));
+        let position =
+            |bytes: &[u8]| open(bytes).unwrap().frame(0).unwrap().bytes_by_stream[StreamKind::Position as usize];
+        assert!(
+            3 * position(&bytes) < position(&of_floats),
+            "{} {}",
+            position(&bytes),
+            position(&of_floats)
+        );
+        assert!(decoded(&bytes, 0, usize::MAX).cloud == rounded, "{coding:?}");
     }
 }

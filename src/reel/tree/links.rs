@@ -31,13 +31,25 @@ impl Links<'_> {
     /// The cells of the level below around those of a node, as a window.
     #[inline(always)]
     pub(in crate::reel) fn window(&self, node: usize) -> u64 {
+        self.window_of(node, NONE)
+    }
+
+    /// The same of those of the nodes around that come before a node.
+    #[inline(always)]
+    pub(in crate::reel) fn window_before(&self, node: usize) -> u64 {
+        self.window_of(node, node as u32)
+    }
+
+    #[inline(always)]
+    fn window_of(&self, node: usize, end: u32) -> u64 {
         let neighbours = &self.neighbours[node];
         let mut window = 0;
         for direction in 0..DIRECTIONS {
             let neighbour = neighbours[direction];
-            if neighbour != NONE {
-                window |= PLACED[direction][self.masks[neighbour as usize] as usize];
-            }
+            // No branch: nobody can guess who is there.
+            let is_there = neighbour < end;
+            let mask = self.masks[if is_there { neighbour as usize } else { 0 }];
+            window |= PLACED[direction][usize::from(mask) * usize::from(is_there)];
         }
         window
     }

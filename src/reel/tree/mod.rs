@@ -8,5 +8,5 @@ mod window;
 
 pub(super) use build::{cells_below, first_children, masks_of_cells};
 pub(super) use links::{ALONE, Links, NONE, Neighbours, neighbours_below};
-pub(super) use occupancy::{OccupancyModels, code_masks, parts_of};
-pub(super) use plan::{Known, plan};
+pub(super) use occupancy::{OccupancyModels, code_masks, coders_of};
+pub(super) use plan::{Known, MOST_KNOWN, plan};

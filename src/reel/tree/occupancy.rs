@@ -60,14 +60,21 @@ fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
 const NODES_PER_PART: usize = 1 << 16;
 const MOST_PARTS: usize = 8;
 
-/// Parts that the masks of a level of so many nodes are coded in, at the same time.
-pub(in crate::reel) fn parts_of(nodes: usize) -> usize {
-    (nodes / NODES_PER_PART).clamp(1, MOST_PARTS)
+/// Nodes of which a part has two halves.
+const NODES_OF_HALVES: usize = 1 << 10;
+
+/// Coders of the masks of a level of so many nodes: one for each half of each part, or a single one.
+pub(in crate::reel) fn coders_of(nodes: usize) -> usize {
+    if nodes < NODES_OF_HALVES {
+        1
+    } else {
+        2 * (nodes / NODES_PER_PART).clamp(1, MOST_PARTS)
+    }
 }
 
-/// Codes the masks of a level, of which the nodes above are `links`, each part by a coder of its own, and hands over
-/// the neighbours of its nodes, if they are wanted. Models go on from those of the level above. Precondition: as many
-/// masks as there are nodes.
+/// Codes the masks of a level, of which the nodes above are `links`, each half of a part by a coder of its own, and
+/// hands over the neighbours of its nodes, if they are wanted. Models go on from those of the level above.
+/// Precondition: as many masks as there are nodes.
 pub(in crate::reel) fn code_masks<C: BitCoder + Send>(
     coders: &mut [C],
     models: &mut Vec<OccupancyModels>,
@@ -75,82 +82,186 @@ pub(in crate::reel) fn code_masks<C: BitCoder + Send>(
     masks: &mut [u8],
     wants_neighbours: bool,
 ) -> Vec<Neighbours> {
-    let (parts, before) = (coders.len(), models.len());
+    let halves = coders.len();
+    let (parts, before) = (halves.div_ceil(2), models.len());
     *models = (0..parts).map(|part| models[part * before / parts].clone()).collect();
     let mut neighbours = vec![ALONE; if wants_neighbours { masks.len() } else { 0 }];
     let parents = links.masks.len();
     let (mut masks, mut rest) = (masks, neighbours.as_mut_slice());
-    let mut tasks = Vec::with_capacity(parts);
-    for ((part, coder), models) in coders.iter_mut().enumerate().zip(models) {
-        let parents = parents * part / parts..parents * (part + 1) / parts;
+    let mut walks = Vec::with_capacity(halves);
+    for (half, coder) in coders.iter_mut().enumerate() {
+        let parents = parents * half / halves..parents * (half + 1) / halves;
         let nodes = (links.first[parents.end] - links.first[parents.start]) as usize;
         let own;
         (own, masks) = std::mem::take(&mut masks).split_at_mut(nodes);
         let neighbours;
         (neighbours, rest) = std::mem::take(&mut rest).split_at_mut(if wants_neighbours { nodes } else { 0 });
-        tasks.push(Part {
-            coder,
-            models,
-            parents,
-            masks: own,
-            neighbours,
-        });
+        walks.push(Walk::new(coder, links, parents, own, neighbours));
     }
     // Bits are counted by instructions that not every processor has.
-    tasks
-        .into_par_iter()
-        .for_each(|part| dispatch!(Level::new(), _simd => part.code(links)));
+    walks
+        .par_chunks_mut(2)
+        .zip(models)
+        .for_each(|(halves, models)| dispatch!(Level::new(), _simd => code_part(halves, models)));
     neighbours
 }
 
+/// Codes both halves of a part, in turns, or the only one.
+///
+/// A bit waits for the one before, as that may have seen the same models. Those of another octant are others. So one
+/// half is four octants behind the other, and a processor works at both. To the models that is as if the nodes of both
+/// halves came in turns.
+#[inline(always)]
+fn code_part<C: BitCoder>(halves: &mut [Walk<'_, C>], models: &mut OccupancyModels) {
+    let [first, second] = halves else {
+        for walk in halves {
+            let coder = std::mem::take(walk.coder);
+            *walk.coder = code_rest(walk, coder, models);
+        }
+        return;
+    };
+    // Not behind references: what they keep stays in registers.
+    let mut coders = (std::mem::take(first.coder), std::mem::take(second.coder));
+    let mut other: Option<Around> = None;
+    loop {
+        let one = first.next(&mut coders.0, models);
+        let Some(mut one) = one else {
+            if let Some(mut other) = other {
+                other.code_upper(&mut coders.1, models);
+                second.put(other.coded);
+            }
+            coders.1 = code_rest(second, coders.1, models);
+            break;
+        };
+        match &mut other {
+            Some(other) => {
+                other.code_upper_beside(&mut coders.1, &mut one, &mut coders.0, models);
+                second.put(other.coded);
+            }
+            None => one.code_lower(&mut coders.0, models),
+        }
+        other = second.next(&mut coders.1, models);
+        match &mut other {
+            Some(other) => {
+                one.code_upper_beside(&mut coders.0, other, &mut coders.1, models);
+                first.put(one.coded);
+            }
+            None => {
+                one.code_upper(&mut coders.0, models);
+                first.put(one.coded);
+                coders.0 = code_rest(first, coders.0, models);
+                break;
+            }
+        }
+    }
+    (*first.coder, *second.coder) = coders;
+}
+
+/// Codes the nodes that are left of a half, and hands back its coder.
+#[inline(always)]
+fn code_rest<C: BitCoder>(walk: &mut Walk<'_, C>, mut coder: C, models: &mut OccupancyModels) -> C {
+    while let Some(mut around) = walk.next(&mut coder, models) {
+        around.code_lower(&mut coder, models);
+        around.code_upper(&mut coder, models);
+        walk.put(around.coded);
+    }
+    coder
+}
+
 /// The nodes below some parents that follow each other.
-struct Part<'a, C> {
+struct Walk<'a, C> {
     coder: &'a mut C,
-    models: &'a mut OccupancyModels,
+    links: Links<'a>,
     parents: Range<usize>,
     masks: &'a mut [u8],
     /// Empty if they are not wanted.
     neighbours: &'a mut [Neighbours],
+    /// What is known of the level below, for each parent.
+    blocks: Vec<u64>,
+    /// The parent of the next node, its octants from that node on, and its window.
+    parent: usize,
+    octants: u8,
+    window: u64,
+    /// The octant of this node.
+    octant: usize,
+    /// The number of the next node.
+    node: usize,
 }
 
-impl<C: BitCoder> Part<'_, C> {
-    #[inline(always)]
-    fn code(self, links: Links<'_>) {
-        let models = self.models;
-        // Not behind a reference: what it keeps stays in registers.
-        let mut coder = std::mem::take(self.coder);
-        // What is known of the level below, for each parent of this part.
-        let mut blocks = vec![0u64; self.parents.len()];
-        let mut node = 0;
-        for parent in self.parents.clone() {
-            let window = links.window(parent);
-            let neighbours = &links.neighbours[parent];
-            let mut octants = links.masks[parent];
-            while octants != 0 {
-                let octant = octants.trailing_zeros() as usize;
-                octants &= octants - 1;
-                let near = window::around(window, octant);
-                let known = window::of_blocks(octant, |direction| {
-                    // Nothing is known of another part, as of a node that is not there.
-                    let block = (neighbours[direction] as usize).wrapping_sub(self.parents.start);
-                    blocks.get(block).copied().unwrap_or(0)
-                });
-                let around = Around {
-                    near,
-                    possible: window::refined(near),
-                    known,
-                    coded: 0,
-                };
-                let mask = &mut self.masks[node];
-                *mask = around.code_mask(&mut coder, models, *mask);
-                blocks[parent - self.parents.start] |= window::in_block(octant, *mask);
-                if let Some(neighbours) = self.neighbours.get_mut(node) {
-                    *neighbours = links.neighbours_of_child(parent, window, octant);
-                }
-                node += 1;
-            }
+impl<'a, C: BitCoder> Walk<'a, C> {
+    fn new(
+        coder: &'a mut C,
+        links: Links<'a>,
+        parents: Range<usize>,
+        masks: &'a mut [u8],
+        neighbours: &'a mut [Neighbours],
+    ) -> Self {
+        Self {
+            coder,
+            links,
+            masks,
+            neighbours,
+            blocks: vec![0; parents.len()],
+            parent: parents.start.wrapping_sub(1),
+            parents,
+            octants: 0,
+            window: 0,
+            octant: 0,
+            node: 0,
         }
-        *self.coder = coder;
+    }
+
+    /// The next node, those left out that one even number tells.
+    #[inline(always)]
+    fn next(&mut self, coder: &mut C, models: &mut OccupancyModels) -> Option<Around> {
+        while self.node < self.masks.len() {
+            while self.octants == 0 {
+                self.parent = self.parent.wrapping_add(1);
+                self.octants = self.links.masks[self.parent];
+                self.window = self.links.window(self.parent);
+            }
+            self.octant = self.octants.trailing_zeros() as usize;
+            self.octants &= self.octants - 1;
+            let around = self.around();
+            if let Some(neighbours) = self.neighbours.get_mut(self.node) {
+                *neighbours = self.links.neighbours_of_child(self.parent, self.window, self.octant);
+            }
+            self.node += 1;
+            let mask = around.given;
+            if around.near == SELF && coder.bit(&mut models.lone, mask.is_power_of_two()) {
+                self.put(1 << coder.even_bits(3, u64::from(mask.trailing_zeros()) & 7));
+                continue;
+            }
+            return Some(around);
+        }
+        None
+    }
+
+    #[inline(always)]
+    fn around(&self) -> Around {
+        let near = window::around(self.window, self.octant);
+        let neighbours = &self.links.neighbours[self.parent];
+        let known = window::of_blocks(self.octant, |direction| {
+            // Nothing is known of another half, as of a node that is not there.
+            let block = (neighbours[direction] as usize).wrapping_sub(self.parents.start);
+            // No branch: nobody can guess who is there.
+            let is_there = block < self.blocks.len();
+            self.blocks[if is_there { block } else { 0 }] & u64::from(is_there).wrapping_neg()
+        });
+        Around {
+            near,
+            possible: window::refined(near),
+            known,
+            given: self.masks[self.node],
+            coded: 0,
+        }
+    }
+
+    /// The mask of the last node.
+    #[inline(always)]
+    fn put(&mut self, mask: u8) {
+        self.masks[self.node - 1] = mask;
+        self.blocks[self.parent - self.parents.start] |= window::in_block(self.octant, mask);
     }
 }
 
@@ -162,33 +273,62 @@ struct Around {
     possible: u64,
     /// Cells that are known to be, as a window.
     known: u64,
-    /// The cells of the node itself.
+    /// The cells of the node itself: the mask that there is, or nothing; and those that are coded.
+    given: u8,
     coded: u8,
 }
 
 impl Around {
+    /// Codes the first four cells.
     #[inline(always)]
-    fn code_mask<C: BitCoder>(mut self, coder: &mut C, models: &mut OccupancyModels, mask: u8) -> u8 {
-        if self.near == SELF && coder.bit(&mut models.lone, mask.is_power_of_two()) {
-            return 1 << coder.even_bits(3, u64::from(mask.trailing_zeros()) & 7);
-        }
+    fn code_lower<C: BitCoder>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
         // Each its own code: what depends on the octant alone is worked out by the compiler.
-        self.code_cell::<C, 0>(coder, models, mask);
-        self.code_cell::<C, 1>(coder, models, mask);
-        self.code_cell::<C, 2>(coder, models, mask);
-        self.code_cell::<C, 3>(coder, models, mask);
-        self.code_cell::<C, 4>(coder, models, mask);
-        self.code_cell::<C, 5>(coder, models, mask);
-        self.code_cell::<C, 6>(coder, models, mask);
+        self.code_cell::<C, 0>(coder, models);
+        self.code_cell::<C, 1>(coder, models);
+        self.code_cell::<C, 2>(coder, models);
+        self.code_cell::<C, 3>(coder, models);
+    }
+
+    /// Codes the others.
+    #[inline(always)]
+    fn code_upper<C: BitCoder>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
+        self.code_cell::<C, 4>(coder, models);
+        self.code_cell::<C, 5>(coder, models);
+        self.code_cell::<C, 6>(coder, models);
+        self.code_last(coder, models);
+    }
+
+    /// Codes the upper cells of this node, and the lower ones of another.
+    #[inline(always)]
+    fn code_upper_beside<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        other: &mut Self,
+        of_other: &mut C,
+        models: &mut OccupancyModels,
+    ) {
+        self.code_cell::<C, 4>(coder, models);
+        other.code_cell::<C, 0>(of_other, models);
+        self.code_cell::<C, 5>(coder, models);
+        other.code_cell::<C, 1>(of_other, models);
+        self.code_cell::<C, 6>(coder, models);
+        other.code_cell::<C, 2>(of_other, models);
+        self.code_last(coder, models);
+        other.code_cell::<C, 3>(of_other, models);
+    }
+
+    /// No mask is empty.
+    #[inline(always)]
+    fn code_last<C: BitCoder>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
         if self.coded == 0 {
-            return 1 << 7;
+            self.coded = 1 << 7;
+        } else {
+            self.code_cell::<C, 7>(coder, models);
         }
-        self.code_cell::<C, 7>(coder, models, mask);
-        self.coded
     }
 
     #[inline(always)]
-    fn code_cell<C: BitCoder, const OCTANT: usize>(&mut self, coder: &mut C, models: &mut OccupancyModels, mask: u8) {
+    fn code_cell<C: BitCoder, const OCTANT: usize>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
         let shift = window::shift_of(OCTANT);
         let occupied = self.known >> shift;
         let edges = (occupied & EDGES).count_ones().min(3) as usize;
@@ -201,7 +341,7 @@ impl Around {
             &mut models.outer[(1 << (8 + OCTANT) | outer) & (OUTER_MODELS - 1)],
         ];
         let mixed = OCTANT << 3 | self.coded.count_ones() as usize;
-        let bit = mask >> OCTANT & 1 != 0;
+        let bit = self.given >> OCTANT & 1 != 0;
         let bit = models.mixer.code(coder, mixed, of_cell, bit);
         self.coded |= u8::from(bit) << OCTANT;
         self.known |= u64::from(bit) << (SELF.trailing_zeros() + shift);

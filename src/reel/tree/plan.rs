@@ -1,7 +1,7 @@
 //! What the values of a node are predicted from: its parent, and nodes beside it that are known before it.
 
 use super::links::{Links, NONE};
-use super::window::{cell_of, shift_of};
+use super::window::{MIDDLE, OWNERS, PLACED, cell_of, shift_of};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
@@ -44,39 +44,153 @@ pub(in crate::reel) fn plan(links: Links<'_>) -> Vec<Known> {
     parts.concat()
 }
 
+/// For an octant and a place in [`BY_DISTANCE`], the node around its parent whose child is there, which of its octants
+/// come before that child, and the direction.
+#[derive(Clone, Copy)]
+struct Beside {
+    parent: u8,
+    before: u8,
+    direction: u8,
+}
+
+/// Places in [`BY_DISTANCE`] go on to the number of zeros below a word without bits.
+const PLACES: usize = 33;
+
+static BESIDE: [[Beside; PLACES]; 8] = beside();
+
+const fn beside() -> [[Beside; PLACES]; 8] {
+    let nobody = Beside {
+        parent: MIDDLE as u8,
+        before: 0,
+        direction: 0,
+    };
+    let mut table = [[nobody; PLACES]; 8];
+    let mut octant = 0;
+    while octant < 8 {
+        let mut place = 0;
+        while place < BY_DISTANCE.len() {
+            let direction = BY_DISTANCE[place];
+            let (parent, of_parent) = OWNERS[(cell_of(direction) + shift_of(octant)) as usize];
+            table[octant][place] = Beside {
+                parent,
+                before: ((1u32 << of_parent) - 1) as u8,
+                direction,
+            };
+            place += 1;
+        }
+        octant += 1;
+    }
+    table
+}
+
+/// For each plane of 3 × 3 cells around a cell, and each pattern in it, the places in [`BY_DISTANCE`] that are occupied.
+static PLACES_OF: [[u32; 512]; 3] = places_of();
+
+const fn places_of() -> [[u32; 512]; 3] {
+    let mut table = [[0; 512]; 3];
+    let mut place = 0;
+    while place < BY_DISTANCE.len() {
+        let direction = BY_DISTANCE[place] as usize;
+        let mut pattern = 0;
+        while pattern < 512 {
+            if pattern >> (direction % 9) & 1 != 0 {
+                table[direction / 9][pattern] |= 1 << place;
+            }
+            pattern += 1;
+        }
+        place += 1;
+    }
+    table
+}
+
+/// The places in [`BY_DISTANCE`] of the cells around the one at (1, 1, 1) of a window that are occupied.
+#[inline(always)]
+fn places_around(window: u64) -> u32 {
+    let plane = |z: usize| {
+        let cells = window >> (16 * z);
+        let pattern = cells & 7 | cells >> 1 & 0x38 | cells >> 2 & 0x1c0;
+        PLACES_OF[z][pattern as usize]
+    };
+    plane(0) | plane(1) | plane(2)
+}
+
 #[inline(always)]
 fn known_of_children(links: Links<'_>, node: usize, known: &mut Vec<Known>) {
-    let window = links.window(node);
-    let mut octants = links.masks[node];
-    let mut child = links.first[node];
+    let before = links.window_before(node);
+    let neighbours = &links.neighbours[node];
+    let mask = links.masks[node];
+    let mut octants = mask;
     while octants != 0 {
         let octant = octants.trailing_zeros() as usize;
-        let shift = shift_of(octant);
-        let around = window >> shift;
+        // Sisters that come before it are known as well.
+        let sisters = PLACED[MIDDLE][usize::from(mask) & ((1 << octant) - 1)];
+        let mut places = places_around((before | sisters) >> shift_of(octant));
         let mut of_child = Known {
             parent: node as u32,
             beside: [NONE; MOST_KNOWN],
             directions: [0; MOST_KNOWN],
             left: octants.count_ones() as u8,
         };
-        let mut count = 0;
-        for direction in BY_DISTANCE {
-            let cell = cell_of(direction);
-            if around >> cell & 1 == 0 {
-                continue;
-            }
-            let neighbour = links.in_window(node, cell + shift);
-            if neighbour < child {
-                of_child.beside[count] = neighbour;
-                of_child.directions[count] = direction;
-                count += 1;
-                if count == MOST_KNOWN {
-                    break;
-                }
-            }
+        for (neighbour, direction) in of_child.beside.iter_mut().zip(&mut of_child.directions) {
+            // No branch: nobody can guess how many there are.
+            let is_there = places != 0;
+            let beside = BESIDE[octant][places.trailing_zeros() as usize];
+            places &= places.wrapping_sub(1);
+            let parent = neighbours[usize::from(beside.parent)] as usize;
+            let children = links.masks[parent] & beside.before;
+            let found = links.first[parent] + children.count_ones();
+            *neighbour = if is_there { found } else { NONE };
+            *direction = beside.direction;
         }
         known.push(of_child);
         octants &= octants - 1;
-        child += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::build::{first_children, masks_of_cells};
+    use super::super::links::{ALONE, neighbours_below};
+    use super::*;
+    use crate::math::morton;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against a search for every cell.
+        #[test]
+        fn who_is_beside_and_before_is_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
+            let depth = 4;
+            let cells: Vec<u64> = cells.into_iter().collect();
+            let masks = masks_of_cells(&cells, depth);
+            let mut neighbours = vec![ALONE];
+            let mut above: &[u8] = &[1];
+            let mut plans = Vec::new();
+            for level in 0..=depth as usize {
+                let first = first_children(above);
+                let links = Links { neighbours: &neighbours, masks: above, first: &first };
+                plans.push(plan(links));
+                neighbours = neighbours_below(links);
+                above = masks.get(level).map_or(&[], Vec::as_slice);
+            }
+            let places: Vec<[u32; 3]> = cells.iter().map(|&cell| morton::decode(cell)).collect();
+            let of_deepest = &plans[depth as usize];
+            prop_assert_eq!(of_deepest.len(), cells.len());
+            for (node, known) in of_deepest.iter().enumerate() {
+                let mut expected = BY_DISTANCE.iter().filter_map(|&direction| {
+                    let way = [direction % 3, direction / 3 % 3, direction / 9].map(|along| u32::from(along).wrapping_sub(1));
+                    let place: [u32; 3] = std::array::from_fn(|axis| places[node][axis].wrapping_add(way[axis]));
+                    let found = places[..node].iter().position(|other| *other == place)?;
+                    Some((found as u32, direction))
+                });
+                for (&found, &direction) in known.beside.iter().zip(&known.directions) {
+                    match expected.next() {
+                        Some(beside) => prop_assert_eq!((found, direction), beside),
+                        None => prop_assert_eq!(found, NONE),
+                    }
+                }
+                let sisters = cells[node..].iter().take_while(|&&cell| cell >> 3 == cells[node] >> 3);
+                prop_assert_eq!(usize::from(known.left), sisters.count());
+            }
+        }
     }
 }

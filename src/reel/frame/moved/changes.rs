@@ -3,6 +3,8 @@
 use super::super::levels::LevelValues;
 use super::super::schema::{Schema, StreamKind};
 use super::followed::{Followed, FollowedLevel};
+use crate::reel::attributes::NormalGrid;
+use glam::Vec3;
 
 /// How a frame differs from the one before.
 #[derive(Debug)]
@@ -20,6 +22,8 @@ pub(super) struct LevelChanges {
     pub(super) singles: Vec<Vec<[i32; 1]>>,
     /// Those of this frame.
     pub(super) normals: Vec<[i16; 2]>,
+    /// What an encoder has rounded to those.
+    pub(super) directions: Vec<Vec3>,
 }
 
 impl Changes {
@@ -32,6 +36,7 @@ impl Changes {
                 colors: vec![[0; 3]; level.values.colors.len()],
                 singles: level.values.singles.iter().map(none).collect(),
                 normals: level.values.normals.clone(),
+                directions: Vec::new(),
             }
         };
         Self {
@@ -63,13 +68,18 @@ impl LevelChanges {
     }
 
     /// From the values that nodes had to those that they have.
-    pub(super) fn between(before: &LevelValues, values: LevelValues, steps: Vec<[i32; 3]>) -> Self {
+    pub(super) fn between(
+        before: &LevelValues,
+        (values, directions): (LevelValues, Vec<Vec3>),
+        steps: Vec<[i32; 3]>,
+    ) -> Self {
         let singles = before.singles.iter().zip(&values.singles);
         Self {
             steps,
             colors: differences(&before.colors, &values.colors),
             singles: singles.map(|(before, values)| differences(before, values)).collect(),
             normals: values.normals,
+            directions,
         }
     }
 
@@ -80,7 +90,11 @@ impl LevelChanges {
                 let within = i32::from(schema.color_step / 2);
                 self.colors.iter().flatten().any(|change| change.abs() > within)
             }
-            StreamKind::Normal => self.normals != before.normals,
+            StreamKind::Normal => {
+                let grid = NormalGrid::of(schema.normal_bits);
+                let mut nodes = self.normals.iter().zip(&self.directions).zip(&before.normals);
+                !nodes.all(|((&now, &direction), &before)| now == before || grid.is_near(before, direction))
+            }
             _ => self.singles.iter().enumerate().any(|(single, changes)| {
                 schema.stream_of_single(single) == kind && changes.iter().any(|[change]| *change != 0)
             }),

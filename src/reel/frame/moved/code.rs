@@ -6,10 +6,13 @@ use super::changes::Changes;
 use super::followed::Followed;
 use super::motion::code_motion;
 use super::motion_scale;
-use crate::reel::attributes::{ChannelModels, NormalGrid, NormalModels, Turned, code_channels, code_turned_normals};
+use crate::reel::attributes::{
+    NORMAL_CONTEXTS, NormalGrid, Turned, ValueCoder, ValueModels, channel_contexts, code_channels, code_turned_normals,
+};
 use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder};
 use crate::reel::error::Fault;
 use crate::reel::tree::Known;
+use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
@@ -104,7 +107,8 @@ type OfLevels<'a, T> = Vec<&'a mut Vec<T>>;
 enum Told<'a> {
     Motion(OfLevels<'a, [i32; 3]>),
     Colors(OfLevels<'a, [i32; 3]>),
-    Normals(OfLevels<'a, [i16; 2]>),
+    /// With the unit vectors that an encoder rounded.
+    Normals(OfLevels<'a, [i16; 2]>, Vec<&'a [Vec3]>),
     /// For each single number.
     Singles(Vec<OfLevels<'a, [i32; 1]>>),
 }
@@ -113,12 +117,13 @@ enum Told<'a> {
 fn told<'a>(schema: &Schema, changes: &'a mut Changes) -> Vec<(StreamKind, Told<'a>)> {
     let mut motion = Vec::new();
     let mut colors = Vec::new();
-    let mut normals = Vec::new();
+    let (mut normals, mut directions) = (Vec::new(), Vec::new());
     let mut singles: Vec<OfLevels<'_, [i32; 1]>> = (0..schema.singles()).map(|_| Vec::new()).collect();
     for level in &mut changes.levels {
         motion.push(&mut level.steps);
         colors.push(&mut level.colors);
         normals.push(&mut level.normals);
+        directions.push(level.directions.as_slice());
         for (of_single, codes) in singles.iter_mut().zip(&mut level.singles) {
             of_single.push(codes);
         }
@@ -135,7 +140,7 @@ fn told<'a>(schema: &Schema, changes: &'a mut Changes) -> Vec<(StreamKind, Told<
     let others = [
         (StreamKind::Motion, Told::Motion(motion)),
         (StreamKind::Color, Told::Colors(colors)),
-        (StreamKind::Normal, Told::Normals(normals)),
+        (StreamKind::Normal, Told::Normals(normals, directions)),
     ];
     let singles = by_stream
         .into_iter()
@@ -163,7 +168,7 @@ fn code_changes<C: BitCoder + Send>(
                 let steps = (u16::from(schema.color_step), -255..=255);
                 code_levels(coders, plans, places, levels, steps);
             }
-            Told::Normals(levels) => code_normals(schema, coders, followed, places, levels),
+            Told::Normals(levels, directions) => code_normals(schema, coders, followed, places, levels, &directions),
             Told::Singles(of_singles) => {
                 for levels in of_singles {
                     let most = i32::from(u16::MAX);
@@ -181,11 +186,19 @@ fn code_levels<C: BitCoder, const N: usize>(
     levels: Vec<&mut Vec<[i32; N]>>,
     (step, range): (u16, RangeInclusive<i32>),
 ) {
-    let mut models = ChannelModels::new(N);
+    let mut models = ValueModels::new(channel_contexts(N));
     let mut parents: &[[i32; N]] = &[[0; N]];
     for ((plan, &place), changes) in plans.iter().zip(places).zip(levels) {
         match &mut coders[place] {
-            Some(coder) => code_channels(coder, &mut models, plan, parents, changes, (step, range.clone())),
+            Some(bits) => {
+                let models = &mut models;
+                let mut coder = ValueCoder {
+                    bits: std::mem::take(bits),
+                    models,
+                };
+                code_channels(&mut coder, plan, parents, changes, (step, range.clone()));
+                *bits = coder.bits;
+            }
             None => changes.fill([0; N]),
         }
         parents = changes;
@@ -198,16 +211,29 @@ fn code_normals<C: BitCoder>(
     followed: &Followed,
     places: &[usize],
     levels: Vec<&mut Vec<[i16; 2]>>,
+    directions: &[&[Vec3]],
 ) {
     let grid = NormalGrid::of(schema.normal_bits);
-    let mut models = NormalModels::default();
+    let mut models = ValueModels::new(NORMAL_CONTEXTS);
     let mut parents: [&[[i16; 2]]; 2] = [&[[1; 2]]; 2];
-    for (((plan, &place), of_level), before) in followed.plans.iter().zip(places).zip(levels).zip(&followed.levels) {
+    let levels = levels.into_iter().zip(directions).zip(&followed.levels);
+    for ((plan, &place), ((of_level, &directions), before)) in followed.plans.iter().zip(places).zip(levels) {
         let before = before.values.normals.as_slice();
         match &mut coders[place] {
-            Some(coder) => {
-                let turned = Turned { plan, parents, before };
-                code_turned_normals(coder, &mut models, grid, schema.normals_may_miss, turned, of_level);
+            Some(bits) => {
+                let turned = Turned {
+                    plan,
+                    parents,
+                    before,
+                    directions,
+                };
+                let models = &mut models;
+                let mut coder = ValueCoder {
+                    bits: std::mem::take(bits),
+                    models,
+                };
+                code_turned_normals(&mut coder, grid, schema.normals_may_miss, turned, of_level);
+                *bits = coder.bits;
             }
             None => of_level.copy_from_slice(before),
         }

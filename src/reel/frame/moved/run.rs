@@ -8,7 +8,7 @@ use super::changes::{Changes, LevelChanges};
 use super::followed::Followed;
 use super::{MOST_CHANGE, MOST_POSITION_BITS, motion_scale, part_bits};
 use crate::cloud::RawCloud;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// Frames that are told by a key frame.
@@ -132,8 +132,8 @@ impl<'a> Run<'a> {
             .collect()
     }
 
-    /// The values of all levels, and then of the points.
-    fn values(&self, cloud: &RawCloud, has_points: bool) -> Vec<LevelValues> {
+    /// The values of all levels, and then of the points; and their normals before they were rounded.
+    fn values(&self, cloud: &RawCloud, has_points: bool) -> Vec<(LevelValues, Vec<Vec3>)> {
         let of_points = PointValues::new(self.schema, &self.plan.grid, cloud);
         let mut summaries = of_points.leaves(&self.nodes, self.order);
         if let (Some((covering, largest)), Some(single)) = (&self.radii, self.schema.radius_single()) {
@@ -149,9 +149,10 @@ impl<'a> Run<'a> {
                 });
             summaries.set_single(single, grown.collect());
         }
-        let mut levels = vec![LevelValues::default(); self.masks.len()];
+        let mut levels = vec![(LevelValues::default(), Vec::new()); self.masks.len()];
         for level in (0..levels.len()).rev() {
-            levels[level].take(&summaries);
+            levels[level].0.take(&summaries);
+            levels[level].1 = summaries.directions().to_vec();
             if level > 0 {
                 summaries = summaries.above(self.schema, &self.masks[level - 1]);
             }
@@ -159,8 +160,9 @@ impl<'a> Run<'a> {
         if has_points {
             let each: Vec<Range<usize>> = (0..self.order.len()).map(|place| place..place + 1).collect();
             let mut values = LevelValues::default();
-            values.take(&of_points.leaves(&each, self.order));
-            levels.push(values);
+            let summaries = of_points.leaves(&each, self.order);
+            values.take(&summaries);
+            levels.push((values, summaries.directions().to_vec()));
         }
         levels
     }
