@@ -207,7 +207,9 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
         }
         let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let is_within = squared.simd_le(one);
-        let d = d.map(|along| simd.select_f32x8(is_within, along, zero));
+        for offset in &mut d {
+            *offset = simd.select_f32x8(is_within, *offset, zero);
+        }
         found += simd.select_f32x8(is_within, one, zero);
         let counted = f32x8::from_slice(simd, &counts[start..end]);
         points += simd.select_f32x8(is_within, counted, zero);
