@@ -153,6 +153,7 @@ fn no_panel_is_cut_or_printed_over_itself() {
         PanelId::ABOUT,
         PanelId::SAVE,
         PanelId::new("photographs"),
+        PanelId::new("labels"),
     ];
     let mut found = Vec::new();
     for size_px in SIZES {
