@@ -18,13 +18,29 @@ use rayon::prelude::*;
 const NEAREST: usize = 6;
 
 /// How many times as far apart as its neighbours a stray point is from them.
-const FAR: f32 = 2.0;
+const FAR: f32 = 1.5;
 
 /// How far off the plane of its neighbours a stray point is, as a share of how far it is from them: 17°.
 const OFF_PLANE: f32 = 0.3;
 
+/// How often they are looked for: without the first ones, those beside them are seen to be alone as well.
+const ROUNDS: usize = 2;
+
 /// Which of `positions` (finite) are stray, in their order. None are where there are fewer than 13.
 pub fn stray_points(positions: &[Vec3]) -> Vec<bool> {
+    let mut is_stray = vec![false; positions.len()];
+    for _ in 0..ROUNDS {
+        let kept: Vec<usize> = (0..positions.len()).filter(|&at| !is_stray[at]).collect();
+        let places: Vec<Vec3> = kept.iter().map(|&at| positions[at]).collect();
+        for (at, found) in kept.into_iter().zip(stray_of(&places)) {
+            is_stray[at] = found;
+        }
+    }
+    is_stray
+}
+
+/// Those of one round.
+fn stray_of(positions: &[Vec3]) -> Vec<bool> {
     let neighbours = nearest_neighbours(positions, DEFAULT_NEIGHBOURS);
     if neighbours.per_point() < DEFAULT_NEIGHBOURS {
         return vec![false; positions.len()];

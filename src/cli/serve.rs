@@ -41,7 +41,7 @@ pub(super) struct ServeArgs {
     #[arg(long, requires = "live")]
     once: bool,
 
-    /// How depth images are sent: rvl is without loss, in about a third of the bytes
+    /// How depth images are sent: rvl is packed without loss, raw is not packed
     #[arg(long, value_name = "CODING", default_value = "rvl", requires = "live")]
     depth_coding: Depths,
 

@@ -25,7 +25,7 @@ const HAS_POSE: u32 = 1;
 /// Bit of the flags: colours are from a camera of their own.
 const HAS_COLOR_CAMERA: u32 = 2;
 
-/// Quality of JPEG: errors of one or two steps in a channel.
+/// Quality of JPEG, of 100.
 const JPEG_QUALITY: u8 = 90;
 
 /// How depths are sent.

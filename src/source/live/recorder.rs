@@ -2,7 +2,7 @@
 //!
 //! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
 //! lost on the way, filters can be chosen later, and a recording that breaks off is read up to there. A sequence file
-//! (`.reel`) would have prepared points in place of images, at a hundred times the work; `pointreel convert` makes one
+//! (`.reel`) would have prepared points in place of images, coded while frames come; `pointreel convert` makes one
 //! of a recording afterwards.
 
 use crate::wire::{Message, StreamHead};
