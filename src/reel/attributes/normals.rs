@@ -205,9 +205,9 @@ fn mean_around(half: i32, known: &Known, parent: [i16; 2], place_of: impl Fn(usi
         let offset = [0, 1].map(|axis| i32::from(place[axis]) - i32::from(first[axis]));
         let distance = offset[0].abs().max(offset[1].abs());
         // The border of the square is folded: what is near may be on its other side.
-        let mask = -i32::from((place != MISSING) & (distance < half));
-        sums[0] += weight * offset[0] & mask;
-        sums[1] += weight * offset[1] & mask;
+        let mask = -i32::from(place != MISSING) & -i32::from(distance < half);
+        sums[0] += (weight * offset[0]) & mask;
+        sums[1] += (weight * offset[1]) & mask;
         weights += weight & mask;
         spread = spread.max(distance & mask);
     };

@@ -141,17 +141,14 @@ fn code_part<C: BitCoder>(halves: &mut [Walk<'_, C>], models: &mut OccupancyMode
             None => one.code_lower(&mut coders.0, models),
         }
         other = second.next(&mut coders.1, models);
-        match &mut other {
-            Some(other) => {
-                one.code_upper_beside(&mut coders.0, other, &mut coders.1, models);
-                first.put(one.coded);
-            }
-            None => {
-                one.code_upper(&mut coders.0, models);
-                first.put(one.coded);
-                coders.0 = code_rest(first, coders.0, models);
-                break;
-            }
+        if let Some(other) = &mut other {
+            one.code_upper_beside(&mut coders.0, other, &mut coders.1, models);
+            first.put(one.coded);
+        } else {
+            one.code_upper(&mut coders.0, models);
+            first.put(one.coded);
+            coders.0 = code_rest(first, coders.0, models);
+            break;
         }
     }
     (*first.coder, *second.coder) = coders;

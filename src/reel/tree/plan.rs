@@ -183,10 +183,8 @@ mod tests {
                     Some((found as u32, direction))
                 });
                 for (&found, &direction) in known.beside.iter().zip(&known.directions) {
-                    match expected.next() {
-                        Some(beside) => prop_assert_eq!((found, direction), beside),
-                        None => prop_assert_eq!(found, NONE),
-                    }
+                    let expected = expected.next().unwrap_or((NONE, direction));
+                    prop_assert_eq!((found, direction), expected);
                 }
                 let sisters = cells[node..].iter().take_while(|&&cell| cell >> 3 == cells[node] >> 3);
                 prop_assert_eq!(usize::from(known.left), sisters.count());
