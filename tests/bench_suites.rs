@@ -594,23 +594,46 @@ fn progress_reaches_its_total() {
 fn filters_of_depth_images_are_measured_one_by_one() {
     let report = measure(&small(suites::RGBD));
     assert_files_agree(&report);
-    let rows = report.rows.len();
-    // The demo has no images: no decoding, five filters, and all of them.
-    assert_eq!(rows, 6);
-    for key in ["one_thread_ms_median", "all_threads_ms_median", "mpixels_per_s"] {
-        let values = numbers(&report, key);
+    // Rows of filters and of clouds have columns of their own.
+    let there = |key: &str| -> Vec<f64> {
+        let cells = report.rows.iter().filter_map(|row| report.value(row, key));
+        cells.filter_map(Cell::number).collect()
+    };
+    // The demo has no images: no decoding, five filters, and all of them. Then the sizes of the paper, and a frame.
+    let (filters, clouds) = (6, 5);
+    assert_eq!(report.rows.len(), filters + clouds);
+    for (key, rows) in [
+        ("one_thread_ms_median", filters),
+        ("all_threads_ms_median", filters),
+        ("mpixels_per_s", filters),
+        ("cull_ms_median", clouds),
+        ("normals_ms_median", clouds),
+        ("bisected_ms_median", clouds),
+        ("draw_ms_median", clouds),
+    ] {
+        let values = there(key);
         assert!(
             values.len() == rows && values.iter().all(|&value| value > 0.0),
             "{key}: {values:?}"
         );
     }
-    let kept = numbers(&report, "valid_after");
-    let measured = numbers(&report, "valid");
+    let kept = there("valid_after");
+    let measured = there("valid");
     // Median and bilateral filter neither drop nor fill.
     assert_eq!((kept[1], kept[2]), (measured[1], measured[2]));
     assert!(
         kept.iter().zip(&measured).all(|(kept, measured)| kept <= measured),
         "{kept:?} of {measured:?}"
+    );
+    assert_eq!(kept.len(), filters);
+    let (points, visible) = (there("points"), there("visible"));
+    assert!(points.len() == clouds && visible.len() == clouds);
+    assert!(
+        visible
+            .iter()
+            .zip(&points)
+            .all(|(visible, points)| visible <= points && *visible > 0.0),
+        "{visible:?} of {points:?}"
     );
 }
 

@@ -1,5 +1,5 @@
-// Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths of
-// these (§4.1): scene/photographs.rs, render/cpu/photographs.
+// Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths
+// of these (§4.1): scene/photographs.rs, render/cpu/photographs.
 
 // Row 0: number of photographs, how many are blended, 1/σ², and what becomes of what they do not show. Then a row for
 // each photograph.

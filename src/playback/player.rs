@@ -221,8 +221,17 @@ impl Player {
         self.loader.grow();
         self.clock.set_frames(frames, now);
         self.clock.set_pace(self.sequence.pace(), now);
-        self.follow_newest(self.follows_newest, now);
         true
+    }
+
+    /// Goes to the newest frame, if newest ones are followed and the one that was gone to before is there: who always
+    /// goes on to one that has only just come sees none where they come faster than they are made.
+    fn go_to_newest(&mut self, now: Duration) {
+        let frame = self.clock.frame();
+        let has_failed = |failure: &Arc<FrameError>| failure.index() == frame;
+        if self.follows_newest && (self.shows(frame) || self.failure.as_ref().is_some_and(has_failed)) {
+            self.follow_newest(true, now);
+        }
     }
 
     /// Play or pause.
@@ -295,6 +304,7 @@ impl Player {
         prepare: impl FnOnce(&Clock, bool) -> bool,
     ) -> PlayerChange {
         let has_grown = self.grow(now);
+        self.go_to_newest(now);
         let needs = Scene::needs(style);
         let playhead_before = self.clock.frame();
         let playing_before = self.is_playing();

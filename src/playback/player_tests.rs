@@ -250,6 +250,32 @@ impl Source for Arc<LiveFrames> {
 }
 
 #[test]
+fn a_stream_that_is_faster_than_its_frames_are_made_is_seen_all_the_same() {
+    let stream = Arc::new(LiveFrames::default());
+    *stream.frames.lock().unwrap() = 0..1;
+    let sequence = Arc::new(Sequence::of(Arc::clone(&stream)));
+    let mut player = Player::new(Arc::clone(&sequence), LoaderOptions::default(), false).unwrap();
+    player.follow_newest(true, Duration::ZERO);
+    let style = Style::default();
+    let begin = std::time::Instant::now();
+    let mut seen = Vec::new();
+    // Another one has come before each look.
+    for end in 2.. {
+        *stream.frames.lock().unwrap() = 0..end;
+        player.update(Duration::from_millis(10 * end as u64), &style);
+        if let Some(frame) = player.shown().filter(|frame| seen.last() != Some(&frame.index)) {
+            seen.push(frame.index);
+        }
+        if seen.len() == 5 {
+            break;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(20), "only {seen:?} are seen");
+        std::thread::yield_now();
+    }
+    assert!(seen.is_sorted(), "{seen:?}");
+}
+
+#[test]
 fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
     let stream = Arc::new(LiveFrames::default());
     *stream.frames.lock().unwrap() = 0..1;

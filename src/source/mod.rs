@@ -49,8 +49,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a stream ([`LiveStream`]) or
-/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs ([`PhotoScene`]), a
-/// recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that
+/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs ([`PhotoScene`]),
+/// a recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that
 /// were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs

@@ -6,12 +6,12 @@
 //! could are in seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points.
 //! What is drawn with its whole square instead writes up to 49 pixels a point.
 //!
-//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a graphics card has one
-//! a pixel: however dense a cloud is, no more is visible than the picture has pixels.
+//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a graphics card has
+//! one a pixel: however dense a cloud is, no more is visible than the picture has pixels.
 //!
-//! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are looked
-//! for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees and
-//! more it still is.
+//! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are
+//! looked for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees
+//! and more it still is.
 
 use super::compact::compact;
 use super::view::{RADIUS_SPACINGS, ScreenView, Seen, Visible};

@@ -8,8 +8,8 @@
 //!
 //! **When it wins.** Nothing is searched and no tree is built as for [`estimate_surface`](super::estimate_surface), and
 //! what is hidden takes no plane. So it is the way for frames that are seen once, as those of a live camera are. It
-//! loses where a view changes and the cloud does not, as it is done anew for each view, and where the picture is coarser
-//! than the points.
+//! loses where a view changes and the cloud does not, as it is done anew for each view, and where the picture is
+//! coarser than the points.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
 //! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a level of the

@@ -15,7 +15,8 @@
 //! of ours; the second paints all of it.
 //!
 //! **The same picture.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
-//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters.rs` holds it beside `egui-wgpu`.
+//! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters.rs` holds it beside
+//! `egui-wgpu`.
 
 mod band;
 mod blend;

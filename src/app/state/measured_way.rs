@@ -1,5 +1,5 @@
-//! A way to draw that was chosen by its measured time and error, or with a session. It is of the open sequence, so it is
-//! used for this one alone: the settings that it has changed come back with the next.
+//! A way to draw that was chosen by its measured time and error, or with a session. It is of the open sequence, so it
+//! is used for this one alone: the settings that it has changed come back with the next.
 
 use super::State;
 use crate::app::features::quality::MeasuredWay;

@@ -15,9 +15,9 @@
 //! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as
 //! where two scans of one surface are laid on each other.
 //!
-//! Measured for bodies of 8,000 to 100,000 points (`tests/pictures/closed_voxels.rs`): leaves and gaps cover 99.4 % and more of
-//! what surfels cover. Without the gaps it took cells of 2.5 points on average and more to cover as much, which are
-//! twice as long and pass the outline by two to three times as much.
+//! Measured for bodies of 8,000 to 100,000 points (`tests/pictures/closed_voxels.rs`): leaves and gaps cover 99.4 % and
+//! more of what surfels cover. Without the gaps it took cells of 2.5 points on average and more to cover as much, which
+//! are twice as long and pass the outline by two to three times as much.
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 

@@ -11,7 +11,8 @@
 //!
 //! What bounds it: the next node waits for this one, and a channel for the one before. So what does not wait is worked
 //! out ahead, and there is no branch on what nobody can guess, as which nodes are beside. Symbols and tables instead of
-//! bits and models ([`crate::reel::coder::SymbolCoder`]) were tried with these predictions: 4 % less time, 3 % more bits.
+//! bits and models ([`crate::reel::coder::SymbolCoder`]) were tried with these predictions: 4 % less time, 3 % more
+//! bits.
 
 use super::value_coder::ValueCoder;
 use crate::reel::coder::{BitCoder, divided};

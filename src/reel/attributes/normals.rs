@@ -68,9 +68,9 @@ pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) directions: &'a [Vec3],
 }
 
-/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did. What
-/// is foreseen stands while it is as near the normal as a rounded one may be: who turns by less than can be told has
-/// nothing to tell.
+/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did.
+/// What is foreseen stands while it is as near the normal as a rounded one may be: who turns by less than can be told
+/// has nothing to tell.
 pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
     coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,

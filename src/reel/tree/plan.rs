@@ -83,7 +83,8 @@ const fn beside() -> [[Beside; PLACES]; 8] {
     table
 }
 
-/// For each plane of 3 × 3 cells around a cell, and each pattern in it, the places in [`BY_DISTANCE`] that are occupied.
+/// For each plane of 3 × 3 cells around a cell, and each pattern in it, the places in [`BY_DISTANCE`] that are
+/// occupied.
 static PLACES_OF: [[u32; 512]; 3] = places_of();
 
 const fn places_of() -> [[u32; 512]; 3] {
@@ -177,7 +178,8 @@ mod tests {
             prop_assert_eq!(of_deepest.len(), cells.len());
             for (node, known) in of_deepest.iter().enumerate() {
                 let mut expected = BY_DISTANCE.iter().filter_map(|&direction| {
-                    let way = [direction % 3, direction / 3 % 3, direction / 9].map(|along| u32::from(along).wrapping_sub(1));
+                    let way = [direction % 3, direction / 3 % 3, direction / 9];
+                    let way = way.map(|along| u32::from(along).wrapping_sub(1));
                     let place: [u32; 3] = std::array::from_fn(|axis| places[node][axis].wrapping_add(way[axis]));
                     let found = places[..node].iter().position(|other| *other == place)?;
                     Some((found as u32, direction))

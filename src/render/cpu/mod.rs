@@ -7,7 +7,8 @@
 //! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`); depths that light
 //! depends on are drawn before (`ambient_occlusion.rs`, `shadow.rs`).
 //!
-//! Modes, lights and background are those of the shaders; `tests/pictures/cpu_renderer.rs` holds the two against each other.
+//! Modes, lights and background are those of the shaders; `tests/pictures/cpu_renderer.rs` holds the two against each
+//! other.
 
 mod ambient_occlusion;
 mod antialiasing;

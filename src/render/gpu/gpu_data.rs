@@ -1,4 +1,5 @@
-//! Every structure that Rust and WGSL share. `tests/pictures/shaders.rs` holds these layouts against the shaders by reflection.
+//! Every structure that Rust and WGSL share. `tests/pictures/shaders.rs` holds these layouts against the shaders by
+//! reflection.
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 pub use crate::levels::NodeBounds;

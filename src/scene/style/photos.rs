@@ -29,7 +29,8 @@ choices! {
         Points = "point-color", "Colours of points", "Have the points' own colours";
         Left = "discard", "Nothing", "Are not drawn";
         /// Gortler et al. 1996. The processor alone does it: a graphics card draws [`PhotoHoles::Points`].
-        Filled = "push-pull", "Filled from around", "Have the colours of what is around them, where the processor draws";
+        Filled = "push-pull", "Filled from around",
+            "Have the colours of what is around them, where the processor draws";
     }
 }
 
@@ -37,7 +38,8 @@ choices! {
     /// Whether light falls on what photographs show.
     PhotoRelight, "way of relighting" {
         Off = "off", "Off", "Normals are those of points; without a choice of light, photographs keep theirs";
-        Photos = "photos", "Colours of photographs", "Light falls on colours of photographs, by normals of their depths";
+        Photos = "photos", "Colours of photographs",
+            "Light falls on colours of photographs, by normals of their depths";
         DepthOnly = "depth-only", "White", "Light falls on a white surface, by normals of depths of photographs";
     }
 }

@@ -68,8 +68,8 @@ choices! {
 
 impl SplatFilter {
     /// Radius of the splat that a point becomes: nearest to the mean of a pixel's square, of radii at which each splat
-    /// covers the middle of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8; that
-    /// of a pixel's square is 1/12.
+    /// covers the middle of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is
+    /// 1/8; that of a pixel's square is 1/12.
     pub const RADIUS_PX: f32 = 0.87;
 
     /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the middle of a pixel wherever it is: its
@@ -137,7 +137,7 @@ choices! {
         Points = "colors", "Colours", "The colours of the points";
         /// Paper 003, Figs. 5 and 6.
         NormalErrors = "normal-error", "Normal errors",
-            "How far normals of the screen are from those of the file, or of neighbours: blue 0°, green, red from 22.5°";
+            "How far normals of the screen are from the file's, or neighbours': blue 0°, green, red from 22.5°";
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
 //! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
-//! can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible points.
+//! can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible
+//! points.
 
 use super::made::{SCENE_MIDDLE, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};

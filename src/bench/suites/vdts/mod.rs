@@ -4,9 +4,9 @@
 //! others. What they show there is the truth. It is compared where something was drawn: a hole says nothing of colours,
 //! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`).
 //!
-//! Sequences without photographs are photographed (`made.rs`), and a tree is beside them (`tree.rs`). Of these the truth
-//! is known, and so there are tables of what the paper shows: bytes beside errors (`sizes.rs`), clipping (`clipped.rs`),
-//! and what a checker looks like (`checker.rs`).
+//! Sequences without photographs are photographed (`made.rs`), and a tree is beside them (`tree.rs`). Of these the
+//! truth is known, and so there are tables of what the paper shows: bytes beside errors (`sizes.rs`), clipping
+//! (`clipped.rs`), and what a checker looks like (`checker.rs`).
 
 mod backgrounds;
 mod checker;

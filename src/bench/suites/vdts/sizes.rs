@@ -2,8 +2,8 @@
 //! for many without.
 //!
 //! How it works: points are counted as a sequence file of them, photographs as JPEG files, as in the paper. What all
-//! points look like as disks of f64 is the truth; photographs were made of the same points by the software renderer, and
-//! those of the views that are compared are left out.
+//! points look like as disks of f64 is the truth; photographs were made of the same points by the software renderer,
+//! and those of the views that are compared are left out.
 
 use super::columns::SIZES;
 use super::filmed::{Errors, Filmed, TrueView, times_ms};

@@ -1,8 +1,8 @@
 //! A tree, as the paper has one (Table 2): what photographs show of leaves, and points do not.
 //!
 //! How it works: branches are cones that part into thinner ones, each turned from its parent by angles that a generator
-//! of numbers gives; those that part no more carry leaves, small disks in all directions. Points are spread by area, half
-//! of them on bark.
+//! of numbers gives; those that part no more carry leaves, small disks in all directions. Points are spread by area,
+//! half of them on bark.
 
 use crate::cloud::{Attributes, Positions, RawCloud};
 use crate::sequence::{FrameEntry, Sequence};
@@ -107,7 +107,7 @@ fn grow(branch: Branch, left: u32, numbers: &mut Numbers, branches: &mut Vec<Bra
         let turn = TAU * numbers.next();
         for child in 0..3 {
             let around = DQuat::from_axis_angle(branch.way.normalize(), turn + TAU * f64::from(child) / 3.0);
-            let aside = around * branch.way.any_orthonormal_vector();
+            let aside = around * branch.way.normalize().any_orthonormal_vector();
             let spread = 0.4 + 0.4 * numbers.next();
             let way = branch.way.normalize() + spread * aside + 0.1 * DVec3::Z;
             let length = branch.way.length() * (0.6 + 0.2 * numbers.next());
@@ -140,7 +140,7 @@ impl Points {
 
     fn on_branch(&mut self, branch: &Branch, numbers: &mut Numbers) {
         let (along, turn) = (numbers.next(), TAU * numbers.next());
-        let across = branch.way.any_orthonormal_vector();
+        let across = branch.way.normalize().any_orthonormal_vector();
         let normal = DQuat::from_axis_angle(branch.way.normalize(), turn) * across;
         let radius = branch.radii[0] + along * (branch.radii[1] - branch.radii[0]);
         let place = branch.start + along * branch.way + radius * normal;

@@ -1,11 +1,11 @@
 //! Normals of what photographs show, from their depth maps (paper 004 §4.1, Eqs. 5–7), for light that falls on it anew.
 //!
 //! How it works: the four texels around a depth are projected back to places in the space of the camera, each with its
-//! own depth, and the normal stands on the ways between opposite ones: `(l − r) × (u − d)`. Depths are along the axis, so
-//! planes have their normals exactly. There is none where one of the four is beyond a step, or unknown; nor where the
-//! surface is seen at more than 80° from its normal, as at silhouettes the ways are as long as the surface is curved.
-//! Between texels, the normals of the four around a place are blended. Nothing is stored: a picture asks for some 16
-//! normals a pixel, which are fewer than those of all maps.
+//! own depth, and the normal stands on the ways between opposite ones: `(l − r) × (u − d)`. Depths are along the axis,
+//! so planes have their normals exactly. There is none where one of the four is beyond a step, or unknown; nor where
+//! the surface is seen at more than 80° from its normal, as at silhouettes the ways are as long as the surface is
+//! curved. Between texels, the normals of the four around a place are blended. Nothing is stored: a picture asks for
+//! some 16 normals a pixel, which are fewer than those of all maps.
 //!
 //! The same arithmetic: `shaders/common/photographs.wgsl`.
 
@@ -147,7 +147,10 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
         #[test]
-        fn planes_have_their_normals(tilt in -1.2_f32..1.2, turn in -1.2_f32..1.2, x in 8.0_f32..248.0, y in 8.0_f32..248.0) {
+        fn planes_have_their_normals(
+            [tilt, turn] in [-1.2_f32..1.2, -1.2_f32..1.2],
+            [x, y] in [8.0_f32..248.0, 8.0_f32..248.0],
+        ) {
             let view = view(EDGE);
             let expected = Vec3::new(turn.sin(), tilt.sin() * turn.cos(), -(tilt.cos() * turn.cos()));
             let through = Vec3::new(0.0, 0.0, 3.0);

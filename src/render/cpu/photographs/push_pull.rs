@@ -1,10 +1,10 @@
 //! Holes that photographs leave, filled from around (Gortler et al. 1996, *The Lumigraph*, §3.5: push–pull).
 //!
-//! How it works: what photographs say of all pixels is kept beside the picture. Going up (pull), each pixel of a level of
-//! half the size has the mean colour of its four, weighted by how sure they are, and is as sure as all of them together,
-//! at most 1. Going down (push), what is not quite sure takes the rest from the level above, between whose pixels it
-//! lies. So a small hole has the colour of its rim, and a large one is smooth; the work is that of a third more pixels.
-//! Pixels that are no surface neither give nor take.
+//! How it works: what photographs say of all pixels is kept beside the picture. Going up (pull), each pixel of a level
+//! of half the size has the mean colour of its four, weighted by how sure they are, and is as sure as all of them
+//! together, at most 1. Going down (push), what is not quite sure takes the rest from the level above, between whose
+//! pixels it lies. So a small hole has the colour of its rim, and a large one is smooth; the work is that of a third
+//! more pixels. Pixels that are no surface neither give nor take.
 
 use super::Found;
 use rayon::prelude::*;
