@@ -4,7 +4,7 @@
 //! visible set is the same allocation, so that nobody downstream uploads it again.
 
 use super::content::{CodedCells, Content, Surfels};
-use super::first_look::typical_spacing;
+use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::ScenePacket;
 use super::screen_surfels::{ScreenInput, ScreenStats, ScreenSurfels};
 use super::{
@@ -44,8 +44,8 @@ pub struct SceneStats {
 pub struct Scene {
     last_cut: Option<LastCut>,
     clipped: Option<Clipped>,
-    /// The last frame whose points were measured, and how far apart they typically are.
-    spacing: Option<(Arc<Frame>, f32)>,
+    /// The last frame whose points were measured, and how far apart they are.
+    spacing: Option<(Arc<Frame>, PointSpacing)>,
     screen: ScreenSurfels,
     remembers: bool,
     affordable: Affordable,
@@ -263,6 +263,7 @@ impl Scene {
             viewport_px,
             cloud: ScreenCloud {
                 spacing: style.of_sequence.point_spacing,
+                closing: self.spacing.as_ref().map_or(1.0, |(_, spacing)| spacing.closing),
                 sensor: frame.frame.sensor(),
             },
             shows_errors: style.shows_normal_errors(),
@@ -279,7 +280,7 @@ impl Scene {
         let (_, spacing) = self
             .spacing
             .insert(known.unwrap_or_else(|| (Arc::clone(&frame.frame), typical_spacing(&frame.frame))));
-        *spacing
+        spacing.typical
     }
 
     /// What `clip` keeps of all of a frame: the same allocation as long as both stay the same.

@@ -51,6 +51,8 @@ pub enum Search {
 pub struct ScreenCloud {
     /// How far apart its points typically are, scene units.
     pub spacing: f32,
+    /// Factor on radii: 1 closes a surface whose points are on a grid, 2 one whose points are at random.
+    pub closing: f32,
     /// Where the sensor stood, in the space of the points: normals are turned to it, else to the eye.
     pub sensor: Option<Vec3>,
 }
@@ -74,8 +76,9 @@ impl ScreenEstimator {
     /// Normals and radii of visible points, in their order. Precondition: `visible` is of the last
     /// [`ScreenEstimator::cull`].
     ///
-    /// A radius is that of a circle with a share of the neighbourhood's area as large as one of the points in it: that
-    /// closes the surface. Of points without a plane around them the normal is towards the eye.
+    /// A radius is that of a circle with a share of the neighbourhood's area as large as one of the points in it, times
+    /// [`ScreenCloud::closing`]: that closes the surface. Of points without a plane around them the normal is towards
+    /// the eye.
     pub fn surface(&mut self, visible: &Visible, cloud: &ScreenCloud, search: Search) -> Vec<ShapeRecord> {
         let Some(view) = self.picture.view().filter(|_| !visible.is_empty()) else {
             return Vec::new();
@@ -92,6 +95,7 @@ impl ScreenEstimator {
             cells: &self.cells,
             radius,
             spacing: cloud.spacing,
+            closing: cloud.closing,
             sensor: cloud.sensor.map(|sensor| view.offset(sensor.to_array())),
         };
         match search {

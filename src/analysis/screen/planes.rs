@@ -9,7 +9,8 @@
 //! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
 //! far apart.
 //!
-//! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one.
+//! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
+//! closes grids, as those of depth images; where points are at random, it is up to twice as large, R at most.
 
 use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
 use super::view::{RADIUS_SPACINGS, ScreenView, Seen};
@@ -44,6 +45,8 @@ pub(super) struct Planes<'a> {
     /// Of neighbourhoods, scene units.
     pub(super) radius: f32,
     pub(super) spacing: f32,
+    /// Factor on radii.
+    pub(super) closing: f32,
     /// From the eye.
     pub(super) sensor: Option<Vec3>,
 }
@@ -135,7 +138,7 @@ impl Planes<'_> {
         let Some(normal) = normal.map(DVec3::as_vec3).filter(|normal| normal.is_finite()) else {
             return ShapeRecord {
                 normal: oct_encode(to_eye.normalize_or(Vec3::Z)),
-                radius: self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
+                radius: self.closing * self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
                 ..NO_SHAPE
             };
         };
@@ -143,7 +146,9 @@ impl Planes<'_> {
         let faces_away = normal.dot(outwards) < 0.0;
         ShapeRecord {
             normal: oct_encode(if faces_away { -normal } else { normal }),
-            radius: around.radius * (PI / around.points.max(PI)).sqrt(),
+            // At rims there is nothing around, and splats would reach far beyond them.
+            radius: (self.closing * around.radius * (PI / around.points.max(PI)).sqrt())
+                .min(self.radius_at(seen.depth)),
             ..NO_SHAPE
         }
     }

@@ -51,7 +51,11 @@ struct Estimated {
 }
 
 fn estimate(view: &ScreenView, points: &[PointRecord], spacing: f32, search: Search) -> Estimated {
-    let cloud = ScreenCloud { spacing, sensor: None };
+    let cloud = ScreenCloud {
+        spacing,
+        closing: 1.0,
+        sensor: None,
+    };
     let mut estimator = ScreenEstimator::default();
     let visible = estimator.cull(view, points, &cloud);
     let shapes = estimator.surface(&visible, &cloud, search);
@@ -200,6 +204,7 @@ fn normals_are_turned_to_the_sensor_where_one_is_known() {
     let (view, mut estimator) = (sensor(), ScreenEstimator::default());
     let cloud = ScreenCloud {
         spacing: 1.5 / 525.0,
+        closing: 1.0,
         sensor: Some(Vec3::new(0.0, 0.0, -9.0)),
     };
     let visible = estimator.cull(&view, &points, &cloud);
@@ -245,6 +250,7 @@ fn results_are_the_same_for_any_number_of_threads_and_again() {
         sensor(),
         ScreenCloud {
             spacing: 0.002,
+            closing: 1.0,
             sensor: None,
         },
     );

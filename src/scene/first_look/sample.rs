@@ -16,6 +16,9 @@ pub(super) const MOST_POINTS: usize = 1 << 14;
 const SLOTS_AROUND: usize = 8;
 /// The distance to this neighbour is the spacing: one or two may be duplicates or a pair of outliers.
 const SPACING_NEIGHBOUR: usize = 4;
+
+/// How far away the nearest of points at random is, in distances of that one: √(ln 2/π) beside √(3.67/π).
+const RANDOM_SHARE: f32 = 0.43;
 /// Places of [`typical_spacing`], which is asked for while frames play: their middle is within two per cent.
 const SPACED_PLACES: usize = 1 << 12;
 /// Places whose neighbourhoods are fitted by planes.
@@ -48,7 +51,7 @@ impl CloudSample {
             normals: frame
                 .normals()
                 .map_or_else(Vec::new, |normals| slots.iter().map(|&slot| normals[slot]).collect()),
-            spacing: slots.iter().map(|&slot| spacing_at(positions, slot)).collect(),
+            spacing: slots.iter().map(|&slot| spacings_at(positions, slot).1).collect(),
             planar_share: planar_share(positions),
         }
     }
@@ -94,12 +97,28 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
     (!lumas.is_empty()).then(|| quantile(&mut lumas, 0.5))
 }
 
-/// How far apart the points of a frame are: the middle of some thousand places, scene units; 0 without points.
-pub(in crate::scene) fn typical_spacing(frame: &Frame) -> f32 {
+/// How far apart points are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::scene) struct PointSpacing {
+    /// Scene units; 0 without points.
+    pub(in crate::scene) typical: f32,
+    /// Disks as large as the area of a point close a surface if they are so many times as wide: 1 on a grid, 2 where
+    /// points are at random and the gaps between them are as wide as two or three points.
+    pub(in crate::scene) closing: f32,
+}
+
+/// How far apart the points of a frame are: the middle of some thousand places.
+pub(in crate::scene) fn typical_spacing(frame: &Frame) -> PointSpacing {
     let positions = frame.positions();
     let slots = even_slots(positions.len(), SPACED_PLACES);
-    let mut spacing: Vec<f32> = slots.iter().map(|&slot| spacing_at(positions, slot)).collect();
-    quantile(&mut spacing, 0.5)
+    let spacings = slots.iter().map(|&slot| spacings_at(positions, slot));
+    let (mut nearest, mut further): (Vec<f32>, Vec<f32>) = spacings.unzip();
+    let (nearest, typical) = (quantile(&mut nearest, 0.5), quantile(&mut further, 0.5));
+    let share = if typical > 0.0 { nearest / typical } else { 1.0 };
+    PointSpacing {
+        typical,
+        closing: 1.0 + ((1.0 - share) / (1.0 - RANDOM_SHARE)).clamp(0.0, 1.0),
+    }
 }
 
 /// Places of at most `most` of `count`, evenly.
@@ -118,7 +137,8 @@ pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(place.min(last), f32::total_cmp).1
 }
 
-fn spacing_at(positions: &[Vec3], slot: usize) -> f32 {
+/// How far away the nearest point is, and the one that tells the spacing.
+fn spacings_at(positions: &[Vec3], slot: usize) -> (f32, f32) {
     let first = slot.saturating_sub(SLOTS_AROUND);
     let last = (slot + SLOTS_AROUND).min(positions.len() - 1);
     let mut squares = [f32::INFINITY; 2 * SLOTS_AROUND];
@@ -128,10 +148,12 @@ fn spacing_at(positions: &[Vec3], slot: usize) -> f32 {
     }
     let found = (last - first).min(squares.len());
     if found == 0 {
-        return 0.0;
+        return (0.0, 0.0);
     }
     let place = SPACING_NEIGHBOUR.min(found) - 1;
-    squares[..found].select_nth_unstable_by(place, f32::total_cmp).1.sqrt()
+    let (nearer, further, _) = squares[..found].select_nth_unstable_by(place, f32::total_cmp);
+    let nearest = nearer.iter().copied().fold(*further, f32::min);
+    (nearest.sqrt(), further.sqrt())
 }
 
 /// Share of places whose neighbours lie in a plane; 0 where there are too few points to tell.

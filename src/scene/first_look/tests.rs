@@ -77,11 +77,11 @@ fn points_of_a_grid_are_as_far_apart_as_its_lines() {
         Frame::from_raw(RawCloud::from_positions(Positions::F32(positions)), DVec3::ZERO).unwrap()
     };
     let place = |index: u32| [0.25 * (index % 64) as f32, 0.25 * (index / 64) as f32, 1.0];
-    let spacing = typical_spacing(&frame_of((0..4096).map(place).collect()));
+    let spacing = typical_spacing(&frame_of((0..4096).map(place).collect())).typical;
     // Neighbours beyond the borders of Morton cells are passed over: for others, along a diagonal.
     assert!((0.25..=0.25 * 2f32.sqrt()).contains(&spacing), "{spacing}");
-    assert_eq!(typical_spacing(&frame_of(vec![[1.0; 3]])), 0.0);
-    assert_eq!(typical_spacing(&frame_of(Vec::new())), 0.0);
+    assert_eq!(typical_spacing(&frame_of(vec![[1.0; 3]])).typical, 0.0);
+    assert_eq!(typical_spacing(&frame_of(Vec::new())).typical, 0.0);
 }
 
 #[test]

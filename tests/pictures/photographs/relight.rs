@@ -4,7 +4,7 @@ use super::*;
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
 use pointreel::rgbd::DepthImage;
 use pointreel::scene::{LightRig, Lighting, PhotoRelight};
-use pointreel::sequence::{PrepareCounters, prepare};
+use pointreel::sequence::{ColorSource, PrepareCounters, prepare};
 
 const RADIUS: f64 = 1.0;
 
@@ -38,7 +38,8 @@ fn ball(tilt: f32) -> PreparedFrame {
         ))
     };
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
-    let needs = Scene::needs(&style());
+    // One colour alone tells nothing, and would not be shown by itself.
+    let needs = Scene::needs(&style().with(|style| style.colors = ColorSource::File.into()));
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 

@@ -127,6 +127,7 @@ fn measure(run: &mut Run<'_>, seen: &Seen<'_>) -> Result<Row, BenchError> {
     let view = screen_view(&packet.view, packet.viewport_px);
     let cloud = ScreenCloud {
         spacing: packet.style.of_sequence.point_spacing,
+        closing: 1.0,
         sensor: seen.frame.frame.sensor(),
     };
     let points = &seen.frame.points;
