@@ -51,7 +51,7 @@ pub enum Search {
 pub struct ScreenCloud {
     /// How far apart its points typically are, scene units.
     pub spacing: f32,
-    /// Factor on radii: 1 closes a surface whose points are on a grid, 2 one whose points are at random.
+    /// Factor on radii: 1 closes a surface whose points are on a grid; where they are at random, it takes 2 and more.
     pub closing: f32,
     /// Where the sensor stood, in the space of the points: normals are turned to it, else to the eye.
     pub sensor: Option<Vec3>,

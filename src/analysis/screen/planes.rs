@@ -10,7 +10,7 @@
 //! far apart.
 //!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
-//! closes grids, as those of depth images; where points are at random, it is up to twice as large, R at most.
+//! closes grids, as those of depth images; where points are at random, it is larger, R at most.
 
 use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
 use super::view::{RADIUS_SPACINGS, ScreenView, Seen};

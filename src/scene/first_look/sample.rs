@@ -19,6 +19,10 @@ const SPACING_NEIGHBOUR: usize = 4;
 
 /// How far away the nearest of points at random is, in distances of that one: √(ln 2/π) beside √(3.67/π).
 const RANDOM_SHARE: f32 = 0.43;
+
+/// The widest gap between 10,000 points at random is a circle with the area of nine of them, √(9/π) = 1.7 times as wide
+/// as the circle of one; the rims of disks weigh next to nothing.
+const MOST_CLOSING: f32 = 2.4;
 /// Places of [`typical_spacing`], which is asked for while frames play: their middle is within two per cent.
 const SPACED_PLACES: usize = 1 << 12;
 /// Places whose neighbourhoods are fitted by planes.
@@ -102,8 +106,8 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
 pub(in crate::scene) struct PointSpacing {
     /// Scene units; 0 without points.
     pub(in crate::scene) typical: f32,
-    /// Disks as large as the area of a point close a surface if they are so many times as wide: 1 on a grid, 2 where
-    /// points are at random and the gaps between them are as wide as two or three points.
+    /// Disks as large as the area of a point close a surface if they are so many times as wide: 1 on a grid, more where
+    /// points are at random.
     pub(in crate::scene) closing: f32,
 }
 
@@ -117,7 +121,7 @@ pub(in crate::scene) fn typical_spacing(frame: &Frame) -> PointSpacing {
     let share = if typical > 0.0 { nearest / typical } else { 1.0 };
     PointSpacing {
         typical,
-        closing: 1.0 + ((1.0 - share) / (1.0 - RANDOM_SHARE)).clamp(0.0, 1.0),
+        closing: 1.0 + (MOST_CLOSING - 1.0) * ((1.0 - share) / (1.0 - RANDOM_SHARE)).clamp(0.0, 1.0),
     }
 }
 
