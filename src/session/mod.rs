@@ -1,6 +1,6 @@
 //! Session files: all that a person made around a sequence, in a readable text beside the data (`.pointreel`).
 //!
-//! **How it works.** A session is JSON, as settings, presets and camera paths are ([`text`]): the files by their paths
+//! **How it works.** A session is JSON, as settings, presets and camera paths are (`text.rs`): the files by their paths
 //! from the folder of the session, how they are read, the frame, the view as the line that the window copies, all
 //! settings by the words of the command line, clip, range, markers, measurements, labels and the camera path. The same
 //! folder on another machine opens as it was left, in a window and by `render`.
