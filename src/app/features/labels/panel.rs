@@ -111,7 +111,9 @@ fn row_ui(ui: &mut Ui, (number, label): (usize, &Label), frame_count: usize, is_
     let field = TextEdit::singleline(&mut text)
         .char_limit(MAX_LABEL_CHARS)
         .desired_width(TEXT_WIDTH);
-    let field = ui.add(field);
+    // A cell of a list is no wider than what was in it before, which is less than the field wants.
+    let size = vec2(TEXT_WIDTH, ui.spacing().interact_size.y);
+    let field = ui.add_sized(size, field);
     named(&field, format!("Text of label {number}"));
     if is_written {
         field.request_focus();
