@@ -118,7 +118,7 @@ pub(super) fn shape_records(frame: &Frame, surface: &CompleteSurface<'_>) -> Vec
 }
 
 /// Inlined, for a call per record had its parts written to memory one by one and read again as a whole, which waits for
-/// all of them: 0.4 ms of 100,000 records.
+/// all of them: 9 % of the samples of a profile.
 #[inline(always)]
 fn shape_record(normal: Vec3, radius: f32, scalar: f32) -> ShapeRecord {
     ShapeRecord {
