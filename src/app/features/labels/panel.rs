@@ -71,9 +71,12 @@ pub(in crate::app) fn labels_ui(
 fn list_ui(ui: &mut Ui, labels: &mut Labels, frame_count: usize) -> Option<LabelsRequest> {
     let mut asked = None;
     let written = labels.written.take();
-    // In a small window the rows are scrolled to.
+    // As wide as the rows, and in a small window these are scrolled to.
     let room = ui.ctx().content_rect().size();
-    let area = ScrollArea::both().max_width(room.x - MARGINS).max_height(0.4 * room.y);
+    let area = ScrollArea::both()
+        .max_width(room.x - MARGINS)
+        .min_scrolled_width(room.x - MARGINS)
+        .max_height(0.4 * room.y);
     area.show(ui, |ui| {
         Grid::new("labels").num_columns(5).striped(true).show(ui, |ui| {
             for text in ["", "Text", "From", "To", ""] {
