@@ -1,6 +1,7 @@
 //! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
 
 mod attributes;
+pub(crate) mod codes;
 mod ellipse;
 mod frame;
 mod image_grid;

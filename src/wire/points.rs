@@ -2,7 +2,8 @@
 
 use super::bytes::{Fields, Written, f32_triples, f32s};
 use super::error::WireError;
-use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud, ScalarField};
+use crate::cloud::codes::{AXES, UNITS, choice_of, code_of};
+use crate::cloud::{ImageGrid, Positions, RawCloud, ScalarField};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -45,30 +46,6 @@ impl ArrayKind {
     }
 }
 
-const AXES: [AxisConvention; 4] = [
-    AxisConvention::YUp,
-    AxisConvention::ZUp,
-    AxisConvention::UsuallyZUp,
-    AxisConvention::Camera,
-];
-
-const UNITS: [LengthUnit; 4] = [
-    LengthUnit::Metre,
-    LengthUnit::Millimetre,
-    LengthUnit::Foot,
-    LengthUnit::SurveyFoot,
-];
-
-/// The number of a choice, from 1; 0 for none.
-fn code_of<T: PartialEq>(choices: &[T], choice: Option<T>) -> u32 {
-    let place = choice.and_then(|choice| choices.iter().position(|other| *other == choice));
-    place.map_or(0, |place| place as u32 + 1)
-}
-
-fn choice_of<T: Copy>(choices: &[T], code: u32) -> Option<T> {
-    choices.get(code.checked_sub(1)? as usize).copied()
-}
-
 /// The body of a frame of these points: their positions, colours, normals, radii and numbers. Faces and ellipses are
 /// not sent.
 pub fn points_body(cloud: &RawCloud) -> Vec<u8> {
@@ -90,8 +67,8 @@ pub fn points_body(cloud: &RawCloud) -> Vec<u8> {
         .u64(count as u64)
         .f64s(&origin.to_array())
         .f64s(&cloud.sensor.unwrap_or(DVec3::NAN).to_array())
-        .u32(code_of(&AXES, cloud.convention))
-        .u32(code_of(&UNITS, cloud.unit))
+        .u32(code_of(&AXES, cloud.convention).into())
+        .u32(code_of(&UNITS, cloud.unit).into())
         .u32(grid_width)
         .u32(grid_height);
     debug_assert_eq!(body.0.len(), LAYOUT_BYTES);

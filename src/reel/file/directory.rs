@@ -1,6 +1,7 @@
 //! The directory of a group: its grid, its schemas, and for each frame where its sections are.
 
 use super::bytes::{ByteReader, ByteWriter};
+use crate::cloud::codes::{AXES, UNITS, choice_of, code_of};
 use crate::cloud::{AxisConvention, ImageGrid, LengthUnit};
 use crate::reel::error::Fault;
 use crate::reel::frame::{Grid, Schema, StreamKind};
@@ -70,26 +71,6 @@ pub(in crate::reel) struct Directory {
     pub(in crate::reel) frames: Vec<FrameRecord>,
 }
 
-const CONVENTIONS: [AxisConvention; 4] = [
-    AxisConvention::YUp,
-    AxisConvention::ZUp,
-    AxisConvention::UsuallyZUp,
-    AxisConvention::Camera,
-];
-
-const UNITS: [LengthUnit; 4] = [
-    LengthUnit::Metre,
-    LengthUnit::Millimetre,
-    LengthUnit::Foot,
-    LengthUnit::SurveyFoot,
-];
-
-/// 0 for none, or one more than the place in a list.
-fn code_in<T: PartialEq>(list: &[T], value: Option<&T>) -> u8 {
-    let place = value.and_then(|value| list.iter().position(|other| other == value));
-    place.map_or(0, |place| place as u8 + 1)
-}
-
 impl Directory {
     pub(in crate::reel) fn to_bytes(&self) -> Vec<u8> {
         let mut writer = ByteWriter::default();
@@ -157,8 +138,8 @@ impl FrameRecord {
         for number in self.sensor.into_iter().flat_map(|sensor| sensor.to_array()) {
             writer.f64(number);
         }
-        writer.byte(code_in(&CONVENTIONS, self.convention.as_ref()));
-        writer.byte(code_in(&UNITS, self.unit.as_ref()));
+        writer.byte(code_of(&AXES, self.convention));
+        writer.byte(code_of(&UNITS, self.unit));
         if let Some(image) = self.image {
             writer.number(u64::from(image.width()));
             writer.number(u64::from(image.height()));
@@ -208,12 +189,8 @@ impl FrameRecord {
             0 => None,
             _ => Some(DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?)),
         };
-        let convention = usize::from(reader.byte()?)
-            .checked_sub(1)
-            .and_then(|place| CONVENTIONS.get(place).copied());
-        let unit = usize::from(reader.byte()?)
-            .checked_sub(1)
-            .and_then(|place| UNITS.get(place).copied());
+        let convention = choice_of(&AXES, reader.byte()?.into());
+        let unit = choice_of(&UNITS, reader.byte()?.into());
         let image = if flags & IMAGE == 0 {
             None
         } else {
