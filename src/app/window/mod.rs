@@ -325,7 +325,6 @@ impl App {
         self.state.graphics.adapter = info.adapter;
         self.state.graphics.is_software = info.is_software;
         self.state.graphics.paints_on_processor = info.paints_on_processor;
-        self.state.graphics.has_timestamps = info.has_timestamps;
         self.state.forget_picture();
         self.change = VisibleChange::Panels;
         self.note_refresh_rate(&window);
