@@ -1,6 +1,7 @@
 //! The rules: from facts to findings.
 
 use super::{Finding, FindingKind, FrameFacts};
+use crate::messages::{frame_by_index, frame_with_index};
 use crate::scene::UpAxis;
 use crate::sequence::{FrameError, NumberGap, Sequence, number_gaps as gaps_between};
 use glam::DVec3;
@@ -125,15 +126,20 @@ fn counted(
     })
 }
 
-/// Frames in words: `frame 3`, `frames 3 and 5`, `12 frames (3, 5, 7, …)`.
+/// Frames in words: `frame 4 (index 3)`, `frames 4 and 6 (indices 3 and 5)`, `12 frames (4, 6, 8, …; indices 3, 5, 7,
+/// …)`.
 fn named(frames: &[usize]) -> String {
     match frames {
         [] => "no frame".to_owned(),
-        [only] => format!("frame {only}"),
-        [first, second] => format!("frames {first} and {second}"),
+        [only] => frame_by_index(*only),
+        [first, second] => format!("frames {} and {} (indices {first} and {second})", first + 1, second + 1),
         [first, second, third, ..] => {
             let more = if frames.len() > 3 { ", …" } else { "" };
-            format!("{} frames ({first}, {second}, {third}{more})", frames.len())
+            let [a, b, c] = [first, second, third].map(|index| index + 1);
+            format!(
+                "{} frames ({a}, {b}, {c}{more}; indices {first}, {second}, {third}{more})",
+                frames.len()
+            )
         }
     }
 }
@@ -201,15 +207,15 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
         frames: vec![index, index + 1],
         message: if *spacing > 0.0 {
             format!(
-                "{spacing:.3} s lie between frames {index} and {} where {median:.3} s are usual: a pause, which is \
-                 played shortened",
-                index + 1
+                "{spacing:.3} s lie between {} and the next where {median:.3} s are usual: a pause, which is played \
+                 shortened",
+                frame_with_index(index, entries.len())
             )
         } else {
             format!(
-                "frame {} has a time stamp that is not after that of frame {index}: stamps are not used, --fps says \
-                 how fast it plays",
-                index + 1
+                "{} has a time stamp that is not after that of the frame before: stamps are not used, --fps says how \
+                 fast it plays",
+                frame_with_index(index + 1, entries.len())
             )
         },
     })
@@ -293,9 +299,12 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
                 kind: FindingKind::BoundsJump,
                 frames: vec![before, after],
                 message: format!(
-                    "from frame {before} to {after} the middle moves by {moved:.4} and the diagonal goes from {:.4} to \
-                     {:.4}: an outlier, another unit or another scene",
-                    diagonals[0], diagonals[1]
+                    "from {} to {} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
+                     outlier, another unit or another scene",
+                    frame_by_index(before),
+                    frame_by_index(after),
+                    diagonals[0],
+                    diagonals[1]
                 ),
             });
         }

@@ -265,7 +265,7 @@ fn table(info: &Info) -> String {
     let _ = writeln!(
         text,
         "{:>6} {:>10} {:>10}  {:<52} attributes, file",
-        "frame", "points", "finite", "bounds"
+        "index", "points", "finite", "bounds"
     );
     let lines = info.frames.iter().map(frame_line);
     let attributes = info.frames.iter().filter_map(|frame| match &frame.content {

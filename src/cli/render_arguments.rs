@@ -25,7 +25,7 @@ pub(super) struct RenderArgs {
     )]
     pub(super) output: Option<PathBuf>,
 
-    /// Frame, or range A..B with both ends included [default: 0, of a video all]
+    /// Frame, or range A..B with both ends included, counted from 0 [default: 0, of a video all]
     #[arg(long, value_name = "N|A..B")]
     pub(super) frame: Option<FrameRange>,
 

@@ -2,6 +2,7 @@
 
 use super::values::DEMO_INPUT;
 use super::warnings;
+use crate::messages::frame_by_index;
 use crate::scene::Clip;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{ReadSession, session_of};
@@ -81,8 +82,8 @@ impl SessionInfo {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "  frame {}{clip}, {}, {}, {}, {}",
-            self.frame,
+            "  {}{clip}, {}, {}, {}, {}",
+            frame_by_index(self.frame),
             counted(self.labels.len(), "label"),
             counted(self.measurements, "measurement"),
             counted(self.markers, "marker"),

@@ -294,7 +294,9 @@ impl<'de> Deserialize<'de> for WrittenLabel {
             let mut frames = PlayRange::default();
             match (fields.from, fields.to) {
                 (Some(from), Some(to)) if from > to => {
-                    return Err(format!("a label is shown from frame {from} to frame {to}"));
+                    return Err(format!(
+                        "a label is shown from frame {from} to frame {to}, counted from 0"
+                    ));
                 }
                 (from, to) => {
                     frames = from.map_or(frames, |from| frames.beginning_at(from));

@@ -118,7 +118,7 @@ fn info_says_what_is_in_a_session_and_other_verbs_take_its_files() {
     assert!(output.status.success(), "{}", stderr(&output));
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        said.contains("frame 6, 1 label, 0 measurements, 1 marker, 0 keyframes"),
+        said.contains("frame 7 (index 6), 1 label, 0 measurements, 1 marker, 0 keyframes"),
         "{said}"
     );
     assert!(said.contains("labels: \"knee\""), "{said}");

@@ -254,12 +254,16 @@ impl State {
     }
 
     pub(super) fn picture_stem(&self) -> String {
-        let frame = self
-            .player
-            .as_ref()
-            .and_then(Player::shown)
-            .map_or(0, |frame| frame.index + 1);
-        format!("pointreel-{}-{frame:04}", self.sequence_stem())
+        let stem = self.sequence_stem();
+        let shown = self.player.as_ref().and_then(|player| {
+            let frame = player.shown()?;
+            Some((frame.index + 1, player.sequence().len()))
+        });
+        // As the timeline has it: names by {frame} have the index, which would be taken for another place.
+        shown.map_or(format!("pointreel-{stem}"), |(place, count)| {
+            let digits = count.to_string().len();
+            format!("pointreel-{stem}-{place:0digits$}-of-{count}")
+        })
     }
 
     /// What is open, for names of files: without extension.
