@@ -43,6 +43,9 @@ pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) ->
 pub(super) struct SessionInfo {
     file: String,
     files: Vec<String>,
+    /// What is beside them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    compare: Vec<String>,
     /// Counted from 0.
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,6 +64,10 @@ impl SessionInfo {
         Self {
             file: read.file.display().to_string(),
             files: session.inputs.iter().map(|input| input.display().to_string()).collect(),
+            compare: session.compare.as_ref().map_or_else(Vec::new, |compared| {
+                let inputs = compared.inputs.iter();
+                inputs.map(|input| input.display().to_string()).collect()
+            }),
             frame: session.frame,
             view: session.view.map(|view| view.to_string()),
             clips: session.clip.as_ref().is_some_and(|clip: &Clip| clip.is_on),
@@ -73,7 +80,12 @@ impl SessionInfo {
 
     /// Lines above the table of frames.
     pub(super) fn lines(&self) -> String {
-        let mut text = format!("session {} of {}\n", self.file, self.files.join(", "));
+        let mut text = format!("session {} of {}", self.file, self.files.join(", "));
+        if !self.compare.is_empty() {
+            text.push_str(" beside ");
+            text.push_str(&self.compare.join(", "));
+        }
+        text.push('\n');
         let counted = |count: usize, one: &str| match count {
             1 => format!("1 {one}"),
             count => format!("{count} {one}s"),

@@ -113,6 +113,9 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 topic: topic.or_else(|| open.topic.clone()),
                 ..open.clone()
             };
+            if let Some(read) = &mut session {
+                read.session.compare = None;
+            }
             Some(Arc::new(open_inputs(inputs, &open)?.sequence))
         }
     };

@@ -202,8 +202,8 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
 
 fn edit_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    item(ui, state, "Undo", Command::Undo);
-    item(ui, state, "Redo", Command::Redo);
+    ui.add_enabled_ui(state.history.can_undo(), |ui| item(ui, state, "Undo", Command::Undo));
+    ui.add_enabled_ui(state.history.can_redo(), |ui| item(ui, state, "Redo", Command::Redo));
     ui.separator();
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);
@@ -337,7 +337,9 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
         }
     }
     ui.separator();
-    if ui.button("Show the last result").clicked() {
+    let has_result = !matches!(state.benchmark, Benchmark::Idle);
+    let show = Button::new("Show the last result");
+    if ui.add_enabled(has_result, show).clicked() {
         state.panels.set(PanelId::BENCHMARK, true);
         ui.close();
     }

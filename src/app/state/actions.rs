@@ -67,6 +67,7 @@ impl State {
             Command::CompareFiles => self.ask(DialogKind::CompareFiles, None),
             Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
             Command::CloseComparison => {
+                self.opened.compared = None;
                 self.close_beside();
                 self.end_comparison(Side::A);
             }
