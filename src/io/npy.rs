@@ -17,6 +17,7 @@ use std::io::{Cursor, Read as _};
 
 mod header;
 
+pub(super) use header::half;
 use header::{Array, ArrayLayout};
 
 /// An array of numpy.

@@ -334,7 +334,7 @@ fn element(name: &str) -> Option<(Option<Number>, usize)> {
 }
 
 /// A number of half precision.
-fn half(bits: u16) -> f64 {
+pub(in crate::io) fn half(bits: u16) -> f64 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     sign * match i32::from(bits >> 10 & 0x1f) {
