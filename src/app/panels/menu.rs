@@ -8,6 +8,7 @@ use crate::app::{Benchmark, PanelId, Side, State, Tool};
 use crate::bench::suites;
 use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
+use crate::source::Example;
 use egui::{Button, MenuBar, ScrollArea, ThemePreference, Ui};
 use std::path::PathBuf;
 
@@ -85,6 +86,12 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
     topic_menu(ui, state, Side::A);
     item(ui, state, "Demo", Command::OpenDemo);
+    ui.menu_button("Examples", |ui| {
+        for example in Example::ALL {
+            let button = Button::new(example.title());
+            run_by(ui, state, button, Command::OpenExample(example), example.credit());
+        }
+    });
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         item(ui, state, "Close", Command::CloseSequence);
     });

@@ -77,6 +77,7 @@ impl State {
             }
             Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
+            Command::OpenExample(example) => self.open(Arc::new(Sequence::example(example))),
             Command::ToggleRecording => self.toggle_recording(),
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {

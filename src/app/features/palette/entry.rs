@@ -7,6 +7,7 @@ use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
 use crate::scene::{Background, Style};
+use crate::source::Example;
 use egui::ThemePreference;
 use std::borrow::Cow;
 
@@ -14,6 +15,9 @@ use std::borrow::Cow;
 const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a folder", Command::OpenFolder),
     ("Open the demo", Command::OpenDemo),
+    ("Open an example: LiDAR survey", Command::OpenExample(Example::Lidar)),
+    ("Open an example: depth image", Command::OpenExample(Example::Depth)),
+    ("Open an example: animated model", Command::OpenExample(Example::Model)),
     ("Close the sequence", Command::CloseSequence),
     ("Compare with a folder", Command::CompareFolder),
     ("Close comparison", Command::CloseComparison),
