@@ -165,7 +165,7 @@ fn card_ui(ui: &mut Ui, [name, short, hint]: [&str; 3], picture: Option<TextureH
 /// The texture of what is named so, read when it is first shown; `None` where there is none.
 fn texture(
     ui: &Ui,
-    name: impl std::hash::Hash,
+    name: impl std::hash::Hash + std::fmt::Debug,
     read: impl FnOnce() -> image::ImageResult<image::DynamicImage>,
 ) -> Option<TextureHandle> {
     let id = egui::Id::unique(("picture of a card", name));
