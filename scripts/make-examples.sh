@@ -17,13 +17,20 @@ out=$here/../assets/examples
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-"$pointreel" convert "$laspy/autzen_trim.laz" "$scratch/lidar.reel" --bits 12 --color-error 6
+"$pointreel" convert "$laspy/autzen_trim.laz" "$scratch/lidar.reel" --bits 10 --color-error 6
 python3 "$here/depth_example.py" "$opencv" "$scratch/aloe.pcd"
-"$pointreel" convert "$scratch/aloe.pcd" "$scratch/depth.reel" --bits 11 --color-error 6
-"$pointreel" convert "$fox" "$scratch/model.reel" --sample 12000 --bits 12 --color-error 6 --fps 24
+"$pointreel" convert "$scratch/aloe.pcd" "$scratch/depth.reel" --bits 9 --color-error 6
+"$pointreel" convert "$fox" "$scratch/model.reel" --sample 7000 --precision 0.3 --color-error 8 --keep-order \
+    --keyframes 28
 for name in lidar depth model; do
     cp "$scratch/$name.reel" "$out/$name.reel"
-    "$pointreel" render "$out/$name.reel" -o "$out/$name.png" --size 280x210 --renderer cpu \
+    "$pointreel" render "$out/$name.reel" -o "$scratch/$name.png" --size 280x210 --renderer cpu \
         --antialiasing supersample
+    python3 - "$scratch/$name.png" "$out/$name.png" <<'PY'
+import sys
+from PIL import Image
+
+Image.open(sys.argv[1]).convert("RGB").quantize(96).save(sys.argv[2], optimize=True)
+PY
 done
 ls -l "$out"

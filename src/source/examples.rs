@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// What is embedded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Example {
-    /// A stadium from an airplane, by a laser scanner, with colours.
+    /// Fields beside a stadium from an airplane, by a laser scanner, with colours.
     Lidar,
     /// What a camera with depths saw of a plant, an image of points.
     Depth,
@@ -52,7 +52,7 @@ impl Example {
     /// Whose it is.
     pub fn credit(self) -> &'static str {
         match self {
-            Self::Lidar => "Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
+            Self::Lidar => "Beside Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
             Self::Depth => "Aloe, Middlebury 2006 (Scharstein and Pal 2007), from OpenCV (Apache-2.0)",
             Self::Model => {
                 "Fox by PixelMannen (CC0), rig and animation by tomkranis (CC BY 4.0), glTF by AsoboStudio and scurest"
