@@ -246,10 +246,10 @@ impl State {
         }
         match beside.layout {
             Layout::SideBySide => {
-                let size = (a.width() + b.width(), a.height().max(b.height()));
-                let mut joined = RgbaImage::new(size.0, size.1);
+                let left = a.width();
+                let mut joined = RgbaImage::new(left + b.width(), a.height().max(b.height()));
                 imageops::replace(&mut joined, &self.with_labels(a), 0, 0);
-                imageops::replace(&mut joined, &b, i64::from(a.width()), 0);
+                imageops::replace(&mut joined, &b, i64::from(left), 0);
                 joined
             }
             Layout::Wipe => {

@@ -23,12 +23,11 @@ pub(in crate::io) fn layer_of(part: &Part) -> usize {
 
 /// How many frames an array is: `None` if it is one.
 pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
-    match (&array.kind, &array.shape[..]) {
-        (ArrayLayout::Table(_), &[layers, 1.., width]) if (3..=MAX_COLUMNS).contains(&width) && layers > 1 => {
-            Some(layers)
-        }
-        _ => None,
-    }
+    let (ArrayLayout::Table(_), &[layers, points, width]) = (&array.kind, &array.shape[..]) else {
+        return None;
+    };
+    let is_sequence = layers > 1 && points > 0 && (3..=MAX_COLUMNS).contains(&width);
+    is_sequence.then_some(layers)
 }
 
 /// Takes one layer of each array that has as many as there are frames, of as many entries as the array of positions at
