@@ -126,8 +126,8 @@ impl<'a> Array<'a> {
 
     /// Bytes of all entries, if so many can be counted.
     pub(super) fn claimed_bytes(&self) -> Option<usize> {
-        let lengths = self.shape.iter();
-        lengths.fold(Some(self.row_bytes()), |bytes, &length| bytes?.checked_mul(length))
+        let mut lengths = self.shape.iter();
+        lengths.try_fold(self.row_bytes(), |bytes, &length| bytes.checked_mul(length))
     }
 
     /// Leaves the layer of this number along the first dimension. Precondition: there is one.

@@ -191,19 +191,19 @@ fn sizes(row: [u8; TABLE_ROW_BYTES]) -> [u64; 2] {
 
 /// The splats of these arrays, each as long as the header has it.
 fn cloud(header: &Header, [positions, alphas, colors, scales, rotations]: [&[u8]; 5]) -> RawCloud {
-    let places = match header.version {
-        1 => positions.as_chunks::<6>().0.iter().map(half_position).collect(),
-        _ => {
-            let unit = 0.5f64.powi(i32::from(header.fractional_bits));
-            let position = |bytes: &[u8; 9]| {
-                [0, 3, 6].map(|at| {
-                    // The upper byte has the sign.
-                    let fixed = i32::from_le_bytes([0, bytes[at], bytes[at + 1], bytes[at + 2]]) >> 8;
-                    (f64::from(fixed) * unit) as f32
-                })
-            };
-            positions.as_chunks::<9>().0.iter().map(position).collect()
-        }
+    let places = if header.version == 1 {
+        let positions = positions.as_chunks::<6>().0;
+        positions.iter().copied().map(half_position).collect()
+    } else {
+        let unit = 0.5f64.powi(i32::from(header.fractional_bits));
+        let position = |bytes: &[u8; 9]| {
+            [0, 3, 6].map(|at| {
+                // The upper byte has the sign.
+                let fixed = i32::from_le_bytes([0, bytes[at], bytes[at + 1], bytes[at + 2]]) >> 8;
+                (f64::from(fixed) * unit) as f32
+            })
+        };
+        positions.as_chunks::<9>().0.iter().map(position).collect()
     };
     let mut cloud = RawCloud::from_positions(Positions::F32(places));
     let color = |(rgb, &alpha): (&[u8; 3], &u8)| {
@@ -229,7 +229,7 @@ fn cloud(header: &Header, [positions, alphas, colors, scales, rotations]: [&[u8]
 }
 
 /// A position of version 1.
-fn half_position(bytes: &[u8; 6]) -> [f32; 3] {
+fn half_position(bytes: [u8; 6]) -> [f32; 3] {
     [0, 2, 4].map(|at| half(u16::from_le_bytes([bytes[at], bytes[at + 1]])) as f32)
 }
 
