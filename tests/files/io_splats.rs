@@ -86,15 +86,12 @@ fn spz_header(version: u32, count: u32) -> Vec<u8> {
 /// Positions, opacities, colours, sizes, rotations.
 fn spz_arrays(version: u32) -> [Vec<u8>; 5] {
     let coordinates = [1.0f32, -2.5, 0.25, -100.0, 0.0, 7.5];
-    let positions = match version {
-        1 => coordinates.map(half).concat(),
-        _ => {
-            let fixed = coordinates.map(|coordinate| (coordinate * 4096.0) as i32);
-            fixed
-                .iter()
-                .flat_map(|fixed| fixed.to_le_bytes()[..3].to_vec())
-                .collect()
-        }
+    let positions = if version == 1 {
+        coordinates.map(half).concat()
+    } else {
+        let fixed = coordinates.map(|coordinate| (coordinate * 4096.0) as i32);
+        let bytes = fixed.iter().flat_map(|fixed| fixed.to_le_bytes()[..3].to_vec());
+        bytes.collect()
     };
     let sizes = [1.0f32, 0.0, -2.0].map(|log| ((log + 10.0) * 16.0) as u8);
     let rotations = if version < 3 {

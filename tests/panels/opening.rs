@@ -147,7 +147,7 @@ fn what_was_opened_lately_is_offered_with_its_picture() {
 #[test]
 fn examples_are_opened_by_a_click_and_can_be_in_a_session() {
     for example in Example::ALL {
-        let state = State::new(StateOptions::default());
+        let state = State::new(options());
         let mut harness = Harness::builder()
             .with_size([1280.0, 800.0])
             .with_max_steps(20)

@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::State;
+use pointreel::app::{PanelId, State};
 use pointreel::render::RenderStats;
 use pointreel::scene::RendererChoice;
 use std::time::Duration;
@@ -53,6 +53,8 @@ fn has_row(harness: &Harness<'_, State>, name: &str, value: &str) -> bool {
 fn parts_of_a_redraw_are_no_more_than_the_whole_and_unknown_times_are_not_shown() {
     let mut harness = window();
     let state = harness.state_mut();
+    // It has the same words.
+    state.panels.set(PanelId::SETTINGS, false);
     state.style.drawing.renderer = RendererChoice::Cpu;
     state.graphics.frame_ms = 3.03;
     state.graphics.redraw.panels = Duration::from_micros(2030);
