@@ -21,8 +21,8 @@ use std::sync::Arc;
 /// Arguments of `pointreel convert`.
 #[derive(Debug, Args)]
 pub(super) struct ConvertArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence; the last one is the OUTPUT: a file for one
-    /// frame, a sequence file (.reel) for all, else a folder, which is made
+    /// A folder, a pattern, or files; `demo:` and `example:lidar` are built in; the last one is the OUTPUT: a file for
+    /// one frame, a sequence file (.reel) for all, else a folder, which is made
     #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 

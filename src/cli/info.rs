@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Arguments of `pointreel info`.
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    /// A folder, a pattern, or files; `demo:` is built in, as are `example:lidar`, `example:depth` and `example:model`
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 

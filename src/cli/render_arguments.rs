@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// Arguments of `pointreel render`.
 #[derive(Debug, Clone, Args)]
 pub(super) struct RenderArgs {
-    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is the built-in sequence
+    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is built in, as are `example:lidar`,
+    /// `example:depth` and `example:model`
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 
