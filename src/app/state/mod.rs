@@ -5,6 +5,7 @@ mod actions;
 mod camera_path;
 mod clipping;
 mod companion;
+mod depth_filters;
 mod dialogs;
 mod export;
 mod failed_opening;
