@@ -40,9 +40,10 @@ fn stderr(output: &Output) -> String {
 fn recording() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for frame in 0..FRAMES {
-        let mut text = "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\n\
+        let mut text =
+            "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\n\
             property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
-            .to_owned();
+                .to_owned();
         for point in 0..50 {
             text += &format!("{frame} {} {} {point} {} 7\n", point % 7, point / 7, 10 * frame);
         }
@@ -159,7 +160,16 @@ fn served_points_are_received_as_they_are_by_the_library_and_the_program() {
 
     let picture = folder.path().join("picture.png");
     let picture = picture.to_str().unwrap();
-    let drawing = ["render", &serving.url, "-o", picture, "--size", "64x64", "--renderer", "cpu"];
+    let drawing = [
+        "render",
+        &serving.url,
+        "-o",
+        picture,
+        "--size",
+        "64x64",
+        "--renderer",
+        "cpu",
+    ];
     let output = pointreel(&drawing);
     assert!(output.status.success(), "{}", stderr(&output));
     let drawn = image::open(picture).unwrap().to_rgb8();
@@ -247,7 +257,9 @@ fn a_connection_that_breaks_in_a_message_is_made_again_and_nothing_is_wrong_then
         });
         wait_for("the relay to say so", || {
             let said = relay.said.lock().unwrap();
-            said.matches("the connection has broken and is made again by itself").count() >= break_
+            said.matches("the connection has broken and is made again by itself")
+                .count()
+                >= break_
         });
         let before = received(&stream);
         cable.set_cut(false);
@@ -264,7 +276,9 @@ fn a_connection_that_breaks_in_a_message_is_made_again_and_nothing_is_wrong_then
     assert!(times.is_sorted(), "{times:?}");
     // Who is behind both.
     let far = opened(&relay.url);
-    wait_for("frames by the relay", || far.look_again().is_ok() && far.frames().end >= 5);
+    wait_for("frames by the relay", || {
+        far.look_again().is_ok() && far.frames().end >= 5
+    });
     assert!(assert_clouds_are_some_of(&far, &files) >= 5);
 }
 
@@ -336,14 +350,22 @@ fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
     let mut other_version = head.clone();
     other_version[8] = 200;
     let cases = [
-        ("another program", b"HTTP/1.1 400 Bad Request\r\n\r\n".to_vec(), "no live stream"),
+        (
+            "another program",
+            b"HTTP/1.1 400 Bad Request\r\n\r\n".to_vec(),
+            "no live stream",
+        ),
         ("a later version", other_version, "version 200"),
         ("a head that breaks off", head[..20].to_vec(), "ends within"),
         ("a header that breaks off", after_head(&message[..7]), "ends within"),
         ("a message that breaks off", after_head(&message[..60]), "ends within"),
         ("a length of 4 GB", after_head(&claims_much), "claims 4294967295 bytes"),
         ("another checksum", after_head(&changed), "checksum"),
-        ("a frame of nothing", after_head(&Message::new(Kind::Points, vec![]).encode()), "frame"),
+        (
+            "a frame of nothing",
+            after_head(&Message::new(Kind::Points, vec![]).encode()),
+            "frame",
+        ),
         ("2^60 points", after_head(&claiming(1 << 60, 1, 12 << 60)), ""),
         ("arrays that are not there", after_head(&claiming(1, u32::MAX, 12)), ""),
         ("bytes for other points", after_head(&claiming(5, 1, 12)), ""),
