@@ -20,6 +20,8 @@ mod clip;
 mod colors;
 #[path = "panels/comparison.rs"]
 mod comparison;
+#[path = "panels/depth_filters.rs"]
+mod depth_filters;
 #[path = "panels/escape.rs"]
 mod escape;
 #[path = "panels/export.rs"]

@@ -119,6 +119,21 @@ impl Notices {
         self.notices.retain(|notice| notice.id != id);
     }
 
+    /// Forgets the message with this text, as it is true no longer; others that are listed with it stay.
+    pub(in crate::app) fn dismiss_text(&mut self, text: &str) {
+        self.notices.retain_mut(|notice| {
+            notice.others.retain(|other| other != text);
+            if notice.text != text {
+                return true;
+            }
+            if notice.others.is_empty() {
+                return false;
+            }
+            (notice.text, notice.count) = (notice.others.remove(0), 1);
+            true
+        });
+    }
+
     /// Lets confirmations go whose time is over. True if one went.
     pub fn expire(&mut self, now: Duration) -> bool {
         for notice in &mut self.notices {
@@ -189,6 +204,20 @@ mod tests {
         assert_eq!(notices.next_deadline(), None);
         assert_eq!(notices.list().len(), 1);
         assert_eq!(notices.list()[0].text, "broken");
+    }
+
+    #[test]
+    fn what_is_true_no_longer_goes_and_others_of_its_kind_stay() {
+        let mut notices = Notices::default();
+        notices.warn("part 1 is missing");
+        notices.warn("part 2 is missing");
+        notices.warn("the disk is slow");
+        notices.dismiss_text("part 1 is missing");
+        let texts = |notices: &Notices| notices.list().iter().map(|notice| notice.text.clone()).collect::<Vec<_>>();
+        assert_eq!(texts(&notices), ["part 2 is missing", "the disk is slow"]);
+        notices.dismiss_text("part 2 is missing");
+        notices.dismiss_text("nothing like that");
+        assert_eq!(texts(&notices), ["the disk is slow"]);
     }
 
     #[test]

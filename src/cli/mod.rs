@@ -23,6 +23,7 @@ mod render_arguments;
 mod rgbd_arguments;
 mod serve;
 mod session;
+mod stream;
 mod style_arguments;
 mod values;
 mod video;

@@ -34,7 +34,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
 
-    /// near,median,bilateral,flying,temporal or none (pictures: the first 4)
+    /// near,median,bilateral,flying,temporal or none (pictures: the first 4), with numbers: near:from=0.3:to=4
     #[arg(long, value_name = "NAMES")]
     rgbd_filters: Option<Filters>,
 }

@@ -1,5 +1,6 @@
 //! Sessions on the command line: their files are inputs of every verb; `render` and `view` take the rest as well.
 
+use super::stream::tell_of_connection;
 use super::values::DEMO_INPUT;
 use super::warnings;
 use crate::messages::frame_by_index;
@@ -35,6 +36,7 @@ pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) ->
     for note in opened.sequence.source().notes().iter().chain(of_session) {
         warnings::warn(note);
     }
+    tell_of_connection(&opened.sequence);
     Ok(opened)
 }
 

@@ -18,7 +18,10 @@ mod rig;
 pub use camera::{Camera, CameraError};
 pub use cloud::cloud;
 pub use distortion::Distortion;
-pub use filters::{Bilateral, DepthRange, Filters, FlyingPixels, ParseFiltersError, Temporal, TemporalFilter, median};
+pub use filters::{
+    Bilateral, DepthRange, FilterKind, FilterParameter, Filters, FlyingPixels, ParseFiltersError, Temporal,
+    TemporalFilter, median,
+};
 pub use images::{ColorImage, DepthImage};
 pub use rays::RayTable;
 pub use registration::{ColorCamera, UNSEEN_COLOR};

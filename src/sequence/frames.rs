@@ -8,6 +8,7 @@ use super::stopwatch::milliseconds_since;
 use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
+use crate::rgbd::Filters;
 use crate::source::{
     self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameEntry, FrameList, OpenOptions,
     SequenceError, Source,
@@ -111,6 +112,13 @@ impl Sequence {
     #[must_use]
     pub(crate) fn anew(&self) -> Self {
         Self::of_shared(Arc::clone(&self.source), self.fps)
+    }
+
+    /// The same frames with other filters of depth images; `None` where frames are none: see [`Source::filtered`].
+    #[must_use]
+    pub fn filtered(&self, filters: Filters) -> Option<Self> {
+        let source = self.source.filtered(filters)?;
+        Some(Self::of_shared(source, self.fps))
     }
 
     /// Where the frames come from.

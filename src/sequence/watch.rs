@@ -1,15 +1,16 @@
 //! Takes frames that come while a sequence is open: from a folder that a scanner writes into, or from a stream.
 
 use super::{Sequence, SequenceError};
+use crate::source::ConnectionWatch;
 use std::sync::{Arc, Weak};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often folders are looked at: listing a folder of 10,000 files takes a few milliseconds.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Takes frames that come behind the last one of `sequence`, and calls `wake` then. Ends by itself some time
-/// after the sequence is dropped.
+/// Takes frames that come behind the last one of `sequence`, and calls `wake` then, or when the connection of a live
+/// stream breaks or is back. Ends by itself some time after the sequence is dropped.
 pub fn watch(sequence: &Arc<Sequence>, wake: Arc<dyn Fn() + Send + Sync>) -> Result<(), SequenceError> {
     if !sequence.source().may_grow() {
         return Ok(());
@@ -23,6 +24,7 @@ pub fn watch(sequence: &Arc<Sequence>, wake: Arc<dyn Fn() + Send + Sync>) -> Res
 }
 
 fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
+    let (begun, mut connection) = (Instant::now(), ConnectionWatch::default());
     loop {
         // A sequence that is closed meanwhile is not kept.
         let Some(source) = sequence.upgrade().map(|sequence| Arc::clone(sequence.source())) else {
@@ -33,6 +35,11 @@ fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
             Ok(_) => wake(),
             // A folder on a network comes and goes; what is open stays.
             Err(error) => log::debug!("{error}"),
+        }
+        let status = source.live().map(|live| live.status());
+        let change = status.and_then(|status| connection.look(&status, begun.elapsed()));
+        if change.is_some() {
+            wake();
         }
     }
 }

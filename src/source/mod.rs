@@ -35,7 +35,9 @@ pub use examples::Example;
 pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
-pub use live::{Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording};
+pub use live::{
+    ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
+};
 pub use options::OpenOptions;
 pub use photos::PhotoScene;
 pub use reel::Reel;

@@ -9,7 +9,7 @@ use crate::io::Topic;
 use crate::photos::ViewSet;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
-use crate::rgbd::Sensor;
+use crate::rgbd::{Filters, Sensor};
 use crate::wire::RawImages;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -129,6 +129,17 @@ pub trait Source: Send + Sync {
 
     /// What the cameras recorded of frame `index`, before any filter; `None` of frames that are no images.
     fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        None
+    }
+
+    /// The filters of its depth images; `None` where frames are none.
+    fn filters(&self) -> Option<Filters> {
+        None
+    }
+
+    /// The same frames with other filters of depth images; `None` where frames are none. A live stream goes on: both
+    /// have the same connection, which ends with the last of them.
+    fn filtered(&self, _filters: Filters) -> Option<Arc<dyn Source>> {
         None
     }
 

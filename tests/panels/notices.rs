@@ -7,9 +7,15 @@ use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{Command, Severity, State};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::playback::Mark;
+use pointreel::progress::Progress;
 use pointreel::sequence::{FrameEntry, Sequence};
+use pointreel::serve::live::{LiveOptions, LiveServer, Schedule};
+use pointreel::source::{LiveStream, OpenOptions};
+use pointreel::wire::ImageCoding;
+use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 #[test]
 fn frames_that_have_less_are_told_of_once() {
@@ -104,4 +110,75 @@ fn notices_are_copied_and_dismissed() {
     click(&mut harness, "Dismiss");
     assert!(harness.query_by_label("the disk is gone").is_none());
     assert!(harness.state().notices.list().is_empty());
+}
+
+/// Serves a sequence as a live stream until it is dropped.
+struct Serving {
+    server: Arc<LiveServer>,
+    thread: Option<thread::JoinHandle<()>>,
+}
+
+impl Serving {
+    fn at(address: SocketAddr) -> Self {
+        let options = LiveOptions {
+            coding: ImageCoding::default(),
+            repeats: true,
+            most_bytes: 1 << 28,
+        };
+        let begin = Instant::now();
+        // A port that was just left may be busy for a moment.
+        let server = loop {
+            let source = Arc::clone(sequence(&[]).source());
+            let schedule = Schedule::new(FRAMES, 50.0, |_| 1.0);
+            match LiveServer::bind(source, schedule, address, options, |_| ()) {
+                Ok(server) => break Arc::new(server),
+                Err(error) => assert!(begin.elapsed() < Duration::from_mins(1), "{error}"),
+            }
+            thread::sleep(Duration::from_millis(20));
+        };
+        let runs = Arc::clone(&server);
+        let thread = thread::Builder::new().name("server".to_owned());
+        let thread = thread.spawn(move || runs.run().unwrap()).unwrap();
+        Self {
+            server,
+            thread: Some(thread),
+        }
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        self.server.stop();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn a_stream_that_breaks_is_told_of_until_it_is_back() {
+    let serving = Serving::at("127.0.0.1:0".parse().unwrap());
+    let url = serving.server.url().unwrap();
+    let address = url.trim_start_matches("tcp://").parse().unwrap();
+    let stream = LiveStream::open(url.as_ref(), &OpenOptions::default(), &Progress::default()).unwrap();
+    let mut state = State::new(options());
+    state.open(Arc::new(Sequence::of(stream)));
+    let begin = Instant::now();
+    let mut wait_for = |what: &str| loop {
+        state.update(begin.elapsed());
+        let notices = state.notices.list();
+        if let Some(notice) = notices.iter().find(|notice| notice.text.contains(what)) {
+            return (notice.clone(), notices.len());
+        }
+        assert!(begin.elapsed() < Duration::from_mins(2), "waited in vain for: {what}");
+        thread::sleep(Duration::from_millis(5));
+    };
+    drop(serving);
+    let (notice, _) = wait_for("the connection has broken");
+    assert_eq!(notice.severity, Severity::Warning);
+    assert!(notice.text.starts_with(&url), "{}", notice.text);
+    let _serving = Serving::at(address);
+    let (notice, shown) = wait_for("connected again, after");
+    // What was broken is not said any more.
+    assert_eq!((notice.severity, shown), (Severity::Info, 1));
 }

@@ -6,4 +6,5 @@ mod cli;
 mod cli_convert;
 mod cli_video;
 mod compare;
+mod serve;
 mod session_files;

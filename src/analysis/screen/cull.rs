@@ -10,22 +10,18 @@
 //! one a pixel: however dense a cloud is, no more is visible than the picture has pixels.
 //!
 //! A larger point survives if nothing that covers its pixel is nearer by more than the radius in which neighbours are
-//! looked for. One of a surface that is seen at a grazing angle is hidden by the row before it otherwise: at 77 degrees
-//! and more it still is.
+//! looked for; else if it lies on the plane of what is nearer, which is then no other surface (`ramp.rs`). With less
+//! than that radius a surface would hide itself at 45 degrees already, and planes be fitted to most of the points.
 
 use super::compact::compact;
-use super::view::{RADIUS_SPACINGS, ScreenView, Seen, Visible};
+use super::lanes::LANES;
+use super::ramp::Around;
+use super::view::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS, ScreenView, Seen, Visible};
 use crate::cloud::PointRecord;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::sync::atomic::{AtomicU32, Ordering};
-
-/// How far the square of a point reaches from its pixel at most: it is seven pixels wide.
-const MOST_REACH_PX: usize = 3;
-
-/// Floats of a row that are looked at together.
-const LANES: usize = 8;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 13;
@@ -46,6 +42,7 @@ pub(super) struct DepthPicture {
     /// The same with a border, infinite where nothing is.
     depths: Vec<f32>,
     stride: usize,
+    spacing: f32,
     radius: f32,
     /// Points at larger depths are smaller than a pixel.
     small_beyond: f32,
@@ -70,7 +67,7 @@ impl DepthPicture {
     /// Draws the middles of points that are `spacing` apart.
     pub(super) fn draw(&mut self, view: &ScreenView, points: &[PointRecord], spacing: f32) {
         let spacing = spacing.max(0.0);
-        self.radius = RADIUS_SPACINGS * spacing;
+        (self.spacing, self.radius) = (spacing, RADIUS_SPACINGS * spacing);
         let view = view.with_margin(margin_px(view, points, self.radius));
         self.view = Some(view);
         let [width, height] = self.size_px();
@@ -93,13 +90,13 @@ impl DepthPicture {
                 }
             }
         });
-        self.stride = width + MOST_REACH_PX + LANES;
+        self.stride = width + BORDER_PX + LANES;
         self.depths.clear();
         self.depths
-            .resize(self.stride * (height + 2 * MOST_REACH_PX), f32::INFINITY);
-        let rows = self.depths.par_chunks_mut(self.stride).skip(MOST_REACH_PX);
+            .resize(self.stride * (height + 2 * BORDER_PX), f32::INFINITY);
+        let rows = self.depths.par_chunks_mut(self.stride).skip(BORDER_PX);
         rows.zip(nearest.par_chunks(width.max(1))).for_each(|(row, nearest)| {
-            for (depth, nearest) in row[MOST_REACH_PX..].iter_mut().zip(nearest) {
+            for (depth, nearest) in row[BORDER_PX..].iter_mut().zip(nearest) {
                 *depth = f32::from_bits(nearest.load(Ordering::Relaxed));
             }
         });
@@ -166,7 +163,7 @@ impl DepthPicture {
     ) {
         for (slot, point) in (first..).zip(points) {
             if let Some((seen, place)) = in_picture(view, point)
-                && !self.is_hidden(simd, place, seen.depth)
+                && !self.is_hidden(simd, place, &seen)
             {
                 slots.push(slot);
                 visible.push(seen);
@@ -176,23 +173,38 @@ impl DepthPicture {
 
     /// Whether a point at a pixel is hidden.
     #[inline(always)]
-    fn is_hidden<S: Simd>(&self, simd: S, [column, row]: [usize; 2], depth: f32) -> bool {
-        let limit = depth - self.radius;
-        let own_limit = if depth > self.small_beyond { depth } else { limit };
-        // Of the first row and column that are looked at; the border is as wide as squares reach.
-        let corner = row * self.stride + column;
-        if self.depths[corner + MOST_REACH_PX * self.stride + MOST_REACH_PX] < own_limit {
+    fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &Seen) -> bool {
+        let (depth, limit) = (seen.depth, seen.depth - self.radius);
+        // Of the first row and column that are looked at; the border is as wide as that.
+        let corner = pixel[1] * self.stride + pixel[0];
+        let own = self.depths[corner + BORDER_PX * self.stride + BORDER_PX];
+        if own < depth && depth > self.small_beyond {
             return true;
         }
+        let is_covered = own < limit || self.is_covered(simd, corner, limit);
+        is_covered && {
+            let around = Around {
+                depths: &self.depths[corner..],
+                stride: self.stride,
+                place_px: [0, 1].map(|axis| seen.place_px[axis] - pixel[axis] as f32 - 0.5),
+                depth,
+            };
+            !around.is_on_plane_of_nearer(simd, self.spacing, self.radius)
+        }
+    }
+
+    /// Whether what is nearer than `limit` covers the pixel in the middle of those from `corner` on.
+    #[inline(always)]
+    fn is_covered<S: Simd>(&self, simd: S, corner: usize, limit: f32) -> bool {
         if self.reach_px == 0 {
             return false;
         }
         let limits = f32x8::splat(simd, limit);
         let mut hides = None;
-        for row in MOST_REACH_PX - self.reach_px..=MOST_REACH_PX + self.reach_px {
-            let start = corner + row * self.stride;
+        for row in BORDER_PX - self.reach_px..=BORDER_PX + self.reach_px {
+            let start = corner + row * self.stride + (BORDER_PX - MOST_REACH_PX);
             let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
-            let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(MOST_REACH_PX)]);
+            let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(BORDER_PX)]);
             let hidden = depths.simd_lt(covers_below.min(limits));
             hides = Some(hides.map_or(hidden, |others| others | hidden));
         }

@@ -22,7 +22,9 @@ mod bisect;
 mod cells;
 mod compact;
 mod cull;
+mod lanes;
 mod planes;
+mod ramp;
 #[cfg(test)]
 mod tests;
 mod view;

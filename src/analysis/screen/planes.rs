@@ -10,16 +10,19 @@
 //! far apart.
 //!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
-//! closes grids, as those of depth images; where points are at random, it is larger, R at most.
+//! closes grids, as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
+//! than a pixel are one a pixel; seen from the side, their splats would be thinner than the rows of pixels are apart.
+//! So those are larger, up to twice their neighbourhood.
 
 use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
+use super::lanes::total;
 use super::view::{RADIUS_SPACINGS, ScreenView, Seen};
 use crate::analysis::four_matrices::{FOUR, FourMatrices};
 use crate::cloud::{ShapeRecord, oct_encode};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
 /// A neighbourhood with fewer is looked at once more, twice as far.
 const FEWEST: f32 = 6.0;
@@ -33,6 +36,9 @@ const MOST_DOUBLINGS: usize = 3;
 /// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
 /// its noise.
 const LEAST_SPREAD: f64 = 2e-3;
+
+/// Half the height of splats that close rows of pixels, whose points are anywhere in them.
+const CLOSING_ROWS_PX: f32 = 0.75;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
@@ -144,13 +150,25 @@ impl Planes<'_> {
         };
         let outwards = self.sensor.map_or(to_eye, |sensor| sensor - seen.offset);
         let faces_away = normal.dot(outwards) < 0.0;
+        // At rims there is nothing around, and splats would reach far beyond them.
+        let radius = self.closing * around.radius * (PI / around.points.max(PI)).sqrt();
+        let radius = radius.min(self.radius_at(seen.depth));
         ShapeRecord {
             normal: oct_encode(if faces_away { -normal } else { normal }),
-            // At rims there is nothing around, and splats would reach far beyond them.
-            radius: (self.closing * around.radius * (PI / around.points.max(PI)).sqrt())
-                .min(self.radius_at(seen.depth)),
+            // Edge-on at a rim, it would stand out of that.
+            radius: radius.max(self.closing_rows(seen, normal).min(2.0 * around.radius)),
             ..NO_SHAPE
         }
+    }
+
+    /// The radius that closes rows of pixels, where one point a pixel is left.
+    fn closing_rows(&self, seen: &Seen, normal: Vec3) -> f32 {
+        let px = seen.depth / self.view.px_per_unit();
+        if self.spacing * FRAC_1_SQRT_2 > 0.5 * px {
+            return 0.0;
+        }
+        let cosine = (normal.dot(seen.offset) / seen.offset.length()).abs();
+        CLOSING_ROWS_PX * px / cosine
     }
 }
 
@@ -238,12 +256,4 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
             total(simd, products[5]),
         ],
     }
-}
-
-/// The sum of eight lanes, in an order that all machines have.
-#[inline(always)]
-fn total<S: Simd>(simd: S, lanes: f32x8<S>) -> f32 {
-    let (low, high) = simd.split_f32x8(lanes);
-    let [a, b, c, d]: [f32; FOUR] = (low + high).into();
-    (a + c) + (b + d)
 }

@@ -1,4 +1,8 @@
-//! Visible points against all pairs of points, normals against surfaces with a formula.
+//! Normals against surfaces with a formula. Visible points against all pairs of points in `hidden.rs`, and on surfaces
+//! that are seen from the side in `grazing.rs`.
+
+mod grazing;
+mod hidden;
 
 use super::*;
 use crate::cloud::oct_decode;
@@ -129,13 +133,14 @@ fn radii_close_a_square_grid_and_no_more_than_twice_that() {
         let mut radii: Vec<f64> = found
             .shapes
             .iter()
-            .map(|shape| f64::from(shape.radius / spacing))
+            .map(|shape| f64::from(shape.radius / spacing.max(spacing / px_per_spacing)))
             .collect();
         radii.sort_by(f64::total_cmp);
-        // Half a diagonal closes it; at the rim of the grid half of a neighbourhood is empty.
+        // Half a diagonal closes it, of pixels where these are larger; at the rim of the grid half of a neighbourhood
+        // is empty.
         let (least, median) = (radii[0], quantile(&radii, 0.5));
         assert!(least > 0.7, "{px_per_spacing}: {least}");
-        assert!((0.9..1.5).contains(&median), "{px_per_spacing}: {median}");
+        assert!((0.75..1.5).contains(&median), "{px_per_spacing}: {median}");
     }
 }
 
@@ -280,57 +285,7 @@ fn a_few_points_and_lines_have_disks_that_face_the_eye() {
     assert!(estimate(&sensor(), &[], 0.1, Search::Bisected).shapes.is_empty());
 }
 
-/// Whether another point covers the pixel of this one and is nearer by more than the radius, or is nearer in the same
-/// pixel and this one smaller than that, where lengths are `factor` times as long as they are: by all pairs.
-fn hidden(view: &ScreenView, points: &[PointRecord], slot: usize, spacing: f32, factor: f64) -> bool {
-    let place = |point: &PointRecord| {
-        let seen = view.see(point.position)?;
-        Some((f64::from(seen.depth), seen.place_px.map(|px| px.floor() as i64)))
-    };
-    let Some((depth, pixel)) = place(&points[slot]) else {
-        return true;
-    };
-    let half_width = f64::from(spacing) * std::f64::consts::FRAC_1_SQRT_2;
-    let is_small = half_width * f64::from(view.px_per_slope[0]) / depth < 0.5 * factor;
-    points.iter().filter_map(place).any(|(other_depth, other)| {
-        let reach = half_width * f64::from(view.px_per_slope[0]) / other_depth;
-        // Three pixels to each side at most.
-        let reach = (factor * reach + 0.5).floor().min(3.0) as i64;
-        let covers = (0..2).all(|axis| pixel[axis].abs_diff(other[axis]) <= reach as u64);
-        is_small && pixel == other && other_depth < depth
-            || covers && other_depth * factor.recip() < depth * factor - 3.0 * f64::from(spacing) * factor.recip()
-    })
-}
-
 proptest! {
-    #[test]
-    fn a_hidden_point_never_survives_and_a_visible_one_always_does(
-        places in prop::collection::vec(
-            (-0.9f32..0.9, -0.7f32..0.7, prop_oneof![0.3f32..4.0, 0.9f32..1.1]), 1..300,
-        ),
-        spacing in 0.001f32..0.2,
-        px_per_slope in 20f32..90.0,
-    ) {
-        // At their depths, all over the picture.
-        let points = records(places.iter().map(|&(x, y, depth)| depth * Vec3::new(x, y, -1.0)));
-        let view = view([64, 48], px_per_slope);
-        let kept = estimate(&view, &points, spacing, Search::Fixed).visible.slots;
-        prop_assert!(kept.is_sorted_by(|a, b| a < b), "in their order");
-        for slot in 0..points.len() {
-            let [x, y] = view.see(points[slot].position).unwrap().place_px;
-            if !((0.0..64.0).contains(&x) && (0.0..48.0).contains(&y)) {
-                continue;
-            }
-            let is_kept = kept.binary_search(&(slot as u32)).is_ok();
-            if hidden(&view, &points, slot, spacing, 0.9999) {
-                prop_assert!(!is_kept, "{slot} is hidden");
-            }
-            if !hidden(&view, &points, slot, spacing, 1.0001) {
-                prop_assert!(is_kept, "{slot} is visible");
-            }
-        }
-    }
-
     #[test]
     fn any_numbers_give_finite_disks(
         places in prop::collection::vec(prop::array::uniform3(prop_oneof![

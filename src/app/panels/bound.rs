@@ -268,6 +268,7 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State) {
         Some(SettingsRequest::Quality(QualityRequest::Measure)) => state.start_benchmark(suites::ERROR),
         Some(SettingsRequest::Quality(QualityRequest::DrawAs(way))) => state.draw_as_measured(&way),
         Some(SettingsRequest::ChooseUp(up)) => state.choose_up(up),
+        Some(SettingsRequest::FilterDepth(filters)) => state.filter_depth(filters),
         Some(SettingsRequest::Reset) => state.reset_settings(),
         None => {}
     }

@@ -4,6 +4,7 @@ mod about;
 mod bound;
 mod clip;
 mod colors;
+mod depth_filters;
 mod help;
 mod legend;
 mod marks;

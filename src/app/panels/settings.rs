@@ -2,6 +2,7 @@
 
 use super::clip::{ClipContext, clip_ui};
 use super::colors::colors_ui;
+use super::depth_filters::depth_filters_ui;
 use super::quality::{QualityRequest, quality_ui};
 use super::style::{section_rows, section_ui, word};
 use crate::app::features::clipping::ClippedFrames;
@@ -11,6 +12,7 @@ use crate::app::features::trails::panel::field_ui;
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
 use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
+use crate::rgbd::Filters;
 use crate::scene::describe::{Section, When, Word};
 use crate::scene::{Camera, Primitive, Projection, Style, UpAxis};
 use egui::{Button, Checkbox, CollapsingHeader, RichText, ScrollArea, Slider, Ui};
@@ -60,6 +62,8 @@ pub(super) enum SettingsRequest {
     Quality(QualityRequest),
     /// Another axis is up.
     ChooseUp(UpAxis),
+    /// Other filters of depth images.
+    FilterDepth(Filters),
     /// All settings of the picture as they are at first.
     Reset,
 }
@@ -79,6 +83,11 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
         thumbnails_ui(ui, context.thumbnails);
         field_ui(ui, context.trails);
         poses_ui(ui, context.temporal);
+        if let Some(applied) = context.player.and_then(|player| player.sequence().source().filters()) {
+            part(ui, "Depth images");
+            let filters = depth_filters_ui(ui, applied);
+            request = filters.map(SettingsRequest::FilterDepth).or(request.take());
+        }
         part(ui, "Clip");
         let mut clip = ClipContext {
             clip: &mut context.style.of_sequence.clip,

@@ -1,15 +1,46 @@
-//! A live stream is recorded.
+//! A live stream is recorded, and what happens to its connection is told.
 
 use super::State;
 use super::dialogs::DialogKind;
-use crate::source::Source;
+use crate::source::{ConnectionChange, ConnectionWatch, Source};
 use std::path::Path;
 use std::sync::Arc;
+
+/// The connection of the open sequence, if that is a live stream.
+#[derive(Debug, Default)]
+pub(super) struct Connection {
+    watch: ConnectionWatch,
+    /// What was said when it broke.
+    said: Option<String>,
+}
 
 impl State {
     fn stream(&self) -> Option<Arc<dyn Source>> {
         let source = self.player.as_ref()?.sequence().source();
         source.live().is_some().then(|| Arc::clone(source))
+    }
+
+    /// Says that the connection of a stream has broken, and that it is back. True if something is said.
+    pub(super) fn follow_connection(&mut self) -> bool {
+        let Some(source) = self.stream() else { return false };
+        let Some(live) = source.live() else { return false };
+        let Some(change) = self.connection.watch.look(&live.status(), self.now) else {
+            return false;
+        };
+        // What was broken is not any more; or it broke once more.
+        if let Some(said) = self.connection.said.take() {
+            self.notices.dismiss_text(&said);
+        }
+        let stream = source.inputs().first().map(|input| input.display().to_string());
+        let text = format!("{}: {change}", stream.unwrap_or_default());
+        match change {
+            ConnectionChange::Broken(_) => {
+                self.notices.warn(text.clone());
+                self.connection.said = Some(text);
+            }
+            _ => self.notices.info(text),
+        }
+        true
     }
 
     /// Asks where to record to, or ends the recording.

@@ -5,6 +5,7 @@ mod actions;
 mod camera_path;
 mod clipping;
 mod companion;
+mod depth_filters;
 mod dialogs;
 mod export;
 mod failed_opening;
@@ -40,6 +41,7 @@ pub(in crate::app) use reading::PictureStage;
 
 use dialogs::Dialogs;
 use failed_opening::Unproven;
+use live::Connection;
 use main_picture::MainPicture;
 use opened::Opened;
 
@@ -164,6 +166,8 @@ pub struct State {
     measured_way: Option<MeasuredWay>,
     /// The picture of the open sequence.
     main: MainPicture,
+    /// That of the open sequence, of live streams.
+    connection: Connection,
 }
 
 impl State {
@@ -213,6 +217,7 @@ impl State {
             looked: SequenceLook::default(),
             requests: Vec::new(),
             main: MainPicture::default(),
+            connection: Connection::default(),
             options,
         }
     }
@@ -282,6 +287,7 @@ impl State {
             running.work.look(now);
         }
         visible |= self.notices.expire(now);
+        visible |= self.follow_connection();
         visible |= self.look_for_quality();
         self.follow_save();
         visible |= self.move_camera_on();

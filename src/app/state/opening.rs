@@ -42,6 +42,7 @@ impl State {
             self.leave(before);
         }
         self.failed = None;
+        self.connection = Connection::default();
         self.note_unnamed();
         self.prove(Vec::new(), Side::A);
         self.read_timeline(self.options.timelines.clone().as_ref());

@@ -29,9 +29,10 @@ const NOWHERE_M: f32 = 1e9;
 pub struct Bilateral {
     /// `σ_s`, in pixels.
     pub space_px: f32,
-    /// `σ_d` in metres, the same everywhere; three times the noise of a structured-light sensor at the depth of the
-    /// pixel if `None`.
+    /// `σ_d` in metres, the same everywhere; by [`Bilateral::noise_factor`] if `None`.
     pub depth_m: Option<f32>,
+    /// `σ_d` in units of the noise that a structured-light sensor has at the depth of the pixel.
+    pub noise_factor: f32,
 }
 
 impl Bilateral {
@@ -39,13 +40,14 @@ impl Bilateral {
     pub const USUAL: Self = Self {
         space_px: 3.0,
         depth_m: None,
+        noise_factor: 3.0,
     };
 
-    /// `σ_d` of a pixel at `depth_m`: three times the noise 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al. 2012).
+    /// `σ_d` of a pixel at `depth_m`: usually three times the noise 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al. 2012).
     pub fn sigma_depth_m(&self, depth_m: f32) -> f32 {
         self.depth_m.unwrap_or_else(|| {
             let beyond = depth_m - 0.4;
-            3.0 * (0.0012 + 0.0019 * beyond * beyond)
+            self.noise_factor * (0.0012 + 0.0019 * beyond * beyond)
         })
     }
 
@@ -80,7 +82,7 @@ impl Bilateral {
             splat(sigma)
         } else {
             let beyond = middle - 0.4;
-            (beyond * beyond * 0.0019 + 0.0012) * 3.0
+            (beyond * beyond * 0.0019 + 0.0012) * self.noise_factor
         };
         let by_square = splat(-0.5 * LOG2_E) / (sigma * sigma);
         let (mut weights, mut sum) = (splat(0.0), splat(0.0));
@@ -137,7 +139,7 @@ mod tests {
             let Some(middle) = pixel(x, y) else { return 0.0 };
             let sigma = match bilateral.depth_m {
                 Some(sigma) => f64::from(sigma),
-                None => 3.0 * (0.0012 + 0.0019 * (middle - 0.4).powi(2)),
+                None => f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (middle - 0.4).powi(2)),
             };
             let (mut weights, mut sum) = (0.0, 0.0);
             for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
@@ -166,13 +168,14 @@ mod tests {
                 Bilateral {
                     space_px: 1.5,
                     depth_m: Some(0.05),
+                    ..Bilateral::USUAL
                 },
             ),
             (
                 0.0,
                 Bilateral {
-                    space_px: 3.0,
-                    depth_m: Some(2.0),
+                    noise_factor: 7.0,
+                    ..Bilateral::USUAL
                 },
             ),
         ] {

@@ -8,20 +8,22 @@ mod bilateral;
 mod flying;
 mod median;
 mod padded;
+mod parameters;
 mod range;
 mod temporal;
 #[cfg(test)]
 mod test_images;
+mod text;
 
 pub use bilateral::Bilateral;
 pub use flying::FlyingPixels;
 pub use median::median;
+pub use parameters::{FilterKind, FilterParameter};
 pub use range::DepthRange;
 pub use temporal::{Temporal, TemporalFilter};
+pub use text::ParseFiltersError;
 
 use super::images::DepthImage;
-use std::fmt;
-use std::str::FromStr;
 
 /// Which filters are applied; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,8 +59,18 @@ impl Filters {
         temporal: None,
     };
 
-    /// Words for them, in their order.
-    pub const NAMES: [&'static str; 5] = ["near", "median", "bilateral", "flying", "temporal"];
+    /// How many there are.
+    pub const COUNT: usize = 5;
+
+    /// What each is called and what can be set of it, in the order in which they are applied.
+    pub fn kinds() -> &'static [FilterKind] {
+        &parameters::KINDS
+    }
+
+    /// Whether the range of depths has anything in it.
+    pub fn keep_any(&self) -> bool {
+        self.near.is_none_or(|near| near.near_m < near.far_m)
+    }
 
     /// `depth` after all filters but the temporal one, which needs the images before: see [`TemporalFilter`].
     #[must_use]
@@ -76,78 +88,5 @@ impl Filters {
             depth = flying.apply(&depth);
         }
         depth
-    }
-}
-
-impl fmt::Display for Filters {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let chosen = [
-            self.near.is_some(),
-            self.median,
-            self.bilateral.is_some(),
-            self.flying.is_some(),
-            self.temporal.is_some(),
-        ];
-        let names: Vec<&str> = Self::NAMES
-            .into_iter()
-            .zip(chosen)
-            .filter_map(|(name, is_chosen)| is_chosen.then_some(name))
-            .collect();
-        f.write_str(if names.is_empty() { "none" } else { "" })?;
-        f.write_str(&names.join(","))
-    }
-}
-
-/// A word that is no filter.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is no filter of depth: expected near, median, bilateral, flying and temporal with commas between, or none"
-)]
-pub struct ParseFiltersError(String);
-
-impl FromStr for Filters {
-    type Err = ParseFiltersError;
-
-    /// The usual parameters of the filters that are named; their order is always the same.
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let mut filters = Self::NONE;
-        if text == "none" {
-            return Ok(filters);
-        }
-        for name in text.split(',') {
-            match name {
-                "near" => filters.near = Some(DepthRange::USUAL),
-                "median" => filters.median = true,
-                "bilateral" => filters.bilateral = Some(Bilateral::USUAL),
-                "flying" => filters.flying = Some(FlyingPixels::USUAL),
-                "temporal" => filters.temporal = Some(Temporal::USUAL),
-                _ => return Err(ParseFiltersError(name.to_owned())),
-            }
-        }
-        Ok(filters)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_read_back() {
-        for text in [
-            "none",
-            "near",
-            "median,bilateral",
-            "near,median,bilateral,flying,temporal",
-        ] {
-            assert_eq!(text.parse::<Filters>().unwrap().to_string(), text);
-        }
-        assert_eq!("flying,near".parse::<Filters>().unwrap().to_string(), "near,flying");
-        assert_eq!(Filters::USUAL.to_string(), "near,median,bilateral,flying");
-        assert_eq!(Filters::default(), Filters::NONE);
-        for wrong in ["", "median,", "none,median", "blur"] {
-            let error = wrong.parse::<Filters>().unwrap_err().to_string();
-            assert!(error.contains("expected near, median"), "{error}");
-        }
     }
 }

@@ -22,8 +22,13 @@ impl Temporal {
         fill_frames: 0,
     };
 
-    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`].
-    pub const LEAD_FRAMES: usize = 8;
+    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`], and no hole
+    /// is filled with it: 8 as usual.
+    pub fn lead_frames(&self) -> usize {
+        let rest = (1.0 - self.share).clamp(0.0, 0.9);
+        let images = if rest > 0.0 { -(60f32.ln()) / rest.ln() } else { 0.0 };
+        (images.round() as usize).max(self.fill_frames.into())
+    }
 }
 
 /// The filter with what it knows of the images before.
@@ -115,19 +120,32 @@ mod tests {
         }
     }
 
-    /// What `LEAD_FRAMES` says: two filters that began differently agree after as many images.
+    /// What `lead_frames` says: two filters that began differently agree after as many images.
     #[test]
     fn the_past_is_forgotten() {
-        let mut filters = [1.0, 1.02].map(|first| {
-            let mut filter = TemporalFilter::new(Temporal::USUAL);
-            filter.next(image([first; 4]));
-            filter
-        });
-        let mut difference = 0.02;
-        for _ in 0..Temporal::LEAD_FRAMES {
-            let [a, b] = &mut filters;
-            difference = (a.next(image([1.01; 4])).metres()[0] - b.next(image([1.01; 4])).metres()[0]).abs();
+        assert_eq!(Temporal::USUAL.lead_frames(), 8);
+        for share in [0.1, 0.4, 0.9, 1.0] {
+            let temporal = Temporal {
+                share,
+                ..Temporal::USUAL
+            };
+            let mut filters = [1.0, 1.02].map(|first| {
+                let mut filter = TemporalFilter::new(temporal);
+                filter.next(image([first; 4]));
+                filter
+            });
+            let mut difference = 0.02;
+            // One is enough where nothing is kept of the past.
+            for _ in 0..temporal.lead_frames().max(1) {
+                let [a, b] = &mut filters;
+                difference = (a.next(image([1.01; 4])).metres()[0] - b.next(image([1.01; 4])).metres()[0]).abs();
+            }
+            assert!(difference < 0.02 / 50.0, "{share}: {difference}");
         }
-        assert!(difference < 0.02 / 58.0, "{difference}");
+        let fills = Temporal {
+            fill_frames: 20,
+            ..Temporal::USUAL
+        };
+        assert_eq!(fills.lead_frames(), 20);
     }
 }

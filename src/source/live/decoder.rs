@@ -65,6 +65,11 @@ impl<S: FrameStore> Decoder for StreamDecoder<S> {
     }
 }
 
+/// Whether a frame is images, which filters are for.
+pub(super) fn has_images(frame: &Frame) -> bool {
+    matches!(frame.content, Content::Images(_))
+}
+
 /// What took a frame.
 pub(super) fn sensor(frame: &Frame) -> Option<Sensor> {
     match &frame.content {

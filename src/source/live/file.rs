@@ -3,10 +3,10 @@
 //! The heads of messages are walked over once, 44 bytes a frame; a frame then reads its own part of the file. A file
 //! that breaks off, as one does whose writer was ended, has the frames that are whole.
 
-use super::decoder::{FrameStore, StreamDecoder, group, raw_images, sensor};
+use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
 use super::timeline::Timeline;
 use crate::locks::lock;
-use crate::rgbd::Sensor;
+use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::{
@@ -28,6 +28,8 @@ pub struct RecordedStream {
     inputs: [PathBuf; 1],
     notes: Vec<String>,
     fps: f64,
+    /// Whether frames are images, as the first one is.
+    has_images: bool,
     received: Arc<ReceivedFrames>,
 }
 
@@ -71,16 +73,18 @@ impl RecordedStream {
             entry.time = Some(time);
             Arc::new(entry)
         };
+        let recorded = Recorded {
+            file: Mutex::new(File::open(path).map_err(unreadable)?),
+            offsets: walked.frames.iter().map(|(offset, ..)| *offset).collect(),
+            most_bytes: options.read.max_memory_bytes,
+        };
         Ok(Self {
             entries: walked.frames.iter().map(entry).collect(),
             inputs: [path.to_owned()],
             notes: walked.notes(path),
             fps: walked.head.fps,
-            recorded: Arc::new(Recorded {
-                file: Mutex::new(File::open(path).map_err(unreadable)?),
-                offsets: walked.frames.iter().map(|(offset, ..)| *offset).collect(),
-                most_bytes: options.read.max_memory_bytes,
-            }),
+            has_images: recorded.frame(0).is_ok_and(|frame| has_images(&frame)),
+            recorded: Arc::new(recorded),
             received: Arc::new(ReceivedFrames::new(path, options)),
         })
     }
@@ -219,5 +223,23 @@ impl Source for RecordedStream {
             Ok(frame) => raw_images(&frame, self.recorded.most_bytes),
             Err(error) => Some(Err(error)),
         }
+    }
+
+    fn filters(&self) -> Option<Filters> {
+        self.has_images.then_some(self.received.filters)
+    }
+
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        self.filters()?;
+        Some(Arc::new(Self {
+            recorded: Arc::clone(&self.recorded),
+            entries: self.entries.clone(),
+            inputs: self.inputs.clone(),
+            // They were said already.
+            notes: Vec::new(),
+            fps: self.fps,
+            has_images: self.has_images,
+            received: Arc::new(self.received.filtered(filters)),
+        }))
     }
 }

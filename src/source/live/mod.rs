@@ -18,8 +18,10 @@ mod shared;
 mod status;
 mod stream;
 mod timeline;
+mod watch;
 
 pub use file::RecordedStream;
 pub use recorder::StreamRecording;
 pub use status::{Live, LiveState, LiveStatus};
 pub use stream::LiveStream;
+pub use watch::{ConnectionChange, ConnectionWatch};

@@ -151,6 +151,18 @@ impl Shared {
         })
     }
 
+    /// Ends the recording, if there is one.
+    pub(super) fn stop_recording(&self) -> Result<Option<StreamRecording>, String> {
+        let Some(recorder) = lock(&self.recorder).take() else {
+            return Ok(None);
+        };
+        lock(&self.link).recording = None;
+        let path = recorder.written().path.display().to_string();
+        let finished = recorder.finish();
+        let finished = finished.map_err(|error| format!("{path}: its end could not be written ({error})"))?;
+        Ok(Some(finished))
+    }
+
     pub(super) fn status(&self) -> LiveStatus {
         let link = lock(&self.link);
         let (bytes_per_s, frames_per_s) = link.rate.per_s(Instant::now());

@@ -2,13 +2,13 @@
 
 use super::address;
 use super::connection::{self, PATIENCE};
-use super::decoder::{StreamDecoder, group, raw_images, sensor};
+use super::decoder::{StreamDecoder, group, has_images, raw_images, sensor};
 use super::recorder::{Recorder, StreamRecording};
 use super::shared::Shared;
 use super::status::{Live, LiveStatus};
 use crate::locks::lock;
 use crate::progress::Progress;
-use crate::rgbd::Sensor;
+use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::RawImages;
@@ -30,10 +30,18 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct LiveStream {
     input: PathBuf,
     shared: Arc<Shared>,
+    /// Streams with other filters have it as well.
+    wanted: Arc<Wanted>,
     received: Arc<ReceivedFrames>,
     most_bytes: u64,
     /// Frames that were told of.
     told: Mutex<usize>,
+}
+
+/// The connection is kept as long as somebody has this.
+#[derive(Debug)]
+struct Wanted {
+    shared: Arc<Shared>,
 }
 
 impl LiveStream {
@@ -63,6 +71,9 @@ impl LiveStream {
             .map_err(|reason| SequenceError::NoThread { reason })?;
         let stream = Self {
             input: input.to_owned(),
+            wanted: Arc::new(Wanted {
+                shared: Arc::clone(&shared),
+            }),
             shared,
             received: Arc::new(ReceivedFrames::new(input, options)),
             most_bytes,
@@ -89,11 +100,11 @@ impl LiveStream {
     }
 }
 
-impl Drop for LiveStream {
+impl Drop for Wanted {
     fn drop(&mut self) {
         // The thread ends by itself, within the time that a connection may take.
         self.shared.is_closed.store(true, Ordering::Relaxed);
-        if let Err(problem) = self.stop_recording() {
+        if let Err(problem) = self.shared.stop_recording() {
             log::warn!("{problem}");
         }
     }
@@ -163,6 +174,23 @@ impl Source for LiveStream {
         raw_images(&self.shared.ring.frame(index)?.frame, self.most_bytes)
     }
 
+    fn filters(&self) -> Option<Filters> {
+        let newest = self.shared.ring.newest()?;
+        has_images(&newest.frame).then_some(self.received.filters)
+    }
+
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        self.filters()?;
+        Some(Arc::new(Self {
+            input: self.input.clone(),
+            shared: Arc::clone(&self.shared),
+            wanted: Arc::clone(&self.wanted),
+            received: Arc::new(self.received.filtered(filters)),
+            most_bytes: self.most_bytes,
+            told: Mutex::new(*lock(&self.told)),
+        }))
+    }
+
     fn live(&self) -> Option<&dyn Live> {
         Some(self)
     }
@@ -197,13 +225,6 @@ impl Live for LiveStream {
     }
 
     fn stop_recording(&self) -> Result<Option<StreamRecording>, String> {
-        let Some(recorder) = lock(&self.shared.recorder).take() else {
-            return Ok(None);
-        };
-        lock(&self.shared.link).recording = None;
-        let path = recorder.written().path.display().to_string();
-        let finished = recorder.finish();
-        let finished = finished.map_err(|error| format!("{path}: its end could not be written ({error})"))?;
-        Ok(Some(finished))
+        self.shared.stop_recording()
     }
 }

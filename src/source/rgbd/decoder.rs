@@ -75,6 +75,19 @@ impl Recorded {
         }
     }
 
+    /// The same recording with other filters.
+    pub(super) fn filtered(&self, filters: Filters) -> Self {
+        Self {
+            frames: self.frames.clone(),
+            code: self.code,
+            sizes: self.sizes,
+            filters,
+            read: self.read,
+            left_out: self.left_out.clone(),
+            cameras: Mutex::new(lock(&self.cameras).clone()),
+        }
+    }
+
     pub(super) fn sensor(&self, index: usize) -> Option<Sensor> {
         let frame = self.frames.get(index)?;
         let Sizes { depth_px, color_px } = self.sizes;
@@ -368,12 +381,12 @@ impl FramesBefore {
         let Some(temporal) = temporal else {
             return depth;
         };
-        let begin = temporal_begin(index);
+        let begin = temporal_begin(temporal, index);
         // The frames of a group go on from each other; each group has a beginning of its own.
         let known = self
             .last
             .take()
-            .filter(|(last, _)| *last < index && temporal_begin(*last) == begin);
+            .filter(|(last, _)| *last < index && temporal_begin(temporal, *last) == begin);
         let (first, mut filter) = known.map_or_else(
             || (begin, TemporalFilter::new(temporal)),
             |(last, filter)| (last + 1, filter),
@@ -429,6 +442,6 @@ impl Decoder for ImageDecoder {
 
 /// The frame from which the filter of frame `index` begins: so far before its group that what is still before it makes
 /// no difference.
-fn temporal_begin(index: usize) -> usize {
-    (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(Temporal::LEAD_FRAMES)
+fn temporal_begin(temporal: Temporal, index: usize) -> usize {
+    (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(temporal.lead_frames())
 }

@@ -6,7 +6,7 @@ use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::messages::{frame_by_index, frames_with_indices};
 use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
-use crate::rgbd::Camera;
+use crate::rgbd::{Camera, Filters};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
 use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
@@ -105,6 +105,20 @@ impl Source for MergedFrames {
 
     fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    fn filters(&self) -> Option<Filters> {
+        self.recording.filters()
+    }
+
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        Some(Arc::new(Self {
+            recording: Arc::new(self.recording.with_filters(filters)),
+            range: self.range.clone(),
+            entry: Arc::clone(&self.entry),
+            notes: Vec::new(),
+            photographs: self.photographs.clone(),
+        }))
     }
 }
 

@@ -37,6 +37,16 @@ impl ReceivedFrames {
         }
     }
 
+    /// The same with other filters.
+    pub(in crate::source) fn filtered(&self, filters: Filters) -> Self {
+        Self {
+            input: Arc::clone(&self.input),
+            filters,
+            read: self.read,
+            decoders: Mutex::default(),
+        }
+    }
+
     /// The cloud of `images`, which are those of frame `index`. `before` gives the images of earlier frames, as far as
     /// they are still there; it is asked only if there is a temporal filter.
     pub(in crate::source) fn cloud(

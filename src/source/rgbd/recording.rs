@@ -11,7 +11,7 @@ use super::stored_image::StoredImage;
 use super::topics;
 use super::trajectory::Trajectory;
 use crate::io::{Entry, Part};
-use crate::rgbd::Sensor;
+use crate::rgbd::{Filters, Sensor};
 use crate::source::files::number;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
 use crate::wire::RawImages;
@@ -90,6 +90,17 @@ impl RgbdRecording {
             recorded: Arc::new(Recorded::new(found, sizes, options)),
             layout,
         }))
+    }
+
+    /// The same with other filters. What was left out was said already.
+    pub(super) fn with_filters(&self, filters: Filters) -> Self {
+        Self {
+            recorded: Arc::new(self.recorded.filtered(filters)),
+            entries: self.entries.clone(),
+            inputs: self.inputs.clone(),
+            notes: Vec::new(),
+            layout: self.layout,
+        }
     }
 
     /// Whose layout it has, for people.
@@ -188,5 +199,13 @@ impl Source for RgbdRecording {
 
     fn raw_images(&self, index: usize) -> Option<Result<RawImages, DecodeFailure>> {
         Some(self.recorded.raw_images(index)?.map_err(DecodeFailure::from))
+    }
+
+    fn filters(&self) -> Option<Filters> {
+        Some(self.recorded.filters)
+    }
+
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        Some(Arc::new(self.with_filters(filters)))
     }
 }

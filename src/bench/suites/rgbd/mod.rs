@@ -80,7 +80,7 @@ pub const RGBD: &Suite = &Suite {
 };
 
 /// Decoding, each filter, and the usual filters together.
-const STEPS_PER_FRAME: usize = 2 + Filters::NAMES.len();
+const STEPS_PER_FRAME: usize = 2 + Filters::COUNT;
 
 /// The first frame of a sequence is drawn, too.
 const STEPS_PER_SEQUENCE: usize = 1;
@@ -160,7 +160,7 @@ fn filter(
     stages: &mut Vec<Stage>,
 ) -> Result<(), BenchError> {
     let raw = image.clone();
-    for name in Filters::NAMES {
+    for name in Filters::kinds().iter().map(|kind| kind.name) {
         run.begin_step(label(name))?;
         let filters: Filters = name.parse().unwrap_or_default();
         let apply = |image: &DepthImage| match filters.temporal {

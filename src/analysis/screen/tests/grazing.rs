@@ -1,0 +1,313 @@
+//! Surfaces that are seen from the side: none of them hides itself, and all hide what is behind them.
+
+use super::*;
+use std::collections::BTreeMap;
+
+/// How far away things are: so far that rays are all but parallel.
+const AWAY: f64 = 20.0;
+
+const SPACING: f64 = 0.01;
+
+/// Something flat: its middle, and two axes that are as long as it is wide and high.
+#[derive(Clone, Copy)]
+struct Flat {
+    middle: DVec3,
+    along: [DVec3; 2],
+}
+
+impl Flat {
+    /// A square whose normal is so many degrees from the direction to the eye, two metres wide; its upper edge is the
+    /// far one.
+    fn tilted(degrees: f64) -> Self {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        Self {
+            middle: DVec3::new(0.0, 0.0, -AWAY),
+            along: [2.0 * DVec3::X, 2.0 * DVec3::new(0.0, cosine, -sine)],
+        }
+    }
+
+    fn normal(&self) -> DVec3 {
+        self.along[0].cross(self.along[1]).normalize()
+    }
+
+    fn moved(self, by: DVec3) -> Self {
+        Self {
+            middle: self.middle + by,
+            ..self
+        }
+    }
+
+    /// Points on a grid that is turned against the edges.
+    fn grid(&self, turned_degrees: f64) -> Vec<DVec3> {
+        let (sine, cosine) = turned_degrees.to_radians().sin_cos();
+        let [width, height] = self.along.map(DVec3::length);
+        let steps = ((width + height) / SPACING) as i32;
+        let places = (-steps..=steps).flat_map(|row| (-steps..=steps).map(move |column| (column, row)));
+        let places = places.filter_map(|(column, row)| {
+            let [x, y] = [f64::from(column) + 0.31, f64::from(row) - 0.17].map(|step| step * SPACING);
+            let (x, y) = ((cosine * x - sine * y) / width, (sine * x + cosine * y) / height);
+            (x.abs() <= 0.5 && y.abs() <= 0.5).then(|| self.middle + x * self.along[0] + y * self.along[1])
+        });
+        places.collect()
+    }
+
+    /// As many points as a grid has, at random.
+    fn at_random(&self) -> Vec<DVec3> {
+        let [width, height] = self.along.map(DVec3::length);
+        let count = (width * height / (SPACING * SPACING)) as u32;
+        let places = (0..count).map(|index| {
+            let [x, y] = [2 * index, 2 * index + 1].map(|seed| random(seed) - 0.5);
+            self.middle + x * self.along[0] + y * self.along[1]
+        });
+        places.collect()
+    }
+}
+
+/// Between 0 and 1, another one for each seed.
+fn random(seed: u32) -> f64 {
+    let mut state = seed.wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
+    for _ in 0..3 {
+        state ^= state >> 15;
+        state = state.wrapping_mul(0x2c1b_3c6d);
+        state ^= state >> 13;
+    }
+    f64::from(state) / f64::from(u32::MAX)
+}
+
+/// A view in which points are so many pixels apart.
+fn view_of(px_per_spacing: f64) -> ScreenView {
+    view([1280, 960], (px_per_spacing * AWAY / SPACING) as f32)
+}
+
+fn cloud_of(places: impl IntoIterator<Item = DVec3>) -> Vec<PointRecord> {
+    records(places.into_iter().map(|place| place.as_vec3()))
+}
+
+/// The pixel of a point, if it is in the picture.
+fn pixel_of(view: &ScreenView, point: &PointRecord) -> Option<[u32; 2]> {
+    let place = view.see(point.position)?.place_px;
+    let is_inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < 1280.0 && place[1] < 960.0;
+    is_inside.then(|| place.map(|px| px as u32))
+}
+
+#[test]
+fn a_plane_does_not_hide_itself_from_any_side() {
+    for degrees in [0.0, 60.0, 77.0, 80.0, 85.0, 88.0] {
+        let flat = Flat::tilted(degrees);
+        for (kind, places) in [
+            ("grid", flat.grid(0.0)),
+            ("turned", flat.grid(34.0)),
+            ("random", flat.at_random()),
+        ] {
+            let points = cloud_of(places);
+            for px_per_spacing in [0.8, 1.3, 2.0, 3.1, 5.0, 9.0] {
+                let view = view_of(px_per_spacing);
+                let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
+                // Its nearest row of pixels is all that there is before it: a line, and no plane.
+                let inside = |point: &PointRecord| {
+                    let place = Vec3::from_array(point.position).as_dvec3() - flat.middle;
+                    let along = flat.along.map(|axis| place.dot(axis) / axis.length_squared());
+                    along.iter().all(|along| along.abs() < 0.4) && pixel_of(&view, point).is_some()
+                };
+                let kept = visible.slots.iter().filter(|&&slot| inside(&points[slot as usize]));
+                let (kept, all) = (kept.count(), points.iter().filter(|point| inside(point)).count());
+                // Beyond that some rows of pixels have more depth in them than half a pixel's slope and the radius.
+                let least = if degrees < 81.0 { 0.98 } else { 0.8 };
+                assert!(
+                    kept as f64 >= least * all as f64,
+                    "{degrees} degrees, {kind}, {px_per_spacing} pixels: {kept} of {all}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn of_points_that_are_smaller_than_a_pixel_each_pixel_keeps_its_nearest() {
+    for degrees in [60.0, 77.0, 85.0, 88.0] {
+        let points = cloud_of(Flat::tilted(degrees).grid(20.0));
+        for px_per_spacing in [0.2, 0.6] {
+            let view = view_of(px_per_spacing);
+            let mut nearest = BTreeMap::new();
+            for point in &points {
+                let depth = -point.position[2];
+                let least = nearest.entry(pixel_of(&view, point)).or_insert(depth);
+                *least = depth.min(*least);
+            }
+            let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
+            assert!(visible.len() >= nearest.len());
+            for &slot in &visible.slots {
+                let point = &points[slot as usize];
+                assert_eq!(-point.position[2], nearest[&pixel_of(&view, point)]);
+            }
+        }
+    }
+}
+
+/// Pixels whose rays meet a surface, well inside its edges, and no disk.
+fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimated) -> [usize; 2] {
+    let mut covered = BTreeMap::new();
+    let ray_of = |x: i32, y: i32| {
+        let [x, y] = [f64::from(x), f64::from(y)].map(|px| px + 0.5);
+        let right = (x - f64::from(view.middle_px[0])) / f64::from(view.px_per_slope[0]);
+        let up = (y - f64::from(view.middle_px[1])) / f64::from(view.px_per_slope[1]);
+        DVec3::new(right, up, -1.0)
+    };
+    for (&slot, shape) in found.visible.slots.iter().zip(&found.shapes) {
+        let seen = view.see(points[slot as usize].position).unwrap();
+        let (middle, normal) = (seen.offset.as_dvec3(), oct_decode(shape.normal).as_dvec3());
+        let reach = (shape.radius * view.px_per_unit() / seen.depth).ceil() as i32 + 1;
+        let [x, y] = seen.place_px.map(|px| px.floor() as i32);
+        for (x, y) in (y - reach..=y + reach).flat_map(|y| (x - reach..=x + reach).map(move |x| (x, y))) {
+            let ray = ray_of(x, y);
+            let hit = ray * (normal.dot(middle) / normal.dot(ray));
+            if hit.distance(middle) <= f64::from(shape.radius) {
+                covered.insert([x, y], ());
+            }
+        }
+    }
+    let (mut inside, mut open) = (0, 0);
+    for (x, y) in (0..960).flat_map(|y| (0..1280).map(move |x| (x, y))) {
+        let ray = ray_of(x, y);
+        let hit = ray * (flat.normal().dot(flat.middle) / flat.normal().dot(ray)) - flat.middle;
+        let [across, along] = flat.along.map(|axis| hit.dot(axis) / axis.length_squared());
+        if across.abs() < 0.45 && along.abs() < 0.45 {
+            inside += 1;
+            open += usize::from(!covered.contains_key(&[x, y]));
+        }
+    }
+    [inside, open]
+}
+
+#[test]
+fn planes_are_closed_from_any_side() {
+    for degrees in [0.0, 60.0, 77.0, 80.0, 85.0] {
+        let flat = Flat::tilted(degrees);
+        let points = cloud_of(flat.grid(20.0));
+        for px_per_spacing in [0.3, 0.6, 1.0, 1.6, 2.5, 4.0] {
+            let view = view_of(px_per_spacing);
+            let found = estimate(&view, &points, SPACING as f32, Search::Fixed);
+            let [inside, open] = holes(&view, &points, &flat, &found);
+            assert!(
+                open * 50 <= inside,
+                "{degrees} degrees, {px_per_spacing} pixels: {open} of {inside}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_five_centimetres_behind_a_surface_is_hidden() {
+    for degrees in [0.0, 60.0, 77.0, 85.0] {
+        let front = Flat::tilted(degrees);
+        let apart = -0.05 * front.normal() * front.normal().z.signum();
+        for turned in [0.0, 20.0] {
+            let (front_places, behind) = (front.grid(turned), front.moved(apart).grid(turned + 7.0));
+            let points = cloud_of(behind.iter().chain(&front_places).copied());
+            for px_per_spacing in [0.4, 1.3, 2.0, 3.1, 4.5] {
+                let view = view_of(px_per_spacing);
+                let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
+                let is_behind = |slot: u32| (slot as usize) < behind.len();
+                // What is seen beside the edges of the one in front of it.
+                let is_inside = |slot: u32| {
+                    let ray = behind[slot as usize];
+                    let hit = ray * (front.normal().dot(front.middle) / front.normal().dot(ray)) - front.middle;
+                    let along = front.along.map(|axis| hit.dot(axis) / axis.length_squared());
+                    along.iter().all(|along| along.abs() < 0.48)
+                };
+                let leaked = visible.slots.iter().filter(|&&slot| is_behind(slot) && is_inside(slot));
+                let all = (0..behind.len() as u32).filter(|&slot| is_inside(slot)).count();
+                assert!(all > 1000, "{degrees}: {all}");
+                let leaked = leaked.count();
+                // Seen from the side, points that are almost as far apart as their squares are wide leave gaps.
+                assert!(
+                    leaked * 2000 <= all,
+                    "{degrees} degrees, {px_per_spacing} pixels, {turned}: {leaked} of {all}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
+    let pole = Flat {
+        middle: DVec3::new(0.0, 0.0, -AWAY),
+        along: [0.035 * DVec3::X, 1.6 * DVec3::Y],
+    };
+    let wall = Flat {
+        middle: DVec3::new(0.0, 0.0, -AWAY - 1.0),
+        along: [1.2 * DVec3::X, 2.0 * DVec3::Y],
+    };
+    let behind = wall.grid(11.0);
+    let points = cloud_of(behind.iter().copied().chain(pole.grid(0.0)));
+    for px_per_spacing in [1.3, 2.0, 3.1, 4.5] {
+        let view = view_of(px_per_spacing);
+        let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
+        for (slot, place) in behind.iter().enumerate() {
+            if pixel_of(&view, &points[slot]).is_none() || place.y.abs() > 0.7 {
+                continue;
+            }
+            // Where its ray meets the plane of the pole.
+            let beside = (place.x * AWAY / (AWAY + 1.0)).abs();
+            let is_kept = visible.slots.binary_search(&(slot as u32)).is_ok();
+            assert!(
+                !is_kept || beside > 0.014,
+                "{px_per_spacing} pixels: {beside} is hidden"
+            );
+            assert!(is_kept || beside < 0.04, "{px_per_spacing} pixels: {beside} is visible");
+        }
+    }
+}
+
+#[test]
+fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() {
+    // The front faces the eye but for four degrees, so the left side is seen at 87 degrees; a wall is behind.
+    let (sine, cosine) = 4f64.to_radians().sin_cos();
+    let (right, back) = (DVec3::new(cosine, 0.0, -sine), DVec3::new(-sine, 0.0, -cosine));
+    let middle = DVec3::new(0.0, 0.0, -AWAY);
+    let front = Flat {
+        middle,
+        along: [right, DVec3::Y],
+    };
+    let side = Flat {
+        middle: middle - 0.5 * right + 0.5 * back,
+        along: [back, DVec3::Y],
+    };
+    let (left, right_side) = (side, side.moved(right));
+    let wall = Flat {
+        middle: middle - 3.0 * DVec3::Z,
+        along: [3.0 * DVec3::X, 2.0 * DVec3::Y],
+    };
+    let faces_eye = |flat: &Flat| flat.normal().dot(flat.middle).abs() / flat.middle.length();
+    assert!(faces_eye(&left) < 0.07, "{}", faces_eye(&left));
+    let kinds = [front, left, right_side, wall].map(|flat| flat.grid(0.0));
+    let ends: Vec<usize> = kinds.iter().map(Vec::len).collect();
+    let points = cloud_of(kinds.iter().flatten().copied());
+    for px_per_spacing in [1.3, 2.0, 3.1, 4.5] {
+        let view = view_of(px_per_spacing);
+        let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
+        let mut first = 0;
+        let shares = [0, 1, 2, 3].map(|kind| {
+            let slots = first..first + ends[kind];
+            first = slots.end;
+            // Behind the box, of the wall.
+            let counts = |slot: usize| {
+                let place = Vec3::from_array(points[slot].position);
+                let is_behind = place.x.abs() < 0.4 && place.y.abs() < 0.4;
+                pixel_of(&view, &points[slot]).is_some() && (kind < 3 || is_behind)
+            };
+            let kept = visible.slots.iter().map(|&slot| slot as usize);
+            let kept = kept.filter(|&slot| slots.contains(&slot) && counts(slot)).count();
+            kept as f64 / slots.clone().filter(|&slot| counts(slot)).count().max(1) as f64
+        });
+        let [front, one_side, other_side, wall] = shares;
+        let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));
+        // Beside the edge what is before a point is two planes, of which the front is the one that is not steep. A
+        // side that is hidden is seen through the gaps of points that are far apart.
+        assert!(
+            front > 0.99 && seen > 0.5 && unseen < 0.25 && wall == 0.0,
+            "{px_per_spacing}: {shares:?}"
+        );
+    }
+}

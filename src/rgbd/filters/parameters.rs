@@ -1,0 +1,253 @@
+//! What filters of depth images are called and what can be set of each: read by the command line, session files and the
+//! window, so that a filter is described once.
+
+use super::{Bilateral, DepthRange, Filters, FlyingPixels, Temporal};
+use std::ops::RangeInclusive;
+
+/// A filter, by the names that people see.
+#[derive(Debug)]
+pub struct FilterKind {
+    /// In `--rgbd-filters` and in session files.
+    pub name: &'static str,
+    /// In the window.
+    pub title: &'static str,
+    /// What it does.
+    pub hint: &'static str,
+    /// Whether it is applied.
+    pub is_on: fn(&Filters) -> bool,
+    /// Applies it with its usual parameters, or leaves it out.
+    pub set_on: fn(&mut Filters, bool),
+    /// What can be set of it.
+    pub parameters: &'static [FilterParameter],
+}
+
+/// A number of a filter.
+#[derive(Debug)]
+pub struct FilterParameter {
+    /// In `--rgbd-filters` and in session files.
+    pub name: &'static str,
+    /// In the window.
+    pub title: &'static str,
+    /// What it does, with the usual value.
+    pub hint: &'static str,
+    /// Behind the number.
+    pub unit: &'static str,
+    /// What it may be.
+    pub range: RangeInclusive<f32>,
+    /// Digits behind the point; whole numbers have none.
+    pub digits: u8,
+    get: fn(&Filters) -> Option<f32>,
+    set: fn(&mut Filters, f32),
+}
+
+impl FilterParameter {
+    /// Its value; `None` where its filter is left out.
+    pub fn get(&self, filters: &Filters) -> Option<f32> {
+        (self.get)(filters)
+    }
+
+    /// Sets it to the value in its range that is nearest to `value`, if its filter is applied. What is no number
+    /// changes nothing.
+    pub fn set(&self, filters: &mut Filters, value: f32) {
+        if !value.is_nan() {
+            let value = value.clamp(*self.range.start(), *self.range.end());
+            (self.set)(filters, if self.digits == 0 { value.round() } else { value });
+        }
+    }
+}
+
+/// All filters, in the order in which they are applied.
+pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
+    FilterKind {
+        name: "near",
+        title: "Depth range",
+        hint: "Drops what is nearer or farther than the sensor measures",
+        is_on: |filters| filters.near.is_some(),
+        set_on: |filters, is_on| filters.near = is_on.then_some(DepthRange::USUAL),
+        parameters: &[
+            FilterParameter {
+                name: "from",
+                title: "Nearest depth",
+                hint: "Nearer pixels are dropped (usually 0.1 m)",
+                unit: " m",
+                range: 0.0..=1000.0,
+                digits: 2,
+                get: |filters| filters.near.map(|near| near.near_m),
+                set: |filters, value| filters.near = filters.near.map(|near| DepthRange { near_m: value, ..near }),
+            },
+            FilterParameter {
+                name: "to",
+                title: "Farthest depth",
+                hint: "Farther pixels are dropped (usually 10 m)",
+                unit: " m",
+                range: 0.0..=1000.0,
+                digits: 2,
+                get: |filters| filters.near.map(|near| near.far_m),
+                set: |filters, value| filters.near = filters.near.map(|near| DepthRange { far_m: value, ..near }),
+            },
+        ],
+    },
+    FilterKind {
+        name: "median",
+        title: "Depth median",
+        hint: "The median of 5 × 5 pixels: single wrong depths go",
+        is_on: |filters| filters.median,
+        set_on: |filters, is_on| filters.median = is_on,
+        parameters: &[],
+    },
+    FilterKind {
+        name: "bilateral",
+        title: "Bilateral filter",
+        hint: "The mean of 9 × 9 pixels that are at a similar depth: noise goes, edges stay",
+        is_on: |filters| filters.bilateral.is_some(),
+        set_on: |filters, is_on| filters.bilateral = is_on.then_some(Bilateral::USUAL),
+        parameters: &[
+            FilterParameter {
+                name: "px",
+                title: "Bilateral width",
+                hint: "How far neighbours count, σ_s (usually 3 pixels)",
+                unit: " px",
+                range: 0.3..=20.0,
+                digits: 1,
+                get: |filters| filters.bilateral.map(|bilateral| bilateral.space_px),
+                set: |filters, value| {
+                    let with = |bilateral| Bilateral {
+                        space_px: value,
+                        ..bilateral
+                    };
+                    filters.bilateral = filters.bilateral.map(with);
+                },
+            },
+            FilterParameter {
+                name: "noise",
+                title: "Bilateral depth",
+                hint: "How far apart in depth neighbours may be, σ_d, as a factor on the noise of the sensor at that \
+                       depth (usually 3)",
+                unit: " × noise",
+                range: 0.1..=50.0,
+                digits: 1,
+                get: |filters| filters.bilateral.map(|bilateral| bilateral.noise_factor),
+                set: |filters, value| {
+                    let with = |bilateral| Bilateral {
+                        noise_factor: value,
+                        depth_m: None,
+                        ..bilateral
+                    };
+                    filters.bilateral = filters.bilateral.map(with);
+                },
+            },
+        ],
+    },
+    FilterKind {
+        name: "flying",
+        title: "Flying pixels",
+        hint: "Drops pixels between a surface and what is behind it",
+        is_on: |filters| filters.flying.is_some(),
+        set_on: |filters, is_on| filters.flying = is_on.then_some(FlyingPixels::USUAL),
+        parameters: &[
+            FilterParameter {
+                name: "m",
+                title: "Flying within",
+                hint: "How far apart in depth neighbours may be (usually 0.01 m)",
+                unit: " m",
+                range: 0.0..=10.0,
+                digits: 3,
+                get: |filters| filters.flying.map(|flying| flying.most_m),
+                set: |filters, value| filters.flying = filters.flying.map(|flying| FlyingPixels { most_m: value, ..flying }),
+            },
+            FilterParameter {
+                name: "share",
+                title: "Flying share",
+                hint: "The same as a share of the depth: the larger of both counts (usually 0.02)",
+                unit: " of depth",
+                range: 0.0..=1.0,
+                digits: 3,
+                get: |filters| filters.flying.map(|flying| flying.most_share),
+                set: |filters, value| {
+                    let with = |flying| FlyingPixels {
+                        most_share: value,
+                        ..flying
+                    };
+                    filters.flying = filters.flying.map(with);
+                },
+            },
+            FilterParameter {
+                name: "neighbours",
+                title: "Flying neighbours",
+                hint: "Pixels with fewer of their eight neighbours that near are dropped (usually 4)",
+                unit: " of 8",
+                range: 0.0..=8.0,
+                digits: 0,
+                get: |filters| filters.flying.map(|flying| flying.least_neighbours.into()),
+                set: |filters, value| {
+                    let with = |flying| FlyingPixels {
+                        least_neighbours: value as u8,
+                        ..flying
+                    };
+                    filters.flying = filters.flying.map(with);
+                },
+            },
+            FilterParameter {
+                name: "erosion",
+                title: "Flying erosion",
+                hint: "So many pixels more are dropped along every edge (usually 0)",
+                unit: " px",
+                range: 0.0..=16.0,
+                digits: 0,
+                get: |filters| filters.flying.map(|flying| flying.erosion_px.into()),
+                set: |filters, value| {
+                    let with = |flying| FlyingPixels {
+                        erosion_px: value as u8,
+                        ..flying
+                    };
+                    filters.flying = filters.flying.map(with);
+                },
+            },
+        ],
+    },
+    FilterKind {
+        name: "temporal",
+        title: "Mean over time",
+        hint: "The mean with the frames before, for a camera at rest",
+        is_on: |filters| filters.temporal.is_some(),
+        set_on: |filters, is_on| filters.temporal = is_on.then_some(Temporal::USUAL),
+        parameters: &[
+            FilterParameter {
+                name: "share",
+                title: "Mean share",
+                hint: "How much of the newest frame is in the mean, α: less is smoother and later (usually 0.4)",
+                unit: "",
+                range: 0.1..=1.0,
+                digits: 2,
+                get: |filters| filters.temporal.map(|temporal| temporal.share),
+                set: |filters, value| filters.temporal = filters.temporal.map(|temporal| Temporal { share: value, ..temporal }),
+            },
+            FilterParameter {
+                name: "m",
+                title: "Mean within",
+                hint: "Where the depth differs by more something has moved, and the mean begins anew (usually 0.02 m)",
+                unit: " m",
+                range: 0.0..=10.0,
+                digits: 3,
+                get: |filters| filters.temporal.map(|temporal| temporal.most_m),
+                set: |filters, value| filters.temporal = filters.temporal.map(|temporal| Temporal { most_m: value, ..temporal }),
+            },
+            FilterParameter {
+                name: "fill",
+                title: "Holes filled",
+                hint: "For so many frames a hole has what was measured there last (usually 0)",
+                unit: " frames",
+                range: 0.0..=30.0,
+                digits: 0,
+                get: |filters| filters.temporal.map(|temporal| temporal.fill_frames.into()),
+                set: |filters, value| {
+                    let with = |temporal| Temporal {
+                        fill_frames: value as u8,
+                        ..temporal
+                    };
+                    filters.temporal = filters.temporal.map(with);
+                },
+            },
+        ],
+    },
+];

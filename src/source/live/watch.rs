@@ -1,0 +1,120 @@
+//! Whether a connection has broken or is back since somebody looked last.
+
+use super::status::{LiveState, LiveStatus};
+use std::fmt;
+use std::time::Duration;
+
+/// What happened to a connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ConnectionChange {
+    /// It has broken, for this reason.
+    Broken(String),
+    /// It is there again.
+    Back {
+        /// How long it was not; `None` where it was away for less time than there is between two looks.
+        away: Option<Duration>,
+    },
+}
+
+/// Looks at how a stream is doing, and says each change once.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ConnectionWatch {
+    /// When it was seen to be broken.
+    broken: Option<Duration>,
+    /// `None` before the first look: what was before does not count.
+    reconnects: Option<u64>,
+}
+
+impl ConnectionWatch {
+    /// What has changed since the last look. `now` is of any clock that never goes back.
+    pub fn look(&mut self, status: &LiveStatus, now: Duration) -> Option<ConnectionChange> {
+        let before = self.reconnects.replace(status.reconnects);
+        let is_another = before.is_some_and(|before| status.reconnects > before);
+        match (&status.state, self.broken) {
+            (LiveState::Reconnecting(_), Some(_)) => None,
+            (LiveState::Reconnecting(problem), None) => {
+                self.broken = Some(now);
+                Some(ConnectionChange::Broken(problem.clone()))
+            }
+            (LiveState::Connected, Some(since)) => {
+                self.broken = None;
+                let away = Some(now.saturating_sub(since));
+                Some(ConnectionChange::Back { away })
+            }
+            (LiveState::Connected, None) => is_another.then_some(ConnectionChange::Back { away: None }),
+        }
+    }
+}
+
+impl fmt::Display for ConnectionChange {
+    /// The end of a sentence that begins with the stream.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Broken(problem) => write!(f, "the connection has broken and is made again by itself: {problem}"),
+            Self::Back { away: None } => f.write_str("connected again, after a moment"),
+            Self::Back { away: Some(away) } => write!(f, "connected again, after {:.1} s", away.as_secs_f64()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(problem: Option<&str>, reconnects: u64) -> LiveStatus {
+        LiveStatus {
+            state: problem.map_or(LiveState::Connected, |problem| {
+                LiveState::Reconnecting(problem.to_owned())
+            }),
+            received_frames: 0,
+            lost_frames: 0,
+            bytes_per_s: 0.0,
+            frames_per_s: 0.0,
+            delay_s: None,
+            kept_s: 0.0,
+            kept_bytes: 0,
+            reconnects,
+            recording: None,
+        }
+    }
+
+    #[test]
+    fn a_break_and_its_end_are_said_once_whatever_happens_between() {
+        let mut watch = ConnectionWatch::default();
+        let looks = [
+            (None, 0),
+            (Some("it was reset"), 0),
+            (Some("nothing can be reached"), 0),
+            (None, 1),
+            (None, 1),
+            (Some("it was reset"), 1),
+            (None, 2),
+        ];
+        let mut said = Vec::new();
+        for (second, (problem, reconnects)) in (0..).zip(looks) {
+            let change = watch.look(&status(problem, reconnects), Duration::from_secs(second));
+            said.push(change.map_or_else(String::new, |change| change.to_string()));
+        }
+        let broken = "the connection has broken and is made again by itself: it was reset";
+        let expected = [
+            "",
+            broken,
+            "",
+            "connected again, after 2.0 s",
+            "",
+            broken,
+            "connected again, after 1.0 s",
+        ];
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn a_break_between_two_looks_is_said_too() {
+        let mut watch = ConnectionWatch::default();
+        assert_eq!(watch.look(&status(None, 3), Duration::ZERO), None);
+        let change = watch.look(&status(None, 4), Duration::ZERO);
+        assert_eq!(change, Some(ConnectionChange::Back { away: None }));
+        assert_eq!(watch.look(&status(None, 4), Duration::ZERO), None);
+    }
+}

@@ -1,0 +1,371 @@
+//! `pointreel serve INPUT --live` as a person starts it, and those who connect: the program itself, and its library.
+
+use pointreel::cloud::RawCloud;
+use pointreel::progress::Progress;
+use pointreel::source::{self, Live as _, LiveState, LiveStream, OpenOptions, Source};
+use pointreel::wire::{Kind, Message, StreamHead};
+use std::fs;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Machines are busy; what is waited for is looked at every few milliseconds.
+const LONG: Duration = Duration::from_mins(2);
+
+const FRAMES: usize = 4;
+
+fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_so() {
+        assert!(begun.elapsed() < LONG, "waited in vain for {what}");
+        thread::sleep(Duration::from_millis(3));
+    }
+}
+
+fn pointreel(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
+    command.args(arguments).env("RUST_BACKTRACE", "0").output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
+}
+
+/// Coloured points of which each knows its frame.
+fn recording() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in 0..FRAMES {
+        let mut text = "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\n\
+            property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+            .to_owned();
+        for point in 0..50 {
+            text += &format!("{frame} {} {} {point} {} 7\n", point % 7, point / 7, 10 * frame);
+        }
+        fs::write(folder.path().join(format!("f{frame}.ply")), text).unwrap();
+    }
+    folder
+}
+
+/// The program, serving.
+struct Serving {
+    program: Child,
+    url: String,
+    /// What it has said on stderr.
+    said: Arc<Mutex<String>>,
+}
+
+impl Serving {
+    fn new(input: &str, more: &[&str]) -> Self {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_pointreel"))
+            .args(["serve", input, "--live", "--listen", "127.0.0.1:0"])
+            .args(more)
+            .env("RUST_BACKTRACE", "0")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let said = Arc::<Mutex<String>>::default();
+        let (heard, says) = (Arc::clone(&said), program.stderr.take().unwrap());
+        let listening = thread::Builder::new().name("stderr".to_owned()).spawn(move || {
+            for line in BufReader::new(says).lines().map_while(Result::ok) {
+                *heard.lock().unwrap() += &(line + "\n");
+            }
+        });
+        listening.unwrap();
+        let mut answer = String::new();
+        let mut answers = BufReader::new(program.stdout.take().unwrap());
+        answers.read_line(&mut answer).unwrap();
+        let url = answer.split_whitespace().next().unwrap_or_default().to_owned();
+        assert!(url.starts_with("tcp://127.0.0.1:"), "{answer}{}", said.lock().unwrap());
+        Self { program, url, said }
+    }
+
+    fn address(&self) -> SocketAddr {
+        self.url.trim_start_matches("tcp://").parse().unwrap()
+    }
+
+    fn has_said(&self, what: &str) -> bool {
+        self.said.lock().unwrap().contains(what)
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+fn opened(url: &str) -> LiveStream {
+    let options = OpenOptions {
+        // Nothing is gone before it is looked at.
+        live_seconds: Some(3600.0),
+        ..OpenOptions::default()
+    };
+    LiveStream::open(Path::new(url), &options, &Progress::default()).unwrap()
+}
+
+fn decoded(source: &dyn Source, index: usize) -> RawCloud {
+    let entry = source.entry(index);
+    let decoded = source.decoder().decode(index, &entry, usize::MAX, &Progress::default());
+    decoded.unwrap().cloud
+}
+
+/// The clouds of the files that are served.
+fn clouds(folder: &Path) -> Vec<RawCloud> {
+    let files = source::open(&[folder.to_owned()], &OpenOptions::default(), &Progress::default()).unwrap();
+    (0..FRAMES).map(|frame| decoded(&*files, frame)).collect()
+}
+
+/// Holds what a stream has against the files; says how many frames that are.
+fn assert_all_equal(stream: &LiveStream, files: &[RawCloud]) -> usize {
+    stream.look_again().unwrap();
+    let frames = stream.frames();
+    for index in frames.clone() {
+        let number = stream.entry(index).number.unwrap();
+        let (came, file) = (decoded(stream, index), &files[number as usize % FRAMES]);
+        assert_eq!(came.positions, file.positions, "frame {number}");
+        assert_eq!(came.attributes, file.attributes, "frame {number}");
+    }
+    frames.len()
+}
+
+#[test]
+fn served_points_are_received_as_they_are_by_the_library_and_the_program() {
+    let folder = recording();
+    let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "100"]);
+    let stream = opened(&serving.url);
+    let files = clouds(folder.path());
+    wait_for("frames", || {
+        stream.look_again().is_ok() && stream.frames().end >= 3 * FRAMES
+    });
+    assert!(assert_all_equal(&stream, &files) >= 3 * FRAMES);
+
+    let output = pointreel(&["info", &serving.url, "--json"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let first = &info["frames"][0];
+    assert_eq!(first["points"], 50);
+    assert_eq!(first["attributes"], serde_json::json!(["position", "color"]));
+    assert_eq!(
+        [&first["min"][1], &first["max"][2]],
+        [&serde_json::json!(0.0), &serde_json::json!(7.0)]
+    );
+
+    let picture = folder.path().join("picture.png");
+    let picture = picture.to_str().unwrap();
+    let drawing = ["render", &serving.url, "-o", picture, "--size", "64x64", "--renderer", "cpu"];
+    let output = pointreel(&drawing);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let drawn = image::open(picture).unwrap().to_rgb8();
+    let first = drawn.get_pixel(0, 0);
+    assert!(drawn.pixels().any(|pixel| pixel != first), "nothing is drawn");
+    wait_for("those who came and went", || {
+        serving.has_said("has connected") && serving.has_said("frames sent in")
+    });
+}
+
+#[test]
+fn who_connects_late_begins_with_the_newest_frame() {
+    let folder = recording();
+    let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "50"]);
+    let early = opened(&serving.url);
+    wait_for("frames", || early.look_again().is_ok() && early.frames().end >= 20);
+    let before = early.entry(early.frames().end - 1).number.unwrap();
+    let late = opened(&serving.url);
+    let first = late.entry(late.frames().start).number.unwrap();
+    assert!(first >= before, "{first} after {before}");
+    wait_for("more", || late.look_again().is_ok() && late.frames().end >= 5);
+    assert_all_equal(&late, &clouds(folder.path()));
+}
+
+/// Between a server and its clients: what they say to each other goes through here, until it is cut.
+struct Cable {
+    url: String,
+    is_cut: Arc<AtomicBool>,
+}
+
+impl Cable {
+    fn to(server: SocketAddr) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let url = format!("tcp://{}", listener.local_addr().unwrap());
+        let is_cut = Arc::new(AtomicBool::new(false));
+        let cut = Arc::clone(&is_cut);
+        let accepting = thread::Builder::new().name("cable".to_owned()).spawn(move || {
+            for client in listener.incoming().map_while(Result::ok) {
+                // Who comes while it is cut is let in and hears nothing.
+                let Ok(server) = TcpStream::connect(server) else { return };
+                let ways = [(server.try_clone(), client.try_clone()), (Ok(client), Ok(server))];
+                for (from, to) in ways {
+                    let (from, to, cut) = (from.unwrap(), to.unwrap(), Arc::clone(&cut));
+                    let way = thread::Builder::new().name("way".to_owned());
+                    way.spawn(move || pass_on(from, to, &cut)).unwrap();
+                }
+            }
+        });
+        accepting.unwrap();
+        Self { url, is_cut }
+    }
+
+    fn set_cut(&self, is_cut: bool) {
+        self.is_cut.store(is_cut, Ordering::Relaxed);
+    }
+}
+
+/// A few bytes at a time, so that the cut is in the middle of a message.
+fn pass_on(mut from: TcpStream, mut to: TcpStream, is_cut: &AtomicBool) {
+    let mut bytes = [0; 97];
+    while let Ok(count) = from.read(&mut bytes) {
+        if count == 0 || is_cut.load(Ordering::Relaxed) || to.write_all(&bytes[..count]).is_err() {
+            break;
+        }
+    }
+    for stream in [from, to] {
+        let _ = stream.shutdown(Shutdown::Both);
+    }
+}
+
+#[test]
+fn a_connection_that_breaks_in_a_message_is_made_again_and_nothing_is_wrong_then() {
+    let folder = recording();
+    let serving = Serving::new(folder.path().to_str().unwrap(), &["--fps", "100"]);
+    let cable = Cable::to(serving.address());
+    let stream = opened(&cable.url);
+    // Another one serves what it receives, and tells of the connection.
+    let relay = Serving::new(&cable.url, &[]);
+    let received = |stream: &LiveStream| stream.status().received_frames;
+    wait_for("frames", || received(&stream) > 10);
+    for break_ in 1..=2 {
+        cable.set_cut(true);
+        wait_for("the break", || {
+            matches!(stream.status().state, LiveState::Reconnecting(_))
+        });
+        wait_for("the relay to say so", || {
+            let said = relay.said.lock().unwrap();
+            said.matches("the connection has broken and is made again by itself").count() >= break_
+        });
+        let before = received(&stream);
+        cable.set_cut(false);
+        wait_for("frames after the break", || received(&stream) > before + 10);
+        assert_eq!(stream.status().state, LiveState::Connected);
+        wait_for("the relay to be back", || {
+            relay.said.lock().unwrap().matches("connected again, after").count() >= break_
+        });
+    }
+    assert!(stream.status().reconnects >= 2);
+    let files = clouds(folder.path());
+    assert!(assert_all_equal(&stream, &files) > 20);
+    let times: Vec<_> = stream.frames().map(|index| stream.entry(index).time).collect();
+    assert!(times.is_sorted(), "{times:?}");
+    // Who is behind both.
+    let far = opened(&relay.url);
+    wait_for("frames by the relay", || far.look_again().is_ok() && far.frames().end >= 5);
+    assert!(assert_clouds_are_some_of(&far, &files) >= 5);
+}
+
+/// Of a relay, whose numbers are its own: each cloud is one of the files'.
+fn assert_clouds_are_some_of(stream: &LiveStream, files: &[RawCloud]) -> usize {
+    let frames = stream.frames();
+    for index in frames.clone() {
+        let came = decoded(stream, index);
+        let is_one = |file: &RawCloud| came.positions == file.positions && came.attributes == file.attributes;
+        assert!(files.iter().any(is_one), "frame {index}");
+    }
+    frames.len()
+}
+
+/// A server that says `bytes` to everybody, and then hangs up or keeps silent.
+fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let serving = thread::Builder::new().name("hostile".to_owned()).spawn(move || {
+        let mut open = Vec::new();
+        for mut client in listener.incoming().map_while(Result::ok) {
+            let _ = client.write_all(&bytes);
+            if !hangs_up {
+                open.push(client);
+            }
+        }
+    });
+    serving.unwrap();
+    format!("tcp://{address}")
+}
+
+/// A message of a frame without its head's clock, as the format says: 32 bytes of head, then `body`.
+fn points_message(body: &[u8]) -> Vec<u8> {
+    let mut payload = vec![0; 32];
+    payload[0] = 32;
+    payload.extend(body);
+    Message::new(Kind::Points, payload).encode()
+}
+
+/// Points that claim `points` points in `arrays` arrays, the first of `bytes` bytes, and have none.
+fn claiming(points: u64, arrays: u32, bytes: u64) -> Vec<u8> {
+    let mut body = vec![0; 80];
+    body[0] = 80;
+    body[4..8].copy_from_slice(&arrays.to_le_bytes());
+    body[8..16].copy_from_slice(&points.to_le_bytes());
+    // An array of positions without a name.
+    body.extend(1u32.to_le_bytes());
+    body.extend(0u32.to_le_bytes());
+    body.extend(bytes.to_le_bytes());
+    body.extend(0f64.to_le_bytes());
+    points_message(&body)
+}
+
+#[test]
+fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
+    let head = StreamHead {
+        session: 1,
+        clock_ns: 0,
+        fps: 30.0,
+        wall_ns: 0,
+    };
+    let head = head.encode();
+    let after_head = |more: &[u8]| [&head, more].concat();
+    let message = points_message(&[0; 80]);
+    let mut changed = message.clone();
+    *changed.last_mut().unwrap() ^= 1;
+    let mut claims_much = message.clone();
+    claims_much[4..8].copy_from_slice(&u32::MAX.to_le_bytes());
+    let mut other_version = head.clone();
+    other_version[8] = 200;
+    let cases = [
+        ("another program", b"HTTP/1.1 400 Bad Request\r\n\r\n".to_vec(), "no live stream"),
+        ("a later version", other_version, "version 200"),
+        ("a head that breaks off", head[..20].to_vec(), "ends within"),
+        ("a header that breaks off", after_head(&message[..7]), "ends within"),
+        ("a message that breaks off", after_head(&message[..60]), "ends within"),
+        ("a length of 4 GB", after_head(&claims_much), "claims 4294967295 bytes"),
+        ("another checksum", after_head(&changed), "checksum"),
+        ("a frame of nothing", after_head(&Message::new(Kind::Points, vec![]).encode()), "frame"),
+        ("2^60 points", after_head(&claiming(1 << 60, 1, 12 << 60)), ""),
+        ("arrays that are not there", after_head(&claiming(1, u32::MAX, 12)), ""),
+        ("bytes for other points", after_head(&claiming(5, 1, 12)), ""),
+    ];
+    thread::scope(|scope| {
+        let asked = cases.map(|(what, bytes, expected)| {
+            let hangs_up = expected == "ends within";
+            let url = hostile(bytes, hangs_up);
+            let asking = {
+                let url = url.clone();
+                scope.spawn(move || pointreel(&["info", &url]))
+            };
+            (what, url, expected, asking)
+        });
+        for (what, url, expected, asking) in asked {
+            let output = asking.join().unwrap();
+            let said = stderr(&output);
+            assert_eq!(output.status.code(), Some(1), "{what}: {said}");
+            assert!(said.starts_with("error: ") && said.contains(&url), "{what}: {said}");
+            assert!(said.contains(expected), "{what}: {said}");
+            assert!(!said.contains("panicked"), "{what}: {said}");
+            assert!(output.stdout.is_empty(), "{what}");
+        }
+    });
+}
