@@ -299,7 +299,12 @@ impl State {
                 let [of_a, of_b] = beside.update(player, now, &style);
                 (of_a, Some(of_b))
             }
-            None => (player.update(now, &style), None),
+            None => {
+                let sequence = Arc::clone(player.sequence());
+                let (photos, source) = (&self.photos, &**sequence.source());
+                let prepare = |clock: &Clock, _: bool| photos.are_there(source, clock.frame(), &style);
+                (player.update_beside(now, &style, prepare), None)
+            }
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;
