@@ -66,7 +66,11 @@ fn frames_of_a_film_have_photographs_and_points_of_their_own() {
     }
     // Half a pixel of the format: cameras fit the points that calibrated them.
     let errors = sequence.source().photographs(0).unwrap().reprojection_errors();
-    assert!(errors.iter().all(|error| error.is_some_and(|error| error.rms_px < 1e-3)));
+    assert!(
+        errors
+            .iter()
+            .all(|error| error.is_some_and(|error| error.rms_px < 1e-3))
+    );
 }
 
 #[test]
