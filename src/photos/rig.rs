@@ -124,9 +124,10 @@ impl Rig {
             return Err(PhotosError::NoPhotos {
                 path: self.path.clone(),
                 count: self.cameras.len(),
-                reason: match reasons.is_empty() {
-                    true => "no camera has an image of this moment".to_owned(),
-                    false => reasons.join("; "),
+                reason: if reasons.is_empty() {
+                    "no camera has an image of this moment".to_owned()
+                } else {
+                    reasons.join("; ")
                 },
             });
         };

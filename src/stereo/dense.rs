@@ -193,7 +193,7 @@ impl Small {
 /// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
 /// rectified or show nothing of one another.
 fn of_pair(small: &[Small], views: &[View<'_>]) -> Result<Option<RawCloud>, StereoError> {
-    let (&[ref first, _], &[view, other]) = (small, views) else {
+    let ([first, _], &[view, other]) = (small, views) else {
         return Ok(None);
     };
     let Ok(found) = depths_of_pair([view, other], &Matching::default(), None) else {

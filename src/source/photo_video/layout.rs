@@ -82,7 +82,7 @@ impl Layout {
 
     /// The layout of a folder without a calibration, in whose folders there are some.
     pub(super) fn of_sets(folder: &Path) -> Option<Self> {
-        let families = families_in(folder).into_iter();
+        let mut families = families_in(folder).into_iter();
         let is_set = |path: &PathBuf| matches!(photos::find(path), Ok(Some(_)));
         let is_one = |(pattern, folders): (String, Vec<PathBuf>)| {
             // The second tells what the first alone would not: folders of many scans are not looked into one by one.
@@ -94,7 +94,7 @@ impl Layout {
                 })
             })
         };
-        families.filter_map(is_one).next()
+        families.find_map(is_one)
     }
 
     /// The moments that there are now, in their order.
@@ -283,9 +283,9 @@ fn pictures_within(folder: &Path) -> Vec<PathBuf> {
 /// The images in a folder, in natural order. Masks that lie beside them are none.
 fn pictures_in(folder: &Path) -> Vec<PathBuf> {
     let is_mask = |path: &Path| {
-        let stem = path.file_stem().unwrap_or_default();
+        let stem = Path::new(path.file_stem().unwrap_or_default());
         let text = stem.to_string_lossy().to_lowercase();
-        text.ends_with("_mask") || text.ends_with(".mask") || is_picture(Path::new(stem))
+        text.ends_with("_mask") || stem.extension().is_some_and(|second| second == "mask") || is_picture(stem)
     };
     let mut found = entries_of(folder);
     found.retain(|path| is_picture(path) && !is_mask(path));

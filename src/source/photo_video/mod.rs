@@ -171,7 +171,7 @@ impl Source for PhotoVideo {
                 .map_or(0, |at| at + 1),
             None => 0,
         };
-        let images_of_each = found.iter().map(|moment| moment.image_count()).max().unwrap_or(0);
+        let images_of_each = found.iter().map(Moment::image_count).max().unwrap_or(0);
         let came = found.into_iter().skip(behind);
         let came: Vec<Arc<Moment>> = came
             .take_while(|moment| moment.is_whole(images_of_each))
