@@ -2,10 +2,12 @@
 
 use super::{Finding, FindingKind, FrameFacts};
 use crate::messages::{frame_by_index, frame_with_index};
+use crate::photos::ViewSet;
 use crate::scene::UpAxis;
 use crate::sequence::{FrameError, NumberGap, Sequence, number_gaps as gaps_between};
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Facts of each frame, or why there are none.
 type Facts = [Result<FrameFacts, FrameError>];
@@ -144,11 +146,23 @@ fn named(frames: &[usize]) -> String {
     }
 }
 
-/// Photographs whose points are far from where their cameras show them.
+/// Photographs whose points are far from where their cameras show them, of each set once.
 fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
-    let Some(set) = sequence.source().photographs(0) else {
-        return Vec::new();
-    };
+    let mut findings = Vec::new();
+    let mut before: Option<Arc<ViewSet>> = None;
+    for frame in 0..sequence.len() {
+        let Some(set) = sequence.source().photographs(frame) else {
+            continue;
+        };
+        if before.as_ref().is_none_or(|before| !Arc::ptr_eq(before, &set)) {
+            findings.extend(loose_cameras_of(&set, frame));
+        }
+        before = Some(set);
+    }
+    findings
+}
+
+fn loose_cameras_of(set: &ViewSet, frame: usize) -> Vec<Finding> {
     let errors = set.photos.iter().zip(set.reprojection_errors());
     let loose = errors.filter_map(|(photo, error)| {
         let [width, height] = photo.camera.size_px();
@@ -156,7 +170,7 @@ fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
         let error = error.filter(|error| error.rms_px > most_px)?;
         Some(Finding {
             kind: FindingKind::LooseCamera,
-            frames: vec![0],
+            frames: vec![frame],
             message: format!(
                 "the {} points of {} are {:.1} pixels from where its camera shows them: its picture will not meet \
                  the surface, calibrate it again or leave it out",
