@@ -234,10 +234,10 @@ mod tests {
         drafts
     }
 
-    fn saved(folder: &Path, name: &str, [width, height]: [u32; 2]) -> Option<PathBuf> {
+    fn saved(folder: &Path, name: &str, [width, height]: [u32; 2]) -> PathBuf {
         let path = folder.join(name);
         image::RgbImage::new(width, height).save(&path).unwrap();
-        Some(path)
+        path
     }
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(rig.names().collect::<Vec<_>>(), ["a/1", "c"]);
         assert_eq!(rig.listed().collect::<Vec<_>>(), [0, 2]);
         assert!(rig.notes()[0].contains("of a model"), "{:?}", rig.notes());
-        let second = saved(folder.path(), "second.png", [8, 6]);
+        let second = Some(saved(folder.path(), "second.png", [8, 6]));
         let set = rig.moment(&[None, second.clone()], true).unwrap();
         let has_file: Vec<bool> = set.photos.iter().map(Photo::has_file).collect();
         assert_eq!(has_file, [false, true]);
@@ -272,7 +272,7 @@ mod tests {
         std::fs::write(&broken, b"no picture").unwrap();
         let error = rig.moment(&[Some(broken.clone())], false).unwrap_err().to_string();
         assert!(error.contains("broken.png"), "{error}");
-        let whole = saved(folder.path(), "whole.png", [16, 12]);
+        let whole = Some(saved(folder.path(), "whole.png", [16, 12]));
         let set = rig.moment(&[Some(broken), whole], false).unwrap();
         assert!(set.notes[0].starts_with("a/1 is left out"), "{:?}", set.notes);
         let nothing = Rig::of(Drafts::new(Path::new("list"), Vec::new()))
@@ -287,8 +287,8 @@ mod tests {
         for below in ["cam0", "masks/cam0", "masks/cam1"] {
             std::fs::create_dir_all(folder.path().join(below)).unwrap();
         }
-        let image = saved(folder.path(), "cam0/7.png", [8, 6]);
-        let mask = saved(folder.path(), "masks/cam0/7.png", [8, 6]);
+        let image = Some(saved(folder.path(), "cam0/7.png", [8, 6]));
+        let mask = Some(saved(folder.path(), "masks/cam0/7.png", [8, 6]));
         saved(folder.path(), "masks/cam1/7.png", [8, 6]);
         let mut drafts = drafts();
         drafts.folders = vec![folder.path().to_owned()];

@@ -4,6 +4,7 @@ use pointreel::cloud::RawCloud;
 use pointreel::progress::Progress;
 use pointreel::source::{self, Live as _, LiveState, LiveStream, OpenOptions, Source};
 use pointreel::wire::{Kind, Message, StreamHead};
+use std::fmt::Write as _;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -45,7 +46,7 @@ fn recording() -> tempfile::TempDir {
             property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
                 .to_owned();
         for point in 0..50 {
-            text += &format!("{frame} {} {} {point} {} 7\n", point % 7, point / 7, 10 * frame);
+            writeln!(text, "{frame} {} {} {point} {} 7", point % 7, point / 7, 10 * frame).unwrap();
         }
         fs::write(folder.path().join(format!("f{frame}.ply")), text).unwrap();
     }

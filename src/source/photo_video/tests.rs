@@ -184,7 +184,7 @@ fn decoded(video: &PhotoVideo, index: usize) -> RawCloud {
 /// The share of points that are on the ball of a moment: half a pixel between neighbours is a depth of 0.08.
 fn share_on_ball(cloud: &RawCloud, moment: usize) -> f64 {
     let is_on = |at: &usize| {
-        let place = DVec3::from(cloud.positions.get(*at));
+        let place = cloud.positions.get(*at);
         (place.distance(ball(moment)) - RADIUS).abs() < 0.08
     };
     let count = cloud.positions.len();
@@ -221,7 +221,7 @@ fn assert_films(video: &PhotoVideo, filmed: impl Fn(usize) -> Filmed, moments: u
         assert!(cloud.positions.len() > 1000, "{} points", cloud.positions.len());
         let (own, other) = (
             share_on_ball(&cloud, moment),
-            share_on_ball(&cloud, if moment == 0 { 1 } else { 0 }),
+            share_on_ball(&cloud, usize::from(moment == 0)),
         );
         // Two views alone have no third one that tells mistakes.
         let least = if filmed.cameras > 2 { 0.9 } else { 0.8 };
