@@ -1,6 +1,7 @@
 //! Frames of a source → bodies of messages.
 
 use super::outgoing::Body;
+use crate::messages::frame_by_index;
 use crate::progress::Progress;
 use crate::source::{Decoder, Source};
 use crate::wire::{ImageCoding, Kind, MOST_PAYLOAD_BYTES, images_body, points_body};
@@ -49,7 +50,7 @@ impl Feed {
         let body = match self.made(index) {
             Ok(body) => body,
             Err(problem) => {
-                log::warn!("frame {index} is left out: {problem}");
+                log::warn!("{} is left out: {problem}", frame_by_index(index));
                 // A live source has each frame once.
                 if !self.source.is_live() {
                     self.broken.insert(index);
@@ -71,7 +72,7 @@ impl Feed {
             if let Some(problem) = problem
                 && (self.source.is_live() || self.said.insert(index))
             {
-                log::warn!("frame {index} is sent without colours: {problem}");
+                log::warn!("{} is sent without colours: {problem}", frame_by_index(index));
             }
             (Kind::Images, body)
         } else {
