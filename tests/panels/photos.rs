@@ -42,14 +42,18 @@ fn write_film(folder: &Path) {
     fs::remove_dir_all(folder.join("images")).unwrap();
     let images = folder.join("sparse/0/images.txt");
     let text = fs::read_to_string(&images).unwrap();
-    let text = text.replace("left.png", "left/0.png").replace("right.png", "right/0.png");
+    let text = text
+        .replace("left.png", "left/0.png")
+        .replace("right.png", "right/0.png");
     fs::write(images, text).unwrap();
     fs::create_dir(folder.join("points")).unwrap();
     for moment in 0..3_u8 {
         for camera in ["left", "right"] {
             let name = folder.join(camera).join(format!("{moment}.png"));
             fs::create_dir_all(name.parent().unwrap()).unwrap();
-            RgbImage::from_pixel(64, 48, Rgb([60 * moment, 9, 9])).save(name).unwrap();
+            RgbImage::from_pixel(64, 48, Rgb([60 * moment, 9, 9]))
+                .save(name)
+                .unwrap();
         }
         let mut points = String::new();
         for at in 0..400 {
