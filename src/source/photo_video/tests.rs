@@ -334,17 +334,18 @@ fn filmed_by_cameras(folder: &Path) {
 fn a_missing_image_costs_that_one_and_a_warning_says_so() {
     let folder = tempfile::tempdir().unwrap();
     filmed_by_cameras(folder.path());
-    fs::remove_file(folder.path().join("cam1/2.png")).unwrap();
+    fs::remove_file(folder.path().join("cam0/2.png")).unwrap();
     fs::write(folder.path().join("cam3/2.png"), b"broken").unwrap();
     let video = open(folder.path()).unwrap();
     assert_eq!(video.frames(), 0..3);
     let set = video.photographs(2).unwrap();
     let has_file: Vec<bool> = set.photos.iter().map(photos::Photo::has_file).collect();
-    assert_eq!(has_file, [true, false, true, false]);
+    assert_eq!(has_file, [false, true, true, false]);
     let cloud = decoded(&video, 2);
-    assert!(share_on_ball(&cloud, 2) > 0.9);
+    // A pair is left.
+    assert!(share_on_ball(&cloud, 2) > 0.7);
     let warnings = cloud.warnings.join("\n");
-    assert!(warnings.contains("cam1 has no image of this moment"), "{warnings}");
+    assert!(warnings.contains("cam0 has no image of this moment"), "{warnings}");
     assert!(
         warnings.contains("cam3 is left out") && warnings.contains("2.png"),
         "{warnings}"
@@ -358,7 +359,7 @@ fn a_missing_image_costs_that_one_and_a_warning_says_so() {
         .iter()
         .map(|photograph| photograph.number)
         .collect();
-    assert_eq!(numbers, [0, 2]);
+    assert_eq!(numbers, [1, 2]);
     assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
 }
 
