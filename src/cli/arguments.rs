@@ -10,7 +10,7 @@ use crate::io::ReadOptions;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{OpenOptions, Sequence};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;

@@ -6,7 +6,7 @@ use super::message::{Kind, Message};
 use glam::{DVec3, Mat3};
 
 /// Bytes of a view as this version writes it.
-const LAYOUT_BYTES: usize = 96;
+const LAYOUT_BYTES: usize = 92;
 
 /// No picture is wider or higher.
 const MOST_EDGE_PX: u32 = 1 << 14;
