@@ -16,7 +16,7 @@
 use super::compact::compact;
 use super::lanes::LANES;
 use super::ramp::Around;
-use super::view::{MOST_REACH_PX, RADIUS_SPACINGS, ScreenView, Seen, Visible};
+use super::view::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS, ScreenView, Seen, Visible};
 use crate::cloud::PointRecord;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
@@ -90,13 +90,13 @@ impl DepthPicture {
                 }
             }
         });
-        self.stride = width + MOST_REACH_PX + LANES;
+        self.stride = width + BORDER_PX + LANES;
         self.depths.clear();
         self.depths
-            .resize(self.stride * (height + 2 * MOST_REACH_PX), f32::INFINITY);
-        let rows = self.depths.par_chunks_mut(self.stride).skip(MOST_REACH_PX);
+            .resize(self.stride * (height + 2 * BORDER_PX), f32::INFINITY);
+        let rows = self.depths.par_chunks_mut(self.stride).skip(BORDER_PX);
         rows.zip(nearest.par_chunks(width.max(1))).for_each(|(row, nearest)| {
-            for (depth, nearest) in row[MOST_REACH_PX..].iter_mut().zip(nearest) {
+            for (depth, nearest) in row[BORDER_PX..].iter_mut().zip(nearest) {
                 *depth = f32::from_bits(nearest.load(Ordering::Relaxed));
             }
         });
@@ -175,9 +175,9 @@ impl DepthPicture {
     #[inline(always)]
     fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &Seen) -> bool {
         let (depth, limit) = (seen.depth, seen.depth - self.radius);
-        // Of the first row and column that are looked at; the border is as wide as squares reach.
+        // Of the first row and column that are looked at; the border is as wide as that.
         let corner = pixel[1] * self.stride + pixel[0];
-        let own = self.depths[corner + MOST_REACH_PX * self.stride + MOST_REACH_PX];
+        let own = self.depths[corner + BORDER_PX * self.stride + BORDER_PX];
         if own < depth && depth > self.small_beyond {
             return true;
         }
@@ -201,10 +201,10 @@ impl DepthPicture {
         }
         let limits = f32x8::splat(simd, limit);
         let mut hides = None;
-        for row in MOST_REACH_PX - self.reach_px..=MOST_REACH_PX + self.reach_px {
-            let start = corner + row * self.stride;
+        for row in BORDER_PX - self.reach_px..=BORDER_PX + self.reach_px {
+            let start = corner + row * self.stride + (BORDER_PX - MOST_REACH_PX);
             let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
-            let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(MOST_REACH_PX)]);
+            let covers_below = f32x8::from_slice(simd, &self.covers_below[row.abs_diff(BORDER_PX)]);
             let hidden = depths.simd_lt(covers_below.min(limits));
             hides = Some(hides.map_or(hidden, |others| others | hidden));
         }

@@ -4,7 +4,8 @@
 //! least squares, to the nearest points of the pixels around a point, of those that are nearer than itself. Where they
 //! are before it because the surface rises towards the eye, their plane meets the point; where they hide it, their
 //! plane is before it. A point is the nearest of its pixel, but nobody knows where in it: so what is within half a
-//! pixel's slope of the plane is on it.
+//! pixel's slope of the plane is on it. Where points are so far apart that there are few around, a wider window is
+//! looked at.
 //!
 //! What is deeper than the point is left out. Behind the end of a floor there is a wall or nothing, and through the
 //! gaps of a sparse surface one sees what is behind it.
@@ -14,22 +15,19 @@
 //! through at each silhouette, where depths step as they do on a steep surface.
 
 use super::lanes::{LANES, total};
-use super::view::MOST_REACH_PX;
+use super::view::{BORDER_PX, MOST_REACH_PX};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
 /// Fewer nearer pixels are no plane.
 const FEWEST: f32 = 4.0;
 
-/// Pixels of a row, from the one in the middle.
-const COLUMNS: [f32; LANES] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0];
-
-/// Rows and columns of the window: those that squares reach.
-const WINDOW: usize = 2 * MOST_REACH_PX + 1;
+/// Pixels of eight lanes, from the first of them.
+const LANE_COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// The pixels around a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Around<'a> {
-    /// Depths from the first pixel of the window on, infinite where nothing is.
+    /// Depths from the first pixel of the widest window on, infinite where nothing is.
     pub(super) depths: &'a [f32],
     /// From one row to the next.
     pub(super) stride: usize,
@@ -60,7 +58,11 @@ impl Around<'_> {
         if self.is_enclosed(radius) {
             return false;
         }
-        let sums = self.sums(simd, self.depth - spacing);
+        let limit = self.depth - spacing;
+        let mut sums = self.sums(simd, limit, MOST_REACH_PX);
+        if sums.count < FEWEST {
+            sums = self.sums(simd, limit, BORDER_PX);
+        }
         let Some([column_slope, row_slope, before]) = sums.plane(self.place_px) else {
             return false;
         };
@@ -70,50 +72,63 @@ impl Around<'_> {
     /// Whether it is covered on all sides, as most points are that are hidden: known without a plane.
     #[inline(always)]
     fn is_enclosed(&self, radius: f32) -> bool {
-        let limit = self.depth - radius;
-        let (middle, last) = (MOST_REACH_PX, WINDOW - 1);
-        let ends = [0, middle, last].map(|row| row * self.stride);
-        let [first, own, end] = ends;
-        let places = [
-            first,
-            first + middle,
-            first + last,
-            own,
-            own + last,
-            end,
-            end + middle,
-            end + last,
+        const REACH: usize = MOST_REACH_PX;
+        const AROUND: [[usize; 2]; 8] = [
+            [0, 0],
+            [REACH, 0],
+            [2 * REACH, 0],
+            [0, REACH],
+            [2 * REACH, REACH],
+            [0, 2 * REACH],
+            [REACH, 2 * REACH],
+            [2 * REACH, 2 * REACH],
         ];
-        places.into_iter().all(|place| self.depths[place] < limit)
+        let limit = self.depth - radius;
+        let first = (BORDER_PX - REACH) * (self.stride + 1);
+        AROUND
+            .into_iter()
+            .all(|[column, row]| self.depths[first + row * self.stride + column] < limit)
     }
 
-    /// Of the inverse depths in units of the point's own, less one.
+    /// Of the inverse depths, in units of the point's own, less one; in a window that reaches so many pixels.
     #[inline(always)]
-    fn sums<S: Simd>(&self, simd: S, limit: f32) -> Sums {
+    fn sums<S: Simd>(&self, simd: S, limit: f32, reach: usize) -> Sums {
+        let mut sums = Sums::NONE;
+        let first = BORDER_PX - reach;
+        // What is beside the window is in the last lanes.
+        for begin in (0..=2 * reach).step_by(LANES) {
+            let lanes = (2 * reach + 1 - begin).min(LANES);
+            let mut limits = [limit; LANES];
+            limits[lanes..].fill(0.0);
+            let place = (first + begin, begin as f32 - reach as f32);
+            sums.add(&self.sums_of_lanes(simd, f32x8::from_slice(simd, &limits), reach, place));
+        }
+        sums
+    }
+
+    /// The same of eight columns: where the first of them is in `depths`, and from the point.
+    #[inline(always)]
+    fn sums_of_lanes<S: Simd>(&self, simd: S, limits: f32x8<S>, reach: usize, (first, column): (usize, f32)) -> Sums {
         let splat = |value: f32| f32x8::splat(simd, value);
         let (zero, one) = (splat(0.0), splat(1.0));
-        let columns = f32x8::from_slice(simd, &COLUMNS);
-        // The last lane is beside the window.
-        let mut limits = [limit; LANES];
-        limits[WINDOW] = 0.0;
-        let limits = f32x8::from_slice(simd, &limits);
         let depth = splat(self.depth);
         let (mut count, mut row_sum, mut rows) = (zero, zero, zero);
         let (mut value, mut value_row) = (zero, zero);
-        for row in 0..WINDOW {
-            let start = row * self.stride;
+        for row in 0..=2 * reach {
+            let start = (BORDER_PX - reach + row) * self.stride + first;
             let depths = f32x8::from_slice(simd, &self.depths[start..start + LANES]);
             let is_nearer = depths.simd_lt(limits);
             let counted = simd.select_f32x8(is_nearer, one, zero);
             let values = simd.select_f32x8(is_nearer, depth / depths - one, zero);
-            let offset = splat(row as f32 - MOST_REACH_PX as f32);
+            let offset = splat(row as f32 - reach as f32);
             count += counted;
             row_sum += counted * offset;
             rows += counted * (offset * offset);
             value += values;
             value_row += values * offset;
         }
-        // What is of columns is in the lanes.
+        // A lane is a column.
+        let columns = f32x8::from_slice(simd, &LANE_COLUMNS) + splat(column);
         Sums {
             count: total(simd, count),
             column: total(simd, count * columns),
@@ -129,6 +144,31 @@ impl Around<'_> {
 }
 
 impl Sums {
+    const NONE: Self = Self {
+        count: 0.0,
+        column: 0.0,
+        row: 0.0,
+        columns: 0.0,
+        rows: 0.0,
+        mixed: 0.0,
+        value: 0.0,
+        value_column: 0.0,
+        value_row: 0.0,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.column += other.column;
+        self.row += other.row;
+        self.columns += other.columns;
+        self.rows += other.rows;
+        self.mixed += other.mixed;
+        self.value += other.value;
+        self.value_column += other.value_column;
+        self.value_row += other.value_row;
+    }
+
     /// Slopes along columns and rows of the plane through all, and its value at a place; `None` where there are few or
     /// all are in a line.
     #[inline(always)]
@@ -137,10 +177,10 @@ impl Sums {
         if count < FEWEST {
             return None;
         }
-        // Whole numbers, so a line has no spread at all.
         let columns = count * self.columns - self.column * self.column;
         let rows = count * self.rows - self.row * self.row;
         let mixed = count * self.mixed - self.column * self.row;
+        // Of whole numbers, so a line has no spread at all.
         let spread = columns * rows - mixed * mixed;
         if spread < 1.0 {
             return None;
@@ -150,6 +190,7 @@ impl Sums {
         let column_slope = (by_column * rows - by_row * mixed) / spread;
         let row_slope = (by_row * columns - by_column * mixed) / spread;
         let middle = (self.value - column_slope * self.column - row_slope * self.row) / count;
-        Some([column_slope, row_slope, middle + column_slope * column + row_slope * row])
+        let at_place = middle + column_slope * column + row_slope * row;
+        Some([column_slope, row_slope, at_place])
     }
 }

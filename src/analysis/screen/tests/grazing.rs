@@ -212,7 +212,10 @@ fn what_is_five_centimetres_behind_a_surface_is_hidden() {
                 let all = (0..behind.len() as u32).filter(|&slot| is_inside(slot)).count();
                 assert!(all > 1000, "{degrees}: {all}");
                 let leaked = leaked.count();
-                assert_eq!(leaked, 0, "{degrees} degrees, {px_per_spacing} pixels, {turned}, of {all}");
+                assert_eq!(
+                    leaked, 0,
+                    "{degrees} degrees, {px_per_spacing} pixels, {turned}, of {all}"
+                );
             }
         }
     }
@@ -240,7 +243,10 @@ fn a_thin_pole_hides_what_is_behind_it_and_no_more_than_a_point_beside_that() {
             // Where its ray meets the plane of the pole.
             let beside = (place.x * AWAY / (AWAY + 1.0)).abs();
             let is_kept = visible.slots.binary_search(&(slot as u32)).is_ok();
-            assert!(!is_kept || beside > 0.014, "{px_per_spacing} pixels: {beside} is hidden");
+            assert!(
+                !is_kept || beside > 0.014,
+                "{px_per_spacing} pixels: {beside} is hidden"
+            );
             assert!(is_kept || beside < 0.04, "{px_per_spacing} pixels: {beside} is visible");
         }
     }
@@ -290,6 +296,9 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_what_is_behind_is_not() 
         let [front, one_side, other_side, wall] = shares;
         assert!(front > 0.99, "{px_per_spacing}: {shares:?}");
         let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));
-        assert!(seen > 0.9 && unseen < 0.05 && wall == 0.0, "{px_per_spacing}: {shares:?}");
+        assert!(
+            seen > 0.9 && unseen < 0.05 && wall == 0.0,
+            "{px_per_spacing}: {shares:?}"
+        );
     }
 }

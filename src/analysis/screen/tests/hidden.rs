@@ -98,17 +98,24 @@ impl Picture {
             None => Some(false),
         }));
         let (mut squares, mut products, mut count, mut is_known) = (DMat3::ZERO, DVec3::ZERO, 0, true);
-        for (dx, dy) in (-3..=3).flat_map(|dy| (-3..=3).map(move |dx| (dx, dy))) {
-            let Some(other) = around(dx, dy) else { continue };
-            match is_less(other, depth - self.spacing, depth) {
-                Some(true) => {
-                    let row = DVec3::new(dx as f64, dy as f64, 1.0);
-                    squares += DMat3::from_cols(row * row.x, row * row.y, row);
-                    products += row * (depth / other - 1.0);
-                    count += 1;
+        // Where there are few, in a wider window.
+        for reach in [3, 7] {
+            (squares, products, count) = (DMat3::ZERO, DVec3::ZERO, 0);
+            for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
+                let Some(other) = around(dx, dy) else { continue };
+                match is_less(other, depth - self.spacing, depth) {
+                    Some(true) => {
+                        let row = DVec3::new(dx as f64, dy as f64, 1.0);
+                        squares += DMat3::from_cols(row * row.x, row * row.y, row);
+                        products += row * (depth / other - 1.0);
+                        count += 1;
+                    }
+                    Some(false) => {}
+                    None => is_known = false,
                 }
-                Some(false) => {}
-                None => is_known = false,
+            }
+            if count >= 4 {
+                break;
             }
         }
         let meets = if !is_known {
