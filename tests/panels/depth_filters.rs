@@ -67,7 +67,10 @@ fn filters_that_are_set_decode_the_frames_anew_and_nothing_else_changes() {
         .build_ui_state(|ui, state: &mut State| window_ui(ui, state), state);
     harness.run();
     assert_eq!(filters(&harness), Filters::NONE.to_string());
-    assert!(harness.query_by_label("Nearest depth").is_none(), "numbers of a filter that is left out");
+    assert!(
+        harness.query_by_label("Nearest depth").is_none(),
+        "numbers of a filter that is left out"
+    );
     let all = points(&harness);
 
     let click = |harness: &mut Harness<'_, State>, label: &str| {

@@ -12,7 +12,7 @@
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
 //! closes grids, as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
 //! than a pixel are one a pixel; seen from the side, their splats would be thinner than the rows of pixels are apart.
-//! So those are larger, as far as their neighbourhood reaches.
+//! So those are larger, up to twice their neighbourhood.
 
 use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
 use super::lanes::total;
@@ -155,7 +155,8 @@ impl Planes<'_> {
         let radius = radius.min(self.radius_at(seen.depth));
         ShapeRecord {
             normal: oct_encode(if faces_away { -normal } else { normal }),
-            radius: radius.max(self.closing_rows(seen, normal).min(around.radius)),
+            // Edge-on at a rim, it would stand out of that.
+            radius: radius.max(self.closing_rows(seen, normal).min(2.0 * around.radius)),
             ..NO_SHAPE
         }
     }

@@ -133,13 +133,14 @@ fn radii_close_a_square_grid_and_no_more_than_twice_that() {
         let mut radii: Vec<f64> = found
             .shapes
             .iter()
-            .map(|shape| f64::from(shape.radius / spacing))
+            .map(|shape| f64::from(shape.radius / spacing.max(spacing / px_per_spacing)))
             .collect();
         radii.sort_by(f64::total_cmp);
-        // Half a diagonal closes it; at the rim of the grid half of a neighbourhood is empty.
+        // Half a diagonal closes it, of pixels where these are larger; at the rim of the grid half of a neighbourhood
+        // is empty.
         let (least, median) = (radii[0], quantile(&radii, 0.5));
         assert!(least > 0.7, "{px_per_spacing}: {least}");
-        assert!((0.9..1.5).contains(&median), "{px_per_spacing}: {median}");
+        assert!((0.75..1.5).contains(&median), "{px_per_spacing}: {median}");
     }
 }
 

@@ -153,7 +153,12 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 range: 0.0..=10.0,
                 digits: 3,
                 get: |filters| filters.flying.map(|flying| flying.most_m),
-                set: |filters, value| filters.flying = filters.flying.map(|flying| FlyingPixels { most_m: value, ..flying }),
+                set: |filters, value| {
+                    filters.flying = filters.flying.map(|flying| FlyingPixels {
+                        most_m: value,
+                        ..flying
+                    })
+                },
             },
             FilterParameter {
                 name: "share",
@@ -220,7 +225,12 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 range: 0.1..=1.0,
                 digits: 2,
                 get: |filters| filters.temporal.map(|temporal| temporal.share),
-                set: |filters, value| filters.temporal = filters.temporal.map(|temporal| Temporal { share: value, ..temporal }),
+                set: |filters, value| {
+                    filters.temporal = filters.temporal.map(|temporal| Temporal {
+                        share: value,
+                        ..temporal
+                    })
+                },
             },
             FilterParameter {
                 name: "m",
@@ -230,7 +240,12 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 range: 0.0..=10.0,
                 digits: 3,
                 get: |filters| filters.temporal.map(|temporal| temporal.most_m),
-                set: |filters, value| filters.temporal = filters.temporal.map(|temporal| Temporal { most_m: value, ..temporal }),
+                set: |filters, value| {
+                    filters.temporal = filters.temporal.map(|temporal| Temporal {
+                        most_m: value,
+                        ..temporal
+                    })
+                },
             },
             FilterParameter {
                 name: "fill",

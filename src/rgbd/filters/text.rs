@@ -1,7 +1,7 @@
 //! Filters as text: `near:from=0.3:to=4,median,bilateral`. What is as usual is not said.
 
-use super::parameters::{FilterKind, FilterParameter, KINDS};
 use super::Filters;
+use super::parameters::{FilterKind, FilterParameter, KINDS};
 use std::fmt;
 use std::str::FromStr;
 
@@ -44,7 +44,10 @@ impl fmt::Display for Filters {
             let mut usual = Self::NONE;
             (kind.set_on)(&mut usual, true);
             for parameter in kind.parameters {
-                if let Some(value) = parameter.get(self).filter(|_| parameter.get(self) != parameter.get(&usual)) {
+                if let Some(value) = parameter
+                    .get(self)
+                    .filter(|_| parameter.get(self) != parameter.get(&usual))
+                {
                     write!(f, ":{}={value}", parameter.name)?;
                 }
             }
@@ -141,7 +144,10 @@ mod tests {
             ("median,", "expected near, median"),
             ("none,median", "expected near, median"),
             ("blur", "`blur` is no filter"),
-            ("near:far=3", "`far=3` cannot be set of near: expected from=0 to 1000 m, to=0 to 1000 m"),
+            (
+                "near:far=3",
+                "`far=3` cannot be set of near: expected from=0 to 1000 m, to=0 to 1000 m",
+            ),
             ("near:from", "`from` cannot be set"),
             ("near:from=x", "`from=x` cannot be set"),
             ("near:from=-1", "`from=-1` cannot be set"),
