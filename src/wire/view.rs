@@ -62,10 +62,7 @@ impl View {
         let mut fields = Fields::new(payload, WHAT);
         let bytes = fields.u32()? as usize;
         if !(LAYOUT_BYTES..=payload.len()).contains(&bytes) {
-            let reason = format!(
-                "it claims {bytes} bytes, expected {LAYOUT_BYTES} to {}",
-                payload.len()
-            );
+            let reason = format!("it claims {bytes} bytes, expected {LAYOUT_BYTES} to {}", payload.len());
             return Err(WireError::malformed(WHAT, reason));
         }
         let view = Self {

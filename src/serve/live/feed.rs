@@ -63,9 +63,7 @@ impl Feed {
 
     fn decoded(&mut self, index: usize) -> Result<RawCloud, String> {
         let entry = self.source.entry(index);
-        let decoded = self
-            .decoder
-            .decode(index, &entry, usize::MAX, &Progress::default());
+        let decoded = self.decoder.decode(index, &entry, usize::MAX, &Progress::default());
         decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
     }
 

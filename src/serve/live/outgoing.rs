@@ -68,7 +68,10 @@ impl Outgoing {
     /// The frame as `view` shows it; `None` where nobody had sent a view when it was made.
     pub(super) fn seen_by(&self, view: &View, estimator: &mut ScreenEstimator) -> Option<Arc<Self>> {
         let seen = self.whole.as_ref()?.seen(view, estimator);
-        Some(Arc::new(Self::new(self.frame, Body::new(Kind::Points, points_body(&seen)))))
+        Some(Arc::new(Self::new(
+            self.frame,
+            Body::new(Kind::Points, points_body(&seen)),
+        )))
     }
 
     /// Bytes that are sent.

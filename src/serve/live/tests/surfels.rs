@@ -66,7 +66,13 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
             let place = DVec3::from_array(*place) - at;
             assert!((place.z + 1.0).abs() < 1e-3, "{place}");
         }
-        assert!(seen.attributes.colors.unwrap().iter().all(|color| *color == [1, 2, 3, 255]));
+        assert!(
+            seen.attributes
+                .colors
+                .unwrap()
+                .iter()
+                .all(|color| *color == [1, 2, 3, 255])
+        );
         let normals = seen.attributes.normals.unwrap();
         assert!(normals.iter().all(|normal| normal[2] > 0.99), "they face the eye");
         let radii = seen.attributes.radii.unwrap();
