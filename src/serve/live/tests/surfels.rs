@@ -27,9 +27,9 @@ fn view(eye: DVec3) -> View {
         eye,
         rotation: Mat3::IDENTITY,
         near: 0.01,
-        size_px: [640, 480],
-        px_per_slope: [250.0, -250.0],
-        middle_px: [320.0, 240.0],
+        size_px: [320, 240],
+        px_per_slope: [125.0, -125.0],
+        middle_px: [160.0, 120.0],
     }
 }
 
@@ -91,8 +91,13 @@ fn a_client_is_sent_what_it_sees_and_others_all() {
         assert!(seeing.live().unwrap().status().received_frames > before.received_frames);
         drop(seeing);
         wait_for("it to leave", || !server.left().is_empty());
+        // Half of the points, which have twice as many bytes each: normals and radii.
         let report = &server.left()[0];
-        assert!(report.whole_bytes.unwrap() > report.sent_bytes, "{report:?}");
+        let share = report.sent_bytes as f64 / report.whole_bytes.unwrap() as f64;
+        assert!((0.9..1.1).contains(&share), "{report:?}");
+        drop(all);
+        wait_for("the other one to leave", || server.left().len() == 2);
+        assert_eq!(server.left()[1].whole_bytes, None);
     }
 }
 
