@@ -4,6 +4,27 @@
 //! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
 //! file.
 
+/// How people are told of a frame, wherever that is: by its place among all, as the timeline has it, "frame 3 of 24".
+/// Options, names of files and JSON have its index, which counts from 0.
+pub(crate) fn frame_place(index: usize, count: usize) -> String {
+    format!("frame {} of {count}", index + 1)
+}
+
+/// The same with the index, for who may have to type it: "frame 3 of 24 (index 2)".
+pub(crate) fn frame_with_index(index: usize, count: usize) -> String {
+    format!("{} (index {index})", frame_place(index, count))
+}
+
+/// The same of a frame whose sequence is not known, or grows: "frame 3 (index 2)".
+pub(crate) fn frame_by_index(index: usize) -> String {
+    format!("frame {} (index {index})", index + 1)
+}
+
+/// Frames from one to another, both included: "frames 3 to 5 (indices 2 to 4)".
+pub(crate) fn frames_with_indices(first: usize, last: usize) -> String {
+    format!("frames {} to {} (indices {first} to {last})", first + 1, last + 1)
+}
+
 /// Names with commas between them and `last` before the last.
 pub(crate) fn listed(names: &[String], last: &str) -> String {
     match names {
@@ -83,6 +104,15 @@ pub(crate) fn by_kind<'a>(messages: impl IntoIterator<Item = &'a str>) -> Vec<(&
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_have_one_number_for_people_and_one_for_options() {
+        assert_eq!(frame_place(2, 24), "frame 3 of 24");
+        assert_eq!(frame_with_index(2, 24), "frame 3 of 24 (index 2)");
+        assert_eq!(frame_by_index(2), "frame 3 (index 2)");
+        let kinds = [frame_with_index(2, 24), frame_with_index(13, 24)].map(|text| kind_of(&text));
+        assert_eq!(kinds[0], kinds[1]);
+    }
 
     #[test]
     fn numbers_files_and_quotes_do_not_part_messages() {

@@ -587,7 +587,7 @@ fn progress_reaches_its_total() {
         (0..10).collect::<Vec<_>>()
     );
     assert!(steps.iter().all(|step| step.total == 10));
-    assert_eq!(steps[9].label, "demo frame 12: δ 50 %");
+    assert_eq!(steps[9].label, "demo frame 13 of 24: δ 50 %");
 }
 
 #[test]

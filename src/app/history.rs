@@ -79,6 +79,16 @@ impl History {
         });
     }
 
+    /// Whether there is a change that [`History::undo`] takes back.
+    pub fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is a change that [`History::redo`] makes again.
+    pub fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+
     /// `labels` are those of another sequence: none of the one before come back.
     pub(in crate::app) fn forget_labels(&mut self, labels: &Arc<Vec<Label>>) {
         let entries = self.past.iter_mut().chain(&mut self.future).chain(&mut self.present);

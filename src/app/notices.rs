@@ -213,7 +213,13 @@ mod tests {
         notices.warn("part 2 is missing");
         notices.warn("the disk is slow");
         notices.dismiss_text("part 1 is missing");
-        let texts = |notices: &Notices| notices.list().iter().map(|notice| notice.text.clone()).collect::<Vec<_>>();
+        let texts = |notices: &Notices| {
+            notices
+                .list()
+                .iter()
+                .map(|notice| notice.text.clone())
+                .collect::<Vec<_>>()
+        };
         assert_eq!(texts(&notices), ["part 2 is missing", "the disk is slow"]);
         notices.dismiss_text("part 2 is missing");
         notices.dismiss_text("nothing like that");

@@ -106,6 +106,8 @@ fn light() -> Visuals {
     let text = |level: u8| Stroke::new(1.0, Color32::from_gray(level));
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.fg_stroke = text(45);
+    // Of boxes to tick and of sliders: that of egui is as light as the panel.
+    widgets.inactive.bg_fill = Color32::from_rgb(192, 198, 209);
     widgets.inactive.fg_stroke = text(40);
     widgets.hovered.fg_stroke = text(10);
     visuals
@@ -206,6 +208,10 @@ mod tests {
             for widget in [&widgets.inactive, &widgets.hovered, &widgets.active] {
                 let contrast = contrast(widget.text_color(), widget.weak_bg_fill);
                 assert!(contrast >= 4.5, "{theme:?}: a button {contrast}");
+            }
+            for fill in [visuals.panel_fill, visuals.window_fill] {
+                let contrast = contrast(widgets.inactive.bg_fill, fill);
+                assert!(contrast >= 1.3, "{theme:?}: a box to tick {contrast}");
             }
             let chosen = contrast(visuals.selection.stroke.color, visuals.selection.bg_fill);
             assert!(chosen >= 4.5, "{theme:?}: what is chosen {chosen}");

@@ -7,6 +7,7 @@ use super::scenario::{self, Coverage, Viewpoint};
 use super::statistics::mean;
 use super::subject::{Subject, mean_position};
 use super::{BenchError, BenchOptions, Environment, Input, LabPoint, Measured, RatePoint, Report, Step};
+use crate::messages::frame_place;
 use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;
@@ -131,9 +132,11 @@ impl<'a> Run<'a> {
         steps_per_frame: usize,
         needs: &Needs,
     ) -> Result<Result<PreparedFrame, String>, BenchError> {
-        self.begin_step(format!("{} frame {index}: preparing", subject.name))?;
+        self.begin_step(format!("{}: preparing", subject.named(index)))?;
         let loaded = match subject.sequence.frame(index) {
-            Ok(frame) if frame.is_empty() => Err(format!("frame {index} has no points")),
+            Ok(frame) if frame.is_empty() => {
+                Err(format!("{} has no points", frame_place(index, subject.sequence.len())))
+            }
             Ok(frame) => {
                 let counters = PrepareCounters::default();
                 Ok(prepare(index, Arc::new(frame), 0.0, needs, &counters))
@@ -186,9 +189,8 @@ impl<'a> Run<'a> {
             .collect();
         if !outside.is_empty() {
             self.report.notes.push(format!(
-                "{} frame {}: no distance and aim was found at which coverage is in the band: {}",
-                subject.name,
-                frame.index,
+                "{}: no distance and aim was found at which coverage is in the band: {}",
+                subject.named(frame.index),
                 outside.join("; ")
             ));
         }

@@ -1,6 +1,7 @@
 //! One sequence of a run, and where it is looked at from.
 
 use super::scenario;
+use crate::messages::frame_place;
 use crate::scene::{Camera, FirstLook};
 use crate::sequence::{PreparedFrame, Sequence, Shape};
 use glam::{DVec3, Vec3};
@@ -16,6 +17,11 @@ pub(super) struct Subject<'a> {
 }
 
 impl Subject<'_> {
+    /// A frame of it, for people.
+    pub(super) fn named(&self, index: usize) -> String {
+        format!("{} {}", self.name, frame_place(index, self.sequence.len()))
+    }
+
     /// The whole of `frame`, upright.
     pub(super) fn framing(&self, frame: &PreparedFrame) -> Camera {
         let origin = self.sequence.origin();

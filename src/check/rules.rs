@@ -1,10 +1,13 @@
 //! The rules: from facts to findings.
 
 use super::{Finding, FindingKind, FrameFacts};
+use crate::messages::{frame_by_index, frame_with_index};
+use crate::photos::ViewSet;
 use crate::scene::UpAxis;
 use crate::sequence::{FrameError, NumberGap, Sequence, number_gaps as gaps_between};
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Facts of each frame, or why there are none.
 type Facts = [Result<FrameFacts, FrameError>];
@@ -125,24 +128,41 @@ fn counted(
     })
 }
 
-/// Frames in words: `frame 3`, `frames 3 and 5`, `12 frames (3, 5, 7, …)`.
+/// Frames in words: `frame 4 (index 3)`, `frames 4 and 6 (indices 3 and 5)`, `12 frames (4, 6, 8, …; indices 3, 5, 7,
+/// …)`.
 fn named(frames: &[usize]) -> String {
     match frames {
         [] => "no frame".to_owned(),
-        [only] => format!("frame {only}"),
-        [first, second] => format!("frames {first} and {second}"),
+        [only] => frame_by_index(*only),
+        [first, second] => format!("frames {} and {} (indices {first} and {second})", first + 1, second + 1),
         [first, second, third, ..] => {
             let more = if frames.len() > 3 { ", …" } else { "" };
-            format!("{} frames ({first}, {second}, {third}{more})", frames.len())
+            let [a, b, c] = [first, second, third].map(|index| index + 1);
+            format!(
+                "{} frames ({a}, {b}, {c}{more}; indices {first}, {second}, {third}{more})",
+                frames.len()
+            )
         }
     }
 }
 
-/// Photographs whose points are far from where their cameras show them.
+/// Photographs whose points are far from where their cameras show them, of each set once.
 fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
-    let Some(set) = sequence.source().photographs(0) else {
-        return Vec::new();
-    };
+    let mut findings = Vec::new();
+    let mut before: Option<Arc<ViewSet>> = None;
+    for frame in 0..sequence.len() {
+        let Some(set) = sequence.source().photographs(frame) else {
+            continue;
+        };
+        if before.as_ref().is_none_or(|before| !Arc::ptr_eq(before, &set)) {
+            findings.extend(loose_cameras_of(&set, frame));
+        }
+        before = Some(set);
+    }
+    findings
+}
+
+fn loose_cameras_of(set: &ViewSet, frame: usize) -> Vec<Finding> {
     let errors = set.photos.iter().zip(set.reprojection_errors());
     let loose = errors.filter_map(|(photo, error)| {
         let [width, height] = photo.camera.size_px();
@@ -150,7 +170,7 @@ fn loose_cameras(sequence: &Sequence) -> Vec<Finding> {
         let error = error.filter(|error| error.rms_px > most_px)?;
         Some(Finding {
             kind: FindingKind::LooseCamera,
-            frames: vec![0],
+            frames: vec![frame],
             message: format!(
                 "the {} points of {} are {:.1} pixels from where its camera shows them: its picture will not meet \
                  the surface, calibrate it again or leave it out",
@@ -201,15 +221,15 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
         frames: vec![index, index + 1],
         message: if *spacing > 0.0 {
             format!(
-                "{spacing:.3} s lie between frames {index} and {} where {median:.3} s are usual: a pause, which is \
-                 played shortened",
-                index + 1
+                "{spacing:.3} s lie between {} and the next where {median:.3} s are usual: a pause, which is played \
+                 shortened",
+                frame_with_index(index, entries.len())
             )
         } else {
             format!(
-                "frame {} has a time stamp that is not after that of frame {index}: stamps are not used, --fps says \
-                 how fast it plays",
-                index + 1
+                "{} has a time stamp that is not after that of the frame before: stamps are not used, --fps says how \
+                 fast it plays",
+                frame_with_index(index + 1, entries.len())
             )
         },
     })
@@ -293,9 +313,12 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
                 kind: FindingKind::BoundsJump,
                 frames: vec![before, after],
                 message: format!(
-                    "from frame {before} to {after} the middle moves by {moved:.4} and the diagonal goes from {:.4} to \
-                     {:.4}: an outlier, another unit or another scene",
-                    diagonals[0], diagonals[1]
+                    "from {} to {} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
+                     outlier, another unit or another scene",
+                    frame_by_index(before),
+                    frame_by_index(after),
+                    diagonals[0],
+                    diagonals[1]
                 ),
             });
         }

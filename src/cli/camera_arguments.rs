@@ -2,6 +2,7 @@
 
 use super::arguments::{VIEW, elevation, field_of_view, finite, positive_f64};
 use crate::headless::CameraChoice;
+use crate::messages::frame_with_index;
 use crate::scene::{Camera, FirstLook, Projection, UpAxis};
 use crate::sequence::Sequence;
 use anyhow::Context as _;
@@ -90,7 +91,10 @@ impl CameraArgs {
             return Ok(self.choice().camera(look, origin, size_px));
         }
         let sensor = sequence.source().sensor(index).with_context(|| {
-            format!("nothing says which camera took frame {index}: --from-sensor is for recordings of depth images")
+            format!(
+                "nothing says which camera took {}: --from-sensor is for recordings of depth images",
+                frame_with_index(index, sequence.len())
+            )
         })?;
         Ok(upright().camera_of_sensor(&sensor, origin))
     }

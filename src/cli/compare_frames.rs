@@ -4,6 +4,7 @@ use super::arguments::{ReadArgs, not_negative_f64, open_sequence_and_tell};
 use super::output::answer;
 use super::warnings;
 use crate::measure::Change;
+use crate::messages::frame_with_index;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 /// Arguments of `pointreel compare-frames`.
 #[derive(Debug, Args)]
 pub(super) struct CompareFramesArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    /// A folder, a pattern, or files; `demo:` is built in, as are `example:lidar`, `example:depth` and `example:model`
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -56,12 +57,16 @@ pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
     let CompareFramesArgs {
         from, to, threshold, ..
     } = *arguments;
+    let count = sequence.len();
     let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
     for warning in pose.warnings().iter().chain(other.warnings()) {
         warnings::warn_of_frame(warning);
     }
     let Some(change) = Change::between(pose.positions(), other.positions(), || true) else {
-        bail!("frame {to} has no points, so nothing can be measured to it");
+        bail!(
+            "{} has no points, so nothing can be measured to it",
+            frame_with_index(to, count)
+        );
     };
     let found = Answer {
         from,
@@ -79,14 +84,16 @@ pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
         let json = serde_json::to_string_pretty(&found).context("the answer cannot be written as JSON")?;
         answer(&json);
     } else {
-        answer(&table(&found));
+        answer(&table(&found, count));
     }
     Ok(())
 }
 
-fn table(found: &Answer) -> String {
+fn table(found: &Answer, count: usize) -> String {
+    let [from, to] = [found.from, found.to].map(|index| frame_with_index(index, count));
     let rows = [
-        ("frames", format!("{} to {}", found.from, found.to)),
+        ("points of", from),
+        ("to", to),
         ("points", found.points.to_string()),
         ("mean", found.mean.to_string()),
         ("median", found.median.to_string()),

@@ -8,6 +8,7 @@ use super::reel_info::ReelInfo;
 use super::warnings;
 use crate::convert::{Conversion, Converted, Edit, Output, Shard, convert, join};
 use crate::io::WriteFormat;
+use crate::messages::frame_with_index;
 use crate::progress::Progress;
 use crate::reel::ReelFile;
 use crate::sequence::Sequence;
@@ -20,8 +21,8 @@ use std::sync::Arc;
 /// Arguments of `pointreel convert`.
 #[derive(Debug, Args)]
 pub(super) struct ConvertArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence; the last one is the OUTPUT: a file for one
-    /// frame, a sequence file (.reel) for all, else a folder, which is made
+    /// A folder, a pattern, or files; `demo:` and `example:lidar` are built in; the last one is the OUTPUT: a file for
+    /// one frame, a sequence file (.reel) for all, else a folder, which is made
     #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
@@ -98,7 +99,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     // An interrupt ends the process; what is finished stays, and the next run goes on from there.
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
-    tell(&converted?, &conversion.output)
+    tell(&converted?, &conversion.output, sequence.len())
 }
 
 /// Where frames go by the name of `output`, and in which format.
@@ -147,12 +148,12 @@ fn outputs(
     Ok((output, format))
 }
 
-fn tell(converted: &Converted, output: &Output) -> anyhow::Result<()> {
+fn tell(converted: &Converted, output: &Output, count: usize) -> anyhow::Result<()> {
     for (frame, warning) in &converted.warnings {
-        warnings::warn_of_frame(&format!("frame {frame}: {warning}"));
+        warnings::warn_of_frame(&format!("{}: {warning}", frame_with_index(*frame, count)));
     }
     for (frame, error) in &converted.failed {
-        warnings::warn_of_frame(&format!("frame {frame}: {error}"));
+        warnings::warn_of_frame(&format!("{}: {error}", frame_with_index(*frame, count)));
     }
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     answer(&format!(

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Arguments of `pointreel info`.
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    /// A folder, a pattern, or files; `demo:` is the built-in sequence
+    /// A folder, a pattern, or files; `demo:` is built in, as are `example:lidar`, `example:depth` and `example:model`
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -105,6 +105,9 @@ struct FrameInfo {
     normals_file: Option<String>,
     /// By the time stamp of the file or its name.
     time_s: Option<f64>,
+    /// How many photographs show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    photographs: Option<usize>,
     #[serde(flatten)]
     content: FrameReport,
 }
@@ -248,12 +251,14 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
         },
     };
     let entry = sequence.entry(index);
+    let set = sequence.source().photographs(index);
     FrameInfo {
         index,
         file: entry.path.display().to_string(),
         name: entry.name.clone(),
         normals_file: entry.normals.as_ref().map(|path| path.display().to_string()),
         time_s: entry.time.map(|time| time.as_secs_f64()),
+        photographs: set.map(|set| set.photos.iter().filter(|photo| photo.has_file()).count()),
         content,
     }
 }
@@ -265,7 +270,7 @@ fn table(info: &Info) -> String {
     let _ = writeln!(
         text,
         "{:>6} {:>10} {:>10}  {:<52} attributes, file",
-        "frame", "points", "finite", "bounds"
+        "index", "points", "finite", "bounds"
     );
     let lines = info.frames.iter().map(frame_line);
     let attributes = info.frames.iter().filter_map(|frame| match &frame.content {

@@ -55,7 +55,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Plays a sequence in a window (the default); without INPUT the built-in demo
+    /// Plays a sequence in a window (the default); without INPUT offers what was opened lately, at first the demo
     View(Box<view::ViewArgs>),
     /// Renders frames to PNG files, or a video of them, without a window
     Render(Box<render_arguments::RenderArgs>),

@@ -5,6 +5,7 @@ use super::arguments::FrameRange;
 use super::warnings;
 use crate::export::{ChangeColors, Poses, TrailLook};
 use crate::headless::Headless;
+use crate::messages::frame_with_index;
 use crate::progress::Progress;
 use crate::scene::Style;
 use crate::sequence::{OnionSkin, TrailRequest, Trails};
@@ -77,8 +78,8 @@ impl PosesArgs {
         let is_missing = |index: &&u32| **index as usize >= points_in_file;
         if let Some(index) = self.trail.iter().find(is_missing) {
             bail!(
-                "there is no point {index}: frame {} has {points_in_file} points, counted from 0",
-                range.first
+                "there is no point {index}: {} has {points_in_file} points, counted from 0",
+                frame_with_index(range.first, sequence.len())
             );
         }
         let frames = if range.first == range.last {
@@ -94,7 +95,8 @@ impl PosesArgs {
         };
         let trails = Trails::trace(&request, sequence, |_| None, &Progress::default());
         for broken in trails.iter().flat_map(Trails::breaks) {
-            warnings::warn(&format!("trails break: {}", broken.text(0)));
+            let text = broken.text(|frame| frame_with_index(frame, sequence.len()));
+            warnings::warn(&format!("trails break: {text}"));
         }
         Ok(trails)
     }

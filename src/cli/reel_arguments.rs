@@ -2,7 +2,7 @@
 
 use crate::cloud::LengthUnit;
 use crate::reel::{Coding, Precision, ReelOptions};
-use crate::scene::{FirstLook, Primitive};
+use crate::scene::FirstLook;
 use crate::sequence::Sequence;
 use clap::{Args, ValueEnum};
 
@@ -95,7 +95,7 @@ impl ReelArgs {
 /// Whether the points of the first frame that can be read sample a surface, so that normals mean something.
 fn is_surface(sequence: &Sequence) -> bool {
     let first = sequence.frames().find_map(|index| sequence.frame(index).ok());
-    first.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).primitive == Primitive::Surfel)
+    first.is_some_and(|frame| FirstLook::of(&[&frame], sequence.origin()).has_surface())
 }
 
 /// The unit of the first frame that can be read.

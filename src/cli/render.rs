@@ -7,6 +7,7 @@ use super::video::render_video;
 use super::warnings;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
+use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Style};
 use crate::sequence::{Loader, LoaderOptions};
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
     if range.last >= sequence.len() {
         bail!(
-            "there is no frame {}: the sequence has {} frames, counted from 0",
+            "there is no frame {}: the sequence has {} frames, and --frame counts them from 0",
             range.last,
             sequence.len()
         );
@@ -147,7 +148,8 @@ fn render_frames(
     stats: &mut Stats,
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let sequence = Arc::clone(headless.sequence());
-    make_folder(output, sequence.len())?;
+    let count = sequence.len();
+    make_folder(output, count)?;
     let look = headless.first_look()?;
     let range = FrameRange { first, last };
     let poses = arguments.poses.poses(range, headless, style)?;
@@ -159,7 +161,7 @@ fn render_frames(
             Ok(frame) => frame,
             Err(error) => {
                 if first != last {
-                    warnings::warn_of_frame(&format!("frame {index} is skipped: {error}"));
+                    warnings::warn_of_frame(&format!("{} is skipped: {error}", frame_with_index(index, count)));
                 }
                 failed.push((index, error.to_string()));
                 continue;
@@ -170,13 +172,14 @@ fn render_frames(
             none => none.insert(arguments.camera.camera(&look, &sequence, index, arguments.size)?),
         };
         if style.primitive == Primitive::Mesh && !frame.frame.has_faces() {
-            warnings::warn_of_frame(&format!("frame {index} has no triangles: its points are drawn"));
+            let named = frame_with_index(index, count);
+            warnings::warn_of_frame(&format!("{named} has no triangles: its points are drawn"));
         }
         let Dressed { frame, problems } = poses.dress(&frame, headless, style)?;
         for problem in problems {
             warnings::warn_of_frame(&problem);
         }
-        let path = numbered(output, index, sequence.len());
+        let path = numbered(output, index, count);
         let size = arguments.picture_size();
         write_picture(headless, &frame, camera, style, size, &path)?;
         stats.frames.push(headless.stats(&frame));

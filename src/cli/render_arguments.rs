@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// Arguments of `pointreel render`.
 #[derive(Debug, Clone, Args)]
 pub(super) struct RenderArgs {
-    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is the built-in sequence
+    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is built in, as are `example:lidar`,
+    /// `example:depth` and `example:model`
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 
@@ -25,7 +26,7 @@ pub(super) struct RenderArgs {
     )]
     pub(super) output: Option<PathBuf>,
 
-    /// Frame, or range A..B with both ends included [default: 0, of a video all]
+    /// Frame, or range A..B with both ends included, counted from 0 [default: 0, of a video all]
     #[arg(long, value_name = "N|A..B")]
     pub(super) frame: Option<FrameRange>,
 

@@ -30,7 +30,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
 
-    /// Frames A to B, both included, as one cloud, by their poses
+    /// Frames A to B, both included, counted from 0, as one cloud, by their poses
     #[arg(long, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
 

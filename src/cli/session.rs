@@ -3,6 +3,7 @@
 use super::stream::tell_of_connection;
 use super::values::DEMO_INPUT;
 use super::warnings;
+use crate::messages::frame_by_index;
 use crate::scene::Clip;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{ReadSession, session_of};
@@ -44,6 +45,9 @@ pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) ->
 pub(super) struct SessionInfo {
     file: String,
     files: Vec<String>,
+    /// What is beside them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    compare: Vec<String>,
     /// Counted from 0.
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,6 +66,10 @@ impl SessionInfo {
         Self {
             file: read.file.display().to_string(),
             files: session.inputs.iter().map(|input| input.display().to_string()).collect(),
+            compare: session.compare.as_ref().map_or_else(Vec::new, |compared| {
+                let inputs = compared.inputs.iter();
+                inputs.map(|input| input.display().to_string()).collect()
+            }),
             frame: session.frame,
             view: session.view.map(|view| view.to_string()),
             clips: session.clip.as_ref().is_some_and(|clip: &Clip| clip.is_on),
@@ -74,7 +82,12 @@ impl SessionInfo {
 
     /// Lines above the table of frames.
     pub(super) fn lines(&self) -> String {
-        let mut text = format!("session {} of {}\n", self.file, self.files.join(", "));
+        let mut text = format!("session {} of {}", self.file, self.files.join(", "));
+        if !self.compare.is_empty() {
+            text.push_str(" beside ");
+            text.push_str(&self.compare.join(", "));
+        }
+        text.push('\n');
         let counted = |count: usize, one: &str| match count {
             1 => format!("1 {one}"),
             count => format!("{count} {one}s"),
@@ -83,8 +96,8 @@ impl SessionInfo {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "  frame {}{clip}, {}, {}, {}, {}",
-            self.frame,
+            "  {}{clip}, {}, {}, {}, {}",
+            frame_by_index(self.frame),
             counted(self.labels.len(), "label"),
             counted(self.measurements, "measurement"),
             counted(self.markers, "marker"),

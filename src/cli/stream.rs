@@ -2,7 +2,7 @@
 
 use super::output::say;
 use crate::sequence::Sequence;
-use crate::source::ConnectionWatch;
+use crate::source::{ConnectionWatch, Live};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -24,7 +24,7 @@ pub(super) fn tell_of_connection(sequence: &Sequence) {
         loop {
             // A stream that is closed meanwhile is not kept.
             let Some(source) = source.upgrade() else { return };
-            let status = source.live().map(|live| live.status());
+            let status = source.live().map(Live::status);
             drop(source);
             let change = status.and_then(|status| watch.look(&status, begun.elapsed()));
             if let Some(change) = change {

@@ -8,6 +8,7 @@ use super::video_arguments::VideoArgs;
 use super::warnings;
 use crate::export::{Video, export_video};
 use crate::headless::{Headless, PictureStats};
+use crate::messages::frame_with_index;
 use crate::progress::Progress;
 use crate::scene::{CameraPath, Style};
 use anyhow::bail;
@@ -31,7 +32,8 @@ pub(super) fn render_video(
         (None, Some(path)) => written_path(&arguments.video, path)?,
         (None, None) => path_around(arguments, headless)?,
     };
-    let last = headless.sequence().len() - 1;
+    let frame_count = headless.sequence().len();
+    let last = frame_count - 1;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last });
     let poses = arguments.poses.poses(range, headless, style)?;
     let video = Video {
@@ -59,7 +61,8 @@ pub(super) fn render_video(
     bar.clear();
     let failed = exported?;
     for (frame, error) in &failed {
-        warnings::warn_of_frame(&format!("frame {frame} is not shown, the one before it stays: {error}"));
+        let named = frame_with_index(*frame, frame_count);
+        warnings::warn_of_frame(&format!("{named} is not shown, the one before it stays: {error}"));
     }
     answer(&format!(
         "{} pictures written to {}, {per_second:.5} a second",

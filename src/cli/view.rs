@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// What to show and how.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct ViewArgs {
-    /// Folder, file, glob pattern, or several of them, or a session (.pointreel); the demo without any
+    /// Folder, file, glob pattern, or several of them, or a session (.pointreel); without any what was
+    /// opened lately is offered, at first the demo
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 
@@ -91,7 +92,16 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         fps: args.fps,
         ..args.read.picture_options()
     };
-    let OpenedInputs { sequence, mut session } = open_inputs(&args.inputs, &open)?;
+    let (recent, recent_problem) = Recent::load();
+    // Who has opened something before is offered that.
+    let is_bare = args.inputs.is_empty() && args.compare.is_empty();
+    let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
+    let (sequence, mut session) = if offers_recent {
+        (None, None)
+    } else {
+        let OpenedInputs { sequence, session } = open_inputs(&args.inputs, &open)?;
+        (Some(sequence), session)
+    };
     if let Some(read) = &mut session {
         // What is given goes before what is kept.
         let style = args.picture.style_over(read.session.style());
@@ -100,7 +110,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         read.session.view = args.view.or(read.session.view);
     }
     if let Some(path) = &args.record {
-        match sequence.source().live() {
+        match sequence.as_ref().and_then(|sequence| sequence.source().live()) {
             Some(live) => live.start_recording(path).map_err(anyhow::Error::msg)?,
             None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
         }
@@ -113,10 +123,12 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
                 topic: topic.or_else(|| open.topic.clone()),
                 ..open.clone()
             };
+            if let Some(read) = &mut session {
+                read.session.compare = None;
+            }
             Some(Arc::new(open_inputs(inputs, &open)?.sequence))
         }
     };
-    let (recent, recent_problem) = Recent::load();
     let presets = Presets::load();
     // A picture that a script asks for does not depend on who looked at what before.
     let (preferences_file, preferences) = if args.screenshot.is_some() {
@@ -150,7 +162,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
             ..StateOptions::default()
         },
-        sequence: Some(Arc::new(sequence)),
+        sequence: sequence.map(Arc::new),
         compare,
         named: args.inputs.clone(),
         session: session.map(Box::new),

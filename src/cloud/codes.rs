@@ -3,11 +3,12 @@
 use super::{AxisConvention, LengthUnit};
 
 /// Axes, in the order of their numbers.
-pub(crate) const AXES: [AxisConvention; 4] = [
+pub(crate) const AXES: [AxisConvention; 5] = [
     AxisConvention::YUp,
     AxisConvention::ZUp,
     AxisConvention::UsuallyZUp,
     AxisConvention::Camera,
+    AxisConvention::UsuallyYDown,
 ];
 
 /// Units, in the order of their numbers.

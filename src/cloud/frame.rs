@@ -47,6 +47,8 @@ pub struct Frame {
     /// The index in the file of every point.
     file_index: Vec<u32>,
     attributes: Attributes,
+    has_all_normals: bool,
+    has_all_radii: bool,
     grid: Option<ImageGrid>,
     sensor: Option<Vec3>,
     convention: Option<AxisConvention>,
@@ -83,6 +85,8 @@ impl Frame {
             bounds,
             dropped_points: point_count - file_index.len(),
             positions,
+            has_all_normals: hold_for_all(attributes.normals.as_deref(), |&normal| normal != [0.0; 3]),
+            has_all_radii: hold_for_all(attributes.radii.as_deref(), |&radius| radius > 0.0),
             attributes,
             grid: raw.grid,
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
@@ -219,7 +223,17 @@ impl Frame {
         self.attributes.normals.as_deref().map(bytemuck::cast_slice)
     }
 
-    /// Splat radii of the file.
+    /// [`Frame::normals`] if every point has one.
+    pub fn all_normals(&self) -> Option<&[Vec3]> {
+        self.normals().filter(|_| self.has_all_normals)
+    }
+
+    /// [`Frame::radii`] if every point has one.
+    pub fn all_radii(&self) -> Option<&[f32]> {
+        self.radii().filter(|_| self.has_all_radii)
+    }
+
+    /// Splat radii of the file, 0 where it gave none that can be used.
     pub fn radii(&self) -> Option<&[f32]> {
         self.attributes.radii.as_deref()
     }
@@ -327,6 +341,12 @@ impl Frame {
     }
 }
 
+/// Whether there are values, all of them as asked. Several are looked at together: a branch for each costs more.
+fn hold_for_all<T>(values: Option<&[T]>, holds: impl Fn(&T) -> bool) -> bool {
+    let together = |values: &[T]| values.iter().fold(true, |all, value| all & holds(value));
+    values.is_some_and(|values| values.chunks(64).all(together))
+}
+
 /// Every attribute has one entry a point, and there are not too many points.
 fn check_lengths(raw: &RawCloud) -> Result<(), CloudError> {
     let point_count = raw.positions.len();
@@ -402,6 +422,28 @@ mod tests {
         assert_eq!(frame.radii(), Some([0.5, 0.0].as_slice()));
         assert_eq!(frame.file_index(), [0, 3]);
         assert_eq!(frame.dropped_points(), 2);
+        assert_eq!((frame.all_normals(), frame.all_radii()), (None, None));
+    }
+
+    #[test]
+    fn normals_and_radii_are_all_there_unless_a_single_point_lacks_one() {
+        let frame = |lacking: Option<usize>| {
+            let place = |index: usize| [index as f32, 0.0, 0.0];
+            let mut raw = RawCloud::from_positions(Positions::F32((0..200).map(place).collect()));
+            let given = |index: usize| f32::from(u8::from(lacking != Some(index)));
+            raw.attributes.normals = Some((0..200).map(|index| [0.0, given(index), 0.0]).collect());
+            raw.attributes.radii = Some((0..200).map(given).collect());
+            Frame::from_raw(raw, DVec3::ZERO).unwrap()
+        };
+        let whole = frame(None);
+        assert_eq!(
+            (whole.all_normals(), whole.all_radii()),
+            (whole.normals(), whole.radii())
+        );
+        for lacking in [0, 63, 64, 199] {
+            let frame = frame(Some(lacking));
+            assert_eq!((frame.all_normals(), frame.all_radii()), (None, None), "{lacking}");
+        }
     }
 
     #[test]

@@ -72,12 +72,15 @@ pub enum AxisConvention {
     UsuallyZUp,
     /// Right, down, forward: a cloud in the optical frame of a camera.
     Camera,
+    /// Y is down in most files, though nothing says that it must be: Gaussian splats, which are trained in the axes of
+    /// a camera.
+    UsuallyYDown,
 }
 
 impl AxisConvention {
     /// Whether a file that has other axes is wrong.
     pub fn is_binding(self) -> bool {
-        !matches!(self, Self::UsuallyZUp)
+        !matches!(self, Self::UsuallyZUp | Self::UsuallyYDown)
     }
 }
 

@@ -28,6 +28,7 @@ pub use format::VideoFormat;
 pub use limits::MAX_EDGE_PX;
 pub use mp4::has_ffmpeg;
 pub use open::open_sink;
+pub use overlay::draw_labels;
 pub use picture::{PictureSize, check_size, draw_picture, write_picture, write_picture_observed};
 pub use png_files::{FRAME_PLACEHOLDER, numbered};
 pub use poses::{ChangeColors, Dressed, Poses, TrailLook};

@@ -9,6 +9,7 @@ use crate::headless::Headless;
 use crate::levels::LevelsKey;
 use crate::levels::octree::StopCriterion;
 use crate::measure::Change;
+use crate::messages::frame_with_index;
 use crate::scene::Style;
 use crate::sequence::{FrameError, Ghost, Needs, OnionSkin, Paint, PreparedFrame, Trails, with_ghosts};
 use std::sync::Arc;
@@ -91,7 +92,10 @@ impl Poses {
             for (index, share, tint) in onion.around(pose.index, headless.sequence().len()) {
                 match headless.frame_beside(index, style) {
                     Ok(frame) => ghosts.push(Ghost { frame, share, tint }),
-                    Err(error) => dressed.problems.push(format!("frame {index} is no ghost: {error}")),
+                    Err(error) => {
+                        let named = frame_with_index(index, headless.sequence().len());
+                        dressed.problems.push(format!("{named} is no ghost: {error}"));
+                    }
                 }
             }
             dressed.add(&ghosts, &needs, headless)?;
@@ -160,13 +164,14 @@ impl Dressed {
 impl ChangeColors {
     fn color(self, dressed: &mut Dressed, headless: &Headless, style: &Style) {
         let index = dressed.frame.index;
+        let count = headless.sequence().len();
         let mut keeps = |why: String| {
-            let problem = format!("frame {index} keeps its colours: {why}");
+            let problem = format!("{} keeps its colours: {why}", frame_with_index(index, count));
             dressed.problems.push(problem);
         };
         let other = i64::try_from(index).ok().and_then(|index| {
             let other = usize::try_from(index.checked_add(self.step)?).ok()?;
-            (other < headless.sequence().len()).then_some(other)
+            (other < count).then_some(other)
         });
         let Some(other) = other else {
             return keeps(format!("there is no frame {} later", self.step));
@@ -184,7 +189,7 @@ impl ChangeColors {
                 let colors = change.colors(range, map);
                 dressed.frame = Arc::new(dressed.frame.in_colors(&colors, paint));
             }
-            None => keeps(format!("frame {} has no points", other.index)),
+            None => keeps(format!("{} has no points", frame_with_index(other.index, count))),
         }
     }
 }

@@ -16,6 +16,8 @@ pub enum Part {
     Scan(usize),
     /// The pose at this time of an animation (glTF).
     Moment(Duration),
+    /// A layer of an array of T × N × 3 (NPZ), counted from 0.
+    Layer(usize),
     /// A file within an archive.
     Member(Member),
     /// A message of a recording.

@@ -40,6 +40,8 @@ pub(super) enum Holding {
     Scans,
     /// Moments of an animation.
     Moments,
+    /// Layers of an array.
+    Layers,
     /// Files.
     Members,
     /// Messages with clouds among others.

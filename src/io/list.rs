@@ -45,10 +45,12 @@ pub(super) fn list_format(
         Holding::Messages => return recording::list(path, format, topic, options),
         Holding::Turns => return packets::list(path, topic, options),
         Holding::Members => archive::list(path, format, options)?,
-        Holding::Cloud | Holding::Scans | Holding::Moments => match format.codec().and_then(|codec| codec.list) {
-            Some(list) => list(path, options)?,
-            None => vec![Entry::whole()],
-        },
+        Holding::Cloud | Holding::Scans | Holding::Moments | Holding::Layers => {
+            match format.codec().and_then(|codec| codec.list) {
+                Some(list) => list(path, options)?,
+                None => vec![Entry::whole()],
+            }
+        }
     };
     Ok(Contents::of_entries(entries))
 }

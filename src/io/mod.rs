@@ -121,7 +121,12 @@ const TABLE: &[Codec] = &[
         encoders: &[npy_write::ENCODER],
         ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes))
     },
-    Codec::reading(npy::ARCHIVE, |file| npy::decode_archive(file.bytes, file.options)),
+    Codec {
+        list: Some(npy::list),
+        ..Codec::reading(npy::ARCHIVE, |file| {
+            npy::decode_archive(file.bytes, file.part, file.options)
+        })
+    },
     Codec::reading(splats::spz::FORMAT, |file| {
         splats::spz::decode(file.bytes, file.options)
     }),

@@ -3,21 +3,21 @@
 //! The header is a Python dictionary of three known keys. It is read here: the crates at hand parse any Python literal,
 //! of any depth, on the stack. Numbers stay where they are in the file, whatever their type, byte order and order of
 //! rows and columns.
+//!
+//! An array of T × N × 3 in an NPZ is a sequence. One in an NPY is none: folders may have a hundred thousand of these,
+//! a frame each, and none of them is opened before it is shown.
 
-use super::attributes;
-use super::column::Column;
-use super::error::{Fault, Place};
-use super::format::{Format, Magic, Traits};
-use super::growing;
-use super::options::ReadOptions;
-use super::splats::arrays::{self as splats, SplatArray};
-use super::xyz;
-use crate::cloud::RawCloud;
-use std::io::{Cursor, Read as _};
+use super::format::{Format, Holding, Magic, Traits};
 
+mod cloud;
+mod frames;
 mod header;
+mod layers;
 
-use header::{Array, ArrayLayout};
+pub(super) use cloud::{decode, decode_archive};
+pub(super) use frames::{Arrays, list};
+pub(super) use header::half;
+pub(super) use layers::layer_of;
 
 /// An array of numpy.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -33,238 +33,6 @@ pub(super) const ARCHIVE: Format = Format::new(&Traits {
     extensions: &["npz"],
     magic: &[Magic::start(b"PK\x03\x04"), Magic::start(b"PK\x05\x06")],
     needs_extension: true,
+    holds: Holding::Layers,
     ..Traits::PLAIN
 });
-
-/// Names of arrays with coordinates.
-const POSITIONS: [&str; 15] = [
-    "xyz",
-    "points",
-    "point",
-    "positions",
-    "position",
-    "pos",
-    "vertices",
-    "coords",
-    "coordinates",
-    "point_cloud",
-    // Of splats.
-    "means3d",
-    "means_3d",
-    "mean3d",
-    "means",
-    "centers",
-];
-const COLORS: [&str; 7] = ["rgb", "rgba", "color", "colors", "colour", "colours", "rgb_colors"];
-const NORMALS: [&str; 2] = ["normals", "normal"];
-
-/// Columns of a table that are told by their number.
-const MAX_COLUMNS: usize = 64;
-
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
-    let array = Array::parse(bytes)?;
-    let (columns, count) = match &array.kind {
-        ArrayLayout::Table(_) => table(&array, "x")?,
-        ArrayLayout::Records { .. } => {
-            let count = array.shape.iter().product();
-            (records(&array, count)?, count)
-        }
-    };
-    growing::cloud(&columns, count)
-}
-
-/// The arrays of an archive that a cloud has a use for.
-pub(super) fn decode_archive(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
-    let members = unpacked(bytes, options)?;
-    let mut arrays = Vec::new();
-    for (name, bytes) in &members {
-        let array = Array::parse(bytes)
-            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?
-            .without_single_layers();
-        arrays.push((name.to_ascii_lowercase(), array));
-    }
-    let is_one_of = |names: &[&str], name: &str| names.contains(&name);
-    let positions = arrays
-        .iter()
-        .find(|(name, _)| is_one_of(&POSITIONS, name))
-        .or(match &arrays[..] {
-            [only] => Some(only),
-            _ => None,
-        });
-    let (mut columns, count) = match positions {
-        Some((_, array)) => match &array.kind {
-            ArrayLayout::Table(_) => table(array, "x")?,
-            ArrayLayout::Records { .. } => {
-                let count = array.shape.iter().product();
-                (records(array, count)?, count)
-            }
-        },
-        // Arrays of their own for x, y and z.
-        None => (
-            Vec::new(),
-            arrays
-                .iter()
-                .find(|(name, _)| name == "x")
-                .map_or(0, |(_, array)| array.shape.iter().product()),
-        ),
-    };
-    for (name, array) in &arrays {
-        let ArrayLayout::Table(_) = array.kind else { continue };
-        let names: &[&str] = if is_one_of(&COLORS, name) {
-            &["red", "green", "blue", "alpha"]
-        } else if is_one_of(&NORMALS, name) {
-            &["nx", "ny", "nz"]
-        } else if array.shape.iter().product::<usize>() == count && attributes::is_used(name) {
-            &[name.as_str()]
-        } else {
-            continue;
-        };
-        if array.shape.first() != Some(&count) && array.shape.iter().product::<usize>() != count {
-            return Err(Fault::header(format!(
-                "array `{name}` has {} entries, but there are {count} points",
-                array.shape.first().unwrap_or(&0)
-            )));
-        }
-        let width = if array.shape.len() == 2 { array.shape[1] } else { 1 };
-        for (column, name) in names.iter().enumerate().take(width) {
-            columns.retain(|known| known.name != *name);
-            columns.push(array.column((*name).to_owned(), column, width, count));
-        }
-    }
-    if columns.is_empty() {
-        let names: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
-        return Err(Fault::header(format!(
-            "there are no coordinates: expected an array `xyz` or `points`, found {}",
-            if names.is_empty() {
-                "no array".to_owned()
-            } else {
-                names.join(", ")
-            }
-        )));
-    }
-    let mut cloud = growing::cloud(&columns, count)?;
-    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
-    Ok(cloud)
-}
-
-/// The arrays that say something of splats, as columns.
-fn splat_arrays<'a>(arrays: &'a [(String, Array<'a>)], count: usize) -> Vec<SplatArray<'a>> {
-    let of_splats = arrays.iter().filter(|(name, array)| {
-        let is_table = matches!(array.kind, ArrayLayout::Table(_));
-        is_table && splats::is_used(name) && array.shape.first() == Some(&count) && array.shape.len() <= 2
-    });
-    let columns = |(name, array): &'a (String, Array<'a>)| {
-        let width = array.shape.get(1).copied().unwrap_or(1).min(MAX_COLUMNS);
-        let column = |index| array.column(String::new(), index, width, count);
-        SplatArray {
-            name,
-            columns: (0..width).map(column).collect(),
-        }
-    };
-    of_splats.map(columns).collect()
-}
-
-/// Names and bytes of the arrays in an archive, unpacked to no more than may be.
-fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(String, Vec<u8>)>, Fault> {
-    let damaged = |error: &dyn std::fmt::Display| Fault::header(format!("the archive is damaged ({error})"));
-    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
-    let mut members = Vec::new();
-    let mut left = options.max_memory_bytes;
-    for index in 0..archive.len() {
-        let member = archive.by_index(index).map_err(|error| damaged(&error))?;
-        let name = member.name().map_err(|error| damaged(&error))?;
-        let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
-            continue;
-        };
-        if member.size() > left {
-            return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
-        }
-        let mut unpacked = Vec::new();
-        // The size is a claim as well: what is unpacked beyond the limit ends it.
-        member
-            .take(left.saturating_add(1))
-            .read_to_end(&mut unpacked)
-            .map_err(|error| damaged(&error))?;
-        if unpacked.len() as u64 > left {
-            return Err(Fault::too_large(
-                &format!("array `{name}`"),
-                unpacked.len() as u64,
-                options,
-            ));
-        }
-        left -= unpacked.len() as u64;
-        members.push((name, unpacked));
-    }
-    Ok(members)
-}
-
-/// The columns of an array of numbers with a point a row, and how many there are.
-fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize), Fault> {
-    let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
-    let shape = shape.join(" × ");
-    let [count, width] = array.shape[..] else {
-        let advice = match array.shape.len() {
-            3 => {
-                "save each of its frames as a file of its own, or an image of points as one table with `reshape(-1, 3)`"
-            }
-            _ => "save a table with a row for each point, x, y and z first",
-        };
-        return Err(Fault::header(format!(
-            "the array is {shape}, expected two dimensions, N × 3 or more: {advice}"
-        )));
-    };
-    if !(3..=MAX_COLUMNS).contains(&width) {
-        let advice = if count == 3 {
-            "; if its rows are the coordinates, save it transposed"
-        } else {
-            ""
-        };
-        return Err(Fault::header(format!(
-            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z \
-             first{advice}"
-        )));
-    }
-    let column = |index: usize| array.column(String::new(), index, width, count);
-    // What the columns behind the coordinates are is told by the same rule as for text.
-    let told_by: Vec<Vec<f64>> = (0..width)
-        .map(|index| match width {
-            6.. if (3..7).contains(&index) => column(index).to_f64(count),
-            _ => Vec::new(),
-        })
-        .collect();
-    let names = xyz::guessed_names(&told_by);
-    let columns = names
-        .into_iter()
-        .enumerate()
-        .map(|(index, name)| Column { name, ..column(index) });
-    Ok((columns.collect(), count))
-}
-
-/// The columns of an array of records; fields that are short arrays themselves are several.
-fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault> {
-    let ArrayLayout::Records { fields, row_bytes } = &array.kind else {
-        return Ok(Vec::new());
-    };
-    let mut columns = Vec::new();
-    for field in fields {
-        let Some(number) = field.number else {
-            continue;
-        };
-        let lower = field.name.to_ascii_lowercase();
-        let names: &[&str] = match lower.as_str() {
-            _ if field.length == 1 => &[&field.name],
-            name if POSITIONS.contains(&name) => &["x", "y", "z"],
-            name if COLORS.contains(&name) => &["red", "green", "blue", "alpha"],
-            name if NORMALS.contains(&name) => &["nx", "ny", "nz"],
-            _ => &[&field.name],
-        };
-        for (index, name) in names.iter().enumerate().take(field.length) {
-            let start = field.offset + index * number.bytes();
-            columns.push(number.column((*name).to_owned(), array.payload, start, *row_bytes, count));
-        }
-    }
-    if columns.is_empty() && count > 0 {
-        return Err(Fault::new(Place::Header, "no field of the records is a number"));
-    }
-    Ok(columns)
-}

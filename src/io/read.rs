@@ -54,7 +54,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         }
         Part::Message(message) => return recording::read(path, message, options),
         Part::Turn(turn) => return packets::read(path, turn, options, progress),
-        Part::Whole | Part::Scan(_) | Part::Moment(_) => {}
+        Part::Whole | Part::Scan(_) | Part::Moment(_) | Part::Layer(_) => {}
     }
     let magic = first_bytes(path)?;
     // Archives and recordings may be larger than the memory: their first frame is read alone.

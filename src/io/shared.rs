@@ -2,7 +2,9 @@
 
 use super::contents::Part;
 use super::error::IoError;
+use super::format::Format;
 use super::gltf::{self, Scene};
+use super::npy::{self, Arrays};
 use super::options::ReadOptions;
 use super::read::{finished, read_part_observed};
 use super::watched;
@@ -12,8 +14,8 @@ use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// The last file of which several frames were read from something that they share: the scene of an animation, once for
-/// each way to read it. Other formats have their frames one by one.
+/// The last file of which several frames were read from something that they share: the scene of an animation or arrays
+/// with layers, once for each way to read it. Other formats have their frames one by one.
 #[derive(Default)]
 pub struct SharedFile {
     last: Mutex<Vec<Opened>>,
@@ -22,7 +24,14 @@ pub struct SharedFile {
 struct Opened {
     path: PathBuf,
     options: ReadOptions,
-    scene: Result<Arc<Scene<'static>>, Arc<IoError>>,
+    content: Result<Content, Arc<IoError>>,
+}
+
+/// What frames are made of.
+#[derive(Clone)]
+enum Content {
+    Scene(Arc<Scene<'static>>),
+    Arrays(Arc<Arrays>),
 }
 
 impl std::fmt::Debug for SharedFile {
@@ -41,28 +50,26 @@ impl SharedFile {
         options: &ReadOptions,
         progress: &Progress,
     ) -> Result<RawCloud, Arc<IoError>> {
-        let Part::Moment(time) = part else {
+        if !matches!(part, Part::Moment(_) | Part::Layer(_)) {
             return read_part_observed(path, part, options, progress).map_err(Arc::new);
+        }
+        let (format, decoded) = match (self.content(path, options, progress)?, part) {
+            (Content::Scene(scene), Part::Moment(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
+            (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part))),
+            // The file is another one than that whose frames were listed.
+            (Content::Scene(_), _) => return read_part_observed(path, part, options, progress).map_err(Arc::new),
         };
-        let scene = self.scene(path, options, progress)?;
-        let format = gltf::FORMAT;
-        let decoded = scene.frame(time.as_secs_f64());
         finished(decoded, path, format, &options.of_format(format)).map_err(Arc::new)
     }
 
-    fn scene(
-        &self,
-        path: &Path,
-        options: &ReadOptions,
-        progress: &Progress,
-    ) -> Result<Arc<Scene<'static>>, Arc<IoError>> {
+    fn content(&self, path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Content, Arc<IoError>> {
         // Who needs the same file waits here for whoever opens it.
         let mut last = lock(&self.last);
         last.retain(|opened| opened.path == path);
         if let Some(opened) = last.iter().find(|opened| opened.options == *options) {
-            return opened.scene.clone();
+            return opened.content.clone();
         }
-        let scene = open(path, options, progress).map_err(Arc::new);
+        let content = open(path, options, progress).map_err(Arc::new);
         if progress.is_cancelled() {
             let path = path.to_owned();
             return Err(Arc::new(IoError::Cancelled { path }));
@@ -70,19 +77,25 @@ impl SharedFile {
         last.push(Opened {
             path: path.to_owned(),
             options: *options,
-            scene: scene.clone(),
+            content: content.clone(),
         });
-        scene
+        content
     }
 }
 
-fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Arc<Scene<'static>>, IoError> {
+fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Content, IoError> {
     let bytes = watched::read_file(path, progress).map_err(|source| IoError::Io {
         path: path.to_owned(),
         source,
     })?;
+    let format = npy::ARCHIVE;
+    if Format::detect(path, &bytes) == Some(format) {
+        let arrays = Arrays::open(&bytes, &options.of_format(format));
+        let arrays = arrays.map_err(|fault| fault.of(path, format))?;
+        return Ok(Content::Arrays(Arc::new(arrays)));
+    }
     let format = gltf::FORMAT;
     let scene = Scene::open(path, &bytes, &options.of_format(format));
     let scene = scene.map_err(|fault| fault.of(path, format))?;
-    Ok(Arc::new(scene.into_owned()))
+    Ok(Content::Scene(Arc::new(scene.into_owned())))
 }

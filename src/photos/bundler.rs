@@ -9,7 +9,6 @@ use super::error::{PhotosError, read_file};
 use super::lens::{Lens, Origin};
 use super::points::Observation;
 use super::text::Text;
-use super::view_set::ViewSet;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use std::path::{Path, PathBuf};
@@ -18,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub(super) const MAGIC: &[u8] = b"# Bundle file v";
 
 /// The photographs of the bundle `path`.
-pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
@@ -60,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
         }
         drafts.points.push(position, color.map(|value| value as u8), track);
     }
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 fn camera(text: &mut Text<'_>, name: String) -> Result<Draft, PhotosError> {

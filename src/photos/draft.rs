@@ -27,10 +27,12 @@ pub(super) struct Draft {
     pub(super) shift: DVec3,
     pub(super) mask: Option<PathBuf>,
     pub(super) depth: Option<DepthFile>,
+    /// When it was taken, in whatever unit, where the format has such a thing.
+    pub(super) time: Option<f64>,
 }
 
 /// All that a file lists.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Drafts {
     /// The file.
     pub(super) path: PathBuf,
@@ -69,12 +71,18 @@ impl Draft {
             shift,
             mask: None,
             depth: None,
+            time: None,
         }
     }
 
+    /// The lens and the pose, or why one of them is none.
+    pub(super) fn placed(&self) -> Result<(&Lens, DAffine3), String> {
+        let lens = self.lens.as_ref().map_err(String::clone)?;
+        Ok((lens, pose(self.turn, self.shift)?))
+    }
+
     fn photo(&self, files: &Files) -> Result<Photo, Reason> {
-        let lens = self.lens.as_ref().map_err(|reason| Reason::Wrong(reason.clone()))?;
-        let camera_from_world = pose(self.turn, self.shift).map_err(Reason::Wrong)?;
+        let (lens, camera_from_world) = self.placed().map_err(Reason::Wrong)?;
         let path = files.photo(&self.name).ok_or(Reason::Missing)?;
         let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
         Ok(Photo {
@@ -149,7 +157,7 @@ impl Drafts {
     }
 }
 
-fn reason_of_nothing(notes: &[String]) -> String {
+pub(super) fn reason_of_nothing(notes: &[String]) -> String {
     let nothing = "the list is empty, calibrate the photographs first";
     if notes.is_empty() {
         nothing.to_owned()
@@ -189,7 +197,7 @@ fn note_of_missing(names: &[&str], files: &Files) -> Option<String> {
 }
 
 /// A note for each reason, in the order in which they occurred first.
-fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String> {
+pub(super) fn notes_of_wrong(wrong: &[(&str, String)]) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for (name, reason) in wrong {
         if let Some((_, names)) = reasons.iter_mut().find(|(known, _)| known == reason) {

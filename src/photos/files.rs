@@ -108,6 +108,25 @@ impl Files {
             .or_else(|| self.by_last_part(&self.masks, &relative))
     }
 
+    /// The folders of masks around `folders` that exist.
+    pub(super) fn mask_folders(folders: &[PathBuf]) -> Vec<PathBuf> {
+        let all = folders
+            .iter()
+            .flat_map(|folder| MASK_FOLDERS.iter().map(move |below| folder.join(below)));
+        all.filter(|folder| folder.is_dir()).collect()
+    }
+
+    /// The mask of `relative` that lies in the same place below one of `mask_folders`: `cam0/7.jpg.png`, `cam0/7.png`.
+    pub(super) fn mask_below(mask_folders: &[PathBuf], relative: &Path) -> Option<PathBuf> {
+        let mut named = relative.as_os_str().to_owned();
+        named.push(".png");
+        let names = [PathBuf::from(named), relative.with_extension("png")];
+        let all = mask_folders
+            .iter()
+            .flat_map(|folder| names.iter().map(move |name| folder.join(name)));
+        all.into_iter().find(|path| path.is_file())
+    }
+
     /// The mask that lies beside the photograph at `path`, named after it.
     pub(super) fn mask_beside(path: &Path) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?;
@@ -166,6 +185,14 @@ impl Listing {
             by_stem,
         })
     }
+}
+
+/// Whether a file is a picture by its name.
+pub fn is_picture(path: &Path) -> bool {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
 /// The part of a path behind its last separator, of whichever system.

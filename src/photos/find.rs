@@ -3,6 +3,7 @@
 //! Every folder that somebody opens is asked, so the usual names are looked up one by one, and the folder is listed
 //! once for names that vary. Formats with points come first: many folders hold a copy of the same cameras without.
 
+use super::calibration::Calibration;
 use super::error::PhotosError;
 use super::view_set::ViewSet;
 use super::{bundler, colmap, meshroom, middlebury, nvm, transforms};
@@ -91,14 +92,23 @@ impl Found {
     /// Where the files break the rules of their format, and where none of the photographs can be shown. What is wrong
     /// with some of them alone is a note of the set.
     pub fn read(&self) -> Result<ViewSet, PhotosError> {
-        match self.format {
+        self.calibration()?.photographs()
+    }
+
+    /// What it lists, before any photograph is looked for.
+    ///
+    /// # Errors
+    /// Where the files break the rules of their format.
+    pub fn calibration(&self) -> Result<Calibration, PhotosError> {
+        let drafts = match self.format {
             Format::Colmap => colmap::read(&self.path),
             Format::Bundler => bundler::read(&self.path),
             Format::Nvm => nvm::read(&self.path),
             Format::Meshroom => meshroom::read(&self.path),
             Format::Middlebury => middlebury::read(&self.path),
             Format::Transforms => transforms::read(&self.path),
-        }
+        };
+        Ok(Calibration::new(drafts?))
     }
 }
 

@@ -46,7 +46,7 @@ impl LoadedPhotographs {
         let halvings = halvings_within(&sizes, budget_bytes, MOST_SIDE_PX);
         progress.set(0, set.photos.len());
         let read_one = |photo: &Photo| {
-            if progress.is_cancelled() {
+            if progress.is_cancelled() || !photo.has_file() {
                 return None;
             }
             let read = read(photo, halvings);

@@ -19,7 +19,6 @@ use super::error::PhotosError;
 use super::json::{array_at, key_at, number, number_at, numbers, numbers_at, read as read_json, side};
 use super::lens::{Focal, Lens, Origin};
 use super::points::Observation;
-use super::view_set::ViewSet;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use serde_json::Value;
@@ -42,7 +41,7 @@ pub(super) fn is_scene(head: &str) -> bool {
 type Pose = (DMat3, DVec3);
 
 /// The photographs of the scene `path`.
-pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let scene = read_json(path)?;
     let invalid = |place: &str, problem: &str| PhotosError::invalid(path, place, problem);
     let version = scene.get("version").and_then(numbers::<3>);
@@ -96,7 +95,7 @@ pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
         });
         drafts.points.push(DVec3::from_array(position), color, track);
     }
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 /// Whether a view stands where its rig does, and not where its own pose is.

@@ -8,7 +8,6 @@ use super::draft::{Draft, Drafts};
 use super::error::{PhotosError, read_file};
 use super::lens::{Lens, Origin};
 use super::text::Text;
-use super::view_set::ViewSet;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
@@ -20,7 +19,7 @@ pub(super) const SUFFIX: &str = "_par.txt";
 const MOST_SKEW: f64 = 1e-4;
 
 /// The photographs of the par file `path`.
-pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
@@ -40,7 +39,7 @@ pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
             path.display()
         ));
     }
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 fn lens(k: [f64; 9]) -> Result<Lens, String> {

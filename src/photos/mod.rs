@@ -7,6 +7,9 @@
 //! sizes, and makes cameras (`lens`) and poses of them. What is wrong with one photograph costs that one, and a note of
 //! the set says so.
 //!
+//! A [`Calibration`] is what a file lists before that. Where it lists cameras that filmed, it is a [`Rig`], and each
+//! moment becomes a set.
+//!
 //! [`PreparedPhoto`] is a photograph as drawing takes it: masked, undistorted to a pinhole, and halved as often as
 //! [`halvings_within`] a budget of memory says. [`gains`] makes photographs of different exposures agree.
 //! [`LoadedPhotographs`] are all of a set, with the levels of their [`Texture`]s.
@@ -14,6 +17,7 @@
 mod budget;
 mod bundler;
 mod bytes;
+mod calibration;
 mod colmap;
 mod depth_file;
 mod draft;
@@ -34,6 +38,7 @@ mod photographs;
 mod picture_file;
 mod points;
 mod prepared;
+mod rig;
 mod shared_points;
 mod text;
 mod texture;
@@ -42,9 +47,11 @@ mod undistort;
 mod view_set;
 
 pub use budget::{halvings_within, texture_bytes};
+pub use calibration::Calibration;
 pub use colmap::colmap_depth;
 pub use depth_file::{DepthFile, DepthKind};
 pub use error::PhotosError;
+pub use files::is_picture;
 pub use find::{Format, Found, find};
 pub use gains::gains;
 pub use loading::LoadedPhotographs;
@@ -54,6 +61,7 @@ pub use photo_image::PhotoImage;
 pub use photographs::{Photograph, Photographs};
 pub use points::{Observation, SparsePoints};
 pub use prepared::PreparedPhoto;
+pub use rig::Rig;
 pub use texture::Texture;
 pub use undistort::{Extent, pinhole_of, undistort};
 pub use view_set::{Neighbour, ReprojectionError, ViewSet};

@@ -16,7 +16,6 @@ use super::error::{PhotosError, read_file};
 use super::lens::{Focal, Lens, Origin};
 use super::points::{Observation, SparsePoints};
 use super::text::Text;
-use super::view_set::ViewSet;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::path::Path;
@@ -40,7 +39,7 @@ struct Model {
 }
 
 /// The photographs of the file `path`.
-pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_file(path)?;
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
@@ -95,7 +94,7 @@ pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
         drafts.photos = model.cameras;
         drafts.points = model.points;
     }
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 fn model(text: &mut Text<'_>, camera_count: u64, fixed: Option<Fixed>) -> Result<Model, PhotosError> {

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub struct Photo {
     /// Its name in the file that lists it, as it is written there.
     pub name: String,
-    /// Its file.
+    /// Its file; empty where its camera has none of the moment ([`Photo::has_file`]).
     pub path: PathBuf,
     /// The camera, of the size of the file's image.
     pub camera: Camera,
@@ -26,6 +26,11 @@ pub struct Photo {
 }
 
 impl Photo {
+    /// Whether there is a photograph, and not only a camera that has none of a moment.
+    pub fn has_file(&self) -> bool {
+        !self.path.as_os_str().is_empty()
+    }
+
     /// Where its camera stood, in the world.
     pub fn center(&self) -> DVec3 {
         center_of(self.camera_from_world)

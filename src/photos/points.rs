@@ -83,6 +83,17 @@ impl SparsePoints {
         &self.observations
     }
 
+    /// At most `most` of the points, evenly taken, without their tracks and normals.
+    #[must_use]
+    pub(super) fn some(&self, most: usize) -> Self {
+        let every = self.len().div_ceil(most.max(1)).max(1);
+        let mut some = Self::default();
+        for (&position, &color) in self.positions.iter().zip(&self.colors).step_by(every) {
+            some.push(position, color, []);
+        }
+        some
+    }
+
     /// The same points with what `change` makes of each observation; `None` takes it off its track.
     #[must_use]
     pub(super) fn with_observations(mut self, change: impl Fn(Observation) -> Option<Observation>) -> Self {
@@ -120,6 +131,21 @@ mod tests {
         assert_eq!(points.track(3), []);
         assert!(!points.set_normals(vec![Vec3::Z]) && points.normals().is_none());
         assert!(points.set_normals(vec![Vec3::Z; 3]) && points.normals().is_some());
+    }
+
+    #[test]
+    fn some_points_are_taken_evenly_and_have_no_tracks() {
+        let mut points = SparsePoints::default();
+        for at in 0..10 {
+            points.push(f64::from(at) * DVec3::X, [at as u8; 3], [seen(0)]);
+        }
+        let some = points.some(4);
+        let places: Vec<f64> = some.positions().iter().map(|place| place.x).collect();
+        assert_eq!(places, [0.0, 3.0, 6.0, 9.0]);
+        assert_eq!(some.colors()[1], [3; 3]);
+        assert!(some.observations().is_empty());
+        assert_eq!(points.some(100).len(), 10);
+        assert_eq!(points.some(0).len(), 1);
     }
 
     #[test]

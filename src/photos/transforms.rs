@@ -11,7 +11,6 @@ use super::draft::{Draft, Drafts};
 use super::error::PhotosError;
 use super::json::{array_at, number, number_at, read as read_json, side};
 use super::lens::{Focal, Lens, Origin};
-use super::view_set::ViewSet;
 use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
@@ -26,7 +25,7 @@ pub(super) fn is_transforms(head: &str) -> bool {
 }
 
 /// The photographs of the file `path`.
-pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let file = read_json(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let mut drafts = Drafts::new(path, vec![folder.clone()]);
@@ -49,7 +48,7 @@ pub(super) fn read(path: &Path) -> Result<ViewSet, PhotosError> {
         Some(points) => drafts.notes.push(format!("no points: {} is missing", points.display())),
         None => {}
     }
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
@@ -66,6 +65,7 @@ fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
                 path,
                 kind: DepthKind::Scaled(scale.unwrap_or(USUAL_DEPTH_SCALE)),
             }),
+        time: number_at(frame, "time").filter(|time| time.is_finite()),
         ..Draft::at(name, lens(file, frame), axes, center)
     }
 }

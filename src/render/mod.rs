@@ -43,8 +43,11 @@ pub struct RenderStats {
     pub resident_bytes: u64,
     /// Draw calls of the last picture.
     pub draw_calls: u32,
-    /// Records handed to draw calls of the last picture, each pass counted.
+    /// Records handed to draw calls of the last picture, each pass counted; by the software renderer to tiles, each
+    /// tile counted.
     pub drawn_instances: u64,
+    /// Records of the last picture, each counted once.
+    pub records: u64,
     /// CPU time of the last [`Renderer::prepare`].
     pub prepare_ms: f64,
     /// CPU time of the last [`Renderer::render`]: encoding and, unless the window does it, submission.

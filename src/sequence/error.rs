@@ -1,6 +1,7 @@
 //! What can be wrong with one frame of a sequence.
 
 use crate::cloud::CloudError;
+use crate::messages::frame_by_index;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -57,7 +58,7 @@ pub enum FrameError {
         path: PathBuf,
     },
     /// It came from something that cannot be rewound, and nobody has kept it.
-    #[error("{}: frame {index} is gone: it was live and is kept nowhere", path.display())]
+    #[error("{}: {} is gone: it was live and is kept nowhere", path.display(), frame_by_index(*index))]
     Gone {
         /// Index in the sequence.
         index: usize,
@@ -76,7 +77,7 @@ pub enum FrameError {
         message: String,
     },
     /// An index beyond the end.
-    #[error("there is no frame {index}: the sequence has {count} frames, counted from 0")]
+    #[error("there is no frame {index}: the sequence has {count} frames, and indices count from 0")]
     NoSuchFrame {
         /// The index asked for.
         index: usize,

@@ -10,7 +10,8 @@ use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
 use crate::source::{
-    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameList, OpenOptions, SequenceError, Source,
+    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameEntry, FrameList, OpenOptions,
+    SequenceError, Source,
 };
 use crate::timeline::{DEFAULT_FPS, Pace};
 use glam::DVec3;
@@ -92,6 +93,11 @@ impl Sequence {
     /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
     pub fn demo() -> Self {
         Self::of(source::demo())
+    }
+
+    /// An example embedded in the program.
+    pub fn example(example: Example) -> Self {
+        Self::of_shared(example.source(), None)
     }
 
     /// Frames that one function decodes: see [`FrameList`].

@@ -1,7 +1,7 @@
 //! Takes frames that come while a sequence is open: from a folder that a scanner writes into, or from a stream.
 
 use super::{Sequence, SequenceError};
-use crate::source::ConnectionWatch;
+use crate::source::{ConnectionWatch, Live};
 use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -36,7 +36,7 @@ fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
             // A folder on a network comes and goes; what is open stays.
             Err(error) => log::debug!("{error}"),
         }
-        let status = source.live().map(|live| live.status());
+        let status = source.live().map(Live::status);
         let change = status.and_then(|status| connection.look(&status, begun.elapsed()));
         if change.is_some() {
             wake();

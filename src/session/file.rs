@@ -4,7 +4,7 @@ use super::error::SessionError;
 use super::model::{Session, Unknown};
 use super::paths::{as_text, joined};
 use super::text;
-use super::written::{self, VERSION, Version, Written, clip_fields, label_fields, measured_fields};
+use super::written::{self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields};
 use crate::kept::{self, Fields};
 use crate::scene::Style;
 use crate::timeline::PlayRange;
@@ -137,6 +137,7 @@ impl ReadSession {
             measurements,
             labels,
             path: written.camera_path,
+            compare: written.compare.map(|compared| compared.read_in(folder)),
             unknown: Unknown {
                 session: written.unknown,
                 settings: unknown_settings,
@@ -235,6 +236,8 @@ impl Session {
         let measured: Vec<Value> = measured.map(|measured| value_of(measured_fields(measured))).collect();
         let view = self.view.map(|view| view.to_string());
         let clip = self.clip.as_ref().map(|clip| value_of(clip_fields(clip)));
+        let compared = self.compare.as_ref().map(|compared| compare_fields(compared, folder));
+        let compared = compared.transpose()?;
         let fields = [
             ("pointreel_session", Value::from(VERSION)),
             ("files", value_of(files)),
@@ -250,6 +253,7 @@ impl Session {
             ("measurements", measured.into()),
             ("clip", value_of(clip)),
             ("camera_path", value_of(&self.path)),
+            ("compare", value_of(compared)),
             ("settings", settings.into()),
         ];
         // What there is none of needs no line.

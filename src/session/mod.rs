@@ -2,8 +2,8 @@
 //!
 //! **How it works.** A session is JSON, as settings, presets and camera paths are (`text.rs`): the files by their paths
 //! from the folder of the session, how they are read, the frame, the view as the line that the window copies, all
-//! settings by the words of the command line, clip, range, markers, measurements, labels and the camera path. The same
-//! folder on another machine opens as it was left, in a window and by `render`.
+//! settings by the words of the command line, clip, range, markers, measurements, labels, the camera path, and what is
+//! beside it. The same folder on another machine opens as it was left, in a window and by `render`.
 //!
 //! **What outlives versions.** A session of a later version of the format is refused, as the same word may mean
 //! something else there. Fields that are not known are kept and written again; settings that cannot be read are as by
@@ -22,5 +22,5 @@ mod written;
 
 pub use error::SessionError;
 pub use file::{EXTENSION, ReadSession, is_session, session_of};
-pub use model::{Marker, Measured, MeasuredPoint, Session, Unknown};
+pub use model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint, Session, Unknown};
 pub use reading::Reading;

@@ -33,6 +33,8 @@ pub struct Session {
     pub labels: Vec<Label>,
     /// The camera path.
     pub path: Option<CameraPath>,
+    /// The sequence beside it.
+    pub compare: Option<Compared>,
     /// What another version of the program wrote beside it.
     pub unknown: Unknown,
 }
@@ -42,6 +44,46 @@ impl Session {
     pub fn style(&self) -> Style {
         self.settings.with(|style| style.of_sequence.clip = self.clip)
     }
+}
+
+/// A sequence beside that of the session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// What was opened: as [`Session::inputs`].
+    pub inputs: Vec<PathBuf>,
+    /// Its topic, of a recording with several.
+    pub topic: Option<String>,
+    /// By what frames belong together; as is usual for the two if `None`.
+    pub by: Option<ComparedBy>,
+    /// Its frames are so many later.
+    pub offset_frames: i64,
+    /// How both are laid out.
+    pub layout: ComparedLayout,
+    /// Where the line between both is, as a share of the width.
+    pub line: f64,
+}
+
+/// By what frames of two sequences belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComparedBy {
+    /// Their places in the sequences.
+    Index,
+    /// The numbers in their names.
+    Number,
+    /// When they were taken.
+    Time,
+}
+
+/// How two pictures are laid out.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComparedLayout {
+    /// Each in a half of its own.
+    #[default]
+    SideBySide,
+    /// One over the other, with a line between them.
+    Line,
 }
 
 /// Fields of a file that are not known here, and are written again.

@@ -89,6 +89,7 @@ mod tests {
             ("/data/x/../a.ply", "/data/walk", "/data/x/../a.ply"),
             ("demo:", "/data/walk", "demo:"),
             ("torus:2000", "/data/walk", "torus:2000"),
+            ("example:lidar", "/data/walk", "example:lidar"),
             ("http://127.0.0.1:80/a.reel", "/data/walk", "http://127.0.0.1:80/a.reel"),
             ("udp://:2368", "/data", "udp://:2368"),
         ] {

@@ -121,6 +121,62 @@ fn clip() -> impl Strategy<Value = Clip> {
     })
 }
 
+fn compared() -> impl Strategy<Value = Compared> {
+    let by = prop::option::of(prop_oneof![
+        Just(ComparedBy::Index),
+        Just(ComparedBy::Number),
+        Just(ComparedBy::Time)
+    ]);
+    let layout = prop_oneof![Just(ComparedLayout::SideBySide), Just(ComparedLayout::Line)];
+    (
+        prop::option::of("[a-z/]{1,10}"),
+        by,
+        any::<i64>(),
+        layout,
+        0u16..=10_000,
+    )
+        .prop_map(|(topic, by, offset_frames, layout, line)| Compared {
+            inputs: vec!["/data/walk/smooth".into(), "demo:".into()],
+            topic,
+            by,
+            offset_frames,
+            layout,
+            line: f64::from(line) / 1e4,
+        })
+}
+
+#[test]
+fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
+    let with = |compare: &str| {
+        let compare = format!("\"compare\": {compare},\n  \"frame\"");
+        read(&BY_HAND.replace("\"frame\": 7", &format!("{compare}: 7")))
+    };
+    let compared = with(r#"{"files": ["smooth"], "layout": "line"}"#)
+        .unwrap()
+        .session
+        .compare;
+    let expected = Compared {
+        inputs: vec!["/data/walk/smooth".into()],
+        topic: None,
+        by: None,
+        offset_frames: 0,
+        layout: ComparedLayout::Line,
+        line: 0.5,
+    };
+    assert_eq!(compared, Some(expected));
+    assert_eq!(read(BY_HAND).unwrap().session.compare, None);
+    for (wrong, expected) in [
+        (r#"{"files": []}"#, "expected at least one"),
+        (r#"{"files": ["a"], "line": 1.5}"#, "expected 0 to 1"),
+        (r#"{"files": ["a"], "by": "colour"}"#, "colour"),
+        (r#"{"files": ["a"], "of later": 1}"#, "of later"),
+        ("7", "expected an object in braces"),
+    ] {
+        let said = with(wrong).unwrap_err().to_string();
+        assert!(said.contains(expected) && said.contains("line "), "{wrong}: {said}");
+    }
+}
+
 fn session() -> impl Strategy<Value = Session> {
     let settings = (0.1f32..10.0, 0usize..3, any::<bool>()).prop_map(|(scale, primitive, grid)| {
         Style::default()
@@ -159,9 +215,10 @@ fn session() -> impl Strategy<Value = Session> {
         prop::collection::vec(measured(), 0..4),
         prop::collection::vec(label(), 0..6),
         prop::option::of(path()),
+        prop::option::of(compared()),
     );
     (view, marks).prop_map(
-        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path))| Session {
+        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path, compare))| Session {
             inputs: vec!["/data/walk/scans".into(), "/data/b.ply".into(), "demo:".into()],
             reading,
             frame,
@@ -173,6 +230,7 @@ fn session() -> impl Strategy<Value = Session> {
             measurements,
             labels,
             path,
+            compare,
             unknown: Unknown::default(),
         },
     )

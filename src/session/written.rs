@@ -3,7 +3,9 @@
 //! How it works: each object is read field by field and then checked while the parser is at its end ([`checked`]), so
 //! that every error has the line of the object that it is in.
 
-use super::model::{Marker, Measured, MeasuredPoint};
+use super::SessionError;
+use super::model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint};
+use super::paths::{as_text, joined};
 use super::reading::Reading;
 use crate::kept::Fields;
 use crate::scene::{Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Label};
@@ -14,6 +16,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
+use std::path::Path;
 
 /// The version that is written. It changes where the same word would mean something else; further fields need no other
 /// version.
@@ -54,8 +57,79 @@ pub(super) struct Written {
     pub(super) labels: Vec<WrittenLabel>,
     #[serde(default)]
     pub(super) camera_path: Option<CameraPath>,
+    #[serde(default)]
+    pub(super) compare: Option<WrittenCompared>,
     #[serde(flatten)]
     pub(super) unknown: Fields,
+}
+
+/// A sequence beside that of the session.
+#[derive(Debug, Clone)]
+pub(super) struct WrittenCompared(CompareFields);
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CompareFields {
+    files: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    topic: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    by: Option<ComparedBy>,
+    #[serde(default)]
+    offset: i64,
+    #[serde(default)]
+    layout: ComparedLayout,
+    #[serde(default = "middle")]
+    line: f64,
+}
+
+fn middle() -> f64 {
+    0.5
+}
+
+impl<'de> Deserialize<'de> for WrittenCompared {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        checked(deserializer, |fields: CompareFields| {
+            if fields.files.is_empty() {
+                return Err("`compare` has no `files`: expected at least one, such as \"smooth\"".to_owned());
+            }
+            if !(0.0..=1.0).contains(&fields.line) {
+                return Err(format!(
+                    "the `line` of `compare` is at {}: expected 0 to 1",
+                    fields.line
+                ));
+            }
+            Ok(Self(fields))
+        })
+    }
+}
+
+impl WrittenCompared {
+    /// What a session in `folder` means by it.
+    pub(super) fn read_in(self, folder: &Path) -> Compared {
+        let Self(fields) = self;
+        Compared {
+            inputs: fields.files.iter().map(|text| joined(folder, text)).collect(),
+            topic: fields.topic,
+            by: fields.by,
+            offset_frames: fields.offset,
+            layout: fields.layout,
+            line: fields.line,
+        }
+    }
+}
+
+/// As a session in `folder` holds it.
+pub(super) fn compare_fields(compared: &Compared, folder: &Path) -> Result<CompareFields, SessionError> {
+    let files = compared.inputs.iter().map(|input| as_text(input, folder));
+    Ok(CompareFields {
+        files: files.collect::<Result<_, _>>()?,
+        topic: compared.topic.clone(),
+        by: compared.by,
+        offset: compared.offset_frames,
+        layout: compared.layout,
+        line: compared.line,
+    })
 }
 
 fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Camera>, D::Error> {
@@ -294,7 +368,9 @@ impl<'de> Deserialize<'de> for WrittenLabel {
             let mut frames = PlayRange::default();
             match (fields.from, fields.to) {
                 (Some(from), Some(to)) if from > to => {
-                    return Err(format!("a label is shown from frame {from} to frame {to}"));
+                    return Err(format!(
+                        "a label is shown from frame {from} to frame {to}, counted from 0"
+                    ));
                 }
                 (from, to) => {
                     frames = from.map_or(frames, |from| frames.beginning_at(from));

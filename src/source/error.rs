@@ -49,14 +49,16 @@ pub enum SequenceError {
     },
     /// Frames are to be made, but of what is not known.
     #[error(
-        "{input} is nothing that can be made: name demo:, a shape ({shapes}) and 1 to {most_points} points, such as \
-         torus:100000, or a turning one, spin:torus:100000"
+        "{input} is nothing that can be made: name demo:, an example ({examples}), such as example:lidar, a shape \
+         ({shapes}) and 1 to {most_points} points, such as torus:100000, or a turning one, spin:torus:100000"
     )]
     NotGenerated {
         /// The input as given.
         input: String,
-        /// What there is.
+        /// What shapes there are.
         shapes: String,
+        /// What examples there are.
+        examples: String,
         /// Most points of a frame.
         most_points: usize,
     },

@@ -1,6 +1,6 @@
 //! Sources that are no files: words where files are named.
 
-use super::{SequenceError, Shape, Source, Spin, demo};
+use super::{Example, SequenceError, Shape, Source, Spin, demo};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ const MOST_POINTS: usize = 50_000_000;
 pub enum Generated {
     /// `demo:`: the built-in sequence.
     Demo,
+    /// `example:lidar`: a built-in example.
+    Example(Example),
     /// `torus:` or `torus:20000`: one frame of a shape, of so many points.
     Shape(Shape, usize),
     /// `spin:torus:20000`: the shape as it turns, live.
@@ -32,6 +34,10 @@ impl Generated {
         };
         let named = match word {
             "demo" => rest.is_empty().then_some(Self::Demo),
+            "example" => Example::ALL
+                .into_iter()
+                .find(|example| example.name() == rest)
+                .map(Self::Example),
             "spin" => rest
                 .split_once(':')
                 .or(Some((rest, "")))
@@ -44,6 +50,7 @@ impl Generated {
         named.map(Some).ok_or_else(|| SequenceError::NotGenerated {
             input: input.display().to_string(),
             shapes: Shape::ALL.map(Shape::name).join(", "),
+            examples: Example::ALL.map(Example::name).join(", "),
             most_points: MOST_POINTS,
         })
     }
@@ -52,6 +59,7 @@ impl Generated {
     pub fn source(self) -> Arc<dyn Source> {
         match self {
             Self::Demo => Arc::new(demo()),
+            Self::Example(example) => example.source(),
             Self::Shape(shape, points) => Arc::new(shape.frame(points)),
             Self::Spin(shape, points) => Arc::new(Spin::new(shape, points)),
         }
@@ -81,6 +89,7 @@ mod tests {
     #[test]
     fn words_before_a_colon_are_sources() {
         assert_eq!(named("demo:"), Ok(Some(Generated::Demo)));
+        assert_eq!(named("example:lidar"), Ok(Some(Generated::Example(Example::Lidar))));
         let sphere = |points| Ok(Some(Generated::Shape(Shape::Sphere, points)));
         assert_eq!(named("sphere:"), sphere(USUAL_POINTS));
         assert_eq!(named("sphere:12"), sphere(12));
@@ -102,10 +111,15 @@ mod tests {
             "spin:dodo:10",
             "spin:torus:-1",
             "demo:1",
+            "example:",
+            "example:dodo",
         ] {
             let error = named(wrong).unwrap_err();
             assert!(error.contains(wrong), "{error}");
-            assert!(error.contains("sphere, torus, cube, saddle"), "{error}");
+            assert!(
+                error.contains("sphere, torus, cube, saddle") && error.contains("lidar, depth"),
+                "{error}"
+            );
         }
     }
 }

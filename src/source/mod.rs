@@ -12,12 +12,14 @@ mod as_reel;
 mod demo;
 mod entry;
 mod error;
+mod examples;
 mod files;
 mod generated;
 mod http;
 mod list;
 mod live;
 mod options;
+mod photo_video;
 mod photos;
 mod reel;
 mod rgbd;
@@ -30,6 +32,7 @@ pub use as_reel::AsReel;
 pub use demo::demo;
 pub use entry::{FrameBytes, FrameEntry};
 pub use error::SequenceError;
+pub use examples::Example;
 pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
@@ -37,6 +40,7 @@ pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
 pub use options::OpenOptions;
+pub use photo_video::PhotoVideo;
 pub use photos::PhotoScene;
 pub use reel::Reel;
 pub use rgbd::{MergedFrames, RgbdError, RgbdOptions, RgbdRecording};
@@ -46,14 +50,15 @@ pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
 pub use traits::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameSample, Source};
 
+use crate::photos::PhotosError;
 use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The source that `inputs` name: one that is [`Generated`], a sensor ([`LiveScanner`]), a stream ([`LiveStream`]) or
-/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs ([`PhotoScene`]),
-/// a recording of depth images ([`RgbdRecording`]), else files, folders and patterns. `progress` counts the files that
-/// were looked at, and may be cancelled.
+/// what was recorded of one ([`RecordedStream`]), a sequence file ([`Reel`]), calibrated photographs of one moment
+/// ([`PhotoScene`]) or of many ([`PhotoVideo`]), a recording of depth images ([`RgbdRecording`]), else files, folders
+/// and patterns. `progress` counts the files that were looked at, and may be cancelled.
 pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Arc<dyn Source>, SequenceError> {
     if let [input] = inputs
         && let Some(generated) = Generated::of_name(input)?
@@ -89,11 +94,32 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),
         };
     }
-    if let Some(scene) = PhotoScene::open(inputs, options).map_err(|error| SequenceError::Photos(Box::new(error)))? {
-        return Ok(Arc::new(scene));
+    if let Some(photographs) = open_photographs(inputs, options)? {
+        return Ok(photographs);
     }
     if let Some(recording) = rgbd::open(inputs, options)? {
         return Ok(recording);
     }
     Ok(Arc::new(Files::open(inputs, options, progress)?))
+}
+
+/// Calibrated photographs, if those are the one input.
+fn open_photographs(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    let [input] = inputs else { return Ok(None) };
+    let wrong = |error: PhotosError| SequenceError::Photos(Box::new(error));
+    let Some(found) = crate::photos::find(input).map_err(wrong)? else {
+        let sets = PhotoVideo::of_sets(inputs, options);
+        return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
+    };
+    let calibration = found.calibration().map_err(wrong)?;
+    Ok(Some(
+        match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
+            Ok(video) => Arc::new(video),
+            Err(calibration) => Arc::new(PhotoScene::of(
+                calibration.photographs().map_err(wrong)?,
+                input,
+                options,
+            )),
+        },
+    ))
 }

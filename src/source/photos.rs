@@ -7,12 +7,12 @@
 use super::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Part};
-use crate::photos::{self, PhotosError, ViewSet};
+use crate::photos::ViewSet;
 use crate::progress::Progress;
 use crate::stereo::Dense;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Photographs of one scene.
@@ -25,24 +25,14 @@ pub struct PhotoScene {
 }
 
 impl PhotoScene {
-    /// The photographs of the folder or file that is the one input; `None` if it is of another kind.
-    ///
-    /// # Errors
-    /// [`PhotosError`], once something says that there are calibrated photographs.
-    pub fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Self>, PhotosError> {
-        let [input] = inputs else {
-            return Ok(None);
-        };
-        let Some(found) = photos::find(input)? else {
-            return Ok(None);
-        };
-        let set = found.read()?;
-        Ok(Some(Self {
-            entry: Arc::new(FrameEntry::file(set.points_file.as_ref().unwrap_or(input))),
+    /// The photographs of the folder or file that is the one input.
+    pub(super) fn of(set: ViewSet, input: &Path, options: &OpenOptions) -> Self {
+        Self {
+            entry: Arc::new(FrameEntry::file(set.points_file.as_deref().unwrap_or(input))),
             set: Arc::new(set),
-            inputs: inputs.to_vec(),
+            inputs: vec![input.to_owned()],
             options: options.clone(),
-        }))
+        }
     }
 }
 
@@ -57,7 +47,7 @@ impl Source for PhotoScene {
 
     fn decoder(&self) -> Box<dyn Decoder> {
         let (set, options) = (Arc::clone(&self.set), self.options.clone());
-        Box::new(move |_: &FrameEntry, progress: &Progress| cloud(&set, &options, progress))
+        Box::new(move |_: &FrameEntry, progress: &Progress| cloud_of_set(&set, &options, &Dense::default(), progress))
     }
 
     fn inputs(&self) -> &[PathBuf] {
@@ -75,11 +65,16 @@ impl Source for PhotoScene {
 
 /// The sparse points of a set, or of the file that it names; where there are none, and where they are wanted, dense
 /// ones by stereo.
-fn cloud(set: &ViewSet, options: &OpenOptions, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+pub(super) fn cloud_of_set(
+    set: &ViewSet,
+    options: &OpenOptions,
+    dense: &Dense,
+    progress: &Progress,
+) -> Result<RawCloud, DecodeFailure> {
     let points = &set.points;
     let file = set.points_file.as_ref().filter(|_| points.is_empty());
     if options.dense || (points.is_empty() && file.is_none()) {
-        return Ok(Dense::default().cloud(set, progress)?);
+        return Ok(dense.cloud(set, progress)?);
     }
     if let Some(file) = file {
         return Ok(io::read_part_observed(file, &Part::Whole, &options.read, progress)?);

@@ -4,6 +4,7 @@ use super::files::number;
 use super::http::HttpFile;
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
 use super::{SequenceError, Source};
+use crate::io::ReadOptions;
 use crate::locks::{lock, read, write};
 use crate::progress::Progress;
 use crate::reel::{MAGIC, ReadAt, ReelDecoder, ReelError, ReelFile};
@@ -21,6 +22,8 @@ pub struct Reel {
     notes: Vec<String>,
     /// Held by whoever looks whether there is more.
     looking: Mutex<()>,
+    /// It is in the program.
+    is_embedded: bool,
 }
 
 /// What decoders share with the source.
@@ -70,6 +73,23 @@ impl Reel {
                 opened: RwLock::new(opened),
                 max_memory_bytes: options.read.max_memory_bytes,
             }),
+            is_embedded: false,
+        })
+    }
+
+    /// The frames of a file in the program, which has this name.
+    pub(super) fn embedded(name: &str, bytes: &'static [u8]) -> Result<Self, ReelError> {
+        let path = PathBuf::from(name);
+        let opened = Opened::of(Arc::new(Arc::<[u8]>::from(bytes)), &path)?;
+        Ok(Self {
+            notes: Vec::new(),
+            inputs: [path],
+            looking: Mutex::default(),
+            shared: Arc::new(Shared {
+                opened: RwLock::new(opened),
+                max_memory_bytes: ReadOptions::default().max_memory_bytes,
+            }),
+            is_embedded: true,
         })
     }
 
@@ -172,7 +192,7 @@ impl Source for Reel {
     /// A scanner may write while others read.
     fn may_grow(&self) -> bool {
         let [path] = &self.inputs;
-        !Self::is_url(path)
+        !self.is_embedded && !Self::is_url(path)
     }
 
     fn look_again(&self) -> Result<usize, SequenceError> {

@@ -2,9 +2,10 @@
 //!
 //! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
 //! points or, without any, around the place that all cameras look at; depths that views do not agree on are dropped,
-//! and what is left becomes points.
+//! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they like,
+//! and nobody has to know how far away things are.
 
-use super::{Consistency, PlaneSweep, StereoError, View, cloud, consistent};
+use super::{Consistency, Matching, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair};
 use crate::cloud::RawCloud;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
 use crate::progress::Progress;
@@ -89,6 +90,11 @@ impl Dense {
             });
         }
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
+        if let Some(mut pair) = of_pair(&small, &views)? {
+            progress.set(2, 2);
+            pair.warnings = reasons;
+            return Ok(pair);
+        }
         let middles = set.middles();
         let mut maps = Vec::with_capacity(small.len());
         progress.set(0, small.len());
@@ -135,7 +141,8 @@ impl Dense {
             let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
             Ok(Small { number, photo, image })
         };
-        let read: Vec<Result<Small, PhotosError>> = set.photos.par_iter().enumerate().map(read).collect();
+        let there = set.photos.par_iter().enumerate().filter(|(_, photo)| photo.has_file());
+        let read: Vec<Result<Small, PhotosError>> = there.map(read).collect();
         let (mut small, mut reasons) = (Vec::new(), Vec::new());
         for read in read {
             match read {
@@ -181,6 +188,22 @@ impl Small {
             .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
             .collect()
     }
+}
+
+/// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
+/// rectified or show nothing of one another.
+fn of_pair(small: &[Small], views: &[View<'_>]) -> Result<Option<RawCloud>, StereoError> {
+    let ([first, _], &[view, other]) = (small, views) else {
+        return Ok(None);
+    };
+    let Ok(found) = depths_of_pair([view, other], &Matching::default(), None) else {
+        return Ok(None);
+    };
+    let Some(map) = DepthImage::new(first.image.size_px(), first.masked(&found)) else {
+        return Ok(None);
+    };
+    let pair = cloud(&[map], &[view])?;
+    Ok((!pair.positions.is_empty()).then_some(pair))
 }
 
 /// Between which depths the surface before a photograph is.

@@ -2,6 +2,7 @@
 
 use pointreel::cloud::RawCloud;
 use pointreel::io;
+use pointreel::progress::Progress;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -223,6 +224,127 @@ fn archives_join_their_arrays() {
         zip::CompressionMethod::Stored,
     );
     assert!(refused("a.npz", &none).contains("found a, b"));
+}
+
+/// The numbers 100 t + 10 n + c of `layers` of 3 points, in the order of C or of Fortran.
+fn layered(layers: usize, fortran: bool) -> Vec<u8> {
+    let number = |t: usize, n: usize, c: usize| (100 * t + 10 * n + c) as f32;
+    let mut values = Vec::new();
+    if fortran {
+        for (c, n) in (0..3).flat_map(|c| (0..3).map(move |n| (c, n))) {
+            values.extend((0..layers).map(|t| number(t, n, c)));
+        }
+    } else {
+        for (t, n) in (0..layers).flat_map(|t| (0..3).map(move |n| (t, n))) {
+            values.extend((0..3).map(|c| number(t, n, c)));
+        }
+    }
+    let payload: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    npy(1, "'<f4'", fortran, &format!("({layers}, 3, 3)"), &payload)
+}
+
+#[test]
+fn an_array_with_layers_is_a_sequence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.npz");
+    let options = io::ReadOptions::default();
+    let expected = |t: usize| -> Vec<[f64; 3]> {
+        let point = |n: usize| [0, 1, 2].map(|c| (100 * t + 10 * n + c) as f64);
+        (0..3).map(point).collect()
+    };
+    for fortran in [false, true] {
+        let colors: Vec<u8> = (0..18).collect();
+        let file = npz(
+            &[
+                ("points", layered(2, fortran)),
+                ("colors", npy(1, "'|u1'", false, "(2, 3, 3)", &colors)),
+                (
+                    "normals",
+                    floats("(3, 3)", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]),
+                ),
+                ("intensity", floats("(2, 3)", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+                ("betas", floats("(10,)", &[0.0; 10])),
+            ],
+            zip::CompressionMethod::Deflated,
+        );
+        std::fs::write(&path, &file).unwrap();
+        let entries = io::list(&path, &options).unwrap();
+        assert_eq!(entries.len(), 2);
+        let shared = io::SharedFile::default();
+        for (t, entry) in entries.iter().enumerate() {
+            assert_eq!(
+                (&entry.name, &entry.part),
+                (&format!("frame {}", t + 1), &io::Part::Layer(t))
+            );
+            let cloud = io::read_part(&path, &entry.part, &options).unwrap();
+            assert_eq!(positions(&cloud), expected(t), "{fortran}");
+            let first = 9 * t as u8;
+            assert_eq!(
+                cloud.attributes.colors.as_ref().unwrap()[0],
+                [first, first + 1, first + 2, 255]
+            );
+            // What is not of each frame is of all of them.
+            assert_eq!(cloud.attributes.normals.as_ref().unwrap()[2], [1.0, 0.0, 0.0]);
+            let intensity = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][t];
+            assert_eq!(cloud.attributes.scalars[0].values, intensity);
+            assert!(
+                cloud
+                    .assumption
+                    .as_ref()
+                    .unwrap()
+                    .contains("each of 2 layers of 3 points")
+            );
+            let same = shared.read_part(&path, &entry.part, &options, &Progress::default());
+            assert_eq!(same.unwrap(), cloud);
+        }
+        assert_eq!(
+            positions(&read("walk.npz", &file)),
+            expected(0),
+            "the first where one is asked for"
+        );
+        let beyond = io::read_part(&path, &io::Part::Layer(2), &options).unwrap_err();
+        assert!(beyond.to_string().contains("there is no layer 2, only 2"), "{beyond}");
+    }
+}
+
+#[test]
+fn layers_that_are_only_claimed_are_no_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
+    let options = io::ReadOptions::default();
+    let frames = |shape: &str, bytes: usize| {
+        let array = npy(1, "'<f4'", false, shape, &vec![0; bytes]);
+        std::fs::write(&path, npz(&[("xyz", array)], zip::CompressionMethod::Stored)).unwrap();
+        io::list(&path, &options).unwrap().len()
+    };
+    assert_eq!(frames("(4, 2, 3)", 96), 4);
+    assert_eq!(frames("(1, 8, 3)", 96), 1);
+    assert_eq!(
+        frames("(900000, 1000, 3)", 96),
+        1,
+        "more than a file of this size can hold"
+    );
+    assert_eq!(frames("(4611686018427387904, 4, 3)", 96), 1);
+    assert_eq!(frames("(4611686018427387904, 0, 3)", 0), 1, "layers of nothing");
+    assert_eq!(frames("(2, 3, 2)", 48), 1);
+    let error = io::read_part(&path, &io::Part::Whole, &options)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("2 × 3 × 2"), "{error}");
+    // Whatever is wrong with a file, it is one frame that says so.
+    for damaged in [&b"PK\x03\x04"[..], b"", b"no archive"] {
+        std::fs::write(&path, damaged).unwrap();
+        assert_eq!(io::list(&path, &options).map_or(1, |entries| entries.len()), 1);
+    }
+    let whole = npz(&[("xyz", layered(3, false))], zip::CompressionMethod::Deflated);
+    for length in 0..whole.len() {
+        let mut damaged = whole.clone();
+        damaged[length] ^= 0x41;
+        std::fs::write(&path, &damaged).unwrap();
+        for entry in io::list(&path, &options).unwrap_or_default().iter().take(4) {
+            let _ = io::read_part(&path, &entry.part, &options);
+        }
+    }
 }
 
 #[test]

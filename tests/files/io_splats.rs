@@ -1,7 +1,7 @@
 //! Packed Gaussian splats, written here by their published descriptions: positions, colours and ellipses are known.
 
 use glam::Vec3;
-use pointreel::cloud::RawCloud;
+use pointreel::cloud::{AxisConvention, RawCloud};
 use pointreel::io::{self, Part, ReadOptions};
 use std::io::Write as _;
 use std::path::Path;
@@ -69,38 +69,77 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
 /// Two splats: one of half axes e, 1 and e⁻² along x, y and z, and the same half a turn about the axis between y and z,
 /// which takes x to −x, y to z and z to y.
 fn spz(version: u32, count: u32) -> Vec<u8> {
+    let mut file = spz_header(version, count);
+    file.extend(spz_arrays(version).concat());
+    file
+}
+
+fn spz_header(version: u32, count: u32) -> Vec<u8> {
     let mut file = b"NGSP".to_vec();
     file.extend(version.to_le_bytes());
     file.extend(count.to_le_bytes());
     // No harmonics but the constant one; coordinates in 4096ths.
     file.extend([0, 12, 0, 0]);
-    for place in [[1.0, -2.5, 0.25], [-100.0, 0.0, 7.5]] {
-        for coordinate in place {
-            let fixed = (coordinate * 4096.0) as i32;
-            file.extend(&fixed.to_le_bytes()[..3]);
-        }
-    }
-    file.extend([255, 64]);
-    file.extend([128, 255, 0, 153, 128, 128]);
+    file
+}
+
+/// Positions, opacities, colours, sizes, rotations.
+fn spz_arrays(version: u32) -> [Vec<u8>; 5] {
+    let coordinates = [1.0f32, -2.5, 0.25, -100.0, 0.0, 7.5];
+    let positions = if version == 1 {
+        coordinates.map(half).concat()
+    } else {
+        let fixed = coordinates.map(|coordinate| (coordinate * 4096.0) as i32);
+        let bytes = fixed.iter().flat_map(|fixed| fixed.to_le_bytes()[..3].to_vec());
+        bytes.collect()
+    };
     let sizes = [1.0f32, 0.0, -2.0].map(|log| ((log + 10.0) * 16.0) as u8);
-    file.extend([sizes, sizes].concat());
-    if version == 2 {
-        file.extend([128, 128, 128]);
+    let rotations = if version < 3 {
         let part = |value: f32| (value * 127.5 + 127.5).round() as u8;
-        file.extend([part(0.0), part(HALF), part(HALF)]);
+        vec![128, 128, 128, part(0.0), part(HALF), part(HALF)]
     } else {
         // The real part, the last, is the largest; then y, with the others x, z and w.
-        file.extend((3u32 << 30).to_le_bytes());
-        let word = (1u32 << 30) | (511 << 10);
-        file.extend(word.to_le_bytes());
+        [3u32 << 30, (1u32 << 30) | (511 << 10)].map(u32::to_le_bytes).concat()
+    };
+    [
+        positions,
+        vec![255, 64],
+        vec![128, 255, 0, 153, 128, 128],
+        [sizes, sizes].concat(),
+        rotations,
+    ]
+}
+
+/// The same two splats as version 4 has them, with harmonics and a record of a vendor, which nobody here knows.
+fn spz_of_streams() -> Vec<u8> {
+    let harmonics = vec![128; 2 * 9];
+    let streams = [&spz_arrays(4)[..], &[harmonics]].concat();
+    let vendor = [&0xadbe_0002u32.to_le_bytes()[..], &4u32.to_le_bytes(), &[1, 2, 3, 4]].concat();
+    let mut file = spz_header(4, 2);
+    // Harmonics of the first degree, and the flag of extensions; then the number of streams.
+    (file[12], file[14], file[15]) = (1, 2, 6);
+    file.extend((32 + vendor.len() as u32).to_le_bytes());
+    file.extend([0; 12]);
+    file.extend(&vendor);
+    let packed: Vec<Vec<u8>> = streams
+        .iter()
+        .map(|stream| zstd::encode_all(&stream[..], 3).unwrap())
+        .collect();
+    for (stream, packed) in streams.iter().zip(&packed) {
+        file.extend((packed.len() as u64).to_le_bytes());
+        file.extend((stream.len() as u64).to_le_bytes());
     }
+    file.extend(packed.concat());
     file
 }
 
 #[test]
-fn spz_of_versions_2_and_3() {
-    for version in [2, 3] {
-        let file = gzip(&spz(version, 2));
+fn spz_of_every_version() {
+    for version in 1..=4 {
+        let file = match version {
+            4 => spz_of_streams(),
+            _ => gzip(&spz(version, 2)),
+        };
         let cloud = read("scene.spz", &file);
         let places = places(&cloud);
         near(places[0], Vec3::new(1.0, -2.5, 0.25), 1e-6);
@@ -113,6 +152,7 @@ fn spz_of_versions_2_and_3() {
         let e = std::f32::consts::E;
         is_ellipse(&cloud, 0, (e, 1.0), (Vec3::X, Vec3::Z));
         is_ellipse(&cloud, 1, (e, 1.0), (Vec3::X, Vec3::Y));
+        assert_eq!(cloud.convention, Some(AxisConvention::YUp));
         survives_damage("scene.spz", &spz(version, 2));
         survives_damage("scene.spz", &file);
     }
@@ -129,7 +169,8 @@ fn spz_of_versions_2_and_3() {
 fn spz_that_claims_too_much_is_refused() {
     assert!(refused("a.spz", &gzip(&spz(3, 3))).contains("of 3 splats are claimed"));
     assert!(refused("a.spz", &gzip(&spz(3, u32::MAX))).contains("claimed"));
-    assert!(refused("a.spz", &gzip(&spz(4, 2))).contains("version 4 is not read, expected 2 or 3"));
+    assert!(refused("a.spz", &gzip(&spz(4, 2))).contains("packed as a whole and says that it is of version 4"));
+    assert!(refused("a.spz", &gzip(&spz(0, 2))).contains("expected 1 to 3"));
     assert!(refused("a.spz", &gzip(b"NGSP")).contains("truncated"));
     assert!(refused("a.spz", &gzip(&[0; 64])).contains("NGSP"));
     let bomb = gzip(&vec![0; 1 << 20]);
@@ -140,6 +181,44 @@ fn spz_that_claims_too_much_is_refused() {
     std::fs::write(&path, bomb).unwrap();
     let error = io::read_part(&path, &Part::Whole, &options).unwrap_err().to_string();
     assert!(error.contains("--max-memory"), "{error}");
+}
+
+#[test]
+fn spz_of_streams_is_refused_where_its_table_lies() {
+    let file = spz_of_streams();
+    let table = 32 + 12;
+    let with = |at: usize, bytes: &[u8]| {
+        let mut wrong = file.clone();
+        wrong[at..at + bytes.len()].copy_from_slice(bytes);
+        refused("a.spz", &wrong)
+    };
+    assert!(with(4, &[5]).contains("version 5 is not read, expected 1 to 4"));
+    // More splats than there are bytes for, and more than fit into the memory.
+    assert!(with(8, &[3]).contains("the positions of 3 splats are 18 bytes, expected 27"));
+    assert!(
+        with(8, &[255; 4]).contains("splats are 18 bytes, expected") || with(8, &[255; 4]).contains("--max-memory")
+    );
+    assert!(with(15, &[4]).contains("4 streams"));
+    assert!(with(16, &[31]).contains("from byte 31 on"));
+    assert!(with(16, &[255; 4]).contains("truncated"));
+    assert!(with(table, &[255; 8]).contains("within the positions"));
+    let one_less = (file[table] - 1).to_le_bytes();
+    let said = with(table, &one_less);
+    assert!(
+        said.contains("the positions: ") || said.contains("the opacities: "),
+        "{said}"
+    );
+    assert!(refused("a.spz", &file[..31]).contains("truncated"));
+    // Of nothing there are no streams.
+    let mut empty = file[..32].to_vec();
+    (empty[8], empty[15]) = (0, 0);
+    assert_eq!(read("a.spz", &empty).positions.len(), 0);
+}
+
+#[test]
+fn trained_splats_have_y_down_where_nothing_says_otherwise() {
+    let cloud = read("a.splat", &[0; 32]);
+    assert_eq!(cloud.convention, Some(AxisConvention::UsuallyYDown));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Sets of calibrated photographs: one scene in every format, the half pixel of each, and what is broken.
 
 mod broken;
+mod film;
 mod scene;
 
 use glam::{DVec2, DVec3};

@@ -4,6 +4,7 @@ use super::settings::choose;
 use super::walk::{FRAMES, load_all, options};
 use super::window_on;
 use egui::accesskit::Role;
+use egui::{Shape, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::analysis::ColorMap;
@@ -84,6 +85,38 @@ fn a_field_is_shown_through_a_map_over_a_range() {
     choose(&mut harness, "Along", "-Z");
     settle(&mut harness);
     assert_eq!(color_of(&harness, 0), ColorMap::Turbo.color(1.0));
+}
+
+/// How far down a text is painted, if it is.
+fn bottom_of(harness: &Harness<'_, State>, text: &str) -> Option<f32> {
+    fn find(shape: &Shape, text: &str) -> Option<f32> {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().find_map(|shape| find(shape, text)),
+            Shape::Text(painted) if painted.galley.text() == text => Some(painted.pos.y + painted.galley.size().y),
+            _ => None,
+        }
+    }
+    let picture = harness.state().viewport.rect;
+    let shapes = harness.output().shapes.iter();
+    shapes
+        .filter(|clipped| picture.intersects(clipped.clip_rect))
+        .find_map(|clipped| find(&clipped.shape, text))
+}
+
+#[test]
+fn the_legend_of_a_small_window_leaves_the_axes_their_room() {
+    let mut harness = window(false);
+    choose(&mut harness, "Colours", "Heat");
+    settle(&mut harness);
+    harness.set_size(vec2(640.0, 480.0));
+    harness.run();
+    let LegendBody::Ramp { ticks, .. } = legend(&harness).unwrap().body else {
+        panic!("a field has a ramp");
+    };
+    let lowest = ticks.iter().filter_map(|(_, tick)| bottom_of(&harness, tick));
+    let lowest = lowest.fold(0.0, f32::max);
+    let axes = harness.state().viewport.rect.bottom() - 77.0;
+    assert!(lowest > 0.0 && lowest < axes, "{lowest} {axes}");
 }
 
 #[test]

@@ -27,8 +27,6 @@ fn menus_lists_and_colour_pickers_go_before_the_tool() {
     let swatch = |harness: &Harness<'_, State>| harness.get_by_role_and_label(Role::ColorWell, "Point colour").rect();
     let area = swatch(&harness);
     assert!(area.width() >= 16.0 && area.height() >= 12.0, "{area:?}");
-    // The picker has a sign that the font of the window lacks.
-    harness.ctx.set_missing_glyph_policy(egui::MissingGlyphPolicy::Tofu);
     harness.get_by_role_and_label(Role::ColorWell, "Point colour").click();
     harness.run();
     let is_picking = |harness: &Harness<'_, State>| egui::Popup::is_any_open(&harness.ctx);

@@ -102,6 +102,26 @@ fn a_label_is_painted_at_its_point_and_goes_with_it() {
 }
 
 #[test]
+fn saved_pictures_have_the_labels_of_the_window() {
+    let mut harness = labelled("knee");
+    let gray = image::Rgba([90, 90, 90, 255]);
+    let saved = |harness: &Harness<'_, State>| {
+        let picture = image::RgbaImage::from_pixel(640, 480, gray);
+        harness.state().joined(picture, None)
+    };
+    let picture = saved(&harness);
+    let place = harness.state().camera.to_px(corner(6), [640, 480]).unwrap();
+    assert_ne!(picture.get_pixel(place.x as u32, place.y as u32), &gray, "the dot");
+    // The text is to the right of it, above.
+    let changed = picture.enumerate_pixels().filter(|(_, _, pixel)| **pixel != gray);
+    let of_text = changed.filter(|(x, y, _)| f64::from(*x) > place.x + 8.0 && f64::from(*y) < place.y - 4.0);
+    assert!(of_text.count() > 100);
+    harness.get_by_role_and_label(Role::CheckBox, "Show labels").click();
+    harness.run();
+    assert!(saved(&harness).pixels().all(|pixel| *pixel == gray));
+}
+
+#[test]
 fn labels_have_times_and_are_gone_to_deleted_and_undone() {
     let mut harness = labelled("knee");
     let set = |harness: &mut Harness<'_, State>, label: &str, value: f64| {

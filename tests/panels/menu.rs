@@ -1,8 +1,8 @@
 //! The menus.
 
-use super::{FRAMES, click, options, sequence, window_on};
+use super::{FRAMES, click, options, press, sequence, window_on};
 use egui::accesskit::Role;
-use egui::{Theme, ThemePreference};
+use egui::{Key, Modifiers, Theme, ThemePreference};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use pointreel::app::{Command, Recent, State, StateOptions, WindowRequest};
@@ -42,6 +42,33 @@ fn menus_open_close_and_list_what_was_opened() {
     click(&mut harness, "File");
     choose_item(&mut harness, "Quit");
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Quit]);
+}
+
+#[test]
+fn what_there_is_nothing_to_do_for_is_grey() {
+    let mut harness = window_on(sequence(&[]), options());
+    let can_choose = |harness: &mut Harness<'_, State>, menu: &str, label: &str| {
+        click(harness, menu);
+        // The keys of an item are part of its name.
+        let is_it = |text: String| text.starts_with(label);
+        let is_grey = harness
+            .get_all_by_role(Role::Button)
+            .find(|node| node.accesskit_node().label().is_some_and(is_it))
+            .expect("the menu has the item")
+            .accesskit_node()
+            .is_disabled();
+        press(harness, Modifiers::NONE, Key::Escape);
+        !is_grey
+    };
+    assert!(!can_choose(&mut harness, "Edit", "Undo"));
+    assert!(!can_choose(&mut harness, "Edit", "Redo"));
+    assert!(!can_choose(&mut harness, "Benchmark", "Show the last result"));
+    press(&mut harness, Modifiers::NONE, Key::G);
+    assert!(can_choose(&mut harness, "Edit", "Undo"));
+    harness.state_mut().run(Command::Undo);
+    harness.run();
+    assert!(!can_choose(&mut harness, "Edit", "Undo"));
+    assert!(can_choose(&mut harness, "Edit", "Redo"));
 }
 
 #[test]

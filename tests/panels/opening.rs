@@ -7,6 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use pointreel::app::{State, StateOptions};
 use pointreel::sequence::{FrameEntry, Sequence};
+use pointreel::source::Example;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -141,6 +142,28 @@ fn what_was_opened_lately_is_offered_with_its_picture() {
     click(&mut harness, &name);
     until(&mut harness, "it is open again", |state| state.player.is_some());
     assert_eq!(harness.state().sequence_name().as_deref(), Some("scan.xyz"));
+}
+
+#[test]
+fn examples_are_opened_by_a_click_and_can_be_in_a_session() {
+    for example in Example::ALL {
+        let state = State::new(options());
+        let mut harness = Harness::builder()
+            .with_size([1280.0, 800.0])
+            .with_max_steps(20)
+            .build_ui_state(
+                |ui, state: &mut State| pointreel::app::panels::window_ui(ui, state),
+                state,
+            );
+        click(&mut harness, &format!("Example: {}", example.title()));
+        until(&mut harness, "it is not shown", |state| {
+            state.player.as_ref().is_some_and(|player| player.shown().is_some())
+        });
+        let state = harness.state();
+        assert_eq!(state.sequence_name(), Some(example.input()));
+        assert!(state.recent.entries().is_empty(), "it is in the menu");
+        assert_eq!(state.session().unwrap().inputs, [PathBuf::from(example.input())]);
+    }
 }
 
 #[test]

@@ -36,6 +36,68 @@ fn write_set(folder: &Path) {
     }
 }
 
+/// The same cameras, a folder each, with photographs of three moments: red is the moment.
+fn write_film(folder: &Path) {
+    write_set(folder);
+    fs::remove_dir_all(folder.join("images")).unwrap();
+    let images = folder.join("sparse/0/images.txt");
+    let text = fs::read_to_string(&images).unwrap();
+    let text = text
+        .replace("left.png", "left/0.png")
+        .replace("right.png", "right/0.png");
+    fs::write(images, text).unwrap();
+    fs::create_dir(folder.join("points")).unwrap();
+    for moment in 0..3_u8 {
+        for camera in ["left", "right"] {
+            let name = folder.join(camera).join(format!("{moment}.png"));
+            fs::create_dir_all(name.parent().unwrap()).unwrap();
+            RgbImage::from_pixel(64, 48, Rgb([60 * moment, 9, 9]))
+                .save(name)
+                .unwrap();
+        }
+        let mut points = String::new();
+        for at in 0..400 {
+            let [x, y] = [at % 20, at / 20].map(|step| 0.1 * f64::from(step) - 0.95);
+            writeln!(points, "{x} {y} 0").unwrap();
+        }
+        fs::write(folder.join(format!("points/{moment}.xyz")), points).unwrap();
+    }
+}
+
+/// The frame that is drawn next, and the first texel of its first photograph.
+fn drawn_frame(harness: &mut Harness<'_, State>) -> Option<(usize, [u8; 4])> {
+    harness.state_mut().forget_picture();
+    let photographs = harness.state_mut().next_packet()?.photographs?.photographs;
+    let texel = photographs.all().first()?.texture.levels()[0].pixels()[0];
+    Some((harness.state().player.as_ref()?.shown()?.index, texel))
+}
+
+#[test]
+fn playing_waits_for_the_photographs_of_each_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    write_film(folder.path());
+    let mut harness = window();
+    harness.state_mut().open_paths(vec![folder.path().to_owned()]);
+    until_drawn(&mut harness, 2);
+    let mut now = harness.state().now();
+    if !harness.state().player.as_ref().unwrap().is_playing() {
+        harness.state_mut().player.as_mut().unwrap().toggle(now);
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    let begin = Instant::now();
+    while seen.len() < 3 {
+        assert!(begin.elapsed() < Duration::from_secs(30), "only {seen:?} were drawn");
+        now += Duration::from_millis(20);
+        harness.state_mut().update(now);
+        if harness.state().player.as_ref().unwrap().shown().is_some() {
+            let (frame, texel) = drawn_frame(&mut harness).expect("no frame is drawn without its photographs");
+            assert_eq!(texel[0], 60 * frame as u8, "frame {frame}");
+            seen.insert(frame);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// Photographs in the packet that is drawn next.
 fn drawn(harness: &mut Harness<'_, State>) -> usize {
     harness.state_mut().forget_picture();

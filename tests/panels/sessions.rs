@@ -5,6 +5,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
+use pointreel::playback::PairBy;
 use pointreel::scene::{Clip, ClipShape, FollowedPoint, Label, Primitive, UpAxis};
 use pointreel::session::ReadSession;
 use pointreel::timeline::PlayRange;
@@ -138,6 +139,57 @@ fn a_session_is_taken_up_again_as_it_was_left() {
         (usual.points.size_px, None)
     );
     assert!(taken.state().labels.list.is_empty() && taken.state().session_file().is_none());
+}
+
+#[test]
+fn what_is_beside_is_opened_again_as_it_was_laid_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walk.pointreel");
+    let mut left = worked_on(folder.path());
+    scans(&folder.path().join("smooth"));
+    left.state_mut().compare_paths(vec![folder.path().join("smooth")]);
+    until(&mut left, "nothing is beside it", |state| state.beside.is_some());
+    left.state_mut().run(Command::NextLayout);
+    let beside = left.state_mut().beside.as_mut().unwrap();
+    beside.companion.pair_by(PairBy::Index);
+    beside.companion.set_offset_frames(1);
+    beside.pictures.split = 0.25;
+    save(&mut left, &file);
+    assert!(fs::read_to_string(&file).unwrap().contains("\"smooth\""));
+
+    let mut taken = window();
+    open(&mut taken, &file);
+    until(&mut taken, "nothing is beside it", |state| state.beside.is_some());
+    let of = |state: &State| {
+        let beside = state.beside.as_ref().unwrap();
+        let companion = &beside.companion;
+        let paired = (companion.paired_by(), companion.offset_frames());
+        (beside.name.clone(), beside.layout, paired, beside.pictures.split)
+    };
+    assert_eq!(of(taken.state()), of(left.state()));
+    assert_eq!(
+        taken.state().session().unwrap(),
+        ReadSession::read(&file).unwrap().session
+    );
+    // Who closes it has closed it.
+    taken.state_mut().run(Command::CloseComparison);
+    assert_eq!(taken.state().session().unwrap().compare, None);
+
+    // What cannot be opened is said, and stays in the session.
+    fs::remove_dir_all(folder.path().join("smooth")).unwrap();
+    let mut without = window();
+    open(&mut without, &file);
+    until(&mut without, "no reason is given", |state| {
+        !state.notices.list().is_empty()
+    });
+    assert!(without.state().notices.list()[0].text.contains("smooth"));
+    assert!(without.state().beside.is_none());
+    assert!(without.state().session().unwrap().compare.is_some());
+    // A session without anything beside closes what was.
+    let other = folder.path().join("alone.pointreel");
+    fs::write(&other, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
+    open(&mut left, &other);
+    assert!(left.state().beside.is_none());
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn info_says_what_is_there() {
     fs::write(folder.path().join("f11.xyz"), "0 0 0\n1 1 1\n").unwrap();
     let table = pointreel(&["info", text(folder.path())]);
     let table = String::from_utf8_lossy(&table.stdout).into_owned();
-    let expected = "frame 3 has position where the others have position, color";
+    let expected = "frame 4 (index 3) has position where the others have position, color";
     assert!(table.contains(expected), "{table}");
 }
 
@@ -588,7 +588,7 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
     let output = render(&["--trail", "3"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(
-        stderr(&output).contains("there is no point 3: frame 1 has 3 points"),
+        stderr(&output).contains("there is no point 3: frame 2 of 3 (index 1) has 3 points"),
         "{}",
         stderr(&output)
     );
@@ -596,7 +596,7 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
     let output = render(&["--trail", "1"]);
     assert!(output.status.success());
     assert!(
-        stderr(&output).contains("frame 3 has 2 points, frame 2 has 3"),
+        stderr(&output).contains("frame 4 of 4 (index 3) has 2 points, frame 3 of 4 (index 2) has 3"),
         "{}",
         stderr(&output)
     );

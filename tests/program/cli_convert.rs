@@ -149,3 +149,53 @@ fn the_job_file_spreads_a_sequence() {
     let alone = Command::new("bash").arg(&script).output().unwrap();
     assert!(String::from_utf8_lossy(&alone.stderr).contains("--array"));
 }
+
+#[test]
+fn examples_are_inputs_as_files_are() {
+    for (name, frames, attribute) in [
+        ("lidar", 1, "intensity"),
+        ("depth", 1, "color"),
+        ("model", 83, "normal"),
+    ] {
+        let output = pointreel(&["info", &format!("example:{name}"), "--json"]);
+        let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let listed = info["frames"].as_array().unwrap();
+        assert_eq!(listed.len(), frames, "{name}");
+        let attributes = listed[0]["attributes"].as_array().unwrap();
+        assert!(
+            attributes.iter().any(|named| named == attribute),
+            "{name}: {attributes:?}"
+        );
+    }
+    let output = pointreel(&["info", "example:dodo"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("an example (lidar, depth, model)"), "{said}");
+}
+
+#[test]
+fn an_array_with_layers_is_converted_frame_by_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("walk.npz");
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2, 3), }\n";
+    let mut array = b"\x93NUMPY\x01\0".to_vec();
+    array.extend((header.len() as u16).to_le_bytes());
+    array.extend(header.bytes());
+    array.extend((0..18).flat_map(|value: u8| f32::from(value).to_le_bytes()));
+    let mut archive = zip::ZipWriter::new(fs::File::create(&input).unwrap());
+    let stored = zip::write::SimpleFileOptions::default();
+    archive.start_file("points.npy", stored).unwrap();
+    std::io::Write::write_all(&mut archive, &array).unwrap();
+    archive.finish().unwrap();
+    let output = folder.path().join("frames");
+    let converted = pointreel(&["convert", text(&input), text(&output), "--format", "xyz"]);
+    assert!(
+        converted.status.success(),
+        "{}",
+        String::from_utf8_lossy(&converted.stderr)
+    );
+    let written = names(&output);
+    assert_eq!(written.len(), 3, "{written:?}");
+    let last = io::read(&output.join(&written[2])).unwrap();
+    assert_eq!(last.positions.get(1), DVec3::new(15.0, 16.0, 17.0));
+}

@@ -112,16 +112,17 @@ fn info_says_what_is_in_a_session_and_other_verbs_take_its_files() {
     fs::create_dir(folder.path().join("scans")).unwrap();
     fs::write(folder.path().join("scans/a.xyz"), "0 0 0\n1 0 0\n0 1 0\n").unwrap();
     let file = folder.path().join("walk.pointreel");
-    let more = r#", "labels": [{"text": "knee", "point": 1}], "markers": [{"frame": 0}]"#;
+    let more = r#", "labels": [{"text": "knee", "point": 1}], "markers": [{"frame": 0}],
+        "compare": {"files": ["smooth"]}"#;
     fs::write(&file, session("scans", more)).unwrap();
     let output = pointreel(&["info", text(&file)]);
     assert!(output.status.success(), "{}", stderr(&output));
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        said.contains("frame 6, 1 label, 0 measurements, 1 marker, 0 keyframes"),
+        said.contains("frame 7 (index 6), 1 label, 0 measurements, 1 marker, 0 keyframes"),
         "{said}"
     );
-    assert!(said.contains("labels: \"knee\""), "{said}");
+    assert!(said.contains("labels: \"knee\"") && said.contains("smooth"), "{said}");
     let output = pointreel(&["info", "--json", text(&file)]);
     let info: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(info["session"]["labels"], serde_json::json!(["knee"]));

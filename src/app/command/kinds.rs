@@ -3,6 +3,7 @@
 use crate::app::features::inspection::Tool;
 use crate::app::open_panels::PanelId;
 use crate::scene::ViewPreset;
+use crate::source::Example;
 use egui::ThemePreference;
 
 /// Something a person asks for without a value to set.
@@ -82,6 +83,8 @@ pub enum Command {
     CloseSequence,
     /// Open the demo sequence.
     OpenDemo,
+    /// Open a built-in example.
+    OpenExample(Example),
     /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
     ToggleRecording,
     /// Write the picture to a new file.

@@ -4,7 +4,8 @@ use crate::app::widgets::tool_window::tool_window;
 use crate::app::work::files::picture_folder;
 use crate::app::{PanelId, State};
 use crate::kept;
-use egui::{Align2, Grid, Label, Ui};
+use crate::source::Example;
+use egui::{Align2, Grid, Label, RichText, Ui};
 use std::fmt::Write as _;
 
 /// The window while it is open.
@@ -31,12 +32,20 @@ pub(super) fn about_ui(ui: &mut Ui, state: &mut State) {
                 }
             });
             ui.add_space(4.0);
+            ui.add(Label::new(RichText::new(credits()).weak()).wrap());
+            ui.add_space(4.0);
             let copy = ui.button("Copy for a report");
             if copy.on_hover_text("All of these as lines of text").clicked() {
                 ui.copy_text(lines(&rows));
             }
         });
     state.panels.set(PanelId::ABOUT, is_open);
+}
+
+/// Whose the demo and the examples are.
+fn credits() -> String {
+    let examples = Example::ALL.map(|example| format!("{}: {}", example.title(), example.credit()));
+    format!("Demo: CesiumMan, CC BY 4.0, © Cesium\n{}", examples.join("\n"))
 }
 
 fn lines(rows: &[(&'static str, String)]) -> String {

@@ -10,6 +10,10 @@ const ROW_HEIGHT: f32 = 17.0;
 const PADDING: f32 = 9.0;
 const RAMP: Vec2 = vec2(15.0, 190.0);
 
+/// What is above and below the rows: margins, the title, and the axes in the corner.
+const AROUND: f32 = 144.0;
+const LEAST_HEIGHT: f32 = 40.0;
+
 /// The legend of what is drawn, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     // The window of changes has one of its own, in the same place; colours of photographs mean nothing.
@@ -31,7 +35,7 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
         LegendBody::Ramp { ticks, .. } => ticks.iter().map(|(_, tick)| text(tick, TEXT_SIZE)).collect(),
         LegendBody::Classes(classes) => classes.iter().map(|(_, name)| text(name, TEXT_SIZE)).collect(),
     };
-    let room = (rect.height() - 60.0).max(40.0);
+    let room = (rect.height() - AROUND).max(LEAST_HEIGHT);
     let (height, step) = match &legend.body {
         LegendBody::Ramp { .. } => (RAMP.y.min(room), 0.0),
         LegendBody::Classes(classes) => {
@@ -52,8 +56,14 @@ pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     match &legend.body {
         LegendBody::Ramp { map, ticks } => {
             paint_ramp(painter, bar, *map, true);
+            let mut below = f32::INFINITY;
             for ((share, _), row) in ticks.iter().zip(rows) {
                 let y = bar.bottom() - bar.height() * share;
+                // A short ramp has no room for all.
+                if below - y < 0.8 * row.size().y {
+                    continue;
+                }
+                below = y;
                 painter.line_segment([pos2(bar.right(), y), pos2(bar.right() + 4.0, y)], line);
                 let half = 0.5 * row.size().y;
                 let y = (y - half).clamp(bar.top() - half, bar.bottom() - half);

@@ -8,6 +8,7 @@ use crate::app::{Benchmark, PanelId, Side, State, Tool};
 use crate::bench::suites;
 use crate::playback::Player;
 use crate::scene::{Projection, ViewPreset};
+use crate::source::Example;
 use egui::{Button, MenuBar, ScrollArea, ThemePreference, Ui};
 use std::path::PathBuf;
 
@@ -85,6 +86,12 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
     topic_menu(ui, state, Side::A);
     item(ui, state, "Demo", Command::OpenDemo);
+    ui.menu_button("Examples", |ui| {
+        for example in Example::ALL {
+            let button = Button::new(example.title());
+            run_by(ui, state, button, Command::OpenExample(example), example.credit());
+        }
+    });
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         item(ui, state, "Close", Command::CloseSequence);
     });
@@ -202,8 +209,8 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
 
 fn edit_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    item(ui, state, "Undo", Command::Undo);
-    item(ui, state, "Redo", Command::Redo);
+    ui.add_enabled_ui(state.history.can_undo(), |ui| item(ui, state, "Undo", Command::Undo));
+    ui.add_enabled_ui(state.history.can_redo(), |ui| item(ui, state, "Redo", Command::Redo));
     ui.separator();
     item(ui, state, "Copy view", Command::CopyView);
     item(ui, state, "Paste view", Command::PasteView);
@@ -337,7 +344,9 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
         }
     }
     ui.separator();
-    if ui.button("Show the last result").clicked() {
+    let has_result = !matches!(state.benchmark, Benchmark::Idle);
+    let show = Button::new("Show the last result");
+    if ui.add_enabled(has_result, show).clicked() {
         state.panels.set(PanelId::BENCHMARK, true);
         ui.close();
     }

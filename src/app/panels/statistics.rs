@@ -19,7 +19,8 @@ const NAME_WIDTH: f32 = 92.0;
 /// The panel at the left.
 pub(super) fn statistics_ui(ui: &mut Ui, state: &mut State) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        frame_times(ui, state);
+        redraw(ui, state);
+        picture_times(ui, state);
         if let Some(player) = &state.player
             && let Some(live) = player.sequence().source().live()
         {
@@ -126,44 +127,19 @@ fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
     ]
 }
 
-fn frame_times(ui: &mut Ui, state: &State) {
+/// The last run of the panels with its parts, which add up, and what playback holds.
+fn redraw(ui: &mut Ui, state: &State) {
     let graphics = &state.graphics;
-    section(ui, "Time of a frame", |ui| {
+    section(ui, "Last redraw", |ui| {
         row(
             ui,
             "CPU",
             milliseconds(graphics.frame_ms),
-            "The last redraw on the CPU: panels, picture, painting, presenting",
+            "The last redraw on the processor, of which the parts are below. A redraw that nothing of the picture has \
+             changed for draws none",
         );
         for (name, part, tooltip) in parts(&graphics.redraw) {
             row(ui, name, milliseconds(part.as_secs_f64() * 1e3), tooltip);
-        }
-        row(
-            ui,
-            "  upload",
-            milliseconds(graphics.render.prepare_ms),
-            "Uploading what the last picture needed",
-        );
-        row(
-            ui,
-            "  encoding",
-            milliseconds(graphics.render.encode_ms),
-            "Encoding and submitting the last picture",
-        );
-        let gpu = match graphics.render.gpu_ms {
-            Some(gpu_ms) => milliseconds(gpu_ms),
-            None if graphics.has_timestamps => "not yet".to_owned(),
-            None => "not supported".to_owned(),
-        };
-        row(
-            ui,
-            "GPU",
-            gpu,
-            "The last measured picture on the GPU, by timestamp queries",
-        );
-        for time in graphics.render.gpu_passes.iter() {
-            let gpu = time.gpu_ms.map_or_else(|| "–".to_owned(), milliseconds);
-            row(ui, &format!("  {}", time.pass), gpu, "This pass of it");
         }
         let held = state.player.as_ref().and_then(Player::fps_held);
         let held = held.map_or_else(|| "paused".to_owned(), |fps| format!("{fps:.1} fps"));
@@ -178,7 +154,43 @@ fn frame_times(ui: &mut Ui, state: &State) {
     });
 }
 
+/// What the last picture took, which need not be of the last redraw; only what was measured.
+fn picture_times(ui: &mut Ui, state: &State) {
+    let render = &state.graphics.render;
+    if render.frames == 0 {
+        return;
+    }
+    let draws_on_gpu = !state.draws_on_processor();
+    section(ui, "Time of the last picture", |ui| {
+        row(
+            ui,
+            "Preparing",
+            milliseconds(render.prepare_ms),
+            "Bringing what the picture needed to where it is drawn",
+        );
+        let (name, tooltip) = if draws_on_gpu {
+            ("Encoding", "Writing and submitting the commands of the picture")
+        } else {
+            ("Drawing", "Drawing it on all cores of the processor")
+        };
+        row(ui, name, milliseconds(render.encode_ms), tooltip);
+        if !draws_on_gpu {
+            return;
+        }
+        if let Some(gpu_ms) = render.gpu_ms {
+            let tooltip = "The last measured picture on the graphics card, by timestamp queries";
+            row(ui, "GPU", milliseconds(gpu_ms), tooltip);
+        }
+        for time in render.gpu_passes.iter() {
+            if let Some(gpu_ms) = time.gpu_ms {
+                row(ui, &format!("  {}", time.pass), milliseconds(gpu_ms), "This pass of it");
+            }
+        }
+    });
+}
+
 fn picture(ui: &mut Ui, state: &mut State) {
+    let draws_on_processor = state.draws_on_processor();
     let render = &state.graphics.render;
     let [width, height] = state.viewport.size_px;
     section(ui, "Picture", |ui| {
@@ -191,40 +203,49 @@ fn picture(ui: &mut Ui, state: &mut State) {
         row(
             ui,
             "Drawn",
-            grouped(render.drawn_instances),
-            "Instances of the last picture, each pass counted",
+            grouped(render.records),
+            "Points, surfels, voxels or triangles of the last picture, each counted once",
         );
-        row(
-            ui,
-            "Draw calls",
-            grouped(u64::from(render.draw_calls)),
-            "Draw calls of the last picture",
-        );
+        if draws_on_processor {
+            let tooltip = "The same, counted in each tile of the picture that is looked through for them";
+            row(ui, "In tiles", grouped(render.drawn_instances), tooltip);
+        } else {
+            let tooltip = "The same, counted in each pass that draws them";
+            row(ui, "In passes", grouped(render.drawn_instances), tooltip);
+            row(
+                ui,
+                "Draw calls",
+                grouped(u64::from(render.draw_calls)),
+                "Draw calls of the last picture",
+            );
+        }
         row(
             ui,
             "Pictures",
             grouped(render.frames),
             "Pictures drawn so far; none while nothing changes",
         );
-        row(ui, "Passes", grouped(render.passes), "Render and compute passes so far");
-        row(
-            ui,
-            "Uploads",
-            grouped(render.uploads),
-            "Uploads of points or voxels so far",
-        );
-        row(ui, "Uploaded", bytes(render.uploaded_bytes), "Bytes of these uploads");
-        row(
-            ui,
-            "On the GPU",
-            bytes(render.resident_bytes),
-            "Points and voxels in GPU memory now",
-        );
-        let mut budget_mib = state.graphics.budget_bytes as f64 / f64::from(1 << 20);
-        let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest \
-            makes room";
-        if budget_row(ui, "GPU budget", &mut budget_mib, tooltip) {
-            state.graphics.budget_bytes = (budget_mib * f64::from(1 << 20)) as u64;
+        if !draws_on_processor {
+            row(ui, "Passes", grouped(render.passes), "Render and compute passes so far");
+            row(
+                ui,
+                "Uploads",
+                grouped(render.uploads),
+                "Uploads of points or voxels so far",
+            );
+            row(ui, "Uploaded", bytes(render.uploaded_bytes), "Bytes of these uploads");
+            row(
+                ui,
+                "On the GPU",
+                bytes(render.resident_bytes),
+                "Points and voxels in GPU memory now",
+            );
+            let mut budget_mib = state.graphics.budget_bytes as f64 / f64::from(1 << 20);
+            let tooltip = "Most memory of the graphics card for points and voxels, MiB. What was not drawn for longest \
+                makes room";
+            if budget_row(ui, "GPU budget", &mut budget_mib, tooltip) {
+                state.graphics.budget_bytes = (budget_mib * f64::from(1 << 20)) as u64;
+            }
         }
         row(
             ui,

@@ -1,15 +1,15 @@
 //! What is in place of the picture while nothing is open: what could not be opened and why, what was opened lately, the
-//! demo, and the keys to know.
+//! demo, examples, and the keys to know.
 
 use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
 use crate::app::theme::ACCENT;
 use crate::app::{FailedOpening, PanelId, State};
+use crate::source::Example;
 use egui::{
     Align, Button, Color32, ColorImage, Frame, Grid, Layout, Rect, RichText, Role, ScrollArea, Sense, Stroke,
     StrokeKind, TextWrapMode, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
 };
-use std::path::{Path, PathBuf};
 
 /// Width of what is in the middle, points.
 const WIDTH: f32 = 640.0;
@@ -44,6 +44,7 @@ pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
             ui.add_space(8.0);
             actions_ui(ui, state);
             recent_ui(ui, state);
+            examples_ui(ui, state);
             ui.add_space(12.0);
             keys_ui(ui);
         });
@@ -101,8 +102,12 @@ fn recent_ui(ui: &mut Ui, state: &mut State) {
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
         for inputs in state.recent.entries() {
-            let picture = state.recent.picture_of(inputs);
-            if card_ui(ui, inputs, picture.as_deref()) {
+            let file = state.recent.picture_of(inputs);
+            let picture = file.and_then(|file| texture(ui, ("opened lately", &file), || image::open(&file)));
+            let name = entry_name(inputs);
+            let short = inputs.first().and_then(|path| path.file_name());
+            let short = short.map_or_else(|| name.clone(), |short| short.to_string_lossy().into_owned());
+            if card_ui(ui, [&name, &short, &name], picture) {
                 chosen = Some(inputs.clone());
             }
         }
@@ -112,15 +117,35 @@ fn recent_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// A picture with a name below; true if it was clicked.
-fn card_ui(ui: &mut Ui, inputs: &[PathBuf], picture: Option<&Path>) -> bool {
-    let name = entry_name(inputs);
+/// What the program brings.
+fn examples_ui(ui: &mut Ui, state: &mut State) {
+    ui.add_space(12.0);
+    ui.label(RichText::new("Examples").strong());
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        for example in Example::ALL {
+            let picture = || image::load_from_memory(example.picture());
+            let picture = texture(ui, ("example", example.name()), picture);
+            let name = format!("Example: {}", example.title());
+            if card_ui(ui, [&name, example.title(), example.credit()], picture) {
+                chosen = Some(example);
+            }
+        }
+    });
+    if let Some(example) = chosen {
+        state.run(Command::OpenExample(example));
+    }
+}
+
+/// A picture with a name below; true if it was clicked. The names are for who listens, for who looks, and at the
+/// pointer.
+fn card_ui(ui: &mut Ui, [name, short, hint]: [&str; 3], picture: Option<TextureHandle>) -> bool {
     let height = PICTURE[1] + 22.0;
     let (card, response) = ui.allocate_exact_size(vec2(PICTURE[0], height), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
     let place = Rect::from_min_size(card.min, PICTURE.into());
     ui.painter().rect_filled(place, 4.0, ui.visuals().extreme_bg_color);
-    if let Some(texture) = picture.and_then(|file| texture(ui, file)) {
+    if let Some(texture) = picture {
         let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         ui.painter().image(texture.id(), place, all, Color32::WHITE);
     }
@@ -130,28 +155,30 @@ fn card_ui(ui: &mut Ui, inputs: &[PathBuf], picture: Option<&Path>) -> bool {
         ui.visuals().widgets.noninteractive.bg_stroke
     };
     ui.painter().rect_stroke(place, 4.0, stroke, StrokeKind::Inside);
-    let short = inputs.first().and_then(|path| path.file_name());
-    let short = short.map_or_else(|| name.clone(), |short| short.to_string_lossy().into_owned());
     let font = egui::TextStyle::Body.resolve(ui.style());
     let text = WidgetText::from(short).into_galley(ui, Some(TextWrapMode::Truncate), PICTURE[0], font);
     let color = ui.visuals().text_color();
     ui.painter().galley(place.left_bottom() + vec2(2.0, 3.0), text, color);
-    response.on_hover_text(name).clicked()
+    response.on_hover_text(hint).clicked()
 }
 
-/// The texture of a file, read when it is first shown; `None` where there is none.
-fn texture(ui: &Ui, file: &Path) -> Option<TextureHandle> {
-    let id = egui::Id::unique(("picture of what was opened lately", file));
+/// The texture of what is named so, read when it is first shown; `None` where there is none.
+fn texture(
+    ui: &Ui,
+    name: impl std::hash::Hash + std::fmt::Debug,
+    read: impl FnOnce() -> image::ImageResult<image::DynamicImage>,
+) -> Option<TextureHandle> {
+    let id = egui::Id::unique(("picture of a card", name));
     if let Some(known) = ui.data(|data| data.get_temp::<Option<TextureHandle>>(id)) {
         return known;
     }
-    let read = || {
-        let picture = image::open(file).ok()?.to_rgba8();
+    let texture = read().ok().map(|picture| {
+        let picture = picture.to_rgba8();
         let size = [picture.width() as usize, picture.height() as usize];
         let pixels = ColorImage::from_rgba_unmultiplied(size, &picture);
-        Some(ui.ctx().load_texture("opened lately", pixels, TextureOptions::LINEAR))
-    };
-    let texture = read();
+        ui.ctx()
+            .load_texture("picture of a card", pixels, TextureOptions::LINEAR)
+    });
     ui.data_mut(|data| data.insert_temp(id, texture.clone()));
     texture
 }

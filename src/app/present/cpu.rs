@@ -173,7 +173,6 @@ impl Presenter for CpuPresenter {
             adapter: AnyRenderer::cpu().summary(),
             is_software: true,
             paints_on_processor: true,
-            has_timestamps: false,
             max_edge_px: MAX_EDGE_PX,
             waits_for_screen: false,
         }

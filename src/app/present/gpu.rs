@@ -148,7 +148,6 @@ impl Presenter for GpuPresenter {
             adapter: self.context.adapter_summary(),
             is_software: self.context.is_software(),
             paints_on_processor: false,
-            has_timestamps: self.context.has_timestamps,
             max_edge_px: self.context.max_edge_px(),
             waits_for_screen: true,
         }

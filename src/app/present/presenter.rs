@@ -11,7 +11,6 @@ use std::time::Duration;
 
 /// What a presenter says of itself.
 #[derive(Debug, Clone)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub(in crate::app) struct PresenterInfo {
     /// What draws and paints, in a line.
     pub(in crate::app) adapter: String,
@@ -19,8 +18,6 @@ pub(in crate::app) struct PresenterInfo {
     pub(in crate::app) is_software: bool,
     /// Whether the processor paints the window.
     pub(in crate::app) paints_on_processor: bool,
-    /// Whether GPU time can be measured.
-    pub(in crate::app) has_timestamps: bool,
     /// Largest edge of a picture.
     pub(in crate::app) max_edge_px: u32,
     /// Whether showing a window waits for the screen. Where it does not, the event loop has to.

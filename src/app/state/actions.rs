@@ -67,6 +67,7 @@ impl State {
             Command::CompareFiles => self.ask(DialogKind::CompareFiles, None),
             Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
             Command::CloseComparison => {
+                self.opened.compared = None;
                 self.close_beside();
                 self.end_comparison(Side::A);
             }
@@ -76,6 +77,7 @@ impl State {
             }
             Command::NextLayout => self.next_layout(),
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
+            Command::OpenExample(example) => self.open(Arc::new(Sequence::example(example))),
             Command::ToggleRecording => self.toggle_recording(),
             Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {
@@ -254,12 +256,16 @@ impl State {
     }
 
     pub(super) fn picture_stem(&self) -> String {
-        let frame = self
-            .player
-            .as_ref()
-            .and_then(Player::shown)
-            .map_or(0, |frame| frame.index + 1);
-        format!("pointreel-{}-{frame:04}", self.sequence_stem())
+        let stem = self.sequence_stem();
+        let shown = self.player.as_ref().and_then(|player| {
+            let frame = player.shown()?;
+            Some((frame.index + 1, player.sequence().len()))
+        });
+        // As the timeline has it: names by {frame} have the index, which would be taken for another place.
+        shown.map_or(format!("pointreel-{stem}"), |(place, count)| {
+            let digits = count.to_string().len();
+            format!("pointreel-{stem}-{place:0digits$}-of-{count}")
+        })
     }
 
     /// What is open, for names of files: without extension.

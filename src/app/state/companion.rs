@@ -236,20 +236,20 @@ impl State {
     }
 
     /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there
-    /// is no other sequence, or no frame of it.
+    /// is no other sequence, or no frame of it. With the labels that are in the window.
     pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
         let Some((beside, b)) = self.beside.as_ref().zip(b) else {
-            return a;
+            return self.with_labels(a);
         };
         if beside.companion.shown().is_none() {
-            return a;
+            return self.with_labels(a);
         }
         match beside.layout {
             Layout::SideBySide => {
-                let size = (a.width() + b.width(), a.height().max(b.height()));
-                let mut joined = RgbaImage::new(size.0, size.1);
-                imageops::replace(&mut joined, &a, 0, 0);
-                imageops::replace(&mut joined, &b, i64::from(a.width()), 0);
+                let left = a.width();
+                let mut joined = RgbaImage::new(left + b.width(), a.height().max(b.height()));
+                imageops::replace(&mut joined, &self.with_labels(a), 0, 0);
+                imageops::replace(&mut joined, &b, i64::from(left), 0);
                 joined
             }
             Layout::Wipe => {
@@ -258,7 +258,7 @@ impl State {
                 let line = (beside.pictures.split * width as f32).round() as u32;
                 let right = imageops::crop_imm(&b, line, 0, width - line, b.height());
                 imageops::replace(&mut joined, &right.to_image(), i64::from(line), 0);
-                joined
+                self.with_labels(joined)
             }
         }
     }

@@ -43,6 +43,24 @@ pub enum DialogKind {
     SaveReport(ReportFormat),
 }
 
+impl DialogKind {
+    /// What to do where the system has no dialogs.
+    pub(super) fn without_dialogs(self) -> &'static str {
+        match self {
+            Self::OpenFiles | Self::OpenFolder | Self::CompareFiles | Self::CompareFolder => {
+                "Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER"
+            }
+            Self::OpenPath => "Name a session with the camera path on the command line: pointreel view FILE.pointreel",
+            Self::SavePicture => "Save picture (P) asks for no name, and Export… has a field for it",
+            Self::ExportTo(_) | Self::ExportFolder | Self::SaveReel | Self::SaveFolder => {
+                "Write folder and name into the fields"
+            }
+            Self::RecordTo => "Name the file on the command line: pointreel view tcp://… --record FILE",
+            Self::SavePath | Self::SaveSession | Self::SaveReport(_) => "Install one of these, and save again",
+        }
+    }
+}
+
 /// How a dialog was closed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DialogAnswer {
@@ -55,8 +73,8 @@ pub enum DialogAnswer {
     },
     /// Without any.
     Cancelled,
-    /// The system has no dialogs.
-    NoDialog,
+    /// The system has no dialogs; this one was wanted.
+    NoDialog(DialogKind),
 }
 
 /// The dialog that is open, or none.
@@ -80,7 +98,7 @@ impl Dialogs {
             let opened = Instant::now();
             match show_dialog(dialog, file_name) {
                 Some(paths) if !paths.is_empty() => DialogAnswer::Chosen { dialog, paths },
-                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog,
+                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog(dialog),
                 _ => DialogAnswer::Cancelled,
             }
         });

@@ -19,10 +19,10 @@ impl State {
         match answer {
             DialogAnswer::Chosen { dialog, paths } => self.chosen(dialog, paths),
             DialogAnswer::Cancelled => {}
-            DialogAnswer::NoDialog => self.notices.error(
-                "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. \
-                 Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER",
-            ),
+            DialogAnswer::NoDialog(dialog) => self.notices.error(format!(
+                "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. {}",
+                dialog.without_dialogs()
+            )),
         }
     }
 

@@ -30,9 +30,18 @@ impl State {
         self.resolved(&self.style)
     }
 
-    pub(super) fn resolved(&self, style: &Style) -> Style {
+    /// Whether the processor draws the picture, and not a graphics card.
+    pub(in crate::app) fn draws_on_processor(&self) -> bool {
+        self.is_drawn_by_processor(&self.style)
+    }
+
+    fn is_drawn_by_processor(&self, style: &Style) -> bool {
         let choice = self.main.renderer(style.drawing.renderer);
-        let is_processor = choice.is_processor(self.graphics.is_software);
+        choice.is_processor(self.graphics.is_software)
+    }
+
+    pub(super) fn resolved(&self, style: &Style) -> Style {
+        let is_processor = self.is_drawn_by_processor(style);
         self.first_look()
             .map_or(*style, |look| style.resolved(look))
             .drawn_by(is_processor)

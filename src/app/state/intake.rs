@@ -75,7 +75,7 @@ impl State {
                         self.open(sequence);
                         self.note_opened(found.inputs.clone(), Some(found.open));
                     }
-                    (Side::B, _) => self.compare_with(sequence),
+                    (Side::B, _) => self.compare_found(sequence, &found.inputs),
                 }
                 self.prove(found.inputs, found.side);
             }

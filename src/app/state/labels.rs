@@ -4,10 +4,12 @@ use super::State;
 use crate::app::features::inspection::Tool;
 use crate::app::features::labels::panel;
 use crate::app::side::Side;
+use crate::export::draw_labels;
 use crate::playback::Player;
-use crate::scene::{Camera, FollowedPoint, Label, Pick};
+use crate::scene::{Camera, FollowedPoint, Label, LabelOnPicture, Pick};
 use crate::sequence::PreparedFrame;
 use crate::timeline::PlayRange;
+use image::RgbaImage;
 
 impl State {
     /// Puts a label at a point of `frame`, which is of the sequence `side`.
@@ -54,6 +56,18 @@ impl State {
         let picture = self.counters.pictures;
         self.labels
             .note_hidden(picture, camera, |places| drawing.hides(camera, places))
+    }
+
+    /// A picture of the open sequence with the labels that are in the window.
+    pub(super) fn with_labels(&self, mut picture: RgbaImage) -> RgbaImage {
+        let size_px = picture.dimensions().into();
+        let shown = self.labels.in_picture().into_iter().enumerate();
+        let on_picture = shown.filter_map(|(label, (place, text, is_hidden))| {
+            let px = self.camera.to_px(place, size_px)?;
+            Some((LabelOnPicture { label, px, is_hidden }, text.to_owned()))
+        });
+        draw_labels(&mut picture, &on_picture.collect::<Vec<_>>());
+        picture
     }
 
     /// Shows a label: its frame, and its place in the middle of the picture.

@@ -300,12 +300,14 @@ impl State {
         let Some(player) = &mut self.player else {
             return VisibleChange::of_panels(visible);
         };
-        let (change, of_b) = match &mut self.beside {
-            Some(beside) => {
-                let [of_a, of_b] = beside.update(player, now, &style);
-                (of_a, Some(of_b))
-            }
-            None => (player.update(now, &style), None),
+        let (change, of_b) = if let Some(beside) = &mut self.beside {
+            let [of_a, of_b] = beside.update(player, now, &style);
+            (of_a, Some(of_b))
+        } else {
+            let sequence = Arc::clone(player.sequence());
+            let (photos, source) = (&self.photos, &**sequence.source());
+            let prepare = |clock: &Clock, _: bool| photos.are_there(source, clock.frame(), &style);
+            (player.update_beside(now, &style, prepare), None)
         };
         let is_another_frame = change.visible;
         visible |= change.beyond_frame;

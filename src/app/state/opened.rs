@@ -2,7 +2,7 @@
 
 use crate::app::features::camera_path::Draft;
 use crate::sequence::OpenOptions;
-use crate::session::Unknown;
+use crate::session::{Compared, Unknown};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,6 +13,8 @@ pub(super) struct Opened {
     pub(super) inputs: Vec<PathBuf>,
     /// How, if otherwise than the window usually opens.
     pub(super) options: Option<OpenOptions>,
+    /// What its session has beside it, until that is open.
+    pub(super) compared: Option<Compared>,
     /// The file of its session.
     pub(super) file: Option<PathBuf>,
     /// What in that is not this program's.

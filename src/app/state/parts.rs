@@ -87,8 +87,6 @@ pub struct GraphicsInfo {
     pub is_software: bool,
     /// Whether the processor paints the window.
     pub paints_on_processor: bool,
-    /// Whether GPU time can be measured.
-    pub has_timestamps: bool,
     /// Counters of the renderer.
     pub render: RenderStats,
     /// Time of the last redraw: panels, picture, painting and presenting, and what is beyond the usual wait for the
@@ -105,7 +103,6 @@ impl Default for GraphicsInfo {
             adapter: String::new(),
             is_software: false,
             paints_on_processor: false,
-            has_timestamps: false,
             render: RenderStats::default(),
             frame_ms: 0.0,
             redraw: Redraw::default(),

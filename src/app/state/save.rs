@@ -9,7 +9,7 @@ use crate::app::work::works::WorkKind;
 use crate::convert::{Converted, Output, Place, Target};
 use crate::playback::Player;
 use crate::reel::ReelOptions;
-use crate::scene::Primitive;
+use crate::scene::FirstLook;
 use crate::sequence::Sequence;
 use crate::source::AsReel;
 use std::path::PathBuf;
@@ -46,9 +46,7 @@ impl State {
             unit: frame.and_then(|frame| frame.unit()).map_or("", |unit| unit.symbol()),
             has_colors: frame.is_some_and(|frame| frame.colors().is_some()),
             has_normals: frame.is_some_and(|frame| frame.normals().is_some()),
-            samples_surface: self
-                .first_look()
-                .is_some_and(|look| look.primitive == Primitive::Surfel),
+            samples_surface: self.first_look().is_some_and(FirstLook::has_surface),
             is_busy: self.works.has(WorkKind::Save),
         }
     }

@@ -3,16 +3,19 @@
 use super::State;
 use super::dialogs::DialogKind;
 use super::opened::{Opened, SavedSession};
+use crate::app::features::beside::Layout;
 use crate::app::features::camera_path::Draft;
 use crate::app::features::inspection::Anchor;
 use crate::app::features::inspection::measuring::Measurement;
 use crate::app::features::quality::MeasuredWay;
 use crate::app::side::Side;
 use crate::app::work::tasks::TaskFailed;
-use crate::playback::Player;
+use crate::playback::{PairBy, Player};
 use crate::scene::OfSequence;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::session::{EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session};
+use crate::session::{
+    Compared, ComparedBy, ComparedLayout, EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -40,9 +43,8 @@ impl State {
         };
         let options = self.opened.options.as_ref().unwrap_or(&self.options.open);
         let mut reading = Reading::of(options);
-        let topics = player.sequence().source().topics();
-        if topics.len() > 1 {
-            reading.topic = topics.into_iter().find(|topic| topic.is_read).map(|topic| topic.name);
+        if let Some(topic) = chosen_topic(player.sequence()) {
+            reading.topic = Some(topic);
         }
         let style = self.style_of_a();
         let shown = player.waiting_for().unwrap_or(player.clock().frame());
@@ -58,6 +60,7 @@ impl State {
             measurements: self.inspection.measurements.iter().filter_map(measured).collect(),
             labels: self.labels.list.to_vec(),
             path: self.path.draft.path().cloned(),
+            compare: self.compared().or_else(|| self.opened.compared.clone()),
             unknown: self.opened.unknown.clone(),
         })
     }
@@ -66,15 +69,67 @@ impl State {
         if !self.opened.inputs.is_empty() {
             return Ok(self.opened.inputs.clone());
         }
-        let source = player.sequence().source();
-        if !source.inputs().is_empty() {
-            return Ok(source.inputs().to_vec());
+        inputs_of(player.sequence())
+            .ok_or_else(|| "What is open is no file: a session of it could not be opened again".to_owned())
+    }
+
+    /// What is beside the open sequence; `None` if nothing is that could be opened again.
+    fn compared(&self) -> Option<Compared> {
+        let beside = self.beside.as_ref()?;
+        let companion = &beside.companion;
+        // Where there was no choice, the person made none.
+        let has_choice = companion.times().is_some() || companion.numbers().is_some();
+        Some(Compared {
+            inputs: inputs_of(companion.sequence())?,
+            topic: chosen_topic(companion.sequence()),
+            by: has_choice.then(|| match companion.paired_by() {
+                PairBy::Index => ComparedBy::Index,
+                PairBy::Number => ComparedBy::Number,
+                PairBy::Time => ComparedBy::Time,
+            }),
+            offset_frames: companion.offset_frames(),
+            layout: match beside.layout {
+                Layout::SideBySide => ComparedLayout::SideBySide,
+                Layout::Wipe => ComparedLayout::Line,
+            },
+            line: (1e4 * f64::from(beside.pictures.split)).round() / 1e4,
+        })
+    }
+
+    /// Looks for what the session has beside the open sequence.
+    fn compare_as_in_session(&mut self) {
+        let Some(compared) = &self.opened.compared else {
+            return;
+        };
+        let inputs = compared.inputs.clone();
+        let usual = self.opened.options.as_ref().unwrap_or(&self.options.open);
+        let open = OpenOptions {
+            topic: compared.topic.as_deref().map(Arc::from),
+            ..usual.clone()
+        };
+        self.find(inputs, open, Side::B);
+    }
+
+    /// Shows `sequence`, which was named as `inputs`, beside the open one: as the session says, if it is that of it.
+    pub(super) fn compare_found(&mut self, sequence: Arc<Sequence>, inputs: &[PathBuf]) {
+        let compared = self.opened.compared.take_if(|compared| compared.inputs == inputs);
+        self.compare_with(sequence);
+        let (Some(compared), Some(beside)) = (compared, &mut self.beside) else {
+            return;
+        };
+        beside.companion.set_offset_frames(compared.offset_frames);
+        if let Some(by) = compared.by {
+            beside.companion.pair_by(match by {
+                ComparedBy::Index => PairBy::Index,
+                ComparedBy::Number => PairBy::Number,
+                ComparedBy::Time => PairBy::Time,
+            });
         }
-        let is_demo = (!player.sequence().is_empty()).then(|| player.sequence().entry(0));
-        match is_demo {
-            Some(entry) if entry.path.starts_with("demo") => Ok(vec!["demo:".into()]),
-            _ => Err("What is open is no file: a session of it could not be opened again".to_owned()),
-        }
+        beside.pictures.split = compared.line as f32;
+        beside.lay_out(match compared.layout {
+            ComparedLayout::SideBySide => Layout::SideBySide,
+            ComparedLayout::Line => Layout::Wipe,
+        });
     }
 
     /// Saves the session to its file, or asks for one.
@@ -133,6 +188,8 @@ impl State {
             warnings,
         } = read;
         let opened = Arc::clone(&sequence);
+        // What is beside a session is what it says.
+        self.close_beside();
         self.open(sequence);
         let is_open = self
             .player
@@ -180,11 +237,31 @@ impl State {
         self.opened = Opened {
             inputs: session.inputs,
             options: Some(session.reading.over(&self.options.open)),
+            compared: session.compare,
             file: Some(file),
             unknown: session.unknown,
             is_damaged,
         };
+        self.compare_as_in_session();
     }
+}
+
+/// What a sequence was named by; `None` of what is no file.
+fn inputs_of(sequence: &Sequence) -> Option<Vec<PathBuf>> {
+    let inputs = sequence.source().inputs();
+    if !inputs.is_empty() {
+        return Some(inputs.to_vec());
+    }
+    let is_demo = !sequence.is_empty() && sequence.entry(0).path.starts_with("demo");
+    is_demo.then(|| vec!["demo:".into()])
+}
+
+/// The topic of a recording that has several.
+fn chosen_topic(sequence: &Sequence) -> Option<String> {
+    let topics = sequence.source().topics();
+    let has_choice = topics.len() > 1;
+    let chosen = topics.into_iter().find(|topic| topic.is_read && has_choice);
+    chosen.map(|topic| topic.name)
 }
 
 /// A measurement of the open sequence alone.

@@ -53,7 +53,7 @@ const NEWS_INTERVAL: Duration = Duration::from_millis(100);
 pub struct Options {
     /// How the state begins. Its `wake` is replaced.
     pub state: StateOptions,
-    /// What to show first; the demo if `None`.
+    /// What to show first; if `None` the welcome view, or the demo to who has opened nothing yet.
     pub sequence: Option<Arc<Sequence>>,
     /// What to show beside it.
     pub compare: Option<Arc<Sequence>>,
@@ -325,7 +325,6 @@ impl App {
         self.state.graphics.adapter = info.adapter;
         self.state.graphics.is_software = info.is_software;
         self.state.graphics.paints_on_processor = info.paints_on_processor;
-        self.state.graphics.has_timestamps = info.has_timestamps;
         self.state.forget_picture();
         self.change = VisibleChange::Panels;
         self.note_refresh_rate(&window);

@@ -137,7 +137,7 @@ fn measure_sequence(
         };
         point_counts.push(frame.points.len() as f64);
         depths.extend(frame.levels.octree().map(|octree| f64::from(octree.depth())));
-        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
+        run.begin_step(format!("{}: placing viewpoints", subject.named(index)))?;
         let viewpoints = run.viewpoints(subject, &frame, style)?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         // The pictures whose coverage was counted left the streams on the adapter; a renderer takes a copy for another
@@ -149,7 +149,7 @@ fn measure_sequence(
             .map(|viewpoint| packet(run, subject, &frame, &viewpoint.camera, style))
             .collect();
         for (&way, samples) in ways.iter().zip(&mut samples) {
-            run.begin_step(format!("{} frame {index}: {}", subject.name, name_of(way)))?;
+            run.begin_step(format!("{}: {}", subject.named(index), name_of(way)))?;
             measure_way(run, &packets, way, samples)?;
         }
     }

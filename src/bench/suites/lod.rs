@@ -196,11 +196,11 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
         point_counts.push(frame.points.len() as f64);
         let mut subjected = Vec::new();
         for (structure, measured) in STRUCTURES.into_iter().zip(&mut measured) {
-            run.begin_step(format!("{} frame {index}: building {structure}", subject.name))?;
+            run.begin_step(format!("{}: building {structure}", subject.named(index)))?;
             subjected.push(measured.build(run, &frame, structure)?);
         }
         for (place, (view, distance)) in VIEWS.into_iter().enumerate() {
-            run.begin_step(format!("{} frame {index}: {view}", subject.name))?;
+            run.begin_step(format!("{}: {view}", subject.named(index)))?;
             let cameras = cameras(subject, &frame, distance, run.options.viewpoints);
             measure_view(run, subject, &cameras, place, &mut subjected, &mut measured)?;
         }

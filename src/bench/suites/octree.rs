@@ -188,13 +188,13 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &Threa
             }
         };
         point_counts.push(frame.points.len() as f64);
-        run.begin_step(format!("{} frame {index}: placing viewpoints", subject.name))?;
+        run.begin_step(format!("{}: placing viewpoints", subject.named(index)))?;
         let viewpoints = run.viewpoints(subject, &frame, &surfel_style())?;
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
         let cameras: Vec<Camera> = viewpoints.iter().map(|viewpoint| viewpoint.camera).collect();
         let beginnings = Beginnings::of(&frame, one_thread);
         for (delta, samples) in DELTAS.into_iter().zip(&mut samples) {
-            run.begin_step(format!("{} frame {index}: δ {} %", subject.name, percent(delta)))?;
+            run.begin_step(format!("{}: δ {} %", subject.named(index), percent(delta)))?;
             let octree = measure_builds(run, &beginnings, delta, samples)?;
             let traversals = &mut samples.traversals;
             traversals.measure(run, subject, &octree, &cameras, LOD_PX)?;

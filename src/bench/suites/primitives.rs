@@ -212,7 +212,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         complexities.clear();
         for (kind, samples) in KINDS.into_iter().zip(&mut samples) {
             let (primitive, _) = kind;
-            run.begin_step(format!("{} frame {index}: {primitive}", subject.name))?;
+            run.begin_step(format!("{}: {primitive}", subject.named(index)))?;
             if style(kind).primitive == Primitive::Mesh && frame.triangles().is_none() {
                 continue;
             }

@@ -99,7 +99,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         };
         point_counts.push(frame.points.len() as f64);
         for (primitive, samples) in PRIMITIVES.into_iter().zip(&mut samples) {
-            run.begin_step(format!("{} frame {index}: {primitive}", subject.name))?;
+            run.begin_step(format!("{}: {primitive}", subject.named(index)))?;
             for ((_, distance), samples) in VIEWS.into_iter().zip(samples) {
                 let packets = packets(run, subject, &frame, primitive, distance);
                 samples.measure(run, processor, &packets)?;

@@ -11,7 +11,19 @@ mod text;
 pub(super) use labels::PaintedLabels;
 pub(super) use legend::draw_legend;
 
+use crate::scene::LabelOnPicture;
 use image::{Rgba, RgbaImage};
+
+/// Draws labels with their texts over a whole picture, as exports have them.
+pub fn draw_labels(picture: &mut RgbaImage, labels: &[(LabelOnPicture, String)]) {
+    let whole_px = picture.dimensions().into();
+    let mut canvas = OverlayCanvas {
+        rows: picture,
+        top_px: 0,
+        whole_px,
+    };
+    PaintedLabels::of(labels, whole_px).draw(&mut canvas);
+}
 
 /// Some rows of a picture.
 #[derive(Debug)]

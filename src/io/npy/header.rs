@@ -3,6 +3,9 @@
 use super::super::column::{Column, Scalar, Values};
 use super::super::error::{Fault, Place};
 
+/// What every array begins with.
+const MAGIC: &[u8] = b"\x93NUMPY";
+
 /// An array whose bytes are all there.
 #[derive(Debug)]
 pub(super) struct Array<'a> {
@@ -10,6 +13,10 @@ pub(super) struct Array<'a> {
     pub(super) kind: ArrayLayout,
     is_fortran: bool,
     pub(super) payload: &'a [u8],
+    /// Where the first entry is, and how far apart the next ones along the first dimension are, entries: in the order
+    /// of Fortran alone.
+    first: usize,
+    apart: usize,
 }
 
 /// What the entries are.
@@ -78,7 +85,6 @@ impl Number {
 
 impl<'a> Array<'a> {
     pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, Fault> {
-        const MAGIC: &[u8] = b"\x93NUMPY";
         let fault = |problem: &str| Fault::header(problem.to_owned());
         let Some([major, _]) = bytes.strip_prefix(MAGIC).and_then(|rest| rest.first_chunk()) else {
             return Err(fault("it does not begin with `\\x93NUMPY`: this is no NPY file"));
@@ -106,6 +112,36 @@ impl<'a> Array<'a> {
         Ok(array)
     }
 
+    /// An array by its begin, which may end anywhere behind the header; without its payload. `None` if it is none.
+    pub(super) fn parse_head(bytes: &[u8]) -> Option<Array<'static>> {
+        let [major, _] = bytes.strip_prefix(MAGIC)?.first_chunk()?;
+        let (start, length) = match (major, &bytes[MAGIC.len() + 2..]) {
+            (1, [low, high, ..]) => (10, usize::from(u16::from_le_bytes([*low, *high]))),
+            (2 | 3, [a, b, c, d, ..]) => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
+            _ => return None,
+        };
+        let (header, _) = bytes[start..].split_at_checked(length)?;
+        Dictionary::parse(&String::from_utf8_lossy(header))
+    }
+
+    /// Bytes of all entries, if so many can be counted.
+    pub(super) fn claimed_bytes(&self) -> Option<usize> {
+        let mut lengths = self.shape.iter();
+        lengths.try_fold(self.row_bytes(), |bytes, &length| bytes.checked_mul(length))
+    }
+
+    /// Leaves the layer of this number along the first dimension. Precondition: there is one.
+    pub(super) fn take_layer(&mut self, layer: usize) {
+        let layers = self.shape.remove(0);
+        if self.is_fortran {
+            self.first += layer * self.apart;
+            self.apart *= layers;
+        } else {
+            let entries: usize = self.shape.iter().product();
+            self.payload = &self.payload[layer * entries * self.row_bytes()..];
+        }
+    }
+
     /// A table with a layer of one beside its rows and columns, as those of shape N × 1 × 3, without that: its numbers
     /// lie in the same order.
     pub(super) fn without_single_layers(mut self) -> Self {
@@ -125,10 +161,7 @@ impl<'a> Array<'a> {
     }
 
     fn check_claim(&self, start: usize) -> Result<(), Fault> {
-        let needed = self
-            .shape
-            .iter()
-            .try_fold(self.row_bytes(), |bytes, &length| bytes.checked_mul(length));
+        let needed = self.claimed_bytes();
         // Entries of no bytes would be as many as the header likes.
         if needed.is_none_or(|needed| needed > self.payload.len()) || self.row_bytes() == 0 {
             return Err(Fault::new(
@@ -156,7 +189,7 @@ impl<'a> Array<'a> {
         };
         let bytes = number.bytes();
         let (start, step) = if self.is_fortran {
-            (index * count * bytes, bytes)
+            ((self.first + self.apart * index * count) * bytes, self.apart * bytes)
         } else {
             (index * bytes, width * bytes)
         };
@@ -191,6 +224,8 @@ impl Dictionary<'_> {
             kind: kind?,
             is_fortran: is_fortran?,
             payload: &[],
+            first: 0,
+            apart: 1,
         })
     }
 
@@ -334,7 +369,7 @@ fn element(name: &str) -> Option<(Option<Number>, usize)> {
 }
 
 /// A number of half precision.
-fn half(bits: u16) -> f64 {
+pub(in crate::io) fn half(bits: u16) -> f64 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     sign * match i32::from(bits >> 10 & 0x1f) {

@@ -10,7 +10,7 @@ pub(super) mod arrays;
 pub(super) mod bare;
 pub(super) mod spz;
 
-use crate::cloud::{Ellipse, RawCloud};
+use crate::cloud::{AxisConvention, Ellipse, RawCloud};
 use glam::{Mat3, Quat, Vec3};
 
 /// Constant term of spherical harmonics: 1 / (2 √π).
@@ -28,7 +28,7 @@ pub(super) struct SplatShape {
     pub(super) rotation: Quat,
 }
 
-/// Gives `cloud` the normals, radii and ellipses of its splats.
+/// Gives `cloud` the normals, radii and ellipses of its splats, and the axes that those who train splats leave them in.
 pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatShape) {
     let splat = |index: usize| {
         let SplatShape { log_scales, rotation } = shape(index);
@@ -44,6 +44,7 @@ pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatSha
     attributes.normals = Some(normals);
     attributes.radii = Some(radii);
     attributes.ellipses = Some(ellipses);
+    cloud.convention = Some(AxisConvention::UsuallyYDown);
 }
 
 fn axes(rotation: Quat) -> Mat3 {

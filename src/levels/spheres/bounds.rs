@@ -14,20 +14,15 @@ pub(super) struct Bounds {
     pub(super) sphere: Sphere,
     /// Inside that of the parent.
     pub(super) cone: Cone,
-    /// Radius of what is drawn for the node; none is larger than that of the parent.
+    /// How far from the middle of what is drawn for the node the points below are, at most; not larger than that of the
+    /// parent.
     pub(super) radius: f32,
 }
 
 impl Bounds {
-    /// Of a root.
-    pub(super) fn of_root(sphere: Sphere, cone: Cone) -> Self {
-        let radius = sphere.radius;
-        Self { sphere, cone, radius }
-    }
-
-    /// Of a child with this sphere, which is no larger, and this cone.
+    /// Of a child with this sphere, which is no larger, this cone, and points as far from its middle.
     #[inline(always)]
-    pub(super) fn nested(&self, sphere: Sphere, cone: Cone) -> Self {
+    pub(super) fn nested(&self, sphere: Sphere, cone: Cone, radius: f32) -> Self {
         Self {
             sphere: if self.sphere.holds(&sphere) {
                 sphere
@@ -35,7 +30,7 @@ impl Bounds {
                 self.sphere
             },
             cone: if cone.is_within(&self.cone) { cone } else { self.cone },
-            radius: sphere.radius,
+            radius: radius.min(self.radius),
         }
     }
 }

@@ -136,7 +136,11 @@ impl QSplat {
                     name: ROOT_GROUP + POINTER_WORDS,
                     code,
                     sphere: self.root,
-                    bounds: Bounds::of_root(self.root, code.cone()),
+                    bounds: Bounds {
+                        sphere: self.root,
+                        cone: code.cone(),
+                        radius: self.root.radius,
+                    },
                     level: 0,
                     children: self.pointer(ROOT_GROUP),
                 },
@@ -316,7 +320,7 @@ impl Descent<'_> {
                 name,
                 code,
                 sphere,
-                bounds: parent.bounds.nested(sphere, code.cone()),
+                bounds: parent.bounds.nested(sphere, code.cone(), sphere.radius),
                 level: parent.level + 1,
                 children,
             };

@@ -7,9 +7,8 @@
 //! each other, so processors test none of them.
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
-//! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree
-//! of a few points: the nodes above are traversed, and only subtrees that are in view and divided are looked at, each
-//! with a prefix of its own.
+//! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
+//! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
 //!
 //! There is no lower end of a range (paper 002 §4.3): a node that is seen from its edge is small however large it is.
 //!
@@ -32,7 +31,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Most points of a sequence in a hierarchy of them.
-pub(super) const HIERARCHY_POINTS: usize = 1 << 8;
+pub(super) const HIERARCHY_POINTS: usize = 1 << 6;
 
 /// Nodes of a prefix that are worth handing to another thread.
 const NODES_PER_TASK: usize = 1 << 12;

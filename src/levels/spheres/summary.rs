@@ -18,6 +18,8 @@ const FEW_POINTS: usize = 64;
 pub(super) struct Summary {
     /// Holds their disks.
     pub(super) sphere: Sphere,
+    /// How far from the middle of the sphere the points are, at most.
+    pub(super) spread: f32,
     /// Mean unit normal; that of the first child where there is no mean.
     pub(super) normal: Vec3,
     /// Cosine of an angle from the mean normal that none of theirs exceeds; −1 where nothing is known.
@@ -33,6 +35,7 @@ impl Summary {
             center: Vec3::ZERO,
             radius: 0.0,
         },
+        spread: 0.0,
         normal: Vec3::Z,
         cone_cosine: -1.0,
         color: Vec4::ZERO,
@@ -43,6 +46,7 @@ impl Summary {
     pub(super) fn of_point(point: &PointRecord, shape: &ShapeRecord) -> Self {
         Self {
             sphere: disk(point, shape),
+            spread: 0.0,
             normal: oct_decode(shape.normal),
             cone_cosine: 1.0,
             color: Vec4::from_array(point.color.map(f32::from)),
@@ -68,12 +72,27 @@ impl Summary {
         let cosines = children
             .iter()
             .map(|child| cosine_of_sum(normal.dot(child.normal), child.cone_cosine));
+        let has_few = points.len() <= FEW_POINTS;
+        let sphere = if has_few {
+            Sphere::around(points.iter().zip(shapes).map(|(point, shape)| disk(point, shape)))
+        } else {
+            Sphere::around(children.iter().map(|child| child.sphere))
+        };
+        let spread = if has_few {
+            let squares = points
+                .iter()
+                .map(|point| sphere.center.distance_squared(point.position.into()));
+            squares.fold(0.0, f32::max).sqrt()
+        } else {
+            let reaches = children
+                .iter()
+                .map(|child| sphere.center.distance(child.sphere.center) + child.spread);
+            reaches.fold(0.0, f32::max)
+        };
         Self {
-            sphere: if points.len() > FEW_POINTS {
-                Sphere::around(children.iter().map(|child| child.sphere))
-            } else {
-                Sphere::around(points.iter().zip(shapes).map(|(point, shape)| disk(point, shape)))
-            },
+            sphere,
+            // Of points with disks of no size, rounding could make it wider.
+            spread: spread.min(sphere.radius),
             normal,
             cone_cosine: cosines.fold(1.0, f32::min),
             color,

@@ -210,7 +210,8 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
         let (points, shapes) = of;
         for (node, index) in tree.nodes.iter().zip(0_u32..) {
             let above = &tree.nodes[tree.division.inners[index as usize].parent as usize].bounds;
-            assert!(node.bounds.radius <= above.radius && node.sphere.radius == node.bounds.radius);
+            assert!(node.bounds.radius <= above.radius && node.bounds.radius <= node.sphere.radius);
+            assert!(tree.codes.is_empty() || node.bounds.radius == node.sphere.radius);
             assert!(node.bounds.sphere == above.sphere || above.sphere.holds(&node.bounds.sphere));
             assert!(node.bounds.cone == above.cone || node.bounds.cone.is_within(&above.cone));
             for point in points_below(&tree, Child::Inner(index)) {
@@ -219,6 +220,8 @@ fn spheres_and_cones_are_nested_and_hold_all_below() {
                     center: Vec3::from_array(point.position),
                     radius: shape.radius,
                 };
+                let off_center = node.sphere.center.distance(disk.center);
+                assert!(off_center <= node.bounds.radius * (1.0 + 1e-6), "{node:?} {disk:?}");
                 assert!(
                     node.sphere.holds(&disk) && node.bounds.sphere.holds(&disk),
                     "{node:?} {disk:?}"

@@ -104,14 +104,16 @@ fn nested<T: Send + Sync>(
 impl Node {
     fn nested(parent: Option<&Self>, summary: &Summary) -> Self {
         // That of a part of some points may be wider by a hair, as neither is the smallest that there is.
-        let around = parent.map(|parent| parent.sphere);
-        let sphere = around.filter(|around| around.radius < summary.sphere.radius);
+        let (sphere, radius) = match parent {
+            Some(parent) if parent.sphere.radius < summary.sphere.radius => (parent.sphere, parent.bounds.radius),
+            _ => (summary.sphere, summary.spread),
+        };
         let cosine = summary.cone_cosine - CONE_SLACK;
         let cone = Cone {
             axis: summary.normal,
             cosine: if cosine > 0.0 { cosine } else { -1.0 },
         };
-        Self::with_bounds(parent, sphere.unwrap_or(summary.sphere), cone, summary)
+        Self::with_bounds(parent, Bounds { sphere, cone, radius }, summary)
     }
 
     fn coded(parent: Option<&(Self, NodeCode)>, summary: &Summary) -> (Self, NodeCode) {
@@ -123,16 +125,21 @@ impl Node {
         let off_axis = code.cone().axis.dot(summary.normal);
         let cone = cone_code(cosine_of_sum(off_axis, summary.cone_cosine) - CONE_SLACK);
         let code = code.with_cone(cone);
-        (Self::with_bounds(parent, sphere, code.cone(), summary), code)
+        let bounds = Bounds {
+            sphere,
+            cone: code.cone(),
+            // There is no room for another.
+            radius: sphere.radius,
+        };
+        (Self::with_bounds(parent, bounds, summary), code)
     }
 
-    fn with_bounds(parent: Option<&Self>, sphere: Sphere, cone: Cone, summary: &Summary) -> Self {
+    /// A node with these bounds, which are nested here.
+    fn with_bounds(parent: Option<&Self>, bounds: Bounds, summary: &Summary) -> Self {
+        let Bounds { sphere, cone, radius } = bounds;
         Self {
             sphere,
-            bounds: match parent {
-                Some(parent) => parent.bounds.nested(sphere, cone),
-                None => Bounds::of_root(sphere, cone),
-            },
+            bounds: parent.map_or(bounds, |parent| parent.bounds.nested(sphere, cone, radius)),
             normal: oct_encode(summary.normal),
             color: summary.color(),
             ellipse: 0,

@@ -18,7 +18,6 @@ pub use depth::colmap_depth;
 use super::depth_file::{DepthFile, DepthKind};
 use super::draft::{Draft, Drafts};
 use super::error::PhotosError;
-use super::view_set::ViewSet;
 use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};
 use std::path::{Path, PathBuf};
@@ -32,7 +31,7 @@ pub(super) fn is_in(folder: &Path) -> bool {
 }
 
 /// The photographs of the model in `folder`.
-pub(super) fn read(folder: &Path) -> Result<ViewSet, PhotosError> {
+pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let is_binary = folder.join("cameras.bin").is_file() && folder.join("images.bin").is_file();
     let extension = if is_binary { "bin" } else { "txt" };
     let file = |name: &str| folder.join(format!("{name}.{extension}"));
@@ -62,7 +61,7 @@ pub(super) fn read(folder: &Path) -> Result<ViewSet, PhotosError> {
         .iter()
         .map(|image| draft(image, &cameras, &drafts.folders))
         .collect();
-    drafts.into_view_set()
+    Ok(drafts)
 }
 
 fn draft(image: &Image, cameras: &Cameras, folders: &[PathBuf]) -> Draft {

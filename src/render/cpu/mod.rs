@@ -177,6 +177,11 @@ impl CpuRenderer {
             photographs: projected.as_ref(),
         });
         self.stats.drawn_instances = Drawable::of(packet).draw(packet, blocks, illumination, bands);
+        self.stats.records = match &packet.content {
+            // How much of a code is drawn is known only once it is.
+            Content::Coded(_) => self.stats.drawn_instances,
+            content => content.record_count() as u64,
+        };
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
             let start = Instant::now();

@@ -140,6 +140,7 @@ impl GpuRenderer {
         }
         let start = Instant::now();
         let commands = self.encode_picture(&drawn)?;
+        self.stats.records = drawn.content.record_count() as u64;
         self.stats.frames += 1;
         self.stats.encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.drawn = Some(packet);

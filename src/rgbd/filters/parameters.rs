@@ -157,7 +157,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                     filters.flying = filters.flying.map(|flying| FlyingPixels {
                         most_m: value,
                         ..flying
-                    })
+                    });
                 },
             },
             FilterParameter {
@@ -229,7 +229,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                     filters.temporal = filters.temporal.map(|temporal| Temporal {
                         share: value,
                         ..temporal
-                    })
+                    });
                 },
             },
             FilterParameter {
@@ -244,7 +244,7 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                     filters.temporal = filters.temporal.map(|temporal| Temporal {
                         most_m: value,
                         ..temporal
-                    })
+                    });
                 },
             },
             FilterParameter {

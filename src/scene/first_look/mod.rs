@@ -119,6 +119,7 @@ impl FirstLook {
             _ => SURFACE_SHARE,
         };
         let spacing_spread = sample.spread();
+        let are_splats = frames.first().is_some_and(|frame| frame.ellipses().is_some());
         let has_surface = sample.planar_share >= least_share
             && spacing_spread <= MOST_SPREAD
             && !is_needle(&trimmed)
@@ -129,15 +130,15 @@ impl FirstLook {
             up,
             up_why,
             from,
-            primitive: if has_surface {
-                Primitive::Surfel
-            } else {
-                Primitive::Point
+            primitive: match (has_surface, are_splats) {
+                (true, false) => Primitive::Surfel,
+                (true, true) => Primitive::Ellipse,
+                (false, _) => Primitive::Point,
             },
-            primitive_why: if has_surface {
-                "the points sample a surface"
-            } else {
-                "the points are too sparse for a surface, or lie in lines or in a volume"
+            primitive_why: match (has_surface, are_splats) {
+                (true, false) => "the points sample a surface",
+                (true, true) => "the file has the ellipses of splats",
+                (false, _) => "the points are too sparse for a surface, or lie in lines or in a volume",
             },
             has_faces: frames.iter().any(|frame| frame.has_faces()),
             planar_share: sample.planar_share,
@@ -149,7 +150,8 @@ impl FirstLook {
                 2.0
             },
             is_dark: luma.is_some_and(|luma| luma < DARK_LUMA),
-            knows_outside: sensor.is_some() || has_normals(&sample),
+            // Both sides of a splat are alike: its normal points to either.
+            knows_outside: sensor.is_some() || (has_normals(&sample) && !are_splats),
             trimmed,
             full,
             sample,
@@ -199,6 +201,11 @@ impl FirstLook {
         self.primitive_why = "there are photographs of a surface";
         self.photo = set.photos.first().cloned();
         self
+    }
+
+    /// Whether the points sample a surface, so that disks or ellipses show it.
+    pub fn has_surface(&self) -> bool {
+        matches!(self.primitive, Primitive::Surfel | Primitive::Ellipse)
     }
 
     /// Whether there are photographs of what is shown.
@@ -384,6 +391,7 @@ fn by_convention(convention: AxisConvention) -> (UpAxis, &'static str) {
         AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
         AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format usually have Z up"),
         AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
+        AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
     }
 }
 

@@ -1,8 +1,8 @@
 //! What the first view promises, for points anywhere.
 
 use super::*;
-use crate::cloud::{Positions, RawCloud};
-use crate::scene::{Background, Projection, Style};
+use crate::cloud::{Ellipse, Positions, RawCloud};
+use crate::scene::{BackFaces, Background, Projection, Style};
 use glam::UVec2;
 use proptest::prelude::*;
 
@@ -124,6 +124,39 @@ fn poses_that_walk_are_all_in_the_first_picture() {
     let look = FirstLook::of(&frames.iter().collect::<Vec<_>>(), DVec3::ZERO);
     assert!(look.trimmed.min.x < -4.2 && look.trimmed.max.x > 6.2);
     assert_eq!((look.up, look.kind), (UpAxis::Y, CaptureKind::Object));
+}
+
+#[test]
+fn gaussian_splats_are_ellipses_with_y_down_and_no_side_is_their_back() {
+    // A bowl far from zero: nothing tells how it stands.
+    let points = (0..3_000).map(|i| {
+        let [x, z] = [(i % 50) as f32 - 25.0, (i / 50) as f32 - 30.0];
+        [100.0 + x, 100.0 + 0.003 * (x * x + z * z), z]
+    });
+    let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
+    raw.attributes.normals = Some(
+        (0..3_000)
+            .map(|i| [0.0, if i % 2 == 0 { 1.0 } else { -1.0 }, 0.0])
+            .collect(),
+    );
+    raw.attributes.radii = Some(vec![0.7; 3_000]);
+    let look_of = |raw: &RawCloud| FirstLook::of(&[&Frame::from_raw(raw.clone(), DVec3::ZERO).unwrap()], DVec3::ZERO);
+    let disks = look_of(&raw);
+    assert_eq!(disks.primitive, Primitive::Surfel);
+    assert!(disks.knows_outside && disks.up == UpAxis::Y);
+
+    let ellipse = Ellipse {
+        axis: Vec3::X,
+        ratio: 0.5,
+    };
+    raw.attributes.ellipses = Some(vec![ellipse; 3_000]);
+    raw.convention = Some(AxisConvention::UsuallyYDown);
+    let splats = look_of(&raw);
+    assert_eq!((splats.primitive, splats.up), (Primitive::Ellipse, UpAxis::NegY));
+    assert!(splats.has_surface() && !splats.knows_outside);
+    let style = Style::default().resolved(&splats);
+    assert_eq!(style.surfels.back_faces, BackFaces::Drawn);
+    assert_eq!(style.light.eye_dome, Style::default().resolved(&disks).light.eye_dome);
 }
 
 #[test]

@@ -47,7 +47,7 @@ impl Style {
         let shows_shape = match primitive {
             Primitive::Mesh => true,
             Primitive::Point if !(Self { primitive, ..*self }).lights_points() => false,
-            _ => look.primitive == Primitive::Surfel,
+            _ => look.has_surface(),
         };
         let eye_dome = match self.light.eye_dome {
             EyeDome::Auto if shows_shape => EyeDome::Off,

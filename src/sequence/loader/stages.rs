@@ -10,7 +10,7 @@
 
 use crate::analysis::MOST_JOINED;
 use crate::cloud::{Frame, PointRecord, ShapeRecord};
-use crate::sequence::records::{file_normals, lacks_surface};
+use crate::sequence::records::lacks_surface;
 use crate::sequence::{ColorSource, Needs, Paint};
 
 /// Frames of more points come in stages. The normals of fewer take a tenth of a second.
@@ -66,5 +66,5 @@ const OCTREE_BYTES: usize = 29;
 
 /// Whether the colours are those of normals that have to be estimated.
 fn needs_normals(frame: &Frame, needs: &Needs) -> bool {
-    needs.colors.paint(&needs.hints, frame) == Paint::Normal && file_normals(frame).is_none()
+    needs.colors.paint(&needs.hints, frame) == Paint::Normal && frame.all_normals().is_none()
 }

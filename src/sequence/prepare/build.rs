@@ -44,8 +44,7 @@ impl Build<'_> {
             Some(existing) => existing.paint,
             None => needs.colors.paint(&needs.hints, &self.frame),
         };
-        let colors_need_shapes =
-            paint == Paint::Normal && same_colors.is_none() && records::file_normals(&self.frame).is_none();
+        let colors_need_shapes = paint == Paint::Normal && same_colors.is_none() && self.frame.all_normals().is_none();
         if !needs.ellipses && self.has_ellipses && self.frame.ellipses().is_some() {
             // Disks have other radii than the ellipses of the file.
             (self.shapes, self.has_ellipses) = (None, false);

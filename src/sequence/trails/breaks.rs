@@ -31,24 +31,24 @@ pub enum BreakReason {
 }
 
 impl TrailBreak {
-    /// What to tell a person who calls the first frame `first`.
-    pub fn text(&self, first: usize) -> String {
-        let frame = self.frame + first;
+    /// What to tell a person; `named` says how a frame is called, such as "frame 3".
+    pub fn text(&self, named: impl Fn(usize) -> String) -> String {
+        let frame = named(self.frame);
         match self.reason {
             BreakReason::OtherCount {
                 points,
                 other,
                 other_points,
             } => format!(
-                "frame {frame} has {points} points, frame {} has {other_points}: indices do not stay with the points",
-                other + first
+                "{frame} has {points} points, {} has {other_points}: indices do not stay with the points",
+                named(other)
             ),
             BreakReason::OtherOrder { before } => format!(
-                "the points of frame {frame} seem to be in another order than those of frame {}: indices do not stay \
-                 with the points",
-                before + first
+                "the points of {frame} seem to be in another order than those of {}: indices do not stay with the \
+                 points",
+                named(before)
             ),
-            BreakReason::Unreadable => format!("frame {frame} cannot be read"),
+            BreakReason::Unreadable => format!("{frame} cannot be read"),
         }
     }
 }

@@ -56,7 +56,10 @@ fn placed(trails: &Trails) -> Vec<usize> {
 }
 
 fn texts(trails: &Trails) -> Vec<String> {
-    let texts = trails.breaks().iter().map(|broken| broken.text(1));
+    let texts = trails
+        .breaks()
+        .iter()
+        .map(|broken| broken.text(|frame| format!("frame {}", frame + 1)));
     texts.collect()
 }
 

@@ -3,6 +3,7 @@
 use super::outgoing::Body;
 use super::surfels::{WholeFrame, origin_of, spacing_of};
 use crate::cloud::RawCloud;
+use crate::messages::frame_by_index;
 use crate::progress::Progress;
 use crate::scene::PointSpacing;
 use crate::source::{Decoder, Source};
@@ -78,7 +79,7 @@ impl Feed {
         let body = match self.made(index) {
             Ok(body) => body,
             Err(problem) => {
-                log::warn!("frame {index} is left out: {problem}");
+                log::warn!("{} is left out: {problem}", frame_by_index(index));
                 // A live source has each frame once.
                 if !self.source.is_live() {
                     self.broken.insert(index);
@@ -100,7 +101,7 @@ impl Feed {
             if let Some(problem) = problem
                 && (self.source.is_live() || self.said.insert(index))
             {
-                log::warn!("frame {index} is sent without colours: {problem}");
+                log::warn!("{} is sent without colours: {problem}", frame_by_index(index));
             }
             (Kind::Images, body)
         } else {

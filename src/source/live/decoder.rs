@@ -1,6 +1,7 @@
 //! Frames of a stream → clouds.
 
 use crate::cloud::RawCloud;
+use crate::messages::frame_by_index;
 use crate::progress::Progress;
 use crate::rgbd::Sensor;
 use crate::source::rgbd::{FramesBefore, GROUP_FRAMES, ReceivedFrames};
@@ -56,7 +57,10 @@ impl<S: FrameStore> Decoder for StreamDecoder<S> {
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let cloud = self.cloud(index, progress);
-        let cloud = cloud.map_err(|error| format!("{}, frame {index}: {error}", entry.path.display()))?;
+        let cloud = cloud.map_err(|error| {
+            let frame = frame_by_index(index);
+            format!("{}, {frame}: {error}", entry.path.display())
+        })?;
         Ok(cloud.into())
     }
 }

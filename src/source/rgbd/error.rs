@@ -1,6 +1,7 @@
 //! What can be wrong with a recording of depth images.
 
 use crate::io::IoError;
+use crate::messages::frames_with_indices;
 use std::path::PathBuf;
 
 /// Why a recording of depth images, or a frame of it, cannot be read.
@@ -161,7 +162,7 @@ pub enum RgbdError {
         path: PathBuf,
     },
     /// Frames that are to be merged without anybody knowing where they were taken.
-    #[error("frames {first} to {last} cannot be merged: {reason}")]
+    #[error("{} cannot be merged: {reason}", frames_with_indices(*first, *last))]
     NotMerged {
         /// The first.
         first: usize,

@@ -3,6 +3,7 @@
 use super::error::RgbdError;
 use super::recording::RgbdRecording;
 use crate::cloud::{LengthUnit, Positions, RawCloud};
+use crate::messages::{frame_by_index, frames_with_indices};
 use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters};
@@ -51,13 +52,14 @@ impl MergedFrames {
         let mut notes = recording.notes.clone();
         if posed < last - first + 1 {
             notes.push(format!(
-                "{} of frames {first} to {last} have no pose and are left out",
-                last - first + 1 - posed
+                "{} of {} have no pose and are left out",
+                last - first + 1 - posed,
+                frames_with_indices(first, last)
             ));
         }
         let entry = &recording.entries[first];
         let entry = FrameEntry {
-            name: format!("{}: frames {first} to {last}", entry.name),
+            name: format!("{}: frames {} to {}", entry.name, first + 1, last + 1),
             ..FrameEntry::clone(entry)
         };
         let photos: Vec<Photo> = (first..=last).filter_map(|index| photo(&recording, index)).collect();
@@ -171,7 +173,7 @@ impl Decoder for MergingDecoder {
             match decoder.decode(index, &entry, usize::MAX, &Progress::default()) {
                 Ok(frame) => merged.take(frame.cloud, pose),
                 Err(error) => {
-                    let reason = format!("frame {index} is left out: {error}");
+                    let reason = format!("{} is left out: {error}", frame_by_index(index));
                     merged.warnings.push(reason);
                     failure.get_or_insert(error);
                 }

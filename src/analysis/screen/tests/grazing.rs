@@ -1,7 +1,7 @@
 //! Surfaces that are seen from the side: none of them hides itself, and all hide what is behind them.
 
 use super::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far away things are: so far that rays are all but parallel.
 const AWAY: f64 = 20.0;
@@ -80,7 +80,7 @@ fn view_of(px_per_spacing: f64) -> ScreenView {
 }
 
 fn cloud_of(places: impl IntoIterator<Item = DVec3>) -> Vec<PointRecord> {
-    records(places.into_iter().map(|place| place.as_vec3()))
+    records(places.into_iter().map(DVec3::as_vec3))
 }
 
 /// The pixel of a point, if it is in the picture.
@@ -146,7 +146,7 @@ fn of_points_that_are_smaller_than_a_pixel_each_pixel_keeps_its_nearest() {
 
 /// Pixels whose rays meet a surface, well inside its edges, and no disk.
 fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimated) -> [usize; 2] {
-    let mut covered = BTreeMap::new();
+    let mut covered = BTreeSet::new();
     let ray_of = |x: i32, y: i32| {
         let [x, y] = [f64::from(x), f64::from(y)].map(|px| px + 0.5);
         let right = (x - f64::from(view.middle_px[0])) / f64::from(view.px_per_slope[0]);
@@ -162,7 +162,7 @@ fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimat
             let ray = ray_of(x, y);
             let hit = ray * (normal.dot(middle) / normal.dot(ray));
             if hit.distance(middle) <= f64::from(shape.radius) {
-                covered.insert([x, y], ());
+                covered.insert([x, y]);
             }
         }
     }
@@ -173,7 +173,7 @@ fn holes(view: &ScreenView, points: &[PointRecord], flat: &Flat, found: &Estimat
         let [across, along] = flat.along.map(|axis| hit.dot(axis) / axis.length_squared());
         if across.abs() < 0.45 && along.abs() < 0.45 {
             inside += 1;
-            open += usize::from(!covered.contains_key(&[x, y]));
+            open += usize::from(!covered.contains(&[x, y]));
         }
     }
     [inside, open]

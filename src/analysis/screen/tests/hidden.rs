@@ -34,9 +34,12 @@ fn all(statements: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
     not(any(statements.into_iter().map(not)))
 }
 
-/// Points in a picture: depths, pixels, and places in these.
+/// A point in a picture: its depth, its pixel, and the place in this.
+type InPicture = (f64, [i64; 2], [f64; 2]);
+
+/// Points in a picture.
 struct Picture {
-    points: Vec<Option<(f64, [i64; 2], [f64; 2])>>,
+    points: Vec<Option<InPicture>>,
     /// The least depth of each pixel.
     nearest: BTreeMap<[i64; 2], f64>,
     px_per_slope: f64,

@@ -7,6 +7,7 @@ use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
 use crate::scene::{Background, Style};
+use crate::source::Example;
 use egui::ThemePreference;
 use std::borrow::Cow;
 
@@ -14,6 +15,9 @@ use std::borrow::Cow;
 const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Open a folder", Command::OpenFolder),
     ("Open the demo", Command::OpenDemo),
+    ("Open an example: LiDAR survey", Command::OpenExample(Example::Lidar)),
+    ("Open an example: depth image", Command::OpenExample(Example::Depth)),
+    ("Open an example: animated model", Command::OpenExample(Example::Model)),
     ("Close the sequence", Command::CloseSequence),
     ("Compare with a folder", Command::CompareFolder),
     ("Close comparison", Command::CloseComparison),
@@ -38,6 +42,28 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
         Command::TogglePanel(PanelId::ABOUT),
     ),
     ("Show the last benchmark", Command::TogglePanel(PanelId::BENCHMARK)),
+];
+
+/// What is in the panel of settings and is no setting of drawing.
+const IN_PANEL: &[(&str, &str)] = &[
+    (
+        "Clip to a box or a plane…",
+        "What is outside is left out, of one frame or of all",
+    ),
+    ("Up axis…", "Which axis of the file is up"),
+    (
+        "Change map…",
+        "Points in the colours of their distances to another frame",
+    ),
+    ("Onion skin…", "Ghosts of the frames before and after"),
+    (
+        "Quality: measure…",
+        "Draws the sequence in every way, for the fastest below an error",
+    ),
+    (
+        "Painted by…",
+        "Whether the graphics card or the processor paints the window",
+    ),
 ];
 
 /// What choosing an entry does.
@@ -110,7 +136,9 @@ pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
             Action::Measure(suite),
         )
     });
-    let commands = with_keys.chain(without);
+    let in_panel = IN_PANEL.iter();
+    let in_panel = in_panel.map(|&(text, hint)| Entry::new(text, hint, Action::ShowSettings));
+    let commands = with_keys.chain(without).chain(in_panel);
     commands
         .chain(settings)
         .chain(built_in)

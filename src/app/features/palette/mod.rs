@@ -57,6 +57,11 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("performance", "benchmark"),
     ("split", "compare"),
     ("diff", "compare"),
+    ("crop", "clip"),
+    ("section", "clip"),
+    ("slice", "clip"),
+    ("cut", "clip"),
+    ("ghosts", "onion skin"),
 ];
 
 /// An open palette.
@@ -142,6 +147,9 @@ mod tests {
             ("movie", "Export a picture or a video"),
             ("voxels", "Primitive: Voxels"),
             ("mine", "Preset: Mine"),
+            ("clip", "Clip to a box or a plane…"),
+            ("crop", "Clip to a box or a plane…"),
+            ("up axis", "Up axis…"),
             ("shortc", "This list of keys"),
         ] {
             let found = texts(query);

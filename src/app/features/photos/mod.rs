@@ -1,7 +1,9 @@
 //! Photographs of what is shown: they are loaded on a thread, and put on the frame that is drawn.
 //!
-//! How it works. The source says which photographs there are of a frame; their pixels take long, so the frame is shown
-//! in the colours of its points until they are there. As long as frames have the same set, it is loaded once.
+//! How it works. The source says which photographs there are of a frame; their pixels take long, so the first frame is
+//! shown in the colours of its points until they are there. As long as frames have the same set, it is loaded once. Of
+//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, playing waits for them as
+//! for frames, and sets are kept as long as all of them fit into the budget.
 
 pub(in crate::app) mod frusta;
 pub(in crate::app) mod panel;
@@ -13,6 +15,8 @@ use crate::playback::Player;
 use crate::progress::Progress;
 use crate::scene::Style;
 use crate::sequence::PreparedFrame;
+use crate::source::Source;
+use crate::timeline::Direction;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,21 +30,30 @@ struct LoadedSet {
     set: Arc<ViewSet>,
     loaded: LoadedPhotographs,
     errors: Vec<Option<ReprojectionError>>,
+    /// Those that are used.
+    used: Arc<Photographs>,
 }
+
+/// Frames whose photographs are loaded before they are shown.
+const FRAMES_AHEAD: usize = 3;
+
+/// Sets of frames that follow each other share the budget: the shown one, those ahead, and some to go back to.
+const SHARES: u64 = FRAMES_AHEAD as u64 + 3;
 
 /// What the window knows of photographs.
 #[derive(Debug, Default)]
 pub struct Photos {
     /// Whether the picture shows where they were taken.
     pub shows_frusta: bool,
-    loaded: Option<LoadedSet>,
+    /// The one that was asked for last comes last.
+    loaded: Vec<LoadedSet>,
+    /// That of the shown frame.
+    shown: Option<Arc<ViewSet>>,
     /// What the photographs of a set look at: a walk over all of its points.
     middles: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
     running: Option<(Arc<ViewSet>, Progress)>,
     /// Those that are not used, by their numbers.
     off: BTreeSet<usize>,
-    /// Those that are.
-    used: Option<Arc<Photographs>>,
     /// The last frame with them.
     dressed: Option<Dressed>,
 }
@@ -77,12 +90,12 @@ impl Photos {
 
     /// How well the camera of a photograph fits its points, once they are loaded.
     pub(in crate::app) fn reprojection_error(&self, number: usize) -> Option<ReprojectionError> {
-        self.loaded.as_ref()?.errors.get(number).copied().flatten()
+        self.shown_set()?.errors.get(number).copied().flatten()
     }
 
     /// What the colours of a photograph are multiplied with, once it is loaded.
     pub(in crate::app) fn gain(&self, number: usize) -> Option<Vec3> {
-        let photographs = &self.loaded.as_ref()?.loaded.photographs;
+        let photographs = &self.shown_set()?.loaded.photographs;
         Some(photographs.numbered(number)?.gain)
     }
 
@@ -98,28 +111,63 @@ impl Photos {
         }
     }
 
-    /// Starts to load the photographs of the shown frame if the style draws them, and ends what nobody waits for.
+    /// Whether the photographs of frame `index` are there, if it has some that are to be drawn. Before the first ones
+    /// are, nothing is waited for.
+    pub(in crate::app) fn are_there(&self, source: &dyn Source, index: usize, style: &Style) -> bool {
+        if !style.draws_photographs() || self.loaded.is_empty() || !source.frames().contains(&index) {
+            return true;
+        }
+        let set = source.photographs(index);
+        set.is_none_or(|set| self.loaded.iter().any(|loaded| Arc::ptr_eq(&loaded.set, &set)))
+    }
+
+    /// Starts to load the photographs of the shown frame, and then of those that follow, if the style draws them; ends
+    /// what nobody waits for.
     pub(in crate::app) fn follow<T: TaskOutcome + From<PhotosLoaded>>(
         &mut self,
         player: &Player,
         style: &Style,
         tasks: &Tasks<T>,
     ) {
-        let wanted = Self::set_of(player).filter(|_| style.draws_photographs());
-        let is_it = |known: &Arc<ViewSet>| wanted.as_ref().is_some_and(|wanted| Arc::ptr_eq(wanted, known));
-        if let Some((_, progress)) = self.running.take_if(|(running, _)| !is_it(running)) {
+        self.shown = Self::set_of(player);
+        let wanted = if style.draws_photographs() {
+            wanted(player)
+        } else {
+            Vec::new()
+        };
+        let is_wanted = |known: &Arc<ViewSet>| wanted.iter().any(|wanted| Arc::ptr_eq(wanted, known));
+        if let Some((_, progress)) = self.running.take_if(|(running, _)| !is_wanted(running)) {
             progress.cancel();
         }
-        let is_known = self.loaded.as_ref().is_some_and(|loaded| is_it(&loaded.set)) || self.running.is_some();
-        let Some(set) = wanted.filter(|_| !is_known) else {
+        let budget_bytes = match wanted.len() {
+            0 | 1 => PHOTOGRAPH_BYTES,
+            _ => PHOTOGRAPH_BYTES / SHARES,
+        };
+        // What is wanted first is the last to go.
+        for set in wanted.iter().rev() {
+            if let Some(at) = self.loaded.iter().position(|loaded| Arc::ptr_eq(&loaded.set, set)) {
+                let loaded = self.loaded.remove(at);
+                self.loaded.push(loaded);
+            }
+        }
+        let is_loaded = |set: &Arc<ViewSet>| self.loaded.iter().any(|loaded| Arc::ptr_eq(&loaded.set, set));
+        let next = wanted.iter().find(|set| !is_loaded(set));
+        let Some(set) = next.filter(|_| self.running.is_none()).map(Arc::clone) else {
             return;
         };
         let progress = Progress::default();
         self.running = Some((Arc::clone(&set), progress.clone()));
         tasks.start("photographs", move || {
-            let loaded = LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, &progress);
+            let loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
             let errors = set.reprojection_errors();
-            PhotosLoaded((!progress.is_cancelled()).then_some(LoadedSet { set, loaded, errors }))
+            let used = Arc::clone(&loaded.photographs);
+            let loaded = LoadedSet {
+                set,
+                loaded,
+                errors,
+                used,
+            };
+            PhotosLoaded((!progress.is_cancelled()).then_some(loaded))
         });
     }
 
@@ -136,7 +184,8 @@ impl Photos {
             return Vec::new();
         }
         let notes = loaded.loaded.notes.clone();
-        self.loaded = Some(loaded);
+        self.make_room(loaded.loaded.photographs.byte_size());
+        self.loaded.push(loaded);
         self.use_what_is_on();
         notes
     }
@@ -147,8 +196,8 @@ impl Photos {
         frame: &Arc<PreparedFrame>,
         set: Option<&Arc<ViewSet>>,
     ) -> Arc<PreparedFrame> {
-        let is_loaded = |set: &Arc<ViewSet>| self.loaded.as_ref().is_some_and(|loaded| Arc::ptr_eq(&loaded.set, set));
-        let used = self.used.as_ref().filter(|_| set.is_some_and(is_loaded));
+        let loaded = set.and_then(|set| self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, set)));
+        let used = loaded.map(|loaded| &loaded.used);
         let Some(used) = used.filter(|used| !used.all().is_empty()) else {
             return Arc::clone(frame);
         };
@@ -163,10 +212,28 @@ impl Photos {
         Arc::clone(&self.dressed.insert(dressed).frame)
     }
 
-    /// How many are loaded of how many, while they are.
+    /// How many of the shown frame are loaded of how many, while they are.
     pub(in crate::app) fn loading(&self) -> Option<(usize, usize)> {
-        let (set, progress) = self.running.as_ref()?;
+        let is_shown = |set: &Arc<ViewSet>| self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, set));
+        let (set, progress) = self.running.as_ref().filter(|(set, _)| is_shown(set))?;
         Some((progress.done(), set.photos.len()))
+    }
+
+    fn shown_set(&self) -> Option<&LoadedSet> {
+        let shown = self.shown.as_ref()?;
+        self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, shown))
+    }
+
+    /// Forgets sets that nobody asked for in a long time, until one of `bytes` fits into the budget.
+    fn make_room(&mut self, bytes: usize) {
+        let size = |loaded: &LoadedSet| loaded.loaded.photographs.byte_size() as u64;
+        let mut total = bytes as u64 + self.loaded.iter().map(size).sum::<u64>();
+        let mut gone = 0;
+        while total > PHOTOGRAPH_BYTES && gone < self.loaded.len() {
+            total -= size(&self.loaded[gone]);
+            gone += 1;
+        }
+        self.loaded.drain(..gone);
     }
 
     /// Forgets all of them, as another sequence is opened.
@@ -182,13 +249,34 @@ impl Photos {
 
     fn use_what_is_on(&mut self) {
         let off = self.left_out();
-        self.used = self.loaded.as_ref().map(|loaded| {
+        for loaded in &mut self.loaded {
             let all = &loaded.loaded.photographs;
-            if off.is_empty() {
+            loaded.used = if off.is_empty() {
                 Arc::clone(all)
             } else {
                 Arc::new(all.without(&off))
-            }
-        });
+            };
+        }
     }
+}
+
+/// The sets of the frame that is due, of the one that is shown, and of those that follow, each once.
+fn wanted(player: &Player) -> Vec<Arc<ViewSet>> {
+    let source = player.sequence().source();
+    let (clock, frames) = (player.clock(), source.frames());
+    let due = clock.frame();
+    let ahead = (1..=FRAMES_AHEAD).filter_map(|step| match clock.direction() {
+        Direction::Forward => due.checked_add(step),
+        Direction::Backward => due.checked_sub(step),
+    });
+    let shown = player.shown().map(|shown| shown.index);
+    let mut wanted: Vec<Arc<ViewSet>> = Vec::new();
+    for index in std::iter::once(due).chain(shown).chain(ahead) {
+        let set = frames.contains(&index).then(|| source.photographs(index)).flatten();
+        let is_new = |set: &Arc<ViewSet>| !wanted.iter().any(|known| Arc::ptr_eq(known, set));
+        if let Some(set) = set.filter(is_new) {
+            wanted.push(set);
+        }
+    }
+    wanted
 }

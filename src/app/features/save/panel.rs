@@ -3,7 +3,7 @@
 use super::choices::{PrecisionKind, Save, SaveFormat};
 use super::estimates::Estimates;
 use super::plan::Savable;
-use super::summary::lines;
+use super::summary::{lines, warning};
 use crate::app::open_panels::PanelId;
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
@@ -289,6 +289,9 @@ fn numbers(ui: &mut Ui, save: &Save, estimates: &Estimates, of: &Savable) -> Opt
                 ui.end_row();
             }
         });
+    if let Some(text) = warning(&estimate).filter(|_| !is_old) {
+        ui.add(Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
+    }
     request
 }
 

@@ -35,6 +35,16 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
     lines
 }
 
+/// What is to be known before much is lost: points of a scan that is no surface are merged where they are dense.
+pub(super) fn warning(estimate: &Estimate) -> Option<String> {
+    const MUCH: f64 = 0.2;
+    let lost = 1.0 - estimate.kept_points / estimate.points.max(1.0);
+    (estimate.points > 0.0 && lost > MUCH).then(|| {
+        let lost = 100.0 * lost;
+        format!("{lost:.0} % of the points are merged with others. Positions by length, or lossless, keep each of them")
+    })
+}
+
 /// Bits of each stream, the largest first.
 fn streams(estimate: &Estimate) -> Option<String> {
     let mut streams = estimate.bits_by_stream();
@@ -158,6 +168,24 @@ mod tests {
                 "Angle of normals: mean 0.50°, largest 2.0°",
             ]
         );
+    }
+
+    #[test]
+    fn points_that_are_lost_are_a_warning_from_a_fifth_on() {
+        let kept = |kept_points: f64| {
+            warning(&Estimate {
+                kept_points,
+                ..estimate()
+            })
+        };
+        assert_eq!([kept(2000.0), kept(1700.0)], [None, None]);
+        assert!(kept(660.0).is_some_and(|text| text.starts_with("67 % of the points are merged")));
+        let nothing = Estimate {
+            points: 0.0,
+            kept_points: 0.0,
+            ..estimate()
+        };
+        assert_eq!(warning(&nothing), None);
     }
 
     #[test]

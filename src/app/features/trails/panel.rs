@@ -69,7 +69,7 @@ fn status_ui(ui: &mut Ui, trails: &mut Trails) {
     };
     let breaks = trails.breaks();
     for broken in breaks.iter().take(MAX_REASONS) {
-        let mut text = broken.text(1);
+        let mut text = broken.text(|frame| format!("frame {}", frame + 1));
         if let Some(first) = text.get_mut(..1) {
             first.make_ascii_uppercase();
         }

@@ -80,16 +80,16 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>) -> Result<(), Benc
             }
         };
         point_counts.push(frame.points.len() as f64);
-        run.begin_step(format!("{} frame {index}: leaves", subject.name))?;
+        run.begin_step(format!("{}: leaves", subject.named(index)))?;
         leaves.measure(run, &frame)?;
         for (distance, samples) in lod::DISTANCES.into_iter().zip(&mut lod) {
             run.begin_step(format!(
-                "{} frame {index}: levels of detail from {distance} times the distance",
-                subject.name
+                "{}: levels of detail from {distance} times the distance",
+                subject.named(index)
             ))?;
             samples.measure(run, subject, &frame, distance)?;
         }
-        run.begin_step(format!("{} frame {index}: voxels beside surfels", subject.name))?;
+        run.begin_step(format!("{}: voxels beside surfels", subject.named(index)))?;
         closed.measure(run, subject, &frame)?;
     }
     Run::check_measured(subject, &point_counts, first_failure)?;

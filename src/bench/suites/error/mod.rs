@@ -164,7 +164,7 @@ fn measure_sequence(
             }
         };
         point_counts.push(frame.points.len() as f64);
-        run.begin_step(format!("{} frame {index}: the truth", subject.name))?;
+        run.begin_step(format!("{}: the truth", subject.named(index)))?;
         let viewpoints = run.viewpoints(subject, &frame, &Style::default())?;
         let of_truth = of_truth(&frame);
         coverages.extend(viewpoints.iter().map(|viewpoint| viewpoint.coverage));
@@ -182,7 +182,7 @@ fn measure_sequence(
         }
         for (way, samples) in ways.iter().zip(&mut samples) {
             let label = ways::label(way);
-            run.begin_step(format!("{} frame {index}: {label}", subject.name))?;
+            run.begin_step(format!("{}: {label}", subject.named(index)))?;
             measure_way(run, runners, subject, &frame, &views, way, samples)?;
             run.say_measured(samples.point(subject.name, way));
         }

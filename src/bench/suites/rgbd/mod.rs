@@ -104,7 +104,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
         let mut stages: Vec<Stage> = Vec::new();
         let (mut image_kind, mut pixels) = ("made", Vec::new());
         for &index in &subject.chosen {
-            let label = |stage: &str| format!("{} frame {index}: {stage}", subject.name);
+            let label = |stage: &str| format!("{}: {stage}", subject.named(index));
             run.begin_step(label("decode"))?;
             let recorded = subject.sequence.decode(index).ok().and_then(|cloud| depth_of(&cloud));
             if let Some(image) = &recorded {

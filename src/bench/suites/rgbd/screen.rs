@@ -81,7 +81,7 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
 
 /// A frame of a sequence, from where its sensor stood if that is known.
 pub(super) fn measure_frame(run: &mut Run<'_>, subject: &Subject<'_>, index: usize) -> Result<Option<Row>, BenchError> {
-    run.begin_step(format!("{} frame {index}: visible points", subject.name))?;
+    run.begin_step(format!("{}: visible points", subject.named(index)))?;
     let Some(frame) = subject.sequence.frame(index).ok().filter(|frame| !frame.is_empty()) else {
         return Ok(None);
     };

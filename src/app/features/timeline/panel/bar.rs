@@ -152,9 +152,10 @@ pub(super) fn frame_tooltip(
     });
 }
 
-/// The number in the name of a frame, where it is another one than that of its place.
+/// The number in the name of a frame, where it is another one than that of its place. A frame that is alone has none:
+/// its name has it already.
 pub(super) fn own_number(sequence: &Sequence, frame: usize) -> Option<u64> {
-    let number = sequence.entry(frame).number?;
+    let number = sequence.entry(frame).number.filter(|_| sequence.len() > 1)?;
     (number != frame as u64 + 1).then_some(number)
 }
 

@@ -238,7 +238,8 @@ fn held_ui(ui: &mut Ui, player: &Player) {
     } else {
         ui.visuals().text_color()
     };
-    let text = format!("{held:.0} of {asked:.0} fps");
+    // Frames that make up for late ones are no more than was asked for.
+    let text = format!("{:.0} of {asked:.0} fps", held.min(asked));
     ui.label(RichText::new(text).monospace().color(color))
         .on_hover_text(format!(
             "Frames a second shown in the last second, of those that are asked for ({held:.1} of {asked:.1}).\n\

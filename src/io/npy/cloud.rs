@@ -1,0 +1,253 @@
+//! Clouds of arrays.
+
+use super::super::attributes;
+use super::super::column::Column;
+use super::super::contents::Part;
+use super::super::error::{Fault, Place};
+use super::super::growing;
+use super::super::options::ReadOptions;
+use super::super::splats::arrays::{self as splats, SplatArray};
+use super::super::xyz;
+use super::header::{Array, ArrayLayout};
+use super::layers::{MAX_COLUMNS, NamedArray, layer_of, take_layer};
+use crate::cloud::RawCloud;
+use std::io::{Cursor, Read as _};
+
+/// Names of arrays with coordinates.
+const POSITIONS: [&str; 15] = [
+    "xyz",
+    "points",
+    "point",
+    "positions",
+    "position",
+    "pos",
+    "vertices",
+    "coords",
+    "coordinates",
+    "point_cloud",
+    // Of splats.
+    "means3d",
+    "means_3d",
+    "mean3d",
+    "means",
+    "centers",
+];
+const COLORS: [&str; 7] = ["rgb", "rgba", "color", "colors", "colour", "colours", "rgb_colors"];
+const NORMALS: [&str; 2] = ["normals", "normal"];
+
+pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+    let array = Array::parse(bytes)?;
+    let (columns, count) = match &array.kind {
+        ArrayLayout::Table(_) => table(&array, "x")?,
+        ArrayLayout::Records { .. } => {
+            let count = array.shape.iter().product();
+            (records(&array, count)?, count)
+        }
+    };
+    growing::cloud(&columns, count)
+}
+
+/// The arrays of an archive that a cloud has a use for.
+pub(in crate::io) fn decode_archive(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
+    cloud_of_archive(&unpacked(bytes, options)?, layer_of(part))
+}
+
+/// The array with coordinates: that of a name that is used for them, or the only one.
+pub(super) fn place_of_positions(arrays: &[NamedArray<'_>]) -> Option<usize> {
+    let named = arrays.iter().position(|(name, _)| POSITIONS.contains(&name.as_str()));
+    named.or((arrays.len() == 1).then_some(0))
+}
+
+pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> Result<RawCloud, Fault> {
+    let mut arrays = Vec::new();
+    for (name, bytes) in members {
+        let array = Array::parse(bytes)
+            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?
+            .without_single_layers();
+        arrays.push((name.to_ascii_lowercase(), array));
+    }
+    let is_one_of = |names: &[&str], name: &str| names.contains(&name);
+    let place = place_of_positions(&arrays);
+    let assumption = match place {
+        Some(place) => take_layer(&mut arrays, place, layer)?,
+        None => None,
+    };
+    let (mut columns, count) = match place.map(|place| &arrays[place]) {
+        Some((_, array)) => match &array.kind {
+            ArrayLayout::Table(_) => table(array, "x")?,
+            ArrayLayout::Records { .. } => {
+                let count = array.shape.iter().product();
+                (records(array, count)?, count)
+            }
+        },
+        // Arrays of their own for x, y and z.
+        None => (
+            Vec::new(),
+            arrays
+                .iter()
+                .find(|(name, _)| name == "x")
+                .map_or(0, |(_, array)| array.shape.iter().product()),
+        ),
+    };
+    for (name, array) in &arrays {
+        let ArrayLayout::Table(_) = array.kind else { continue };
+        let names: &[&str] = if is_one_of(&COLORS, name) {
+            &["red", "green", "blue", "alpha"]
+        } else if is_one_of(&NORMALS, name) {
+            &["nx", "ny", "nz"]
+        } else if array.shape.iter().product::<usize>() == count && attributes::is_used(name) {
+            &[name.as_str()]
+        } else {
+            continue;
+        };
+        if array.shape.first() != Some(&count) && array.shape.iter().product::<usize>() != count {
+            return Err(Fault::header(format!(
+                "array `{name}` has {} entries, but there are {count} points",
+                array.shape.first().unwrap_or(&0)
+            )));
+        }
+        let width = if array.shape.len() == 2 { array.shape[1] } else { 1 };
+        for (column, name) in names.iter().enumerate().take(width) {
+            columns.retain(|known| known.name != *name);
+            columns.push(array.column((*name).to_owned(), column, width, count));
+        }
+    }
+    if columns.is_empty() {
+        let names: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
+        return Err(Fault::header(format!(
+            "there are no coordinates: expected an array `xyz` or `points`, found {}",
+            if names.is_empty() {
+                "no array".to_owned()
+            } else {
+                names.join(", ")
+            }
+        )));
+    }
+    let mut cloud = growing::cloud(&columns, count)?;
+    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
+    cloud.assumption = cloud.assumption.or(assumption);
+    Ok(cloud)
+}
+
+/// The arrays that say something of splats, as columns.
+fn splat_arrays<'a>(arrays: &'a [(String, Array<'a>)], count: usize) -> Vec<SplatArray<'a>> {
+    let of_splats = arrays.iter().filter(|(name, array)| {
+        let is_table = matches!(array.kind, ArrayLayout::Table(_));
+        is_table && splats::is_used(name) && array.shape.first() == Some(&count) && array.shape.len() <= 2
+    });
+    let columns = |(name, array): &'a (String, Array<'a>)| {
+        let width = array.shape.get(1).copied().unwrap_or(1).min(MAX_COLUMNS);
+        let column = |index| array.column(String::new(), index, width, count);
+        SplatArray {
+            name,
+            columns: (0..width).map(column).collect(),
+        }
+    };
+    of_splats.map(columns).collect()
+}
+
+/// Names and bytes of the arrays in an archive, unpacked to no more than may be.
+pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(String, Vec<u8>)>, Fault> {
+    let damaged = |error: &dyn std::fmt::Display| Fault::header(format!("the archive is damaged ({error})"));
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+    let mut members = Vec::new();
+    let mut left = options.max_memory_bytes;
+    for index in 0..archive.len() {
+        let member = archive.by_index(index).map_err(|error| damaged(&error))?;
+        let name = member.name().map_err(|error| damaged(&error))?;
+        let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
+            continue;
+        };
+        if member.size() > left {
+            return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
+        }
+        let mut unpacked = Vec::new();
+        // The size is a claim as well: what is unpacked beyond the limit ends it.
+        member
+            .take(left.saturating_add(1))
+            .read_to_end(&mut unpacked)
+            .map_err(|error| damaged(&error))?;
+        if unpacked.len() as u64 > left {
+            return Err(Fault::too_large(
+                &format!("array `{name}`"),
+                unpacked.len() as u64,
+                options,
+            ));
+        }
+        left -= unpacked.len() as u64;
+        members.push((name, unpacked));
+    }
+    Ok(members)
+}
+
+/// The columns of an array of numbers with a point a row, and how many there are.
+fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize), Fault> {
+    let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
+    let shape = shape.join(" × ");
+    let [count, width] = array.shape[..] else {
+        let advice = match array.shape.len() {
+            3 => {
+                "save each of its frames as a file of its own or all of them in an NPZ, or an image of points as one \
+                 table with `reshape(-1, 3)`"
+            }
+            _ => "save a table with a row for each point, x, y and z first",
+        };
+        return Err(Fault::header(format!(
+            "the array is {shape}, expected two dimensions, N × 3 or more: {advice}"
+        )));
+    };
+    if !(3..=MAX_COLUMNS).contains(&width) {
+        let advice = if count == 3 {
+            "; if its rows are the coordinates, save it transposed"
+        } else {
+            ""
+        };
+        return Err(Fault::header(format!(
+            "the array is {shape}, expected a row for each point with 3 to {MAX_COLUMNS} numbers, {first}, y and z \
+             first{advice}"
+        )));
+    }
+    let column = |index: usize| array.column(String::new(), index, width, count);
+    // What the columns behind the coordinates are is told by the same rule as for text.
+    let told_by: Vec<Vec<f64>> = (0..width)
+        .map(|index| match width {
+            6.. if (3..7).contains(&index) => column(index).to_f64(count),
+            _ => Vec::new(),
+        })
+        .collect();
+    let names = xyz::guessed_names(&told_by);
+    let columns = names
+        .into_iter()
+        .enumerate()
+        .map(|(index, name)| Column { name, ..column(index) });
+    Ok((columns.collect(), count))
+}
+
+/// The columns of an array of records; fields that are short arrays themselves are several.
+fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault> {
+    let ArrayLayout::Records { fields, row_bytes } = &array.kind else {
+        return Ok(Vec::new());
+    };
+    let mut columns = Vec::new();
+    for field in fields {
+        let Some(number) = field.number else {
+            continue;
+        };
+        let lower = field.name.to_ascii_lowercase();
+        let names: &[&str] = match lower.as_str() {
+            _ if field.length == 1 => &[&field.name],
+            name if POSITIONS.contains(&name) => &["x", "y", "z"],
+            name if COLORS.contains(&name) => &["red", "green", "blue", "alpha"],
+            name if NORMALS.contains(&name) => &["nx", "ny", "nz"],
+            _ => &[&field.name],
+        };
+        for (index, name) in names.iter().enumerate().take(field.length) {
+            let start = field.offset + index * number.bytes();
+            columns.push(number.column((*name).to_owned(), array.payload, start, *row_bytes, count));
+        }
+    }
+    if columns.is_empty() && count > 0 {
+        return Err(Fault::new(Place::Header, "no field of the records is a number"));
+    }
+    Ok(columns)
+}

@@ -1,0 +1,90 @@
+//! The frames of a file of arrays.
+//!
+//! **How it works.** The headers alone tell how many layers there are. Arrays are unpacked once for all frames of a
+//! file (`io/shared.rs`); a frame then is a view of its layer, also of those arrays beside it that have as many.
+
+use super::super::contents::{Entry, Part};
+use super::super::error::{Fault, IoError};
+use super::super::options::ReadOptions;
+use super::cloud::{cloud_of_archive, place_of_positions, unpacked};
+use super::header::Array;
+use super::layers::layer_count;
+use crate::cloud::RawCloud;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Headers are shorter: numpy writes no longer ones without being asked.
+const MAX_HEADER_BYTES: u64 = 1 << 16;
+
+/// No more frames are listed; sequences that anybody plays have fewer.
+const MAX_LAYERS: usize = 1_000_000;
+
+/// Deflate makes no more bytes of one.
+const MOST_DEFLATED: u64 = 1032;
+
+/// The arrays of an NPZ file, unpacked, by their names.
+pub(in crate::io) struct Arrays(Vec<(String, Vec<u8>)>);
+
+impl Arrays {
+    /// Those in the `bytes` of a file.
+    pub(in crate::io) fn open(bytes: &[u8], options: &ReadOptions) -> Result<Self, Fault> {
+        unpacked(bytes, options).map(Self)
+    }
+
+    /// The frame of this number, counted from 0; of arrays without layers there is the first alone.
+    pub(in crate::io) fn frame(&self, layer: usize) -> Result<RawCloud, Fault> {
+        cloud_of_archive(&self.0, layer)
+    }
+}
+
+/// The frames of the file at `path`, by the headers of its arrays. What cannot be understood is one frame, which then
+/// says why.
+pub(in crate::io) fn list(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(failed)?;
+    let file_bytes = file.metadata().map_err(failed)?.len();
+    let Some(layers) = layers_of(file, file_bytes) else {
+        return Ok(vec![Entry::whole()]);
+    };
+    let entry = |layer: usize| Entry {
+        name: format!("frame {}", layer + 1),
+        time: None,
+        part: Part::Layer(layer),
+    };
+    Ok((0..layers).map(entry).collect())
+}
+
+/// The begin of an array; less where it cannot be read.
+fn head(reader: impl Read) -> Vec<u8> {
+    let mut head = Vec::new();
+    // An error ends it: what is there is then too short for a header.
+    let _ = reader.take(MAX_HEADER_BYTES).read_to_end(&mut head);
+    head
+}
+
+/// The layers of the array with coordinates; `None` if it has none, or claims more than the file can hold.
+fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
+    let mut archive = zip::ZipArchive::new(file).ok()?;
+    let mut heads = Vec::new();
+    for index in 0..archive.len() {
+        let member = archive.by_index(index).ok()?;
+        let name = member.name().ok()?.strip_suffix(".npy").map(str::to_owned);
+        if let Some(name) = name {
+            heads.push((name.to_ascii_lowercase(), head(member)));
+        }
+    }
+    let mut arrays = Vec::new();
+    for (name, head) in &heads {
+        arrays.push((name.clone(), Array::parse_head(head)?.without_single_layers()));
+    }
+    let place = place_of_positions(&arrays)?;
+    let positions = &arrays[place].1;
+    let layers = layer_count(positions).filter(|&layers| layers <= MAX_LAYERS)?;
+    let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
+    positions.claimed_bytes().filter(|&bytes| bytes as u64 <= most_bytes)?;
+    Some(layers)
+}

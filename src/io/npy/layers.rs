@@ -1,0 +1,58 @@
+//! Sequences in one array: T × N × 3, a layer a frame.
+//!
+//! An image of points, H × W × 3, looks the same and is read as H frames: that is said of every frame. An array with one
+//! layer is one frame.
+
+use super::super::contents::Part;
+use super::super::error::Fault;
+use super::header::{Array, ArrayLayout};
+
+/// An array and its name, in lower case.
+pub(super) type NamedArray<'a> = (String, Array<'a>);
+
+/// Columns of a table that are told by their number.
+pub(super) const MAX_COLUMNS: usize = 64;
+
+/// The number of the layer that a part of a file is.
+pub(in crate::io) fn layer_of(part: &Part) -> usize {
+    match part {
+        Part::Layer(layer) => *layer,
+        _ => 0,
+    }
+}
+
+/// How many frames an array is: `None` if it is one.
+pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
+    let (ArrayLayout::Table(_), &[layers, points, width]) = (&array.kind, &array.shape[..]) else {
+        return None;
+    };
+    let is_sequence = layers > 1 && points > 0 && (3..=MAX_COLUMNS).contains(&width);
+    is_sequence.then_some(layers)
+}
+
+/// Takes one layer of each array that has as many as there are frames, of as many entries as the array of positions at
+/// `place`; says how many there are, and that they are frames. `None` if the positions have no layers.
+pub(super) fn take_layer(arrays: &mut [NamedArray<'_>], place: usize, layer: usize) -> Result<Option<String>, Fault> {
+    let positions = &arrays[place].1;
+    let Some(frames) = layer_count(positions) else {
+        return if layer == 0 { Ok(None) } else { Err(no_layer(layer, 1)) };
+    };
+    if layer >= frames {
+        return Err(no_layer(layer, frames));
+    }
+    let points = positions.shape[1];
+    let assumption = format!("each of {frames} layers of {points} points is taken for a frame");
+    for (_, array) in arrays {
+        let is_table = matches!(array.kind, ArrayLayout::Table(_));
+        if is_table && array.shape.starts_with(&[frames, points]) {
+            array.take_layer(layer);
+        }
+    }
+    Ok(Some(assumption))
+}
+
+fn no_layer(layer: usize, frames: usize) -> Fault {
+    Fault::header(format!(
+        "there is no layer {layer}, only {frames} counted from 0: the file has changed since it was opened"
+    ))
+}

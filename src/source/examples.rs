@@ -1,0 +1,127 @@
+//! Small examples of what people bring, embedded so that whoever begins can look at each kind: a survey by a laser
+//! scanner, a depth image, an animated model. Licences, credits and how they were made: `assets/examples/README.md`.
+
+use super::{FrameEntry, FrameList, Reel, Source};
+use std::sync::Arc;
+
+/// What is embedded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Example {
+    /// Fields beside a stadium from an airplane, by a laser scanner, with colours.
+    Lidar,
+    /// What a camera with depths saw of a plant, an image of points.
+    Depth,
+    /// A fox that looks around: points on an animated model.
+    Model,
+}
+
+/// A file of the examples.
+macro_rules! asset {
+    ($file:literal) => {
+        include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/examples/", $file))
+    };
+}
+
+impl Example {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Lidar, Self::Depth, Self::Model];
+
+    /// The word behind `example:` on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lidar => "lidar",
+            Self::Depth => "depth",
+            Self::Model => "model",
+        }
+    }
+
+    /// What is written where an input is expected.
+    pub fn input(self) -> String {
+        format!("example:{}", self.name())
+    }
+
+    /// What kind of thing it is, for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Lidar => "LiDAR survey",
+            Self::Depth => "Depth image",
+            Self::Model => "Animated model",
+        }
+    }
+
+    /// Whose it is.
+    pub fn credit(self) -> &'static str {
+        match self {
+            Self::Lidar => "Beside Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
+            Self::Depth => "Aloe, Middlebury 2006 (Scharstein and Pal 2007), from OpenCV (Apache-2.0)",
+            Self::Model => {
+                "Fox by PixelMannen (CC0), rig and animation by tomkranis (CC BY 4.0), glTF by AsoboStudio and scurest"
+            }
+        }
+    }
+
+    /// A small picture of it, a PNG.
+    pub fn picture(self) -> &'static [u8] {
+        match self {
+            Self::Lidar => asset!("lidar.png"),
+            Self::Depth => asset!("depth.png"),
+            Self::Model => asset!("model.png"),
+        }
+    }
+
+    /// The sequence file.
+    fn bytes(self) -> &'static [u8] {
+        match self {
+            Self::Lidar => asset!("lidar.reel"),
+            Self::Depth => asset!("depth.reel"),
+            Self::Model => asset!("model.reel"),
+        }
+    }
+
+    /// Its frames.
+    pub fn source(self) -> Arc<dyn Source> {
+        match Reel::embedded(&self.input(), self.bytes()) {
+            Ok(reel) => Arc::new(reel),
+            // A program that was built of a damaged file says so, as of any other.
+            Err(error) => {
+                let problem = error.to_string();
+                let entry = FrameEntry::embedded(self.input(), self.bytes());
+                Arc::new(FrameList::new(vec![entry], move |_, _| Err(problem.clone().into())))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Progress;
+
+    #[test]
+    fn every_example_can_be_read_is_small_and_has_a_picture() {
+        for example in Example::ALL {
+            assert!(example.bytes().len() <= 500 << 10, "{example:?}");
+            assert!(example.picture().len() <= 48 << 10, "{example:?}");
+            let picture = image::load_from_memory(example.picture()).unwrap();
+            assert_eq!((picture.width(), picture.height()), (280, 210), "{example:?}");
+            let source = example.source();
+            assert_eq!(source.inputs(), [std::path::PathBuf::from(example.input())]);
+            assert!(!source.may_grow() && source.look_again().unwrap() == 0);
+            let mut decoder = source.decoder();
+            for index in source.frames() {
+                let entry = source.entry(index);
+                let decoded = decoder.decode(index, &entry, usize::MAX, &Progress::default());
+                assert!(decoded.unwrap().cloud.positions.len() > 1000, "{example:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn words_tell_examples_apart() {
+        for example in Example::ALL {
+            let same = Example::ALL.into_iter().filter(|other| other.name() == example.name());
+            assert_eq!(same.count(), 1);
+            assert!(!example.credit().is_empty() && !example.title().is_empty());
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Images of several cameras → moments, by one clock.
+//!
+//! *How it works.* The clock of an image is the time in its name if names have such, else the number that counts, else
+//! its place in its folder. Images in the order of their clocks are of one moment until one is half of the usual step
+//! later than the first, or of a camera that has one already. So numbers have to be equal, and stamps of a common
+//! trigger may differ by what a network delays. A camera that lost an image has none in that moment, and no other.
+
+use crate::io::natural_order;
+use crate::io::timestamps::times_of_names;
+use crate::source::FrameEntry;
+use crate::source::files::number;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// An image or a folder with its place in time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Timed {
+    pub(super) entry: FrameEntry,
+    /// In steps or in seconds, as all of one pairing.
+    clock: f64,
+}
+
+impl Timed {
+    /// A name, by its place in time.
+    pub(super) fn at(name: PathBuf, number: u64) -> Self {
+        let mut entry = FrameEntry::file(name);
+        entry.number = Some(number);
+        Self {
+            entry,
+            clock: number as f64,
+        }
+    }
+
+    pub(super) fn clock(&self) -> f64 {
+        self.clock
+    }
+}
+
+/// What was taken together: of each camera its index, or none.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Together {
+    pub(super) clock: f64,
+    pub(super) of_each: Vec<Option<usize>>,
+}
+
+/// The files of each camera in natural order, with their clocks.
+pub(super) fn timed(cameras: Vec<Vec<PathBuf>>) -> Vec<Vec<Timed>> {
+    let in_order = |mut paths: Vec<PathBuf>| {
+        paths.sort_by(|left, right| natural_order(left, right));
+        let mut entries: Vec<FrameEntry> = paths.into_iter().map(FrameEntry::file).collect();
+        number(&mut entries);
+        entries
+    };
+    let mut cameras: Vec<Vec<FrameEntry>> = cameras.into_iter().map(in_order).collect();
+    let times: Vec<Vec<Option<Duration>>> = cameras.iter().map(|entries| times_of(entries)).collect();
+    let have_times = times.iter().flatten().all(Option::is_some);
+    let have_numbers = cameras.iter().flatten().all(|entry| entry.number.is_some());
+    if have_times {
+        for (entries, times) in cameras.iter_mut().zip(times) {
+            for (entry, time) in entries.iter_mut().zip(times) {
+                entry.time = time;
+            }
+        }
+    }
+    let of_camera = |entries: Vec<FrameEntry>| {
+        let clocked = entries.into_iter().enumerate();
+        let clocked = clocked.map(|(at, entry)| Timed {
+            clock: match (entry.time, entry.number) {
+                (Some(time), _) => time.as_secs_f64(),
+                (None, Some(number)) if have_numbers => number as f64,
+                _ => at as f64,
+            },
+            entry,
+        });
+        clocked.collect()
+    };
+    cameras.into_iter().map(of_camera).collect()
+}
+
+fn times_of(entries: &[FrameEntry]) -> Vec<Option<Duration>> {
+    let names: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+    times_of_names(&names)
+}
+
+/// The moments of cameras, each of which is in the order of its clock.
+pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
+    let most_apart = 0.5 * usual_step(cameras.iter().map(Vec::as_slice));
+    let mut all: Vec<(f64, usize, usize)> = cameras
+        .iter()
+        .enumerate()
+        .flat_map(|(camera, images)| images.iter().enumerate().map(move |(at, of)| (of.clock, camera, at)))
+        .collect();
+    all.sort_by(|left, right| {
+        left.0
+            .total_cmp(&right.0)
+            .then((left.1, left.2).cmp(&(right.1, right.2)))
+    });
+    let mut moments: Vec<Together> = Vec::new();
+    for (clock, camera, at) in all {
+        let last = moments.last_mut();
+        let last = last.filter(|last| last.of_each[camera].is_none() && clock - last.clock < most_apart);
+        if let Some(last) = last {
+            last.of_each[camera] = Some(at);
+        } else {
+            let mut of_each = vec![None; cameras.len()];
+            of_each[camera] = Some(at);
+            moments.push(Together { clock, of_each });
+        }
+    }
+    moments
+}
+
+/// The place of that one of `others` which is of the same moment as `clock`.
+pub(super) fn beside(others: &[Timed], clock: f64) -> Option<&Timed> {
+    let most_apart = 0.5 * usual_step([others]);
+    let nearest = others.iter().min_by(|left, right| {
+        let apart = |of: &Timed| (of.clock - clock).abs();
+        apart(left).total_cmp(&apart(right))
+    });
+    nearest.filter(|other| (other.clock - clock).abs() < most_apart)
+}
+
+/// The median step of all cameras.
+fn usual_step<'a>(cameras: impl IntoIterator<Item = &'a [Timed]>) -> f64 {
+    let steps = cameras
+        .into_iter()
+        .flat_map(|images| images.windows(2).map(|pair| pair[1].clock - pair[0].clock));
+    let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return 1.0;
+    }
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cameras(names: &[&[&str]]) -> Vec<Vec<Timed>> {
+        let folders = names.iter().enumerate();
+        let paths = folders.map(|(camera, names)| {
+            names
+                .iter()
+                .map(|name| PathBuf::from(format!("cam{camera}/{name}")))
+                .collect()
+        });
+        timed(paths.collect())
+    }
+
+    /// Names of what is together, a line a moment.
+    fn lines(names: &[&[&str]]) -> Vec<String> {
+        let cameras = cameras(names);
+        let moments = together(&cameras).into_iter();
+        let name = |(camera, at): (usize, Option<usize>)| match at {
+            Some(at) => cameras[camera][at].entry.name.clone(),
+            None => "-".to_owned(),
+        };
+        moments
+            .map(|moment| {
+                let names: Vec<String> = moment.of_each.into_iter().enumerate().map(name).collect();
+                names.join(" ")
+            })
+            .collect()
+    }
+
+    #[test]
+    fn images_of_one_number_are_of_one_moment() {
+        let names: &[&[&str]] = &[&["0.png", "1.png", "2.png", "10.png"], &["f_0001.jpg", "f_0002.jpg"]];
+        assert_eq!(
+            lines(names),
+            ["0.png -", "1.png f_0001.jpg", "2.png f_0002.jpg", "10.png -"]
+        );
+    }
+
+    #[test]
+    fn stamps_of_one_trigger_may_differ_a_little() {
+        let names: &[&[&str]] = &[
+            &[
+                "1305031102.100000.png",
+                "1305031102.200000.png",
+                "1305031102.300000.png",
+            ],
+            &["1305031102.104000.png", "1305031102.296000.png"],
+        ];
+        assert_eq!(
+            lines(names),
+            [
+                "1305031102.100000.png 1305031102.104000.png",
+                "1305031102.200000.png -",
+                "1305031102.300000.png 1305031102.296000.png",
+            ]
+        );
+        assert!(cameras(names)[1][0].entry.time.is_some());
+    }
+
+    #[test]
+    fn names_without_numbers_pair_by_their_order() {
+        let names: &[&[&str]] = &[&["a.png", "b.png"], &["u.png", "v.png"]];
+        assert_eq!(lines(names), ["a.png u.png", "b.png v.png"]);
+    }
+
+    #[test]
+    fn a_camera_is_never_twice_in_a_moment() {
+        // Bursts: two images right after one another.
+        let names: &[&[&str]] = &[
+            &["1.png", "2.png", "100.png", "101.png", "200.png"],
+            &["1.png", "100.png"],
+        ];
+        assert_eq!(
+            lines(names),
+            ["1.png 1.png", "2.png -", "100.png 100.png", "101.png -", "200.png -"]
+        );
+        assert_eq!(lines(&[]), [""; 0]);
+        assert_eq!(lines(&[&[], &["7.png"]]), ["- 7.png"]);
+    }
+
+    #[test]
+    fn points_are_of_the_moment_of_their_number() {
+        let clouds = timed(vec![vec![PathBuf::from("points/2.ply"), PathBuf::from("points/4.ply")]]).remove(0);
+        let name = |clock: f64| beside(&clouds, clock).map(|of| of.entry.name.clone());
+        assert_eq!(name(2.0).as_deref(), Some("2.ply"));
+        assert_eq!(name(4.0).as_deref(), Some("4.ply"));
+        assert_eq!(name(3.0), None);
+        assert_eq!(beside(&[], 0.0), None);
+    }
+}

@@ -1,0 +1,413 @@
+//! Photographs of several cameras that filmed: a sequence whose every frame is a set of calibrated photographs.
+//!
+//! How it works. A calibration names cameras, folders hold their images (`layout.rs`), and the clock in the names says
+//! which belong together (`clock.rs`). Each moment is a set of its own, looked at when somebody asks for it. Its points
+//! are those of a file of that moment, else stereo makes them; those of the calibration are of the moment that was
+//! calibrated. A camera that has no image of a moment costs that one alone, and a warning says so.
+//!
+//! Folders are looked at again. A moment is taken once all cameras have it, or once nothing came for some time.
+
+mod clock;
+mod layout;
+
+use super::photos::cloud_of_set;
+use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::cloud::RawCloud;
+use crate::io::{self, Format, Part};
+use crate::locks::{lock, read, write};
+use crate::photos::{Calibration, PhotosError, Rig, ViewSet};
+use crate::progress::Progress;
+use crate::stereo::Dense;
+use clock::{Timed, beside, timed};
+use layout::{Found, Images, Layout, entries_of};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, RwLock};
+use std::time::Duration;
+
+/// Folders beside the images that hold the points of each moment.
+const POINT_FOLDERS: &[&str] = &["points", "pointclouds", "point_clouds", "clouds", "ply", "pcd"];
+
+/// Longest side of photographs that points of a moment are made of by stereo: a frame of a film has to be there soon.
+/// `--dense` takes as many pixels as for a single set.
+const MOST_SIDE_PX: u32 = 320;
+
+/// Photographs of a scene that moves.
+#[derive(Debug)]
+pub struct PhotoVideo {
+    known: Arc<Known>,
+    moments: Arc<RwLock<Vec<Arc<Moment>>>>,
+    /// Nobody looks twice at once.
+    looks: Mutex<()>,
+    inputs: Vec<PathBuf>,
+    options: OpenOptions,
+    notes: Vec<String>,
+}
+
+/// What all moments share.
+#[derive(Debug)]
+enum Known {
+    /// Cameras that all moments share, whose images lie in folders.
+    Rig(Box<Filming>),
+    /// A calibration for each moment.
+    Sets(Layout),
+    /// One calibration that says when each photograph was taken.
+    Times(Box<Calibration>, Vec<Found>),
+}
+
+/// Cameras, and where their images are.
+#[derive(Debug)]
+struct Filming {
+    rig: Rig,
+    layout: Layout,
+    /// Around which points of moments are looked for.
+    folders: Vec<PathBuf>,
+}
+
+#[derive(Debug)]
+struct Moment {
+    entry: Arc<FrameEntry>,
+    images: Images,
+    points: Option<PathBuf>,
+    set: OnceLock<Result<Arc<ViewSet>, Arc<PhotosError>>>,
+}
+
+impl PhotoVideo {
+    /// What `calibration` names if that was filmed, and the calibration again if it was not.
+    ///
+    /// # Errors
+    /// [`PhotosError::NoPhotos`] of a calibration without a camera that can be used.
+    pub(super) fn of(
+        calibration: Calibration,
+        inputs: &[PathBuf],
+        options: &OpenOptions,
+    ) -> Result<Result<Self, Calibration>, PhotosError> {
+        if let Some(found) = moments_by_time(&calibration) {
+            let known = Known::Times(Box::new(calibration), found);
+            return Ok(Ok(Self::new(known, Vec::new(), inputs, options)));
+        }
+        let Some(layout) = Layout::of(&calibration) else {
+            return Ok(Err(calibration));
+        };
+        let folders = calibration.folders().to_vec();
+        let points_file = calibration.points_file().map(Path::to_owned);
+        let mut rig = calibration.rig()?;
+        rig.name_cameras(|listed| layout.camera_name(listed));
+        let mut notes = rig.notes().to_vec();
+        if let Layout::Cameras(of_cameras) = &layout {
+            let without = rig.names().zip(rig.listed());
+            let without = without.filter(|&(_, listed)| of_cameras.get(listed).is_none_or(Option::is_none));
+            let names: Vec<&str> = without.map(|(name, _)| name).collect();
+            if !names.is_empty() {
+                notes.push(format!("no folder with images was found for {}", names.join(", ")));
+            }
+        }
+        if let Some(file) = points_file {
+            notes.push(format!(
+                "the points of {} are of one moment: those of each frame are made of its photographs",
+                file.display()
+            ));
+        }
+        let filming = Filming { rig, layout, folders };
+        Ok(Ok(Self::new(Known::Rig(Box::new(filming)), notes, inputs, options)))
+    }
+
+    /// The folder that is the one input, if its folders are sets of photographs of one moment each.
+    pub(super) fn of_sets(inputs: &[PathBuf], options: &OpenOptions) -> Option<Self> {
+        let [input] = inputs else { return None };
+        let layout = Layout::of_sets(input)?;
+        Some(Self::new(Known::Sets(layout), Vec::new(), inputs, options))
+    }
+
+    fn new(known: Known, notes: Vec<String>, inputs: &[PathBuf], options: &OpenOptions) -> Self {
+        let moments = known.moments().into_iter().map(Arc::new).collect();
+        Self {
+            known: Arc::new(known),
+            moments: Arc::new(RwLock::new(moments)),
+            looks: Mutex::new(()),
+            inputs: inputs.to_vec(),
+            options: options.clone(),
+            notes,
+        }
+    }
+
+    fn moment(&self, index: usize) -> Arc<Moment> {
+        Arc::clone(&read(&self.moments)[index])
+    }
+}
+
+impl Source for PhotoVideo {
+    fn frames(&self) -> Range<usize> {
+        0..read(&self.moments).len()
+    }
+
+    fn entry(&self, index: usize) -> Arc<FrameEntry> {
+        Arc::clone(&read(&self.moments)[index].entry)
+    }
+
+    fn decoder(&self) -> Box<dyn Decoder> {
+        Box::new(MomentDecoder {
+            known: Arc::clone(&self.known),
+            moments: Arc::clone(&self.moments),
+            options: self.options.clone(),
+        })
+    }
+
+    fn may_grow(&self) -> bool {
+        !matches!(*self.known, Known::Times(..))
+    }
+
+    /// Looks at the folders again. What came between or before others is left out: frames keep their places.
+    fn look_again(&self) -> Result<usize, SequenceError> {
+        let _guard = lock(&self.looks);
+        let found = self.known.moments();
+        let last = read(&self.moments).last().map(Arc::clone);
+        let behind = match &last {
+            // A moment may be named after another of its images by now.
+            Some(last) => found
+                .iter()
+                .rposition(|moment| moment.is_same_or_before(last))
+                .map_or(0, |at| at + 1),
+            None => 0,
+        };
+        let images_of_each = found.iter().map(Moment::image_count).max().unwrap_or(0);
+        let came = found.into_iter().skip(behind);
+        let came: Vec<Arc<Moment>> = came
+            .take_while(|moment| moment.is_whole(images_of_each))
+            .map(Arc::new)
+            .collect();
+        let count = came.len();
+        write(&self.moments).extend(came);
+        Ok(count)
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    fn photographs(&self, index: usize) -> Option<Arc<ViewSet>> {
+        self.moment(index).set(index, &self.known).ok()
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+impl Known {
+    /// The moments that there are now.
+    fn moments(&self) -> Vec<Moment> {
+        match self {
+            Self::Rig(filming) => {
+                let clouds = clouds_in(&filming.folders);
+                let found = filming.layout.moments().into_iter();
+                found.map(|found| Moment::with_points(found, &clouds)).collect()
+            }
+            Self::Sets(layout) => layout
+                .moments()
+                .into_iter()
+                .map(|found| Moment::new(found, None))
+                .collect(),
+            Self::Times(_, found) => found.iter().map(|found| Moment::new(found.clone(), None)).collect(),
+        }
+    }
+}
+
+impl Moment {
+    fn new(Found { timed, images }: Found, points: Option<PathBuf>) -> Self {
+        let mut entry = timed.entry;
+        if let Some(points) = &points {
+            entry.path.clone_from(points);
+        }
+        Self {
+            entry: Arc::new(entry),
+            images,
+            points,
+            set: OnceLock::new(),
+        }
+    }
+
+    /// With the points in a file among its images, else with those of its number.
+    fn with_points(found: Found, clouds: &[Timed]) -> Self {
+        let folder = Some(&found.timed.entry.path).filter(|path| path.is_dir());
+        let inside = folder.and_then(|folder| entries_of(folder).into_iter().find(|path| is_cloud(path)));
+        let points = inside.or_else(|| Some(beside(clouds, found.timed.clock())?.entry.path.clone()));
+        Self::new(found, points)
+    }
+
+    /// The photographs; looked at once.
+    fn set(&self, index: usize, known: &Known) -> Result<Arc<ViewSet>, Arc<PhotosError>> {
+        let look = || -> Result<ViewSet, PhotosError> {
+            match (&self.images, known) {
+                (Images::OfCameras(images), Known::Rig(filming)) => {
+                    let listed = filming.rig.listed();
+                    let files: Vec<Option<PathBuf>> = listed.map(|at| images.get(at).cloned().flatten()).collect();
+                    filming.rig.moment(&files, index == 0)
+                }
+                (Images::Listed(photos), Known::Times(calibration, _)) => calibration.some(photos).photographs(),
+                (Images::InFolder(folder), _) => match crate::photos::find(folder)? {
+                    Some(found) => found.read(),
+                    None => Err(no_set(folder)),
+                },
+                _ => Err(no_set(&self.entry.path)),
+            }
+        };
+        let known = self.set.get_or_init(|| look().map(Arc::new).map_err(Arc::new));
+        known.clone()
+    }
+
+    fn image_count(&self) -> usize {
+        match &self.images {
+            Images::OfCameras(images) => images.iter().flatten().count(),
+            Images::InFolder(_) | Images::Listed(_) => 1,
+        }
+    }
+
+    /// In the order of times or numbers, as far as both have them; the same if they share an image.
+    fn is_same_or_before(&self, last: &Self) -> bool {
+        let (own, other) = (&self.entry, &last.entry);
+        let is_before = match (own.time.zip(other.time), own.number.zip(other.number)) {
+            (Some((own, other)), _) => own <= other,
+            (None, Some((own, other))) => own <= other,
+            _ => false,
+        };
+        let shares = |of: &Self, with: &Self| match (&of.images, &with.images) {
+            (Images::OfCameras(own), Images::OfCameras(other)) => {
+                own.iter().zip(other).any(|(own, other)| own.is_some() && own == other)
+            }
+            (own, other) => own == other,
+        };
+        is_before || shares(self, last)
+    }
+
+    /// Whether nobody writes to it any more: all its images are there, or the others are late.
+    fn is_whole(&self, images_of_each: usize) -> bool {
+        /// Who writes an image has it done in pieces that follow each other faster.
+        const QUIET: Duration = Duration::from_millis(500);
+        /// Cameras of one clock are not later than that.
+        const LATE: Duration = Duration::from_secs(3);
+        let (files, is_complete) = match &self.images {
+            Images::OfCameras(images) => (
+                images.iter().flatten().cloned().collect(),
+                self.image_count() == images_of_each,
+            ),
+            // The calibration may be written before the images.
+            Images::InFolder(folder) => (vec![folder.clone()], false),
+            Images::Listed(_) => (Vec::new(), true),
+        };
+        let least = if is_complete { QUIET } else { LATE };
+        let is_old = |path: &PathBuf| {
+            let modified = std::fs::metadata(path).and_then(|metadata| metadata.modified());
+            // A clock that stands before the file's says nothing.
+            modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= least))
+        };
+        files.iter().all(is_old)
+    }
+}
+
+/// Makes points of moments.
+struct MomentDecoder {
+    known: Arc<Known>,
+    moments: Arc<RwLock<Vec<Arc<Moment>>>>,
+    options: OpenOptions,
+}
+
+impl Decoder for MomentDecoder {
+    fn decode(
+        &mut self,
+        index: usize,
+        _entry: &FrameEntry,
+        _most_points: usize,
+        progress: &Progress,
+    ) -> Result<DecodedFrame, DecodeFailure> {
+        let moment = read(&self.moments).get(index).map(Arc::clone);
+        let moment = moment.ok_or_else(|| format!("there is no frame {index}"))?;
+        let set = moment.set(index, &self.known)?;
+        let mut cloud = self.cloud(&moment, &set, progress)?;
+        cloud.warnings.extend(set.notes.iter().cloned());
+        Ok(cloud.into())
+    }
+}
+
+impl MomentDecoder {
+    fn cloud(&self, moment: &Moment, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
+        if let Images::InFolder(_) = moment.images {
+            return cloud_of_set(set, &self.options, &self.dense(), progress);
+        }
+        if let Some(points) = moment.points.as_ref().filter(|_| !self.options.dense) {
+            return Ok(io::read_part_observed(
+                points,
+                &Part::Whole,
+                &self.options.read,
+                progress,
+            )?);
+        }
+        Ok(self.dense().cloud(set, progress)?)
+    }
+
+    fn dense(&self) -> Dense {
+        let usual = Dense::default();
+        let most_side_px = if self.options.dense {
+            usual.most_side_px
+        } else {
+            MOST_SIDE_PX
+        };
+        Dense { most_side_px, ..usual }
+    }
+}
+
+/// The photographs of each time, where a calibration says when all of them were taken, and most times have several: one
+/// camera that goes around has one.
+fn moments_by_time(calibration: &Calibration) -> Option<Vec<Found>> {
+    let times = calibration.times()?;
+    let names: Vec<&str> = calibration.names().collect();
+    let mut by_time: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    // In the order of their bits, those of numbers from 0 up are in the order of the numbers.
+    for (index, &time) in times.iter().enumerate().filter(|(_, time)| **time >= 0.0) {
+        by_time.entry((time + 0.0).to_bits()).or_default().push(index);
+    }
+    let several = by_time.values().filter(|photos| photos.len() > 1).count();
+    if by_time.len() < 2 || 2 * several < by_time.len() {
+        return None;
+    }
+    let found = by_time.into_values().enumerate().map(|(at, photos)| {
+        let name = photos.first().map_or("", |&first| names[first]);
+        Found {
+            timed: Timed::at(PathBuf::from(name), at as u64),
+            images: Images::Listed(photos),
+        }
+    });
+    Some(found.collect())
+}
+
+/// Clouds of moments in a folder beside the images, in their order.
+fn clouds_in(folders: &[PathBuf]) -> Vec<Timed> {
+    let all = folders
+        .iter()
+        .flat_map(|folder| POINT_FOLDERS.iter().map(move |name| folder.join(name)));
+    let clouds = all.map(|folder| entries_of(&folder).into_iter().filter(|path| is_cloud(path)).collect());
+    let first: Option<Vec<PathBuf>> = clouds.into_iter().find(|clouds: &Vec<PathBuf>| !clouds.is_empty());
+    first.and_then(|clouds| timed(vec![clouds]).pop()).unwrap_or_default()
+}
+
+/// Whether a file among images holds points: text and JSON are calibrations.
+fn is_cloud(path: &Path) -> bool {
+    let is_text = path.extension().is_some_and(|extension| {
+        ["txt", "json", "csv", "bin"]
+            .iter()
+            .any(|text| extension.eq_ignore_ascii_case(text))
+    });
+    !is_text && path.is_file() && Format::of_extension(path).is_some()
+}
+
+fn no_set(path: &Path) -> PhotosError {
+    PhotosError::NoPhotos {
+        path: path.to_owned(),
+        count: 0,
+        reason: "its calibration is gone".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,469 @@
+//! A ball that moves, filmed by cameras whose every ray is known, written in each layout and read again.
+
+use super::*;
+use crate::photos;
+use glam::{DMat3, DVec2, DVec3};
+use image::{Rgb, RgbImage};
+use std::fmt::Write as _;
+use std::fs;
+
+const SIZE_PX: [u32; 2] = [120, 96];
+const FOCAL_PX: f64 = 150.0;
+const RADIUS: f64 = 1.0;
+
+/// Cameras around the ball, `turn` further for each.
+#[derive(Clone, Copy)]
+struct Filmed {
+    cameras: usize,
+    step_rad: f64,
+    /// Turns all cameras.
+    turned_rad: f64,
+}
+
+const FILMED: Filmed = Filmed {
+    cameras: 4,
+    step_rad: 0.2,
+    turned_rad: 0.0,
+};
+
+/// Where the ball is.
+fn ball(moment: usize) -> DVec3 {
+    DVec3::new(0.35 * moment as f64 - 0.3, 0.1, 0.2 * moment as f64)
+}
+
+fn color(on_ball: DVec3) -> [u8; 3] {
+    let waves = |frequency: f64| {
+        let [x, y, z] = (frequency * on_ball).to_array();
+        DVec3::new(
+            (x + 0.3 * y).sin() * (z + y).cos(),
+            (y - 0.4 * z).sin(),
+            (z + 0.5 * x).sin(),
+        )
+    };
+    let color = 0.5 + 0.2 * waves(5.0) + 0.25 * waves(13.0);
+    color.to_array().map(|channel| (255.0 * channel.clamp(0.0, 1.0)) as u8)
+}
+
+impl Filmed {
+    /// The axes of a camera (right, down, forward) as columns, and its place.
+    fn camera(self, camera: usize) -> (DMat3, DVec3) {
+        let turn = self.turned_rad + self.step_rad * camera as f64;
+        let center = DVec3::new(5.0 * turn.sin(), -0.6, -5.0 * turn.cos());
+        let forward = -center.normalize();
+        let right = DVec3::Y.cross(forward).normalize();
+        (DMat3::from_cols(right, forward.cross(right), forward), center)
+    }
+
+    fn photographed(self, camera: usize, moment: usize) -> RgbImage {
+        let (axes, center) = self.camera(camera);
+        let ball = ball(moment);
+        RgbImage::from_fn(SIZE_PX[0], SIZE_PX[1], |x, y| {
+            let pixel = DVec2::new(f64::from(x), f64::from(y)) - principal();
+            let ray = (axes * (pixel / FOCAL_PX).extend(1.0)).normalize();
+            let toward = ball - center;
+            let along = toward.dot(ray);
+            let inside = RADIUS * RADIUS - (toward.length_squared() - along * along);
+            if inside < 0.0 {
+                return Rgb([0; 3]);
+            }
+            let place = center + (along - inside.sqrt()) * ray;
+            Rgb(color((place - ball) / RADIUS))
+        })
+    }
+
+    fn save(self, camera: usize, moment: usize, path: &Path) {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        self.photographed(camera, moment).save(path).unwrap();
+    }
+
+    /// A par file of Middlebury.
+    fn write_par(self, path: &Path, name: impl Fn(usize) -> String) {
+        let mut text = format!("{}\n", self.cameras);
+        let [cx, cy] = principal().to_array();
+        for camera in 0..self.cameras {
+            let (axes, center) = self.camera(camera);
+            let turn = axes.transpose();
+            let rows: Vec<f64> = axes.to_cols_array().to_vec();
+            let shift = -(turn * center);
+            write!(text, "{} {FOCAL_PX} 0 {cx} 0 {FOCAL_PX} {cy} 0 0 1", name(camera)).unwrap();
+            for number in rows.into_iter().chain(shift.to_array()) {
+                write!(text, " {number}").unwrap();
+            }
+            text.push('\n');
+        }
+        fs::write(path, text).unwrap();
+    }
+
+    fn write_colmap(self, folder: &Path, name: impl Fn(usize) -> String) {
+        fs::create_dir_all(folder).unwrap();
+        let [cx, cy] = (principal() + 0.5).to_array();
+        let [width, height] = SIZE_PX;
+        let cameras = format!("1 PINHOLE {width} {height} {FOCAL_PX} {FOCAL_PX} {cx} {cy}\n");
+        fs::write(folder.join("cameras.txt"), cameras).unwrap();
+        let mut images = String::new();
+        for camera in 0..self.cameras {
+            let (axes, center) = self.camera(camera);
+            let turn = axes.transpose();
+            let quaternion = glam::DQuat::from_mat3(&turn);
+            let [x, y, z] = (-(turn * center)).to_array();
+            let [qx, qy, qz, qw] = quaternion.to_array();
+            let name = name(camera);
+            // One point that all cameras see, where the ball begins.
+            let seen = turn * (ball(0) - center);
+            let seen = DVec2::new(seen.x, seen.y) / seen.z * FOCAL_PX + principal() + 0.5;
+            writeln!(
+                images,
+                "{} {qw} {qx} {qy} {qz} {x} {y} {z} 1 {name}\n{} {} 1",
+                camera + 1,
+                seen.x,
+                seen.y
+            )
+            .unwrap();
+        }
+        fs::write(folder.join("images.txt"), images).unwrap();
+        let [x, y, z] = ball(0).to_array();
+        let track: Vec<String> = (1..=self.cameras).map(|image| format!("{image} 0")).collect();
+        fs::write(
+            folder.join("points3D.txt"),
+            format!("1 {x} {y} {z} 9 9 9 0.1 {}\n", track.join(" ")),
+        )
+        .unwrap();
+    }
+
+    /// `transforms.json` of these photographs: name, camera, time.
+    fn write_transforms(self, path: &Path, photos: &[(String, usize, Option<f64>)]) {
+        let frames = photos.iter().map(|(name, camera, time)| {
+            let (axes, center) = self.camera(*camera);
+            let opengl = DMat3::from_cols(axes.x_axis, -axes.y_axis, -axes.z_axis);
+            let rows = [0, 1, 2].map(|row| opengl.row(row).extend(center[row]).to_array());
+            let mut frame = serde_json::json!({
+                "file_path": name,
+                "transform_matrix": [rows[0], rows[1], rows[2], [0.0, 0.0, 0.0, 1.0]],
+            });
+            if let Some(time) = time {
+                frame["time"] = (*time).into();
+            }
+            frame
+        });
+        let [cx, cy] = (principal() + 0.5).to_array();
+        let file = serde_json::json!({
+            "fl_x": FOCAL_PX, "fl_y": FOCAL_PX, "cx": cx, "cy": cy, "w": SIZE_PX[0], "h": SIZE_PX[1],
+            "frames": frames.collect::<Vec<_>>(),
+        });
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, file.to_string()).unwrap();
+    }
+}
+
+fn principal() -> DVec2 {
+    DVec2::new(60.5, 46.0)
+}
+
+fn open(folder: &Path) -> Option<PhotoVideo> {
+    open_with(folder, &OpenOptions::default())
+}
+
+/// As [`crate::source::open`] does it.
+fn open_with(folder: &Path, options: &OpenOptions) -> Option<PhotoVideo> {
+    let inputs = [folder.to_owned()];
+    match photos::find(folder).unwrap() {
+        Some(found) => {
+            let calibration = found.calibration().unwrap();
+            PhotoVideo::of(calibration, &inputs, options).unwrap().ok()
+        }
+        None => PhotoVideo::of_sets(&inputs, options),
+    }
+}
+
+fn decoded(video: &PhotoVideo, index: usize) -> RawCloud {
+    let entry = video.entry(index);
+    let frame = video.decoder().decode(index, &entry, usize::MAX, &Progress::default());
+    frame.unwrap().cloud
+}
+
+/// The share of points that are on the ball of a moment: half a pixel between neighbours is a depth of 0.08.
+fn share_on_ball(cloud: &RawCloud, moment: usize) -> f64 {
+    let is_on = |at: &usize| {
+        let place = DVec3::from(cloud.positions.get(*at));
+        (place.distance(ball(moment)) - RADIUS).abs() < 0.08
+    };
+    let count = cloud.positions.len();
+    (0..count).filter(is_on).count() as f64 / count as f64
+}
+
+/// Holds poses, photographs and points of all moments against the scene.
+fn assert_films(video: &PhotoVideo, filmed: impl Fn(usize) -> Filmed, moments: usize) {
+    assert_eq!(video.frames(), 0..moments);
+    for moment in 0..moments {
+        let filmed = filmed(moment);
+        let set = video.photographs(moment).unwrap();
+        assert!(Arc::ptr_eq(&set, &video.photographs(moment).unwrap()));
+        assert_eq!(set.photos.len(), filmed.cameras);
+        for (camera, photo) in set.photos.iter().enumerate() {
+            let (axes, center) = filmed.camera(camera);
+            assert!(photo.center().distance(center) < 1e-6);
+            let place = ball(moment) + DVec3::new(0.2, -0.3, 0.1);
+            let seen = axes.transpose() * (place - center);
+            let expected = DVec2::new(seen.x, seen.y) / seen.z * FOCAL_PX + principal();
+            assert!(photo.project(place).unwrap().distance(expected) < 1e-3);
+            let image = image::open(&photo.path).unwrap().into_rgb8();
+            assert_eq!(
+                image,
+                filmed.photographed(camera, moment),
+                "camera {camera} of moment {moment}"
+            );
+        }
+        if moment == 1 {
+            continue;
+        }
+        let cloud = decoded(video, moment);
+        assert!(cloud.warnings.is_empty(), "{:?}", cloud.warnings);
+        assert!(cloud.positions.len() > 1000, "{} points", cloud.positions.len());
+        let (own, other) = (
+            share_on_ball(&cloud, moment),
+            share_on_ball(&cloud, if moment == 0 { 1 } else { 0 }),
+        );
+        // Two views alone have no third one that tells mistakes.
+        let least = if filmed.cameras > 2 { 0.9 } else { 0.8 };
+        assert!(own > least && other < 0.5, "{own} on its ball, {other} on another");
+    }
+}
+
+#[test]
+fn a_folder_for_each_camera_is_a_film() {
+    let folder = tempfile::tempdir().unwrap();
+    // COLMAP has calibrated the first moment.
+    FILMED.write_colmap(&folder.path().join("sparse/0"), |camera| {
+        format!("cam{camera}/0008.png")
+    });
+    for camera in 0..4 {
+        for moment in 0..3 {
+            let name = format!("images/cam{camera}/{:04}.png", moment + 8);
+            FILMED.save(camera, moment, &folder.path().join(name));
+        }
+    }
+    let video = open(folder.path()).unwrap();
+    assert_films(&video, |_| FILMED, 3);
+    assert_eq!(video.entry(1).number, Some(9));
+    let set = video.photographs(1).unwrap();
+    assert_eq!(set.photos[3].name, "cam3");
+    // Cameras are judged by the points that calibrated them.
+    let error = video.photographs(0).unwrap().reprojection_error(3).unwrap();
+    assert!(error.count == 1 && error.rms_px < 1e-3, "{error:?}");
+    assert!(set.reprojection_error(3).is_none());
+}
+
+#[test]
+fn a_folder_for_each_moment_is_a_film() {
+    let folder = tempfile::tempdir().unwrap();
+    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| {
+        format!("view_{camera}.png")
+    });
+    for (camera, moment) in (0..4).flat_map(|camera| (0..3).map(move |moment| (camera, moment))) {
+        let name = format!("frame_{moment}/view_{camera}.png");
+        FILMED.save(camera, moment, &folder.path().join(name));
+    }
+    let video = open(folder.path()).unwrap();
+    assert_films(&video, |_| FILMED, 3);
+    assert_eq!(video.entry(2).name, "frame_2");
+    assert_eq!(video.photographs(0).unwrap().photos[1].name, "view_1");
+}
+
+#[test]
+fn each_moment_may_have_a_calibration_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let filmed = |moment: usize| Filmed {
+        turned_rad: 0.3 * moment as f64,
+        ..FILMED
+    };
+    for moment in 0..3 {
+        let set = folder.path().join(format!("frame_{moment:03}"));
+        let mut photos = Vec::new();
+        for camera in 0..4 {
+            filmed(moment).save(camera, moment, &set.join(format!("images/{camera}.png")));
+            photos.push((format!("images/{camera}.png"), camera, None));
+        }
+        filmed(moment).write_transforms(&set.join("transforms.json"), &photos);
+    }
+    assert_films(&open(folder.path()).unwrap(), filmed, 3);
+}
+
+#[test]
+fn a_calibration_may_say_when_each_photograph_was_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut photos = Vec::new();
+    for (moment, camera) in (0..3).flat_map(|moment| (0..4).map(move |camera| (moment, camera))) {
+        let name = format!("images/{moment}_{camera}.png");
+        FILMED.save(camera, moment, &folder.path().join(&name));
+        photos.push((name, camera, Some(moment as f64 / 2.0)));
+    }
+    // Their order is no matter.
+    photos.reverse();
+    photos.sort_by_key(|(_, camera, _)| *camera);
+    FILMED.write_transforms(&folder.path().join("transforms.json"), &photos);
+    let video = open(folder.path()).unwrap();
+    assert_films(&video, |_| FILMED, 3);
+    assert!(!video.may_grow());
+}
+
+#[test]
+fn two_cameras_side_by_side_are_a_film_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let pair = Filmed { cameras: 2, ..FILMED };
+    pair.write_par(&folder.path().join("rig_par.txt"), |camera| {
+        ["left", "right"][camera].to_owned()
+    });
+    for (camera, moment) in (0..2).flat_map(|camera| (0..2).map(move |moment| (camera, moment))) {
+        let name = format!("{}/{moment}.png", ["left", "right"][camera]);
+        pair.save(camera, moment, &folder.path().join(name));
+    }
+    assert_films(&open(folder.path()).unwrap(), |_| pair, 2);
+}
+
+/// Three moments by a folder for each camera.
+fn filmed_by_cameras(folder: &Path) {
+    FILMED.write_par(&folder.join("rig_par.txt"), |camera| format!("cam{camera}.png"));
+    for camera in 0..4 {
+        for moment in 0..3 {
+            FILMED.save(camera, moment, &folder.join(format!("cam{camera}/{moment}.png")));
+        }
+    }
+}
+
+#[test]
+fn a_missing_image_costs_that_one_and_a_warning_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    filmed_by_cameras(folder.path());
+    fs::remove_file(folder.path().join("cam1/2.png")).unwrap();
+    fs::write(folder.path().join("cam3/2.png"), b"broken").unwrap();
+    let video = open(folder.path()).unwrap();
+    assert_eq!(video.frames(), 0..3);
+    let set = video.photographs(2).unwrap();
+    let has_file: Vec<bool> = set.photos.iter().map(photos::Photo::has_file).collect();
+    assert_eq!(has_file, [true, false, true, false]);
+    let cloud = decoded(&video, 2);
+    assert!(share_on_ball(&cloud, 2) > 0.9);
+    let warnings = cloud.warnings.join("\n");
+    assert!(warnings.contains("cam1 has no image of this moment"), "{warnings}");
+    assert!(
+        warnings.contains("cam3 is left out") && warnings.contains("2.png"),
+        "{warnings}"
+    );
+    assert!(decoded(&video, 1).warnings.is_empty());
+    // Loading passes over what is not there.
+    let loaded = photos::LoadedPhotographs::of(&set, 1 << 30, &Progress::default());
+    let numbers: Vec<usize> = loaded
+        .photographs
+        .all()
+        .iter()
+        .map(|photograph| photograph.number)
+        .collect();
+    assert_eq!(numbers, [0, 2]);
+    assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
+}
+
+#[test]
+fn a_camera_without_a_folder_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    filmed_by_cameras(folder.path());
+    fs::remove_dir_all(folder.path().join("cam2")).unwrap();
+    let video = open(folder.path()).unwrap();
+    assert_eq!(video.notes(), ["no folder with images was found for cam2"]);
+    assert!(share_on_ball(&decoded(&video, 1), 1) > 0.9);
+}
+
+#[test]
+fn points_of_a_moment_are_those_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    filmed_by_cameras(folder.path());
+    fs::create_dir(folder.path().join("points")).unwrap();
+    for moment in [0, 2] {
+        let text = format!("{moment} 0 0\n{moment} 1 0\n");
+        fs::write(folder.path().join(format!("points/{moment}.xyz")), text).unwrap();
+    }
+    let video = open(folder.path()).unwrap();
+    for moment in [0, 2] {
+        let cloud = decoded(&video, moment);
+        assert_eq!(cloud.positions.len(), 2);
+        assert_eq!(cloud.positions.get(1).to_array(), [moment as f64, 1.0, 0.0]);
+        assert!(video.entry(moment).path.ends_with(format!("points/{moment}.xyz")));
+    }
+    assert!(decoded(&video, 1).positions.len() > 1000);
+    let dense = OpenOptions {
+        dense: true,
+        ..OpenOptions::default()
+    };
+    let video = open_with(folder.path(), &dense).unwrap();
+    assert!(decoded(&video, 0).positions.len() > 1000);
+}
+
+#[test]
+fn photographs_of_one_moment_are_no_film() {
+    // A camera that goes around: several images of a folder are named.
+    let folder = tempfile::tempdir().unwrap();
+    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| {
+        format!("{}/{}.png", ["left", "right"][camera % 2], camera / 2)
+    });
+    for camera in 0..4 {
+        let name = format!("{}/{}.png", ["left", "right"][camera % 2], camera / 2);
+        FILMED.save(camera, 0, &folder.path().join(name));
+    }
+    assert!(open(folder.path()).is_none());
+    // Copies of the photographs, smaller.
+    let folder = tempfile::tempdir().unwrap();
+    FILMED.write_par(&folder.path().join("rig_par.txt"), |camera| format!("{camera}.png"));
+    for camera in 0..4 {
+        for copy in ["images_2", "images_4", "scaled_2", "scaled_4", "images"] {
+            FILMED.save(camera, 0, &folder.path().join(format!("{copy}/{camera}.png")));
+        }
+    }
+    assert!(open(folder.path()).is_none());
+    fs::remove_dir_all(folder.path().join("images")).unwrap();
+    fs::remove_dir_all(folder.path().join("scaled_4")).unwrap();
+    assert!(open(folder.path()).is_none());
+    // Folders of scans have no calibrations in them.
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["scan_1", "scan_2"] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    assert!(open(folder.path()).is_none());
+    // One camera that moves has a time for each photograph.
+    let folder = tempfile::tempdir().unwrap();
+    let photos: Vec<(String, usize, Option<f64>)> = (0..5)
+        .map(|camera| (format!("{camera}.png"), camera, Some(camera as f64)))
+        .collect();
+    FILMED.write_transforms(&folder.path().join("transforms.json"), &photos);
+    assert!(open(folder.path()).is_none());
+}
+
+#[test]
+fn moments_that_come_are_taken_once_they_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    filmed_by_cameras(folder.path());
+    let video = open(folder.path()).unwrap();
+    assert!(video.may_grow());
+    let mut decoder = video.decoder();
+    let save = |camera: usize, moment: usize, age: Duration| {
+        let path = folder.path().join(format!("cam{camera}/{moment}.png"));
+        FILMED.save(camera, moment, &path);
+        let file = fs::File::options().write(true).open(path).unwrap();
+        file.set_modified(std::time::SystemTime::now() - age).unwrap();
+    };
+    let second = Duration::from_secs(1);
+    assert_eq!(video.look_again().unwrap(), 0);
+    (0..3).for_each(|camera| save(camera, 3, second));
+    assert_eq!(video.look_again().unwrap(), 0, "the fourth camera is waited for");
+    save(3, 3, second);
+    (0..4).for_each(|camera| save(camera, 4, Duration::ZERO));
+    assert_eq!(video.look_again().unwrap(), 1, "the next is being written");
+    (0..4).for_each(|camera| save(camera, 4, second));
+    (0..2).for_each(|camera| save(camera, 5, 10 * second));
+    assert_eq!(video.look_again().unwrap(), 2, "the other cameras of the last are late");
+    assert_eq!(video.look_again().unwrap(), 0);
+    assert_eq!(video.frames(), 0..6);
+    // What a thread decodes with knows the new ones.
+    let entry = video.entry(4);
+    let frame = decoder.decode(4, &entry, usize::MAX, &Progress::default()).unwrap();
+    assert!(share_on_ball(&frame.cloud, 4) > 0.9);
+    assert!(decoder.decode(9, &entry, usize::MAX, &Progress::default()).is_err());
+}
