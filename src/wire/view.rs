@@ -152,7 +152,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_are_a_view_or_an_error(mut bytes in prop::collection::vec(any::<u8>(), 0..200), length in 90u32..110) {
+        fn any_bytes_are_a_view_or_an_error(
+            mut bytes in prop::collection::vec(any::<u8>(), 0..200), length in 90u32..110,
+        ) {
             if let Some(head) = bytes.first_chunk_mut() {
                 *head = length.to_le_bytes();
             }
