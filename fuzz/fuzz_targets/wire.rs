@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pointreel_fuzz::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, read_message};
+use pointreel_fuzz::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
 
 /// Bytes that a payload, and what is unpacked of it, may take.
 const MOST_BYTES: u64 = 1 << 26;
@@ -39,6 +39,9 @@ fn take_message(message: Message) {
 
 fuzz_target!(|data: &[u8]| {
     take(data);
+    if let Ok(view) = View::parse(data) {
+        assert_eq!(View::parse(&view.message().payload).ok(), Some(view));
+    }
     let head = StreamHead {
         session: 1,
         clock_ns: 2,

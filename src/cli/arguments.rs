@@ -10,7 +10,7 @@ use crate::io::ReadOptions;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{OpenOptions, Sequence};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -62,8 +62,22 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "SECONDS", value_parser = positive_f64)]
     live_seconds: Option<f64>,
 
+    /// Ask a live stream (tcp://) for frames, or for the points that the window shows, with normals
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = StreamOf::Frames)]
+    stream: StreamOf,
+
     #[command(flatten)]
     rgbd: RgbdArgs,
+}
+
+/// What a live stream is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum StreamOf {
+    /// All of each frame.
+    #[default]
+    Frames,
+    /// What the window shows of it.
+    Surfels,
 }
 
 /// Points on the surface of a mesh where pictures are made and nobody said how many.
@@ -94,6 +108,7 @@ impl ReadArgs {
             most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
             dense: self.dense,
             live_seconds: self.live_seconds,
+            live_surfels: self.stream == StreamOf::Surfels,
             rgbd: self.rgbd.options(Filters::NONE),
         }
     }

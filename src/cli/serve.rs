@@ -153,12 +153,18 @@ fn tell(event: LiveEvent) {
 
 fn left(report: &ClientReport) -> String {
     let seconds = report.time.as_secs_f64().max(1e-3);
+    let rate = |bytes: u64| bytes as f64 * 1e-6 / seconds;
+    let whole = report.whole_bytes.map(|bytes| {
+        let rate = rate(bytes);
+        format!(" of what it sees; whole frames are {rate:.1} MB/s")
+    });
     format!(
-        "{}: {}; {} frames sent in {seconds:.1} s, {} dropped, {:.1} MB/s",
+        "{}: {}; {} frames sent in {seconds:.1} s, {} dropped, {:.1} MB/s{}",
         report.address,
         report.reason,
         report.sent_frames,
         report.dropped_frames,
-        report.sent_bytes as f64 * 1e-6 / seconds
+        rate(report.sent_bytes),
+        whole.unwrap_or_default()
     )
 }

@@ -36,7 +36,7 @@ macro_rules! attributes {
             }
 
             /// The entries at `indices`, in their order: [`Attributes::keep`] of a copy.
-            pub(super) fn gathered(&self, indices: &[u32]) -> Self {
+            pub(crate) fn gathered(&self, indices: &[u32]) -> Self {
                 let scalar = |field: &ScalarField| field.with_values(gather(&field.values, indices));
                 Self {
                     $($field: self.$field.as_deref().map(|entries| gather(entries, indices)),)*

@@ -21,6 +21,8 @@ pub struct OpenOptions {
     pub dense: bool,
     /// How much of a live stream can be gone back to, seconds; as much as usual if `None`.
     pub live_seconds: Option<f64>,
+    /// A live stream is asked for the points that are seen, with normals and radii, in place of whole frames.
+    pub live_surfels: bool,
     /// How recordings of depth images are read.
     pub rgbd: RgbdOptions,
 }

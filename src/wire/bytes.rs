@@ -47,6 +47,14 @@ impl<'a> Fields<'a> {
         self.array().map(f64::from_le_bytes)
     }
 
+    pub(super) fn f32s<const N: usize>(&mut self) -> Result<[f32; N], WireError> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = self.array().map(f32::from_le_bytes)?;
+        }
+        Ok(numbers)
+    }
+
     pub(super) fn f64s<const N: usize>(&mut self) -> Result<[f64; N], WireError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {

@@ -29,6 +29,8 @@ pub enum Kind {
     Ping,
     /// The client has received a frame.
     Got,
+    /// What the client looks at: it is sent the points that this view shows.
+    View,
     /// Something that a later version says: it is passed over.
     Other(u32),
 }
@@ -44,6 +46,7 @@ impl Kind {
             Self::End => 5,
             Self::Ping => 16,
             Self::Got => 17,
+            Self::View => 18,
             Self::Other(number) => number,
         }
     }
@@ -58,6 +61,7 @@ impl Kind {
             Self::End,
             Self::Ping,
             Self::Got,
+            Self::View,
         ];
         let found = known.into_iter().find(|kind| kind.number() == number);
         found.unwrap_or(Self::Other(number))

@@ -22,6 +22,7 @@ mod points;
 mod talk;
 #[cfg(test)]
 mod tests;
+mod view;
 
 pub use error::WireError;
 pub use frame::{Content, Frame, FrameHead};
@@ -33,6 +34,7 @@ pub use message::{Kind, MOST_PAYLOAD_BYTES, Message, read_message};
 pub use packed_image::PackedImage;
 pub use points::{ReceivedPoints, points_body};
 pub use talk::{Got, Now, Ping, Pong};
+pub use view::View;
 
 /// Bytes of the header of a message: kind, length, checksum.
 pub const MESSAGE_HEADER_BYTES: usize = message::HEADER_BYTES;

@@ -2,7 +2,9 @@
 
 use super::State;
 use super::dialogs::DialogKind;
+use crate::scene::{Camera, screen_view};
 use crate::source::{ConnectionChange, ConnectionWatch, Source};
+use crate::wire::View;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -43,6 +45,19 @@ impl State {
         true
     }
 
+    /// Tells a stream what is looked at, once whole frames have told where to stand.
+    pub(super) fn tell_view(&self) {
+        let size_px = self.drawn_style().drawn_px(self.viewport.size_px);
+        if self.looked.is_empty() || self.viewport.size_px.contains(&0) {
+            return;
+        }
+        if let Some(source) = self.stream()
+            && let Some(live) = source.live()
+        {
+            live.look_from(view_of(&self.camera, size_px));
+        }
+    }
+
     /// Asks where to record to, or ends the recording.
     pub(super) fn toggle_recording(&mut self) {
         let Some(source) = self.stream() else {
@@ -71,5 +86,21 @@ impl State {
             Some(Err(problem)) => self.notices.error(problem),
             None => self.notices.error("The stream was closed meanwhile"),
         }
+    }
+}
+
+/// What is sent of a camera: a view of a picture that is wider and higher by a quarter, as the camera moves on while
+/// points are on the way.
+fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
+    let eye = camera.eye_in_world();
+    let view = screen_view(&camera.transform(eye, size_px), size_px);
+    let margin_px = view.size_px.map(|edge| edge / 8);
+    View {
+        eye,
+        rotation: view.rotation,
+        near: view.near,
+        size_px: [0, 1].map(|axis| view.size_px[axis] + 2 * margin_px[axis]),
+        px_per_slope: view.px_per_slope,
+        middle_px: [0, 1].map(|axis| view.middle_px[axis] + margin_px[axis] as f32),
     }
 }

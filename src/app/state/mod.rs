@@ -318,6 +318,7 @@ impl State {
         self.note_proven();
         self.tell_of_frames(change, count);
         visible |= self.follow_shown(&style);
+        self.tell_view();
         self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);

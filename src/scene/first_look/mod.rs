@@ -16,7 +16,7 @@ mod trim;
 mod up;
 
 pub use kind::CaptureKind;
-pub(super) use sample::{PointSpacing, typical_spacing};
+pub(crate) use sample::{PointSpacing, typical_spacing};
 pub use standpoint::Standpoint;
 
 use super::pinhole_view::sensor_target_distance;

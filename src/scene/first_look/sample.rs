@@ -103,16 +103,16 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
 
 /// How far apart points are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::scene) struct PointSpacing {
+pub(crate) struct PointSpacing {
     /// Scene units; 0 without points.
-    pub(in crate::scene) typical: f32,
+    pub(crate) typical: f32,
     /// Disks as large as the area of a point close a surface if they are so many times as wide: 1 on a grid, more where
     /// points are at random.
-    pub(in crate::scene) closing: f32,
+    pub(crate) closing: f32,
 }
 
 /// How far apart the points of a frame are: the middle of some thousand places.
-pub(in crate::scene) fn typical_spacing(frame: &Frame) -> PointSpacing {
+pub(crate) fn typical_spacing(frame: &Frame) -> PointSpacing {
     let positions = frame.positions();
     let slots = even_slots(positions.len(), SPACED_PLACES);
     let spacings = slots.iter().map(|&slot| spacings_at(positions, slot));

@@ -3,6 +3,7 @@
 use super::mailbox::Mailbox;
 use super::outgoing::Outgoing;
 use crate::locks::lock;
+use crate::wire::View;
 use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -38,6 +39,8 @@ pub struct ClientReport {
     pub dropped_frames: u64,
     /// Bytes that it was sent.
     pub sent_bytes: u64,
+    /// Bytes that it would have been sent without a view; `None` where it has sent none.
+    pub whole_bytes: Option<u64>,
     /// How long it was there.
     pub time: Duration,
     /// Why it is not there any more.
@@ -51,6 +54,9 @@ pub(super) struct Client {
     pub(super) mailbox: Mailbox,
     pub(super) sent_frames: AtomicU64,
     pub(super) sent_bytes: AtomicU64,
+    /// Of the same frames, whole.
+    pub(super) whole_bytes: AtomicU64,
+    view: Mutex<Option<View>>,
     joined: Instant,
     /// To end what its threads wait for.
     stream: TcpStream,
@@ -63,9 +69,20 @@ impl Client {
             mailbox: Mailbox::default(),
             sent_frames: AtomicU64::new(0),
             sent_bytes: AtomicU64::new(0),
+            whole_bytes: AtomicU64::new(0),
+            view: Mutex::default(),
             joined: Instant::now(),
             stream,
         }
+    }
+
+    /// What it looks at, if it has said so.
+    pub(super) fn view(&self) -> Option<View> {
+        *lock(&self.view)
+    }
+
+    pub(super) fn look_from(&self, view: View) {
+        *lock(&self.view) = Some(view);
     }
 
     pub(super) fn hang_up(&self) {
@@ -79,6 +96,7 @@ impl Client {
             sent_frames: self.sent_frames.load(Ordering::Relaxed),
             dropped_frames: self.mailbox.dropped(),
             sent_bytes: self.sent_bytes.load(Ordering::Relaxed),
+            whole_bytes: self.view().map(|_| self.whole_bytes.load(Ordering::Relaxed)),
             time: self.joined.elapsed(),
             reason,
         }
@@ -134,6 +152,12 @@ impl Audience {
 
     pub(super) fn len(&self) -> usize {
         lock(&self.inside).clients.len()
+    }
+
+    /// Whether anybody has said what it looks at.
+    pub(super) fn has_views(&self) -> bool {
+        let inside = lock(&self.inside);
+        inside.clients.iter().any(|client| client.view().is_some())
     }
 
     /// Bytes that those who are there were sent.

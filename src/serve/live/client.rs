@@ -2,7 +2,8 @@
 
 use super::audience::Client;
 use super::mailbox::{Next, heartbeat};
-use crate::wire::{Got, Kind, Ping, Pong, StreamHead, WireError, read_message};
+use crate::analysis::screen::ScreenEstimator;
+use crate::wire::{Got, Kind, Ping, Pong, StreamHead, View, WireError, read_message};
 use std::io::{self, BufReader, Write as _};
 use std::net::TcpStream;
 use std::sync::atomic::Ordering;
@@ -25,6 +26,7 @@ pub(super) fn send(
     clock_ns: impl Fn() -> u64,
     newest: impl Fn() -> Option<u64>,
 ) -> String {
+    let mut estimator = ScreenEstimator::default();
     let mut sent = || -> io::Result<String> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -32,6 +34,10 @@ pub(super) fn send(
         loop {
             match client.mailbox.next(HEARTBEAT) {
                 Next::Frame(frame) => {
+                    let whole_bytes = frame.byte_size() as u64;
+                    client.whole_bytes.fetch_add(whole_bytes, Ordering::Relaxed);
+                    let seen = client.view().and_then(|view| frame.seen_by(&view, &mut estimator));
+                    let frame = seen.unwrap_or(frame);
                     stream.write_all(&frame.head)?;
                     stream.write_all(&frame.body.bytes)?;
                     client.sent_frames.fetch_add(1, Ordering::Relaxed);
@@ -88,6 +94,7 @@ pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() ->
                     };
                     client.mailbox.answer(pong.message());
                 }
+                Kind::View => client.look_from(View::parse(&message.payload)?),
                 Kind::Got => client.mailbox.got(Got::parse(&message.payload)?.number),
                 _ => {}
             }

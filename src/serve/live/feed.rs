@@ -1,8 +1,11 @@
 //! Frames of a source → bodies of messages.
 
 use super::outgoing::Body;
+use super::surfels::{WholeFrame, origin_of, spacing_of};
+use crate::cloud::RawCloud;
 use crate::messages::frame_by_index;
 use crate::progress::Progress;
+use crate::scene::PointSpacing;
 use crate::source::{Decoder, Source};
 use crate::wire::{ImageCoding, Kind, MOST_PAYLOAD_BYTES, images_body, points_body};
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,6 +13,9 @@ use std::sync::Arc;
 
 /// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
 const MOST_KEPT_BYTES: usize = 256 << 20;
+
+/// How far apart points are is looked at anew after so many frames.
+const SPACING_FRAMES: usize = 100;
 
 /// Makes bodies of the frames of a source.
 pub(super) struct Feed {
@@ -23,6 +29,8 @@ pub(super) struct Feed {
     broken: BTreeSet<usize>,
     /// Frames whose colours cannot be sent, which was said.
     said: BTreeSet<usize>,
+    /// How far apart points are, and frames since that was looked at.
+    spacing: Option<(PointSpacing, usize)>,
 }
 
 impl Feed {
@@ -36,7 +44,28 @@ impl Feed {
             kept_bytes: 0,
             broken: BTreeSet::new(),
             said: BTreeSet::new(),
+            spacing: None,
         }
+    }
+
+    /// All points of frame `index`, for those who are sent what they see; `None` if it cannot be read, which was said
+    /// where its body was made.
+    pub(super) fn whole(&mut self, index: usize) -> Option<Arc<WholeFrame>> {
+        let cloud = self.decoded(index).ok()?;
+        let origin = origin_of(&cloud);
+        let known = self.spacing.filter(|(_, frames)| *frames < SPACING_FRAMES);
+        let (spacing, frames) = match known {
+            Some(known) => known,
+            None => (spacing_of(&cloud, origin)?, 0),
+        };
+        self.spacing = Some((spacing, frames + 1));
+        Some(Arc::new(WholeFrame::new(cloud, origin, spacing)))
+    }
+
+    fn decoded(&mut self, index: usize) -> Result<RawCloud, String> {
+        let entry = self.source.entry(index);
+        let decoded = self.decoder.decode(index, &entry, usize::MAX, &Progress::default());
+        decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
     }
 
     /// The body of frame `index`; `None` if it cannot be read, which is logged once.
@@ -76,11 +105,7 @@ impl Feed {
             }
             (Kind::Images, body)
         } else {
-            let entry = self.source.entry(index);
-            let progress = Progress::default();
-            let decoded = self.decoder.decode(index, &entry, usize::MAX, &progress);
-            let decoded = decoded.map_err(|error| error.to_string())?;
-            (Kind::Points, points_body(&decoded.cloud))
+            (Kind::Points, points_body(&self.decoded(index)?))
         };
         if bytes.len() as u64 + 1024 > MOST_PAYLOAD_BYTES {
             return Err(format!(

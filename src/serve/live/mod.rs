@@ -4,7 +4,8 @@
 //! ([`crate::wire`]), waits until it is due, and hands it to every client's mailbox. A client has a thread that sends
 //! and one that listens. A mailbox holds two frames; where a third comes the oldest is dropped, so a client that is
 //! slow misses frames, is never late by more than these, and stops nobody else. Frames of a recording of depth images
-//! are sent as its images, before any filter; all others as points.
+//! are sent as its images, before any filter; all others as points. A client that says what it looks at is sent the
+//! points that it sees (`surfels.rs`).
 //!
 //! **Bounds.** So many clients at once, so much of what they say, and a client that takes nothing for ten seconds is
 //! left.
@@ -16,6 +17,7 @@ mod mailbox;
 mod outgoing;
 mod schedule;
 mod server;
+mod surfels;
 #[cfg(test)]
 mod tests;
 

@@ -1,6 +1,8 @@
 //! A frame as it is sent to every client.
 
-use crate::wire::{FrameHead, Kind, MessageHeader};
+use super::surfels::WholeFrame;
+use crate::analysis::screen::ScreenEstimator;
+use crate::wire::{FrameHead, Kind, MessageHeader, View, points_body};
 use crc32fast::Hasher;
 use std::sync::Arc;
 
@@ -28,9 +30,12 @@ impl Body {
 #[derive(Debug)]
 pub(super) struct Outgoing {
     pub(super) number: u64,
+    frame: FrameHead,
     /// The header of the message and the head of the frame.
     pub(super) head: Vec<u8>,
     pub(super) body: Body,
+    /// For those who are sent what they see, if there are any.
+    whole: Option<Arc<WholeFrame>>,
 }
 
 impl Outgoing {
@@ -48,9 +53,25 @@ impl Outgoing {
         bytes.extend(frame_head);
         Self {
             number: head.number,
+            frame: head,
             head: bytes,
             body,
+            whole: None,
         }
+    }
+
+    /// The same with all of its points, for those who are sent what they see.
+    pub(super) fn with_whole(self, whole: Option<Arc<WholeFrame>>) -> Self {
+        Self { whole, ..self }
+    }
+
+    /// The frame as `view` shows it; `None` where nobody had sent a view when it was made.
+    pub(super) fn seen_by(&self, view: &View, estimator: &mut ScreenEstimator) -> Option<Arc<Self>> {
+        let seen = self.whole.as_ref()?.seen(view, estimator);
+        Some(Arc::new(Self::new(
+            self.frame,
+            Body::new(Kind::Points, points_body(&seen)),
+        )))
     }
 
     /// Bytes that are sent.

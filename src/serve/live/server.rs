@@ -5,6 +5,7 @@ use super::client;
 use super::feed::Feed;
 use super::outgoing::{Body, Outgoing};
 use super::schedule::Schedule;
+use super::surfels::WholeFrame;
 use crate::source::Source;
 use crate::wire::{FrameHead, ImageCoding, StreamHead};
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
@@ -187,11 +188,12 @@ impl LiveServer {
             // Nobody waits for it, but a client that comes is shown something at once.
             let is_wanted = has_clients || self.shared.audience.newest().is_none();
             let body = is_wanted.then(|| feed.body(schedule.index(due)));
+            let whole = self.whole(feed, schedule.index(due), body.as_ref().and_then(Option::as_ref));
             cost = making.elapsed();
             self.wait_until(begun, schedule.due(due));
             match body {
                 Some(Some(body)) if !self.shared.is_over() => {
-                    self.serve(due, schedule.index(due), schedule.due(due), body);
+                    self.serve((due, schedule.index(due)), schedule.due(due), body, whole);
                 }
                 Some(None) => {
                     self.shared.missed.fetch_add(1, Ordering::Relaxed);
@@ -222,20 +224,27 @@ impl LiveServer {
             let time = self.source.entry(index).time;
             if let Some(body) = feed.body(index) {
                 let time = time.unwrap_or_else(|| self.shared.begun.elapsed());
-                self.serve(index as u64, index, time, body);
+                let whole = self.whole(feed, index, Some(&body));
+                self.serve((index as u64, index), time, body, whole);
             }
         }
         "the server was stopped"
     }
 
-    fn serve(&self, number: u64, index: usize, time: Duration, body: Body) {
+    /// All points of a frame, if its body was made and somebody has said what it looks at.
+    fn whole(&self, feed: &mut Feed, index: usize, body: Option<&Body>) -> Option<Arc<WholeFrame>> {
+        body.filter(|_| self.shared.audience.has_views())?;
+        feed.whole(index)
+    }
+
+    fn serve(&self, (number, index): (u64, usize), time: Duration, body: Body, whole: Option<Arc<WholeFrame>>) {
         let head = FrameHead {
             index: u32::try_from(index).unwrap_or(u32::MAX),
             number,
             time_ns: u64::try_from(time.as_nanos()).unwrap_or(u64::MAX),
             served_ns: self.shared.clock_ns(),
         };
-        let frame = Arc::new(Outgoing::new(head, body));
+        let frame = Arc::new(Outgoing::new(head, body).with_whole(whole));
         let dropped = self.shared.audience.send(&frame);
         self.shared.dropped.fetch_add(dropped, Ordering::Relaxed);
         self.shared.served.fetch_add(1, Ordering::Relaxed);

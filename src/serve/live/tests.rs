@@ -2,6 +2,7 @@
 //! looked at every few milliseconds.
 
 mod hostile;
+mod surfels;
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};

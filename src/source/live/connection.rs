@@ -117,7 +117,8 @@ fn say(mut stream: &TcpStream, bytes: &[u8]) -> Result<(), WireError> {
     stream.write_all(bytes).map_err(WireError::Io)
 }
 
-/// Reads as long as the source is wanted and the server says something, and asks it from time to time what time it is.
+/// Reads as long as the source is wanted and the server says something. Asks it from time to time what time it is, and
+/// tells it what is looked at.
 struct Patient<'a> {
     stream: &'a TcpStream,
     shared: &'a Shared,
@@ -128,6 +129,12 @@ struct Patient<'a> {
 
 impl Patient<'_> {
     fn ping(&mut self) -> io::Result<()> {
+        if self.pinged.is_some()
+            && let Some(view) = self.shared.view_to_tell()
+        {
+            let mut stream = self.stream;
+            stream.write_all(&view.message().encode())?;
+        }
         let is_due = self.pinged.is_some_and(|pinged| pinged.elapsed() >= PING_INTERVAL);
         if is_due {
             self.pinged = Some(Instant::now());

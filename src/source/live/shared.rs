@@ -8,7 +8,7 @@ use super::ring::Ring;
 use super::status::{LiveState, LiveStatus};
 use super::timeline::Timeline;
 use crate::locks::lock;
-use crate::wire::{Frame, FrameHead, Message, Pong, StreamHead, WireError};
+use crate::wire::{Frame, FrameHead, Message, Pong, StreamHead, View, WireError};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -22,6 +22,8 @@ pub(super) struct Shared {
     /// What our clock counts from.
     begun: Instant,
     pub(super) link: Mutex<Link>,
+    /// What is looked at, and whether the server has still to be told.
+    view: Mutex<(Option<View>, bool)>,
     /// A disk that is slow keeps the thread that is connected, and nobody who asks how it is doing.
     pub(super) recorder: Mutex<Option<Recorder>>,
 }
@@ -55,6 +57,7 @@ impl Shared {
             is_closed: AtomicBool::new(false),
             begun: Instant::now(),
             link: Mutex::default(),
+            view: Mutex::default(),
             recorder: Mutex::default(),
         }
     }
@@ -77,6 +80,25 @@ impl Shared {
         link.head = Some(head);
         link.connections += 1;
         link.problem = None;
+        drop(link);
+        // Another server has not been told.
+        let mut view = lock(&self.view);
+        view.1 = view.0.is_some();
+    }
+
+    pub(super) fn look_from(&self, view: View) {
+        let mut looked = lock(&self.view);
+        if looked.0 != Some(view) {
+            *looked = (Some(view), true);
+        }
+    }
+
+    /// What the server has to be told, once.
+    pub(super) fn view_to_tell(&self) -> Option<View> {
+        let mut looked = lock(&self.view);
+        let view = looked.0.filter(|_| looked.1);
+        looked.1 = false;
+        view
     }
 
     /// The connection has ended, or there is none.

@@ -1,6 +1,7 @@
 //! What a live stream tells of itself.
 
 use super::recorder::StreamRecording;
+use crate::wire::View;
 use std::path::Path;
 
 /// How a live stream is doing, and what records it.
@@ -10,6 +11,10 @@ pub trait Live: Send + Sync {
 
     /// How many frames were served after frame `shown`, as far as it is known here; `None` for a frame that is gone.
     fn frames_behind(&self, shown: usize) -> Option<u64>;
+
+    /// Says what is looked at. A stream that was opened for the points that are seen is sent these from then on; others
+    /// do not care.
+    fn look_from(&self, view: View);
 
     /// Writes what arrives from now on to a new file at `path`, which replaces another one there. What was being
     /// recorded before is finished.

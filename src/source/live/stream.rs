@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
-use crate::wire::RawImages;
+use crate::wire::{RawImages, View};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -34,6 +34,7 @@ pub struct LiveStream {
     wanted: Arc<Wanted>,
     received: Arc<ReceivedFrames>,
     most_bytes: u64,
+    is_of_surfels: bool,
     /// Frames that were told of.
     told: Mutex<usize>,
 }
@@ -77,6 +78,7 @@ impl LiveStream {
             shared,
             received: Arc::new(ReceivedFrames::new(input, options)),
             most_bytes,
+            is_of_surfels: options.live_surfels,
             told: Mutex::default(),
         };
         let begun = Instant::now();
@@ -187,6 +189,7 @@ impl Source for LiveStream {
             wanted: Arc::clone(&self.wanted),
             received: Arc::new(self.received.filtered(filters)),
             most_bytes: self.most_bytes,
+            is_of_surfels: self.is_of_surfels,
             told: Mutex::new(*lock(&self.told)),
         }))
     }
@@ -205,6 +208,12 @@ impl Live for LiveStream {
         let newest = self.shared.ring.newest()?.frame.head.number;
         let shown = self.shared.ring.frame(shown)?.frame.head.number;
         newest.checked_sub(shown)
+    }
+
+    fn look_from(&self, view: View) {
+        if self.is_of_surfels {
+            self.shared.look_from(view);
+        }
     }
 
     fn start_recording(&self, path: &Path) -> Result<(), String> {

@@ -1,0 +1,100 @@
+//! The points of a frame that a client's view shows, with normals and radii, in place of the whole frame (paper 003:
+//! the renderer sends a view, the computer with the sensor answers with visible splats).
+//!
+//! **How it works.** A frame is decoded once for all who have sent a view, with the filters of the server. Each of
+//! their senders tells visible points from hidden ones and fits planes around them ([`crate::analysis::screen`]) by the
+//! newest view that it knows when the frame is sent. What is sent is an ordinary message of points, so clients need to
+//! know no more.
+//!
+//! **When it wins.** Bytes and the work of the client depend on what is seen, not on what there is: for clouds that are
+//! larger than a picture, such as merged frames. A depth image by itself is smaller as an image.
+
+use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
+use crate::cloud::{Frame, PointRecord, Positions, RawCloud, oct_decode};
+use crate::scene::{PointSpacing, typical_spacing};
+use crate::wire::View;
+use glam::{DVec3, Vec3};
+
+/// How far apart the points of `cloud` are; `None` where it is no cloud.
+pub(super) fn spacing_of(cloud: &RawCloud, origin: DVec3) -> Option<PointSpacing> {
+    let frame = Frame::from_raw(cloud.clone(), origin).ok()?;
+    Some(typical_spacing(&frame))
+}
+
+/// A decoded frame, for those who have sent a view.
+#[derive(Debug)]
+pub(super) struct WholeFrame {
+    cloud: RawCloud,
+    /// What positions of `records` are relative to.
+    origin: DVec3,
+    records: Vec<PointRecord>,
+    screen: ScreenCloud,
+}
+
+/// Where the coordinates of `cloud` are small: zero for single floats, else the middle.
+pub(super) fn origin_of(cloud: &RawCloud) -> DVec3 {
+    match (&cloud.positions, cloud.positions.finite_bounds()) {
+        (Positions::F64(_), (_, Some((min, max)))) => (0.5 * (min + max)).round(),
+        _ => DVec3::ZERO,
+    }
+}
+
+impl WholeFrame {
+    /// The points of `cloud`, which are `spacing` apart.
+    pub(super) fn new(cloud: RawCloud, origin: DVec3, spacing: PointSpacing) -> Self {
+        let record = |position: Vec3| PointRecord {
+            position: position.to_array(),
+            color: [255; 4],
+        };
+        let records = match &cloud.positions {
+            Positions::F32(positions) => positions.iter().map(|&position| record(position.into())).collect(),
+            Positions::F64(positions) => {
+                let relative = |&position: &[f64; 3]| (DVec3::from_array(position) - origin).as_vec3();
+                positions.iter().map(relative).map(record).collect()
+            }
+        };
+        Self {
+            screen: ScreenCloud {
+                spacing: spacing.typical,
+                closing: spacing.closing,
+                sensor: cloud.sensor.map(|sensor| (sensor - origin).as_vec3()),
+            },
+            origin,
+            records,
+            cloud,
+        }
+    }
+
+    /// What `view` shows of it. Normals and radii of the file stay.
+    pub(super) fn seen(&self, view: &View, estimator: &mut ScreenEstimator) -> RawCloud {
+        let eye = view.eye - self.origin;
+        let eye_high = eye.as_vec3();
+        let view = ScreenView {
+            rotation: view.rotation,
+            eye_high,
+            eye_low: (eye - eye_high.as_dvec3()).as_vec3(),
+            near: view.near,
+            size_px: view.size_px,
+            px_per_slope: view.px_per_slope,
+            middle_px: view.middle_px,
+        };
+        let visible = estimator.cull(&view, &self.records, &self.screen);
+        let mut attributes = self.cloud.attributes.gathered(&visible.slots);
+        if attributes.normals.is_none() || attributes.radii.is_none() {
+            let shapes = estimator.surface(&visible, &self.screen, Search::Fixed);
+            let normals = shapes.iter().map(|shape| oct_decode(shape.normal).to_array());
+            attributes.normals.get_or_insert_with(|| normals.collect());
+            let radii = shapes.iter().map(|shape| shape.radius);
+            attributes.radii.get_or_insert_with(|| radii.collect());
+        }
+        let places = visible.slots.iter().map(|&slot| slot as usize);
+        let positions = match &self.cloud.positions {
+            Positions::F32(positions) => Positions::F32(places.map(|place| positions[place]).collect()),
+            Positions::F64(positions) => Positions::F64(places.map(|place| positions[place]).collect()),
+        };
+        let mut seen = RawCloud::from_positions(positions);
+        seen.attributes = attributes;
+        (seen.sensor, seen.convention, seen.unit) = (self.cloud.sensor, self.cloud.convention, self.cloud.unit);
+        seen
+    }
+}
