@@ -2,8 +2,8 @@
 //!
 //! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
 //! points or, without any, around the place that all cameras look at; depths that views do not agree on are dropped,
-//! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they like,
-//! and nobody has to know how far away things are.
+//! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
+//! like, and nobody has to know how far away things are.
 
 use super::{Consistency, Matching, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair};
 use crate::cloud::RawCloud;

@@ -3,18 +3,10 @@
 use super::State;
 use super::dialogs::DialogKind;
 use crate::scene::{Camera, screen_view};
-use crate::source::{ConnectionChange, ConnectionWatch, Source};
+use crate::source::{ConnectionChange, Source};
 use crate::wire::View;
 use std::path::Path;
 use std::sync::Arc;
-
-/// The connection of the open sequence, if that is a live stream.
-#[derive(Debug, Default)]
-pub(super) struct Connection {
-    watch: ConnectionWatch,
-    /// What was said when it broke.
-    said: Option<String>,
-}
 
 impl State {
     fn stream(&self) -> Option<Arc<dyn Source>> {

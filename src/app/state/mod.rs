@@ -5,6 +5,7 @@ mod actions;
 mod camera_path;
 mod clipping;
 mod companion;
+mod connection;
 mod depth_filters;
 mod dialogs;
 mod export;
@@ -39,9 +40,9 @@ pub use outcome::{Found, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
 
+use connection::Connection;
 use dialogs::Dialogs;
 use failed_opening::Unproven;
-use live::Connection;
 use main_picture::MainPicture;
 use opened::Opened;
 

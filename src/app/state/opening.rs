@@ -1,7 +1,7 @@
 //! Sequences are found and opened.
 
 use super::State;
-use super::live::Connection;
+use super::connection::Connection;
 use super::outcome::{Found, NotFound};
 use crate::app::recent::entry_name;
 use crate::app::side::Side;

@@ -3,9 +3,21 @@
 //! How it works: labels are laid out once for the whole picture, then each strip draws its rows of them. Those whose
 //! points are hidden come first, dimmed, so that they never lie over others.
 
-use super::OverlayCanvas;
+use super::canvas::OverlayCanvas;
 use super::text::Line;
 use crate::scene::LabelOnPicture;
+use image::RgbaImage;
+
+/// Draws labels with their texts over a whole picture, as exports have them.
+pub fn draw_labels(picture: &mut RgbaImage, labels: &[(LabelOnPicture, String)]) {
+    let whole_px = picture.dimensions().into();
+    let mut canvas = OverlayCanvas {
+        rows: picture,
+        top_px: 0,
+        whole_px,
+    };
+    PaintedLabels::of(labels, whole_px).draw(&mut canvas);
+}
 
 /// Height of a picture in which lengths are as below.
 const USUAL_HEIGHT_PX: f32 = 720.0;

@@ -1,6 +1,6 @@
 //! The legend at the upper right of a picture, as in the window.
 
-use super::OverlayCanvas;
+use super::canvas::OverlayCanvas;
 use super::text::Line;
 use crate::scene::{Legend, LegendBody};
 

@@ -1,6 +1,6 @@
 //! Lines of text in pictures, in the font of the window.
 
-use super::OverlayCanvas;
+use super::canvas::OverlayCanvas;
 use ab_glyph::{Font as _, FontRef, GlyphId, Point, PxScale, ScaleFont as _};
 use epaint_default_fonts::UBUNTU_LIGHT;
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! Sequences in one array: T × N × 3, a layer a frame.
 //!
-//! An image of points, H × W × 3, looks the same and is read as H frames: that is said of every frame. An array with one
-//! layer is one frame.
+//! An image of points, H × W × 3, looks the same and is read as H frames: that is said of every frame. An array with
+//! one layer is one frame.
 
 use super::super::contents::Part;
 use super::super::error::Fault;

@@ -1,9 +1,9 @@
 //! SPZ (Niantic Labs 2024 to 2026): an array an attribute: positions, opacities, colours, logarithms of half axes,
 //! rotations, harmonics. Axes point right, up and back.
 //!
-//! Versions 1 to 3 are one gzip stream with a header of 16 bytes. Version 4 has a header of 32 bytes that is not packed,
-//! records of vendors, which are stepped over, a table with the sizes of its streams, and each array as a stream of
-//! Zstandard.
+//! Versions 1 to 3 are one gzip stream with a header of 16 bytes. Version 4 has a header of 32 bytes that is not
+//! packed, records of vendors, which are stepped over, a table with the sizes of its streams, and each array as a
+//! stream of Zstandard.
 //!
 //! Positions are of half precision in version 1 and in fixed point behind it. Versions 1 and 2 have a rotation as the
 //! vector part of a quaternion whose real part is not negative, the others as its three smallest parts, ten bits each.
@@ -240,7 +240,8 @@ fn of_vector_part(bytes: [u8; 3]) -> Quat {
     Quat::from_xyzw(x, y, z, w)
 }
 
-/// The rotation from version 3 on: a sign and nine bits for each part but the largest, the last of x, y, z and w lowest.
+/// The rotation from version 3 on: a sign and nine bits for each part but the largest, the last of x, y, z and w
+/// lowest.
 fn of_smallest_three(word: u32) -> Quat {
     let part = |place: u32| {
         let bits = word >> (10 * place);

@@ -1,12 +1,12 @@
 //! Which nodes stand for the points below them: the metric of paper 002 §4.1.
 //!
-//! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is how far from its middle the points below are at most,
-//! `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is how much of
-//! the disk is seen: γ is the angle between its normal and the direction to the eye, θ half the opening of its normal
-//! cone, and `sin β` is the radius of the sphere over the distance, which allows for the points beside its middle. A
-//! node is *small* where ε is at most the square of the LOD threshold, so that a threshold means a length in pixels
-//! whatever the metric. By edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube in a
-//! sphere with the radius r takes the place of A.
+//! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is how far from its middle the points below are at
+//! most, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is how
+//! much of the disk is seen: γ is the angle between its normal and the direction to the eye, θ half the opening of its
+//! normal cone, and `sin β` is the radius of the sphere over the distance, which allows for the points beside its
+//! middle. A node is *small* where ε is at most the square of the LOD threshold, so that a threshold means a length in
+//! pixels whatever the metric. By edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube in
+//! a sphere with the radius r takes the place of A.
 //!
 //! As bounds are nested (`bounds.rs`), nothing grows from parent to child: below a small node all are small, below one
 //! that is outside the frustum or faces away all are, too. So what a traversal from the root finds, each node can tell

@@ -62,11 +62,6 @@ impl Filters {
     /// How many there are.
     pub const COUNT: usize = 5;
 
-    /// What each is called and what can be set of it, in the order in which they are applied.
-    pub fn kinds() -> &'static [FilterKind] {
-        &parameters::KINDS
-    }
-
     /// Whether the range of depths has anything in it.
     pub fn keep_any(&self) -> bool {
         self.near.is_none_or(|near| near.near_m < near.far_m)

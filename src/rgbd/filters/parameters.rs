@@ -56,6 +56,13 @@ impl FilterParameter {
     }
 }
 
+impl Filters {
+    /// What each is called and what can be set of it, in the order in which they are applied.
+    pub fn kinds() -> &'static [FilterKind] {
+        &KINDS
+    }
+}
+
 /// All filters, in the order in which they are applied.
 pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
     FilterKind {

@@ -22,8 +22,8 @@ impl Temporal {
         fill_frames: 0,
     };
 
-    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`], and no hole
-    /// is filled with it: 8 as usual.
+    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::most_m`], and no
+    /// hole is filled with it: 8 as usual.
     pub fn lead_frames(&self) -> usize {
         let rest = (1.0 - self.share).clamp(0.0, 0.9);
         let images = if rest > 0.0 { -(60f32.ln()) / rest.ln() } else { 0.0 };

@@ -2,8 +2,8 @@
 //!
 //! How it works. The source says which photographs there are of a frame; their pixels take long, so the first frame is
 //! shown in the colours of its points until they are there. As long as frames have the same set, it is loaded once. Of
-//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, playing waits for them as
-//! for frames, and sets are kept as long as all of them fit into the budget.
+//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, playing waits for them
+//! as for frames, and sets are kept as long as all of them fit into the budget.
 
 pub(in crate::app) mod frusta;
 pub(in crate::app) mod panel;
