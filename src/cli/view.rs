@@ -15,8 +15,7 @@ use std::sync::Arc;
 /// What to show and how.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct ViewArgs {
-    /// Folder, file, glob pattern, or several of them, or a session (.pointreel); without any what was
-    /// opened lately is offered, at first the demo
+    /// Folder, files, pattern, or session (.pointreel); without any, what was opened lately is offered
     #[arg(value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 

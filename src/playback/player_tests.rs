@@ -313,7 +313,7 @@ fn of_a_stream_the_newest_is_shown_and_what_is_gone_is_not_played() {
     player.toggle(Duration::from_secs(1));
     player.seek(3, Duration::from_secs(1));
     let (_, failed) = shown(&mut player, 1000);
-    assert!(failed.unwrap().contains("frame 3 is gone"));
+    assert!(failed.unwrap().contains("frame 4 (index 3) is gone"));
     player.seek(0, Duration::from_secs(1));
     assert_eq!(shown(&mut player, 1000), (Some(0), None));
 }
