@@ -18,7 +18,7 @@ const FOUND: u8 = 3;
 /// Arguments of `pointreel check`.
 #[derive(Debug, Args)]
 pub(super) struct CheckArgs {
-    /// A folder, a pattern, or files; `demo:` is built in, as are `example:lidar`, `example:depth` and `example:model`
+    /// A folder, a pattern, or files; `demo:` and `example:lidar`, `depth` or `model` are built in
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 /// Arguments of `pointreel info`.
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
-    /// A folder, a pattern, or files; `demo:` is built in, as are `example:lidar`, `example:depth` and `example:model`
+    /// A folder, a pattern, or files; `demo:` and `example:lidar`, `depth` or `model` are built in
     #[arg(required = true, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
 

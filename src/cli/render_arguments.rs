@@ -11,8 +11,7 @@ use std::path::PathBuf;
 /// Arguments of `pointreel render`.
 #[derive(Debug, Clone, Args)]
 pub(super) struct RenderArgs {
-    /// A folder, a pattern, files, or a session (.pointreel); `demo:` is built in, as are `example:lidar`,
-    /// `example:depth` and `example:model`
+    /// A folder, a pattern, files, or a session (.pointreel); `demo:` and `example:lidar` are built in
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 

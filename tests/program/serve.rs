@@ -311,9 +311,11 @@ fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
         let mut open = Vec::new();
         for mut client in listener.incoming().map_while(Result::ok) {
             let _ = client.write_all(&bytes);
-            if !hangs_up {
-                open.push(client);
+            if hangs_up {
+                let _ = client.shutdown(Shutdown::Write);
             }
+            // Closed with bytes unread, it would be reset, and what was written be lost.
+            open.push(client);
         }
     });
     serving.unwrap();
