@@ -80,7 +80,11 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 range: 0.0..=1000.0,
                 digits: 2,
                 get: |filters| filters.near.map(|near| near.near_m),
-                set: |filters, value| filters.near = filters.near.map(|near| DepthRange { near_m: value, ..near }),
+                set: |filters, value| {
+                    if let Some(near) = &mut filters.near {
+                        near.near_m = value;
+                    }
+                },
             },
             FilterParameter {
                 name: "to",
@@ -90,7 +94,11 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 range: 0.0..=1000.0,
                 digits: 2,
                 get: |filters| filters.near.map(|near| near.far_m),
-                set: |filters, value| filters.near = filters.near.map(|near| DepthRange { far_m: value, ..near }),
+                set: |filters, value| {
+                    if let Some(near) = &mut filters.near {
+                        near.far_m = value;
+                    }
+                },
             },
         ],
     },
@@ -118,11 +126,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 1,
                 get: |filters| filters.bilateral.map(|bilateral| bilateral.space_px),
                 set: |filters, value| {
-                    let with = |bilateral| Bilateral {
-                        space_px: value,
-                        ..bilateral
-                    };
-                    filters.bilateral = filters.bilateral.map(with);
+                    if let Some(bilateral) = &mut filters.bilateral {
+                        bilateral.space_px = value;
+                    }
                 },
             },
             FilterParameter {
@@ -135,12 +141,10 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 1,
                 get: |filters| filters.bilateral.map(|bilateral| bilateral.noise_factor),
                 set: |filters, value| {
-                    let with = |bilateral| Bilateral {
-                        noise_factor: value,
-                        depth_m: None,
-                        ..bilateral
-                    };
-                    filters.bilateral = filters.bilateral.map(with);
+                    if let Some(bilateral) = &mut filters.bilateral {
+                        bilateral.noise_factor = value;
+                        bilateral.depth_m = None;
+                    }
                 },
             },
         ],
@@ -161,10 +165,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 3,
                 get: |filters| filters.flying.map(|flying| flying.most_m),
                 set: |filters, value| {
-                    filters.flying = filters.flying.map(|flying| FlyingPixels {
-                        most_m: value,
-                        ..flying
-                    });
+                    if let Some(flying) = &mut filters.flying {
+                        flying.most_m = value;
+                    }
                 },
             },
             FilterParameter {
@@ -176,11 +179,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 3,
                 get: |filters| filters.flying.map(|flying| flying.most_share),
                 set: |filters, value| {
-                    let with = |flying| FlyingPixels {
-                        most_share: value,
-                        ..flying
-                    };
-                    filters.flying = filters.flying.map(with);
+                    if let Some(flying) = &mut filters.flying {
+                        flying.most_share = value;
+                    }
                 },
             },
             FilterParameter {
@@ -192,11 +193,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 0,
                 get: |filters| filters.flying.map(|flying| flying.least_neighbours.into()),
                 set: |filters, value| {
-                    let with = |flying| FlyingPixels {
-                        least_neighbours: value as u8,
-                        ..flying
-                    };
-                    filters.flying = filters.flying.map(with);
+                    if let Some(flying) = &mut filters.flying {
+                        flying.least_neighbours = value as u8;
+                    }
                 },
             },
             FilterParameter {
@@ -208,11 +207,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 0,
                 get: |filters| filters.flying.map(|flying| flying.erosion_px.into()),
                 set: |filters, value| {
-                    let with = |flying| FlyingPixels {
-                        erosion_px: value as u8,
-                        ..flying
-                    };
-                    filters.flying = filters.flying.map(with);
+                    if let Some(flying) = &mut filters.flying {
+                        flying.erosion_px = value as u8;
+                    }
                 },
             },
         ],
@@ -233,10 +230,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 2,
                 get: |filters| filters.temporal.map(|temporal| temporal.share),
                 set: |filters, value| {
-                    filters.temporal = filters.temporal.map(|temporal| Temporal {
-                        share: value,
-                        ..temporal
-                    });
+                    if let Some(temporal) = &mut filters.temporal {
+                        temporal.share = value;
+                    }
                 },
             },
             FilterParameter {
@@ -248,10 +244,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 3,
                 get: |filters| filters.temporal.map(|temporal| temporal.most_m),
                 set: |filters, value| {
-                    filters.temporal = filters.temporal.map(|temporal| Temporal {
-                        most_m: value,
-                        ..temporal
-                    });
+                    if let Some(temporal) = &mut filters.temporal {
+                        temporal.most_m = value;
+                    }
                 },
             },
             FilterParameter {
@@ -263,11 +258,9 @@ pub(super) static KINDS: [FilterKind; Filters::COUNT] = [
                 digits: 0,
                 get: |filters| filters.temporal.map(|temporal| temporal.fill_frames.into()),
                 set: |filters, value| {
-                    let with = |temporal| Temporal {
-                        fill_frames: value as u8,
-                        ..temporal
-                    };
-                    filters.temporal = filters.temporal.map(with);
+                    if let Some(temporal) = &mut filters.temporal {
+                        temporal.fill_frames = value as u8;
+                    }
                 },
             },
         ],
