@@ -14,9 +14,10 @@
 //! than that radius a surface would hide itself at 45 degrees already, and planes be fitted to most of the points.
 
 use super::compact::compact;
+use super::constants::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS};
 use super::lanes::LANES;
 use super::ramp::Around;
-use super::view::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS, ScreenView, Seen, Visible};
+use super::view::{ScreenView, Seen, Visible};
 use crate::cloud::PointRecord;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;

@@ -21,6 +21,7 @@
 mod bisect;
 mod cells;
 mod compact;
+pub(crate) mod constants;
 mod cull;
 mod lanes;
 mod planes;
@@ -29,10 +30,12 @@ mod ramp;
 mod tests;
 mod view;
 
-pub use view::{RADIUS_SPACINGS, ScreenView, Visible};
+pub use constants::RADIUS_SPACINGS;
+pub use view::{ScreenView, Visible};
 
 use crate::cloud::{PointRecord, ShapeRecord};
-use cells::{Cells, MOST_LEVELS};
+use cells::Cells;
+use constants::MOST_LEVELS;
 use cull::DepthPicture;
 use glam::Vec3;
 use planes::Planes;

@@ -14,31 +14,19 @@
 //! than a pixel are one a pixel; seen from the side, their splats would be thinner than the rows of pixels are apart.
 //! So those are larger, up to twice their neighbourhood.
 
-use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
+use super::cells::{CellLevel, Cells, Window};
+use super::constants::{
+    CELLS_OF_WINDOW, CLOSING_ROWS_PX, FEWEST_NEIGHBOURS, FEWEST_OF_PLANE, LEAST_RADIUS_PX, LEAST_SPREAD, MOST_DOUBLINGS,
+    RADIUS_SPACINGS,
+};
 use super::lanes::total;
-use super::view::{RADIUS_SPACINGS, ScreenView, Seen};
+use super::view::{ScreenView, Seen};
 use crate::analysis::four_matrices::{FOUR, FourMatrices};
 use crate::cloud::{ShapeRecord, oct_encode};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
-
-/// A neighbourhood with fewer is looked at once more, twice as far.
-const FEWEST: f32 = 6.0;
-
-/// Three points are a plane.
-const FEWEST_OF_PLANE: f32 = 3.0;
-
-/// So often at most.
-const MOST_DOUBLINGS: usize = 3;
-
-/// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
-/// its noise.
-const LEAST_SPREAD: f64 = 2e-3;
-
-/// Half the height of splats that close rows of pixels, whose points are anywhere in them.
-const CLOSING_ROWS_PX: f32 = 0.75;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
@@ -91,7 +79,7 @@ impl Planes<'_> {
                 let mut radius = self.radius_at(seen.depth);
                 *around = self.around(simd, seen, radius, false);
                 for _ in 0..MOST_DOUBLINGS {
-                    if around.found >= FEWEST && around.is_plane() {
+                    if around.found >= FEWEST_NEIGHBOURS && around.is_plane() {
                         break;
                     }
                     radius *= 2.0;
@@ -222,8 +210,8 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
     let CellLevel { places, counts, .. } = window.level;
     for eight in 0..window.rows * window.eights {
         let (row, column) = (eight / window.eights, eight % window.eights);
-        let start = window.first + row * window.stride + column * WINDOW;
-        let end = start + WINDOW;
+        let start = window.first + row * window.stride + column * CELLS_OF_WINDOW;
+        let end = start + CELLS_OF_WINDOW;
         let mut d = [zero; 3];
         for axis in 0..3 {
             d[axis] = (f32x8::from_slice(simd, &places[axis][start..end]) - center[axis]) * per_radius;
