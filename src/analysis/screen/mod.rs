@@ -31,6 +31,7 @@ mod tests;
 mod view;
 
 pub use constants::RADIUS_SPACINGS;
+pub(crate) use cull::with_margin_of_splats;
 pub use view::{ScreenView, Visible};
 
 use crate::cloud::{PointRecord, ShapeRecord};
