@@ -15,6 +15,7 @@
 //! Paper 003 §3.4 and §3.5.
 
 mod passes;
+mod record;
 mod scratch;
 
 pub(super) use passes::source;
@@ -29,12 +30,10 @@ use super::rooms::stream_in;
 use crate::analysis::screen::constants::MOST_LEVELS;
 use crate::analysis::screen::with_margin_of_splats;
 use crate::scene::VisiblePoints;
-use passes::{DRAWN_POINTS, DRAWN_SHAPES, POINTS, Pass, Programs, Work};
+use passes::Programs;
+use record::{STREAMS, Screened, find_visible, write_surfels};
 use scratch::{Scratch, Sizes};
 use std::sync::Arc;
-
-/// Points, and their shapes.
-const STREAMS: usize = 2;
 
 /// Makes the surfels of one view at a time.
 #[derive(Debug, Default)]
@@ -133,81 +132,18 @@ impl VisibleMaker {
             .map(|(points, shapes)| [&points.buffer, &shapes.buffer])
             .collect();
         let counts: Vec<u32> = made.streams[0].chunks.iter().map(|chunk| chunk.record_count).collect();
-        find_visible(recording, programs, scratch, (points, &made.sizes));
-        write_surfels(recording, programs, scratch, (points, &made.sizes), (&rooms, &counts));
+        let screened = Screened {
+            programs,
+            scratch,
+            points,
+            sizes: &made.sizes,
+        };
+        find_visible(recording, &screened);
+        write_surfels(recording, &screened, &rooms, &counts);
         for room in made.rooms.iter().flatten() {
             room.copy_to_texture(recording);
         }
         2
-    }
-}
-
-/// Tells visible points from hidden ones, and lists them.
-fn find_visible(
-    recording: &mut Recording<'_>,
-    programs: &Programs,
-    scratch: &Scratch,
-    (points, sizes): (&wgpu::Buffer, &Sizes),
-) {
-    scratch.clear(recording, sizes);
-    let context = recording.context;
-    let mut pass = recording.begin_compute("cull");
-    let works = [
-        (Pass::Draw, sizes.points),
-        (Pass::Frame, sizes.bordered()),
-        (Pass::Cull, sizes.points),
-        (Pass::Scan, 1),
-        (Pass::Compact, sizes.points),
-    ];
-    for (which, invocations) in works {
-        let group = programs.group(context, which, |binding| match binding {
-            POINTS => points,
-            own => scratch.buffer(own),
-        });
-        let work = Work {
-            uniform_offset: 0,
-            invocations,
-        };
-        programs.dispatch(&mut pass, which, &group, work);
-    }
-}
-
-/// Puts visible points into cells, fits planes and writes the records of each chunk into its rooms.
-fn write_surfels(
-    recording: &mut Recording<'_>,
-    programs: &Programs,
-    scratch: &Scratch,
-    (points, sizes): (&wgpu::Buffer, &Sizes),
-    (rooms, counts): (&[[&wgpu::Buffer; STREAMS]], &[u32]),
-) {
-    let context = recording.context;
-    let mut pass = recording.begin_compute("normals");
-    let choose = programs.group(context, Pass::Choose, |binding| scratch.buffer(binding));
-    let work = Work {
-        uniform_offset: 0,
-        invocations: sizes.points,
-    };
-    programs.dispatch(&mut pass, Pass::Choose, &choose, work);
-    let coarsen = programs.group(context, Pass::Coarsen, |binding| scratch.buffer(binding));
-    for level in 0..=MOST_LEVELS {
-        let work = Work {
-            uniform_offset: scratch.uniform_offset(level),
-            invocations: sizes.cells_of(level),
-        };
-        programs.dispatch(&mut pass, Pass::Coarsen, &coarsen, work);
-    }
-    for (chunk, ([drawn_points, drawn_shapes], &count)) in (MOST_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
-        let group = programs.group(context, Pass::Surface, |binding| match binding {
-            POINTS => points,
-            DRAWN_POINTS => drawn_points,
-            DRAWN_SHAPES => drawn_shapes,
-            own => scratch.buffer(own),
-        });
-        let work = Work {
-            uniform_offset: scratch.uniform_offset(chunk),
-            invocations: count,
-        };
-        programs.dispatch(&mut pass, Pass::Surface, &group, work);
     }
 }
 
