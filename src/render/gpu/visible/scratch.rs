@@ -1,8 +1,6 @@
 //! What passes hand on to those after them.
 
-use super::passes::{
-    CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, PLACES, SEEN_POINTS, UNIFORM,
-};
+use super::passes::{CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, PLACES, SEEN_POINTS};
 use crate::analysis::screen::constants::{BORDER_PX, MOST_LEVELS};
 use crate::render::gpu::constants::GROUP_RECORDS;
 use crate::render::gpu::context::Context;
