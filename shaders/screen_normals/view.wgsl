@@ -2,9 +2,9 @@
 // analysis/screen, whose files have the names of these and say why.
 //
 // Passes one after the other: `draw` and `frame` make the picture of depths, `cull` and `scan` tell which points it
-// shows, `compact` lists them in their order, `choose` and `coarsen` put them into cells, and `surface` writes the
-// records that are drawn. What a pass has worked out is read by those after it and not worked out again: adapters may
-// fuse the same operations differently in two programs.
+// shows, `compact` lists them in their order, `choose` and `coarsen` put them into cells, `surface` writes the records
+// that are drawn, and `lend` gives normals to those without. What a pass has worked out is read by those after it and
+// not worked out again: adapters may fuse the same operations differently in two programs.
 
 // Mirror: render/gpu/gpu_data.rs.
 struct Screening {
@@ -71,6 +71,8 @@ struct Found {
 @group(SCREENING_GROUP) @binding(10) var<storage, read_write> cells: array<vec4f>;
 @group(SCREENING_GROUP) @binding(11) var<storage, read_write> drawn_points: array<PointRecord>;
 @group(SCREENING_GROUP) @binding(12) var<storage, read_write> drawn_shapes: array<ShapeRecord>;
+// Of visible points, or NO_NORMAL where there is no plane around.
+@group(SCREENING_GROUP) @binding(13) var<storage, read_write> normals: array<u32>;
 
 // A point in the picture.
 struct Seen {

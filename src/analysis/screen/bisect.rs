@@ -30,7 +30,9 @@ impl Planes<'_> {
                 shapes
             })
             .collect();
-        tasks.concat()
+        let mut shapes = tasks.concat();
+        self.lend_normals(seen, &mut shapes);
+        shapes
     }
 
     #[inline(always)]

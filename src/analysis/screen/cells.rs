@@ -6,9 +6,7 @@
 //! nearest of four. Coordinates are apart from one another and rows have a border, so that eight cells of a row are
 //! read at once from anywhere in the picture. A cell without points is too far away for any neighbourhood.
 
-use super::constants::{
-    CELLS_BEFORE, CELLS_OF_WINDOW, LEAST_RADIUS_PX, MOST_LEVELS, MOST_REACH_CELLS, WIDE_WINDOW,
-};
+use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, LEAST_RADIUS_PX, MOST_LEVELS, MOST_REACH_CELLS, WIDE_WINDOW};
 use super::view::{ScreenView, Seen};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -52,6 +50,8 @@ pub(super) struct Window<'a> {
     pub(super) level: &'a CellLevel,
     /// Index of the first cell.
     pub(super) first: usize,
+    /// Column and row of the first cell, with the border before them.
+    start: [usize; 2],
     pub(super) rows: usize,
     /// How many times eight cells a row has.
     pub(super) eights: usize,
@@ -129,6 +129,7 @@ impl Cells {
         Window {
             level,
             first: start[1] * level.stride + start[0],
+            start,
             rows,
             eights,
             stride: level.stride,
@@ -143,6 +144,25 @@ impl Cells {
     /// The largest radius that windows hold.
     pub(super) fn most_radius_px(&self) -> f32 {
         MOST_REACH_CELLS * (1_u32 << self.coarsest()) as f32
+    }
+}
+
+impl Window<'_> {
+    /// The nearest points of its cells: their places among the visible ones, row by row.
+    pub(super) fn points(&self) -> impl Iterator<Item = usize> {
+        let [width, height] = self.level.size;
+        let inside = |start: usize, count: usize, size: usize| {
+            let without_border = |cell: usize| cell.saturating_sub(CELLS_BEFORE).min(size);
+            without_border(start)..without_border(start + count)
+        };
+        let columns = inside(self.start[0], self.eights * CELLS_OF_WINDOW, width);
+        let rows = inside(self.start[1], self.rows, height);
+        let cells = rows.flat_map(move |row| columns.clone().map(move |column| row * width + column));
+        let winners = cells.map(|cell| self.level.winners[cell]);
+        // The lower half is a place.
+        winners
+            .filter(|&winner| winner != EMPTY)
+            .map(|winner| winner as u32 as usize)
     }
 }
 

@@ -83,8 +83,8 @@ impl ScreenEstimator {
     /// [`ScreenEstimator::cull`].
     ///
     /// A radius is that of a circle with a share of the neighbourhood's area as large as one of the points in it, times
-    /// [`ScreenCloud::closing`]: that closes the surface. Of points without a plane around them the normal is towards
-    /// the eye.
+    /// [`ScreenCloud::closing`]: that closes the surface. Points without a plane around them have the normal of the
+    /// nearest one that has, or face the eye if none is near.
     pub fn surface(&mut self, visible: &Visible, cloud: &ScreenCloud, search: Search) -> Vec<ShapeRecord> {
         let Some(view) = self.picture.view().filter(|_| !visible.is_empty()) else {
             return Vec::new();

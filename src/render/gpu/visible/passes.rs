@@ -18,6 +18,7 @@ pub(super) const CELL_KEYS_FOUND: u32 = 9;
 pub(super) const CELLS: u32 = 10;
 pub(super) const DRAWN_POINTS: u32 = 11;
 pub(super) const DRAWN_SHAPES: u32 = 12;
+pub(super) const NORMALS: u32 = 13;
 
 /// Those that are only read.
 const READ_ONLY: [u32; 2] = [POINTS, NEAREST_DRAWN];
@@ -33,6 +34,7 @@ pub(super) enum Pass {
     Choose,
     Coarsen,
     Surface,
+    Lend,
 }
 
 /// Its name, and what it binds beside the uniform: eight buffers at most, which every adapter has.
@@ -43,7 +45,7 @@ struct PassRow {
 }
 
 /// In the order of [`Pass`].
-const ROWS: [PassRow; 8] = [
+const ROWS: [PassRow; 9] = [
     PassRow {
         entry: "draw",
         buffers: &[POINTS, FOUND, NEAREST, PLACES],
@@ -74,7 +76,20 @@ const ROWS: [PassRow; 8] = [
     },
     PassRow {
         entry: "surface",
-        buffers: &[POINTS, FOUND, PLACES, SEEN_POINTS, CELLS, DRAWN_POINTS, DRAWN_SHAPES],
+        buffers: &[
+            POINTS,
+            FOUND,
+            PLACES,
+            SEEN_POINTS,
+            CELLS,
+            DRAWN_POINTS,
+            DRAWN_SHAPES,
+            NORMALS,
+        ],
+    },
+    PassRow {
+        entry: "lend",
+        buffers: &[FOUND, SEEN_POINTS, CELL_KEYS_FOUND, CELLS, DRAWN_SHAPES, NORMALS],
     },
 ];
 

@@ -79,17 +79,19 @@ pub(super) fn write_surfels(
         };
         programs.dispatch(&mut pass, Pass::Coarsen, &coarsen, work);
     }
-    for (chunk, ([drawn_points, drawn_shapes], &count)) in (MOST_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
-        let group = programs.group(context, Pass::Surface, |binding| match binding {
-            POINTS => points,
-            DRAWN_POINTS => drawn_points,
-            DRAWN_SHAPES => drawn_shapes,
-            own => scratch.buffer(own),
-        });
-        let work = Work {
-            uniform_offset: scratch.uniform_offset(chunk),
-            invocations: count,
-        };
-        programs.dispatch(&mut pass, Pass::Surface, &group, work);
+    for which in [Pass::Surface, Pass::Lend] {
+        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MOST_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
+            let group = programs.group(context, which, |binding| match binding {
+                POINTS => points,
+                DRAWN_POINTS => drawn_points,
+                DRAWN_SHAPES => drawn_shapes,
+                own => scratch.buffer(own),
+            });
+            let work = Work {
+                uniform_offset: scratch.uniform_offset(chunk),
+                invocations: count,
+            };
+            programs.dispatch(&mut pass, which, &group, work);
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! What passes hand on to those after them.
 
-use super::passes::{CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, PLACES, SEEN_POINTS};
+use super::passes::{
+    CELL_KEYS, CELL_KEYS_FOUND, CELLS, DEPTHS, FOUND, NEAREST, NEAREST_DRAWN, NORMALS, PLACES, SEEN_POINTS,
+};
 use crate::analysis::screen::constants::{BORDER_PX, MOST_LEVELS};
 use crate::render::gpu::constants::GROUP_RECORDS;
 use crate::render::gpu::context::Context;
@@ -17,7 +19,7 @@ const KEY_BYTES: u64 = 12;
 const PLACE_BYTES: u64 = 16;
 
 /// Buffers of its own: their bindings. Two of these have a second one, by which they are read.
-const OWN: [u32; 7] = [FOUND, NEAREST, DEPTHS, PLACES, SEEN_POINTS, CELL_KEYS, CELLS];
+const OWN: [u32; 8] = [FOUND, NEAREST, DEPTHS, PLACES, SEEN_POINTS, CELL_KEYS, CELLS, NORMALS];
 
 /// What is to begin with zeros.
 const CLEARED: [u32; 3] = [FOUND, NEAREST, CELL_KEYS];
@@ -57,6 +59,7 @@ impl Sizes {
             DEPTHS => u64::from(self.bordered()) * WORD_BYTES,
             PLACES => (2 * points + points.div_ceil(GROUP_RECORDS.into())) * WORD_BYTES,
             SEEN_POINTS => points * PLACE_BYTES,
+            NORMALS => points * WORD_BYTES,
             CELL_KEYS => cells() * KEY_BYTES,
             _ => cells() * PLACE_BYTES,
         }
