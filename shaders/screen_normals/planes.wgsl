@@ -49,7 +49,7 @@ fn lend(@builtin(global_invocation_id) id: vec3u) {
     }
     let seen = seen_from_eye(seen_points[place].xyz);
     let usual_radius = radius_px_at(seen.depth) * seen.depth / px_per_unit();
-    for (var doubling = 0u; doubling <= MOST_DOUBLINGS; doubling++) {
+    for (var doubling = 0u; doubling <= MOST_DOUBLINGS_OF_LENDING; doubling++) {
         let radius = usual_radius * f32(1u << doubling);
         let window = window_of(seen, radius, select(WIDE_WINDOW, 1u, doubling == 0u));
         var nearest_squared = radius * radius;

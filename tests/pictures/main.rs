@@ -45,4 +45,5 @@ mod stability;
 mod strategies;
 #[path = "../common/walk.rs"]
 mod walk;
+mod visible_surfels;
 mod white;

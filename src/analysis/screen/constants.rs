@@ -37,8 +37,11 @@ pub(crate) const FEWEST_NEIGHBOURS: f32 = 6.0;
 /// Three points are a plane.
 pub(crate) const FEWEST_OF_PLANE: f32 = 3.0;
 
-/// So often at most.
+/// Radii are doubled so often at most.
 pub(crate) const MOST_DOUBLINGS: usize = 3;
+
+/// So often where the normal of a neighbour is looked for: as far as rows of a floor are apart.
+pub(crate) const MOST_DOUBLINGS_OF_LENDING: usize = 5;
 
 /// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
 /// its noise.

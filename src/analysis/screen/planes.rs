@@ -9,9 +9,9 @@
 //! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
 //! far apart.
 //!
-//! Where none of these is a plane, the normal is that of the nearest neighbour that has one: at the edge of a floor that
-//! is seen from the side, cells are wider than rows are apart, so that neighbours are those of one row. Only a point
-//! without such a neighbour faces the eye.
+//! Where none of these is a plane, the normal is that of the nearest neighbour that has one, up to 32R away: of a floor
+//! that is seen from the side, cells are higher than rows of points are apart, so that the neighbours are one row. Only
+//! a point without such a neighbour faces the eye, which on a floor is a light spot.
 //!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
 //! closes grids, as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
@@ -21,7 +21,7 @@
 use super::cells::{CellLevel, Cells, Window};
 use super::constants::{
     CELLS_OF_WINDOW, CLOSING_ROWS_PX, FEWEST_NEIGHBOURS, FEWEST_OF_PLANE, LEAST_RADIUS_PX, LEAST_SPREAD,
-    MOST_DOUBLINGS, RADIUS_SPACINGS,
+    MOST_DOUBLINGS, MOST_DOUBLINGS_OF_LENDING, RADIUS_SPACINGS,
 };
 use super::lanes::total;
 use super::view::{ScreenView, Seen};
@@ -101,7 +101,7 @@ impl Planes<'_> {
     /// that.
     fn nearest_with_plane(&self, from: &Seen, seen: &[Seen], shapes: &[ShapeRecord]) -> Option<(usize, f32)> {
         let px_per_unit = self.view.px_per_unit() / from.depth;
-        (0..=MOST_DOUBLINGS).find_map(|doubling| {
+        (0..=MOST_DOUBLINGS_OF_LENDING).find_map(|doubling| {
             let radius = self.radius_at(from.depth) * (1_u32 << doubling) as f32;
             let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
             let window = self.cells.window(from.place_px, radius_px, doubling > 0);

@@ -213,6 +213,7 @@ pub(super) fn of_screen_normals() -> String {
         declaration("LEAST_RADIUS_PX", screen::LEAST_RADIUS_PX),
         declaration("LEAST_SPREAD", screen::LEAST_SPREAD as f32),
         declaration("MOST_DOUBLINGS", screen::MOST_DOUBLINGS as u32),
+        declaration("MOST_DOUBLINGS_OF_LENDING", screen::MOST_DOUBLINGS_OF_LENDING as u32),
         declaration("MOST_LEVELS", screen::MOST_LEVELS),
         declaration("MOST_REACH_CELLS", screen::MOST_REACH_CELLS),
         declaration("MOST_REACH_PX", screen::MOST_REACH_PX as u32),

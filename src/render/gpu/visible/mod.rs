@@ -17,6 +17,8 @@
 mod passes;
 mod record;
 mod scratch;
+#[cfg(test)]
+mod tests;
 
 pub(super) use passes::source;
 
