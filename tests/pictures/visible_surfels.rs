@@ -38,7 +38,13 @@ fn shape(shape: Shape) -> PreparedFrame {
 }
 
 fn prepared(frame: Frame) -> PreparedFrame {
-    prepare(0, Arc::new(frame), 0.0, &Scene::needs(&style()), &PrepareCounters::default())
+    prepare(
+        0,
+        Arc::new(frame),
+        0.0,
+        &Scene::needs(&style()),
+        &PrepareCounters::default(),
+    )
 }
 
 fn packet(scene: &mut Scene, frame: &PreparedFrame, style: &Style, distance: f64) -> ScenePacket {
@@ -147,7 +153,11 @@ fn a_moving_view_uploads_nothing_and_a_still_one_costs_nothing() {
         let mut renderer = making(context());
         let mut scene = Scene::default();
         let first = cost(&mut renderer, &packet(&mut scene, &frame, &style, 3.0));
-        assert_eq!(first.uploaded_bytes, 16 * frame.points.len() as u64, "{strategy}: points alone");
+        assert_eq!(
+            first.uploaded_bytes,
+            16 * frame.points.len() as u64,
+            "{strategy}: points alone"
+        );
         for distance in [2.9, 5.0] {
             let moved = cost(&mut renderer, &packet(&mut scene, &frame, &style, distance));
             assert_eq!((moved.frames, moved.uploads), (1, 0), "{strategy}");
