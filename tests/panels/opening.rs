@@ -71,7 +71,11 @@ fn a_single_frame_has_its_name_and_nothing_to_play_with() {
     }
     harness.state_mut().open_paths(vec![file]);
     until(&mut harness, "it is shown", |state| !state.recent.entries().is_empty());
-    assert!(harness.query_by_label("alone.xyz").is_some());
+    let is_below = |name: &str| {
+        let mut nodes = harness.query_all_by_label(name);
+        nodes.any(|node| node.rect().top() > 700.0)
+    };
+    assert!(is_below("alone.xyz"));
     for control in controls {
         assert!(harness.query_by_label(control).is_none(), "{control}");
     }
