@@ -32,7 +32,7 @@ pub struct ColorCamera {
 
 /// A point in the view of the colour camera.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct ProjectedPoint {
     pixel: DVec2,
     z: f64,
 }
@@ -44,14 +44,14 @@ impl ColorCamera {
     /// Preconditions: `rays` are of an image of the same size as `depth`, `image` is of the size of the camera's.
     pub fn colors(&self, depth: &DepthImage, rays: &RayTable, image: &ColorImage) -> Vec<[u8; 4]> {
         debug_assert_eq!(image.size_px(), self.camera.size_px());
-        let seen: Vec<Option<Seen>> = depth
+        let seen: Vec<Option<ProjectedPoint>> = depth
             .metres()
             .par_iter()
             .zip(rays.rays())
             .map(|(&z, &ray)| self.see(z, ray))
             .collect();
         let nearest = NearestDepth::of(&seen, depth.width(), &self.camera);
-        let color = |seen: &Option<Seen>| match seen {
+        let color = |seen: &Option<ProjectedPoint>| match seen {
             Some(seen) if nearest.shows(*seen) => {
                 let [r, g, b] = image.bilinear(seen.pixel.as_vec2().to_array());
                 [r, g, b, 255]
@@ -61,14 +61,16 @@ impl ColorCamera {
         seen.par_iter().map(color).collect()
     }
 
-    fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<Seen> {
+    fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<ProjectedPoint> {
         if !(z > 0.0 && x.is_finite()) {
             return None;
         }
         let point = f64::from(z) * DVec3::new(f64::from(x), f64::from(y), 1.0);
         let point = self.color_from_depth.transform_point3(point);
         let pixel = self.camera.pixel(point)?;
-        self.camera.contains(pixel).then_some(Seen { pixel, z: point.z })
+        self.camera
+            .contains(pixel)
+            .then_some(ProjectedPoint { pixel, z: point.z })
     }
 }
 
@@ -82,7 +84,7 @@ struct NearestDepth {
 }
 
 impl NearestDepth {
-    fn of(seen: &[Option<Seen>], width: usize, camera: &Camera) -> Self {
+    fn of(seen: &[Option<ProjectedPoint>], width: usize, camera: &Camera) -> Self {
         let cell_px = step_px(seen, width);
         let cells_along = |pixels: u32| (f64::from(pixels) / cell_px).ceil() as usize + 2;
         let [columns, rows] = camera.size_px().map(cells_along);
@@ -102,7 +104,7 @@ impl NearestDepth {
         ((pixel + 0.5) / self.cell_px).max(DVec2::ZERO)
     }
 
-    fn draw(&self, Seen { pixel, z }: Seen) {
+    fn draw(&self, ProjectedPoint { pixel, z }: ProjectedPoint) {
         let corner = self.corner(pixel).floor();
         let bits = (z as f32).to_bits();
         for (right, down) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -113,7 +115,7 @@ impl NearestDepth {
     }
 
     /// Whether nothing is before the point at its place.
-    fn shows(&self, Seen { pixel, z }: Seen) -> bool {
+    fn shows(&self, ProjectedPoint { pixel, z }: ProjectedPoint) -> bool {
         let cell = self.corner(pixel).round();
         let column = (cell.x as usize).min(self.columns - 1);
         let row = (cell.y as usize).min(self.rows - 1);
@@ -124,7 +126,7 @@ impl NearestDepth {
 
 /// How far neighbours in a line of the depth image are from each other in the colour image: the median, at least a
 /// pixel.
-fn step_px(seen: &[Option<Seen>], width: usize) -> f64 {
+fn step_px(seen: &[Option<ProjectedPoint>], width: usize) -> f64 {
     /// As many lines say it as well as all.
     const LINES: usize = 16;
     let lines = seen.len() / width.max(1);
