@@ -20,6 +20,7 @@
 //!
 //! `docs/reel.md` describes the format for those who want to read it elsewhere.
 
+mod above;
 mod attributes;
 mod coder;
 mod decoder;
