@@ -3,8 +3,9 @@
 //!
 //! How it works: a child lies towards three faces of its parent. Its value is expected between that of the parent,
 //! which counts twice, and those of the nodes behind these faces, unless they differ so much that there must be an edge
-//! between. The mean of the family is the parent: what it would be off by is shared by the children that are left, so
-//! hardly anything is left to tell of the last one. Later channels (green, red, blue) are predicted with what those
+//! between. Where values are exact, the mean of the family is the parent: what it would be off by is shared by the
+//! children that are left, so hardly anything is left to tell of the last one. (With a step, what each is rounded by
+//! would add up there: twice the bits for a smooth surface, a quarter more for the walking man.) Later channels (green, red, blue) are predicted with what those
 //! before are off by, as colours change in brightness more than in hue. Interpolated values are in 60ths: the shares of
 //! two to five values are whole numbers.
 //!
@@ -26,6 +27,9 @@ const OUTSIDE: u8 = 2 * CLASSES;
 
 /// Contexts of values.
 pub(in crate::reel) const CHANNEL_CONTEXTS: usize = OUTSIDE as usize + 1;
+
+/// Beside the faces that are near a parent in value: some are not.
+const EDGE: u8 = 1 << 7;
 
 /// Parts that values are interpolated in.
 const PARTS: i32 = 60;
@@ -151,7 +155,7 @@ impl<const N: usize> Level<'_, N> {
         let Some(&parent) = self.parents.get(family.parent) else {
             return (0, 0);
         };
-        let (mut all, mut near) = (0, 0);
+        let (mut all, mut near, mut there) = (0, 0, 0);
         for (face, other) in family.faces(self.faces).into_iter().enumerate() {
             // No branch: nobody can guess who is there.
             let is_there = other != NONE;
@@ -159,10 +163,11 @@ impl<const N: usize> Level<'_, N> {
             let differing = Lanes::<N>::differing(if is_there { found } else { parent }, parent);
             all |= differing;
             near |= u8::from(is_there & Lanes::<N>::is_within(differing, limit)) << face;
+            there |= u8::from(is_there) << face;
         }
         let of_step = 31 - (self.step as u32).leading_zeros();
         let class = Lanes::<N>::bits(all).saturating_sub(of_step).min(u32::from(CLASSES) - 1);
-        (class as u8, near)
+        (class as u8, near | u8::from(near != there) * EDGE)
     }
 
     #[inline(always)]
@@ -198,10 +203,12 @@ impl<const N: usize> Level<'_, N> {
                 *owed -= of_child[channel];
             }
         }
-        let mut left = children.len();
-        for ((child, symbol), &between) in children.iter_mut().zip(symbols).zip(&between) {
-            self.tell(coder, child, symbol, between, &mut owed, left);
-            left -= 1;
+        if self.is_exact() || near & EDGE != 0 {
+            self.tell_exactly(coder, children, symbols, between.into_iter(), owed);
+            return;
+        }
+        for ((child, symbol), between) in children.iter_mut().zip(symbols).zip(between) {
+            self.tell(coder, child, symbol, between);
         }
     }
 
@@ -209,38 +216,59 @@ impl<const N: usize> Level<'_, N> {
     #[inline(always)]
     fn code_points<C: SymbolCoder>(&self, coder: &mut C, parent: u64, points: &mut [[u16; N]], symbols: &mut [u8]) {
         let between = std::array::from_fn(|channel| PARTS * Lanes::<N>::get(parent, channel));
-        let (mut owed, mut left) = ([0; N], points.len());
+        if self.is_exact() {
+            self.tell_exactly(coder, points, symbols, std::iter::repeat(between), [0; N]);
+            return;
+        }
         for (point, symbol) in points.iter_mut().zip(symbols) {
-            self.tell(coder, point, symbol, between, &mut owed, left.min(MOST_LEFT));
-            owed = owed.map(|owed| owed.clamp(-MOST_OWED, MOST_OWED));
+            self.tell(coder, point, symbol, between);
+        }
+    }
+
+    /// Whether what a parent is off by says something of its children.
+    #[inline(always)]
+    fn is_exact(&self) -> bool {
+        self.step == 1
+    }
+
+    /// Codes a family of which the values `between` are expected, each with its share of what is owed to those left.
+    #[inline(always)]
+    fn tell_exactly<C: SymbolCoder>(
+        &self,
+        coder: &mut C,
+        children: &mut [[u16; N]],
+        symbols: &mut [u8],
+        between: impl Iterator<Item = [i32; N]>,
+        mut owed: [i32; N],
+    ) {
+        let mut left = children.len();
+        for ((child, symbol), between) in children.iter_mut().zip(symbols).zip(between) {
+            let share = SHARES[left.min(MOST_LEFT)];
+            let expected = std::array::from_fn(|channel| {
+                between[channel] + ((i64::from(owed[channel]) * share) >> 16) as i32
+            });
+            self.tell(coder, child, symbol, expected);
+            for channel in 0..N {
+                let is = owed[channel] + between[channel] - PARTS * i32::from(child[channel]);
+                owed[channel] = is.max(-MOST_OWED).min(MOST_OWED);
+            }
             left -= 1;
         }
     }
 
-    /// Codes a node that is expected to have the values `between`, and its share of what is owed to those left.
+    /// Codes a node of which a value is expected, in parts.
     #[inline(always)]
-    fn tell<C: SymbolCoder>(
-        &self,
-        coder: &mut C,
-        value: &mut [u16; N],
-        symbol: &mut u8,
-        between: [i32; N],
-        owed: &mut [i32; N],
-        left: usize,
-    ) {
+    fn tell<C: SymbolCoder>(&self, coder: &mut C, value: &mut [u16; N], symbol: &mut u8, expected: [i32; N]) {
         let mut steps: [i32; N] = if C::DECODES { steps::read(coder, *symbol) } else { [0; N] };
-        let share = SHARES[left];
         let mut off = 0;
         for channel in 0..N {
-            let share = ((i64::from(owed[channel]) * share) >> 16) as i32;
-            let expected = (between[channel] + share + PARTS / 2).max(0) as u32 / PARTS as u32;
+            let expected = (expected[channel] + PARTS / 2).max(0) as u32 / PARTS as u32;
             let predicted = (expected.min(self.most as u32) as i32 + off).max(0).min(self.most);
             if !C::DECODES {
                 steps[channel] = (i32::from(value[channel]) - predicted + self.step / 2).div_euclid(self.step);
             }
             let is = (predicted + steps[channel] * self.step).max(0).min(self.most);
             off += is - predicted;
-            owed[channel] += between[channel] - PARTS * is;
             value[channel] = is as u16;
         }
         if !C::DECODES {
