@@ -12,7 +12,7 @@
 //! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as a
 //! decoder has them.
 
-use super::families::{Above, Families, Family, of_counts, of_masks};
+use super::families::{Above, Families, Family, across, across_bits, of_counts, of_masks};
 use super::lanes::Lanes;
 use super::steps;
 use crate::reel::coder::SymbolCoder;
@@ -186,29 +186,27 @@ impl<const N: usize> Level<'_, N> {
             let value = self.parents[if is_near { faces[face] as usize } else { 0 }];
             value & u64::from(is_near).wrapping_neg()
         });
-        let mut between = [[0i32; N]; 8];
-        let mut owed: [i32; N] = std::array::from_fn(|channel| {
-            PARTS * Lanes::<N>::get(parent, channel) * family.count as i32
-        });
         let mut octants = family.mask;
-        for of_child in between.iter_mut().take(children.len()) {
+        let between = std::iter::from_fn(|| {
             let octant = octants.trailing_zeros() as usize;
             octants &= octants.wrapping_sub(1);
-            let across = [octant & 1, 2 + (octant >> 1 & 1), 4 + (octant >> 2 & 1)];
-            let count = across.map(|face| usize::from(near >> face & 1)).into_iter().sum::<usize>();
-            let sum = 2 * parent + across.map(|face| beyond[face]).into_iter().sum::<u64>();
-            let weighed = sum * WEIGHTS[count];
-            for (channel, owed) in owed.iter_mut().enumerate() {
-                of_child[channel] = Lanes::<N>::get(weighed, channel);
-                *owed -= of_child[channel];
-            }
-        }
+            let [a, b, c] = across(octant).map(|face| beyond[face]);
+            let count = (u32::from(near) & across_bits(octant)).count_ones() as usize;
+            Some((2 * parent + a + b + c) * WEIGHTS[count])
+        });
+        let lanes = |word| std::array::from_fn(|channel| Lanes::<N>::get(word, channel));
         if self.is_exact() || near & EDGE != 0 {
-            self.tell_exactly(coder, children, symbols, between.into_iter(), owed);
+            let mut all = [[0; N]; 8];
+            let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);
+            for (of_child, word) in all.iter_mut().zip(between).take(children.len()) {
+                *of_child = lanes(word);
+                (0..N).for_each(|channel| owed[channel] -= of_child[channel]);
+            }
+            self.tell_exactly(coder, children, symbols, all.into_iter(), owed);
             return;
         }
-        for ((child, symbol), between) in children.iter_mut().zip(symbols).zip(between) {
-            self.tell(coder, child, symbol, between);
+        for ((child, symbol), word) in children.iter_mut().zip(symbols).zip(between) {
+            self.tell(coder, child, symbol, lanes(word));
         }
     }
 

@@ -68,3 +68,15 @@ pub(super) fn of_counts(counts: &[u32], outside: usize) -> impl Iterator<Item = 
     let placed = placed.map(move |(parent, &count)| family(parent, count as usize, false));
     placed.chain(std::iter::repeat_n(family(0, 1, true), outside))
 }
+
+/// The faces of its parent that a child in an octant lies towards.
+#[inline(always)]
+pub(super) fn across(octant: usize) -> [usize; 3] {
+    [octant & 1, 2 + (octant >> 1 & 1), 4 + (octant >> 2 & 1)]
+}
+
+/// The same as bits.
+#[inline(always)]
+pub(super) fn across_bits(octant: usize) -> u32 {
+    across(octant).map(|face| 1 << face).into_iter().sum()
+}
