@@ -69,7 +69,10 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
 ) {
     let level = Level {
         faces: above.faces,
-        parents: &parents.iter().map(|&parent| Lanes::<N>::pack(parent)).collect::<Vec<u64>>(),
+        parents: &parents
+            .iter()
+            .map(|&parent| Lanes::<N>::pack(parent))
+            .collect::<Vec<u64>>(),
         step: i32::from(step),
         most: i32::from(most),
     };
@@ -90,7 +93,12 @@ struct Level<'a, const N: usize> {
 
 impl<const N: usize> Level<'_, N> {
     #[inline(always)]
-    fn code<C: SymbolCoder>(&self, coder: &mut C, families: impl Iterator<Item = Family> + Clone, values: &mut [[u16; N]]) {
+    fn code<C: SymbolCoder>(
+        &self,
+        coder: &mut C,
+        families: impl Iterator<Item = Family> + Clone,
+        values: &mut [[u16; N]],
+    ) {
         // Not behind a reference: what it keeps stays in registers.
         let mut own = std::mem::take(coder);
         let (contexts, near) = self.contexts(families.clone(), values.len());
@@ -104,7 +112,9 @@ impl<const N: usize> Level<'_, N> {
             let count = family.count.min(left.len());
             let children;
             (children, left) = left.split_at_mut(count);
-            let Some(&parent) = self.parents.get(family.parent) else { break };
+            let Some(&parent) = self.parents.get(family.parent) else {
+                break;
+            };
             if family.is_clear() {
                 children.fill(std::array::from_fn(|channel| Lanes::<N>::get(parent, channel) as u16));
                 continue;
@@ -162,12 +172,14 @@ impl<const N: usize> Level<'_, N> {
             let found = self.parents[if is_there { other as usize } else { 0 }];
             let differing = Lanes::<N>::differing(if is_there { found } else { parent }, parent);
             all |= differing;
-            near |= u8::from(is_there & Lanes::<N>::is_within(differing, limit)) << face;
+            near |= u8::from(is_there && Lanes::<N>::is_within(differing, limit)) << face;
             there |= u8::from(is_there) << face;
         }
-        let of_step = 31 - (self.step as u32).leading_zeros();
-        let class = Lanes::<N>::bits(all).saturating_sub(of_step).min(u32::from(CLASSES) - 1);
-        (class as u8, near | u8::from(near != there) * EDGE)
+        let of_step = (self.step as u32).ilog2();
+        let class = Lanes::<N>::bits(all)
+            .saturating_sub(of_step)
+            .min(u32::from(CLASSES) - 1);
+        (class as u8, if near == there { near } else { near | EDGE })
     }
 
     #[inline(always)]
@@ -242,13 +254,12 @@ impl<const N: usize> Level<'_, N> {
         let mut left = children.len();
         for ((child, symbol), between) in children.iter_mut().zip(symbols).zip(between) {
             let share = SHARES[left.min(MOST_LEFT)];
-            let expected = std::array::from_fn(|channel| {
-                between[channel] + ((i64::from(owed[channel]) * share) >> 16) as i32
-            });
+            let expected =
+                std::array::from_fn(|channel| between[channel] + ((i64::from(owed[channel]) * share) >> 16) as i32);
             self.tell(coder, child, symbol, expected);
             for channel in 0..N {
                 let is = owed[channel] + between[channel] - PARTS * i32::from(child[channel]);
-                owed[channel] = is.max(-MOST_OWED).min(MOST_OWED);
+                owed[channel] = is.clamp(-MOST_OWED, MOST_OWED);
             }
             left -= 1;
         }
@@ -257,7 +268,11 @@ impl<const N: usize> Level<'_, N> {
     /// Codes a node of which a value is expected, in parts.
     #[inline(always)]
     fn tell<C: SymbolCoder>(&self, coder: &mut C, value: &mut [u16; N], symbol: &mut u8, expected: [i32; N]) {
-        let mut steps: [i32; N] = if C::DECODES { steps::read(coder, *symbol) } else { [0; N] };
+        let mut steps: [i32; N] = if C::DECODES {
+            steps::read(coder, *symbol)
+        } else {
+            [0; N]
+        };
         let mut off = 0;
         for channel in 0..N {
             let expected = (expected[channel] + PARTS / 2).max(0) as u32 / PARTS as u32;

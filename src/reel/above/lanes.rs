@@ -22,7 +22,10 @@ impl<const N: usize> Lanes<N> {
 
     #[inline(always)]
     pub(super) fn pack(channels: [u16; N]) -> u64 {
-        (0..).zip(channels).map(|(lane, channel)| u64::from(channel) << (Self::SHIFT * lane)).sum()
+        (0..)
+            .zip(channels)
+            .map(|(lane, channel)| u64::from(channel) << (Self::SHIFT * lane))
+            .sum()
     }
 
     /// The lane of a channel. Precondition: no lane is above 65,535 where there are several.

@@ -78,7 +78,10 @@ fn place_of([x, y]: [i32; 2]) -> [i16; 2] {
     let u = x >> 1;
     // Quadrants have other diagonals.
     let is_mirrored = (u < 0) != (y < 0);
-    [(3 * u + 1 + upper) as i16, (3 * y + 1 + (upper ^ i32::from(is_mirrored))) as i16]
+    [
+        (3 * u + 1 + upper) as i16,
+        (3 * y + 1 + (upper ^ i32::from(is_mirrored))) as i16,
+    ]
 }
 
 /// The half cell that a point is in, in parts.
@@ -88,7 +91,11 @@ fn half_at([x, y]: [i32; 2]) -> [i32; 2] {
     let [u, v] = [x, y].map(|along| ((along + OUTMOST * CELL) as u32 / CELL as u32) as i32 - OUTMOST);
     let (across, along) = (x - CELL * u, y - CELL * v);
     let is_mirrored = (u < 0) != (v < 0);
-    let is_upper = if is_mirrored { across > along } else { across + along > CELL };
+    let is_upper = if is_mirrored {
+        across > along
+    } else {
+        across + along > CELL
+    };
     [2 * u + i32::from(is_upper), v]
 }
 
@@ -133,7 +140,12 @@ struct Foreseen {
 
 impl Level<'_> {
     #[inline(always)]
-    fn code<C: SymbolCoder>(&self, coder: &mut C, families: impl Iterator<Item = Family> + Clone, normals: &mut [[i16; 2]]) {
+    fn code<C: SymbolCoder>(
+        &self,
+        coder: &mut C,
+        families: impl Iterator<Item = Family> + Clone,
+        normals: &mut [[i16; 2]],
+    ) {
         // Not behind a reference: what it keeps stays in registers.
         let mut own = std::mem::take(coder);
         let Foreseen { contexts, places } = self.foresee(families.clone(), normals.len());
@@ -148,7 +160,9 @@ impl Level<'_> {
             let count = family.count.min(left.len());
             let children;
             (children, left) = left.split_at_mut(count);
-            let Some(&parent) = self.parents.get(family.parent) else { break };
+            let Some(&parent) = self.parents.get(family.parent) else {
+                break;
+            };
             if family.is_clear() {
                 children.fill(parent);
                 continue;
@@ -175,7 +189,7 @@ impl Level<'_> {
     fn tell<C: SymbolCoder>(&self, coder: &mut C, normal: &mut [i16; 2], symbol: &mut u8, foreseen: [i32; 2]) {
         let periods = [4 * self.half, 2 * self.half];
         // As many bits as there are half cells along the first axis; one less along the second one.
-        let bits = periods.map(|period| 31 - (period as u32).leading_zeros());
+        let bits = periods.map(|period| (period as u32).ilog2());
         if !C::DECODES {
             *symbol = self.write(coder, *normal, foreseen);
         }
@@ -191,7 +205,11 @@ impl Level<'_> {
             [0, 1].map(|axis| told[axis] - periods[axis] / 2)
         } else {
             let steps = STEPS_OF[usize::from(*symbol)].map(|step| i32::from(step) << self.finer);
-            let below = if self.finer == 0 { 0 } else { coder.raw(2 * self.finer, 0) as i32 };
+            let below = if self.finer == 0 {
+                0
+            } else {
+                coder.raw(2 * self.finer, 0) as i32
+            };
             let below = [below & ((1 << self.finer) - 1), below >> self.finer];
             [0, 1].map(|axis| around(foreseen[axis] + (steps[axis] | below[axis]), periods[axis]))
         };
@@ -209,7 +227,7 @@ impl Level<'_> {
         let steps = off.map(|off| off >> self.finer);
         if steps.iter().any(|step| step.abs() > MOST_STEP) {
             for (along, period) in is.into_iter().zip(periods) {
-                coder.raw(31 - (period as u32).leading_zeros(), (along + period / 2) as u32);
+                coder.raw((period as u32).ilog2(), (along + period / 2) as u32);
             }
             return PLACE;
         }
@@ -257,13 +275,13 @@ impl Level<'_> {
             // No branch: nobody can guess who is there.
             let is_there = other != NONE;
             let place = self.parents[if is_there { other as usize } else { 0 }];
-            let is_there = is_there & (place != MISSING);
+            let is_there = is_there && place != MISSING;
             let step = [0, 1].map(|axis| i32::from(place[axis]) - own[axis]);
             let distance = step[0].abs().max(step[1].abs());
             // The border of the square is folded: what is near may be on its other side.
-            let is_beside = is_there & (distance < 3 * self.half);
+            let is_beside = is_there && distance < 3 * self.half;
             spread |= if is_beside { distance } else { 0 };
-            let is_near = is_there & (distance < FAR << self.finer);
+            let is_near = is_there && distance < FAR << self.finer;
             near |= u32::from(is_near) << face;
             steps[face] = step.map(|along| if is_near { along } else { 0 });
         }

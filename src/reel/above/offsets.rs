@@ -9,7 +9,7 @@ use super::families::{Above, Families};
 use super::ways::{BEYOND, WITHIN, sums};
 use crate::reel::attributes::{LARGEST_OFFSET, MISSING, NormalGrid, offset_of_code};
 use crate::reel::coder::{LANES, SymbolCoder, divided};
-use crate::reel::tree::{NONE, NO_FACES};
+use crate::reel::tree::{NO_FACES, NONE};
 
 /// Classes of where the surface is foretold, of nodes behind another one of the family and of the first.
 const CLASSES: usize = 32;
@@ -34,7 +34,13 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
     let mut nodes = offsets.iter_mut().zip(normals).enumerate();
     for (parent, &mask) in masks.iter().enumerate() {
         let faces = above.faces.get(parent).copied().unwrap_or(NO_FACES);
-        let beyond = faces.map(|face| if face == NONE { 0 } else { usize::from(masks[face as usize]) });
+        let beyond = faces.map(|face| {
+            if face == NONE {
+                0
+            } else {
+                usize::from(masks[face as usize])
+            }
+        });
         let mut octants = mask;
         let mut before: Option<(usize, u8)> = None;
         while octants != 0
@@ -49,7 +55,12 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
                 for axis in 0..3 {
                     ways += BEYOND[octant][axis][beyond[2 * axis + (octant >> axis & 1)]];
                 }
-                let along = |way: [i32; 3]| way.into_iter().zip(direction).map(|(way, along)| way * along).sum::<i32>();
+                let along = |way: [i32; 3]| {
+                    way.into_iter()
+                        .zip(direction)
+                        .map(|(way, along)| way * along)
+                        .sum::<i32>()
+                };
                 let (way, count) = sums(ways);
                 let around = divided(along(way), count + 1);
                 context = match before {
@@ -70,6 +81,6 @@ pub(in crate::reel) fn code_offsets<C: SymbolCoder>(
 /// The class of a place along the normal, in 1024ths of the cell's edge.
 #[inline(always)]
 fn class(place: i32) -> usize {
-    let within = place.max(-LARGEST_OFFSET).min(LARGEST_OFFSET - 1);
+    let within = place.clamp(-LARGEST_OFFSET, LARGEST_OFFSET - 1);
     ((within + LARGEST_OFFSET) as u32 * CLASSES as u32 / (2 * LARGEST_OFFSET) as u32) as usize
 }

@@ -284,7 +284,11 @@ impl SymbolCoder for SymbolDecoder<'_> {
             one(&mut c, contexts[2], &mut symbols[2]);
             one(&mut d, contexts[3], &mut symbols[3]);
         }
-        for ((state, &context), symbol) in [&mut a, &mut b, &mut c].into_iter().zip(last_contexts).zip(last_symbols) {
+        for ((state, &context), symbol) in [&mut a, &mut b, &mut c]
+            .into_iter()
+            .zip(last_contexts)
+            .zip(last_symbols)
+        {
             one(state, context, symbol);
         }
         self.states = [a, b, c, d];
@@ -312,7 +316,9 @@ mod tests {
         match kind {
             0 => vec![u32::from(coder.symbol(context % LANES, context, value as u8))],
             1 => {
-                let contexts: Vec<u8> = (0..value as usize % 11).map(|place| ((context + place) % CONTEXTS) as u8).collect();
+                let contexts: Vec<u8> = (0..value as usize % 11)
+                    .map(|place| ((context + place) % CONTEXTS) as u8)
+                    .collect();
                 let mut symbols: Vec<u8> = contexts.iter().map(|&of| of.wrapping_mul(value as u8)).collect();
                 if C::DECODES {
                     symbols.fill(0);

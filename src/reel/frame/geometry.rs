@@ -5,7 +5,9 @@ use super::schema::StreamKind;
 use super::sections::{CodedSection, Sizes, joined, parted};
 use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder};
 use crate::reel::error::Fault;
-use crate::reel::tree::{ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, coders_of, first_children};
+use crate::reel::tree::{
+    ALONE, Known, Links, NONE, OccupancyModels, cells_below, code_masks, coders_of, first_children,
+};
 use std::ops::Range;
 
 /// What each section has of it.

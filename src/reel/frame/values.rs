@@ -22,7 +22,11 @@ struct Place<'a> {
 
 /// Who is across the faces of the nodes of each level that has something below it.
 fn faces_of(levels: &[Level], has_points: bool) -> Vec<Vec<Faces>> {
-    let wanted = if has_points { levels.len() } else { levels.len().saturating_sub(1) };
+    let wanted = if has_points {
+        levels.len()
+    } else {
+        levels.len().saturating_sub(1)
+    };
     let mut faces = vec![vec![NO_FACES]];
     for level in levels.iter().take(wanted.saturating_sub(1)) {
         let above = faces.last().map_or(&[][..], Vec::as_slice);

@@ -15,7 +15,13 @@ pub(in crate::reel) fn faces_below(faces: &[Faces], masks: &[u8], first: &[u32])
     let mut below = Vec::with_capacity(first.last().map_or(0, |&end| end as usize));
     for ((node, &mask), faces) in masks.iter().enumerate().zip(faces) {
         // Who is across each face, and itself: nobody has no octants.
-        let others = faces.map(|face| if face == NONE { (0, 0) } else { (masks[face as usize], first[face as usize]) });
+        let others = faces.map(|face| {
+            if face == NONE {
+                (0, 0)
+            } else {
+                (masks[face as usize], first[face as usize])
+            }
+        });
         let mut octants = mask;
         while octants != 0 {
             let octant = octants.trailing_zeros() as usize;
