@@ -3,14 +3,14 @@
 //!
 //! How it works: a child lies towards three faces of its parent. Its value is expected between that of the parent,
 //! which counts twice, and those of the nodes behind these faces, unless they differ so much that there must be an edge
-//! between. Where values are exact, the mean of the family is the parent: what it would be off by is shared by the
-//! children that are left, so hardly anything is left to tell of the last one. (With a step, what each is rounded by
-//! would add up there: twice the bits for a smooth surface, a quarter more for the walking man.) Later channels (green, red, blue) are predicted with what those
-//! before are off by, as colours change in brightness more than in hue. Interpolated values are in 60ths: the shares of
-//! two to five values are whole numbers.
+//! between. Where values are exact, or there is an edge, the mean of the family is the parent: what it would be off by
+//! is shared by the children that are left, so hardly anything is left to tell of the last one. (Elsewhere what each is
+//! rounded by would add up there: twice the bits for a smooth surface.) Later channels (green, red, blue) are predicted
+//! with what those before are off by, as colours change in brightness more than in hue. Interpolated values are in
+//! 60ths: the shares of two to five values are whole numbers.
 //!
-//! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as a
-//! decoder has them.
+//! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as
+//! a decoder has them.
 
 use super::families::{Above, Families, Family, across, across_bits, of_counts, of_masks};
 use super::lanes::Lanes;

@@ -6,9 +6,9 @@
 //! channels of a colour or both axes of a normal as one symbol, with bits beside it that stand for themselves. What a
 //! parent leaves to its children is told once: an only child has the value of its parent.
 //!
-//! When it wins: always so far. Of surfaces that vary smoothly, what is on both sides of a node foretells it better than
-//! three neighbours that come before it; and there is no chain from a node to the next one. Only offsets know a node
-//! before, within their family ([`offsets`]).
+//! When it wins: always so far. Of surfaces that vary smoothly, what is on both sides of a node foretells it better
+//! than three neighbours that come before it; and there is no chain from a node to the next one. Only offsets know a
+//! node before, within their family ([`offsets`]).
 
 mod channels;
 mod families;

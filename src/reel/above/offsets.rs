@@ -1,7 +1,7 @@
 //! Offsets along the normal: what the cells around say of the surface, and the plane of the node before in the family.
 //!
-//! How it works: cells are occupied where the surface is, so their middles lie around it. The mean of those that touch a
-//! cell, along its normal, is about where the surface is; that is known before any offset is. The plane through the
+//! How it works: cells are occupied where the surface is, so their middles lie around it. The mean of those that touch
+//! a cell, along its normal, is about where the surface is; that is known before any offset is. The plane through the
 //! point of the node before meets the line through the own middle at a place that counts three times as much. Both
 //! together choose the table of a symbol.
 

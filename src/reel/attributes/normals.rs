@@ -39,10 +39,9 @@ pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) directions: &'a [Vec3],
 }
 
-/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Each is foreseen to turn as those
-/// around it did.
-/// What is foreseen stands while it is as near the normal as a rounded one may be: who turns by less than can be told
-/// has nothing to tell.
+/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Each is foreseen to turn as
+/// those around it did. What is foreseen stands while it is as near the normal as a rounded one may be: who turns by
+/// less than can be told has nothing to tell.
 pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
     coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,

@@ -53,7 +53,8 @@ pub(super) fn code_values<D: Direction>(
     let faces = faces_of(&pose.levels, pose.points.is_some());
     let mut places = Vec::new();
     // The root has no parent.
-    let mut families = Families::Counts(&[], 1);
+    let roots = sizes.counts.first().map_or(0, |&count| count.min(1));
+    let mut families = Families::Counts(&[], roots);
     let mut all: Vec<&mut LevelValues> = Vec::new();
     let of_parents = std::iter::once(&[][..]).chain(faces.iter().map(Vec::as_slice));
     let mut of_parents = of_parents.chain(std::iter::repeat(&[][..]));

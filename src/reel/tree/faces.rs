@@ -62,7 +62,8 @@ mod tests {
         fn who_is_across_a_face_is_found(cells in prop::collection::btree_set(0u64..4096, 1..200)) {
             let cells: Vec<u64> = cells.into_iter().collect();
             let masks = masks_of_cells(&cells, 4);
-            let faces = masks.iter().fold(vec![NO_FACES], |faces, masks| faces_below(&faces, masks, &first_children(masks)));
+            let below = |faces: Vec<Faces>, masks: &Vec<u8>| faces_below(&faces, masks, &first_children(masks));
+            let faces = masks.iter().fold(vec![NO_FACES], below);
             let places: Vec<[u32; 3]> = cells.iter().map(|&cell| morton::decode(cell)).collect();
             prop_assert_eq!(faces.len(), cells.len());
             for (place, faces) in places.iter().zip(&faces) {
