@@ -11,6 +11,7 @@ mod frequencies;
 mod mixer;
 mod number;
 mod range;
+mod raw_bits;
 mod reciprocal;
 mod symbols;
 
@@ -18,5 +19,6 @@ pub(super) use bit_model::BitModel;
 pub(super) use mixer::Mixer;
 pub(super) use number::{MagnitudeModel, RestModels};
 pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};
+pub(super) use raw_bits::MOST_RAW_BITS;
 pub(super) use reciprocal::divided;
 pub(super) use symbols::{LANES, SymbolCoder, SymbolDecoder, SymbolEncoder};
