@@ -49,7 +49,7 @@ mod view_set;
 pub use budget::{halvings_within, texture_bytes};
 pub use calibration::Calibration;
 pub use colmap::colmap_depth;
-pub use depth_file::{DepthFile, DepthKind};
+pub use depth_file::{DepthCamera, DepthFile, DepthKind};
 pub use error::PhotosError;
 pub use files::is_picture;
 pub use find::{Format, Found, find};
