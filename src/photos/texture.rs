@@ -76,7 +76,12 @@ fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
         // Not `clamp`: what is no number is at the border.
         let at = (place[axis] - 0.5).max(0.0).min(last as f32);
         let before = at as usize;
-        let texels = [before.saturating_sub(1), before, (before + 1).min(last), (before + 2).min(last)];
+        let texels = [
+            before.saturating_sub(1),
+            before,
+            (before + 1).min(last),
+            (before + 2).min(last),
+        ];
         (texels, cubic_weights(at - before as f32))
     });
     let (mut sum, mut least, mut most) = (Vec4::ZERO, Vec4::INFINITY, Vec4::NEG_INFINITY);

@@ -156,15 +156,6 @@ fn a_second_view_is_enough_and_the_local_winner_finds_the_same() {
 }
 
 #[test]
-fn the_better_half_of_the_costs_counts() {
-    assert_eq!(best_half(&mut []), None);
-    assert_eq!(best_half(&mut [40]), Some(40));
-    assert_eq!(best_half(&mut [40, 7]), Some(7));
-    assert_eq!(best_half(&mut [40, 8, 60, 6]), Some(7));
-    assert_eq!(best_half(&mut [62, 5, 2]), Some(4));
-}
-
-#[test]
 fn any_number_of_threads_finds_the_same_depths() {
     let scene = Scene::new(3);
     let views = scene.views();
