@@ -6,10 +6,9 @@
 //! step from pixel to pixel is the same for a whole plane. So bits of the census are worked out once for a view, and
 //! not once for each plane; a plane takes one look-up a pixel. (Laid on each plane anew, a sweep took 20 times as long.)
 //!
-//! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs are
-//! mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane. The
-//! census of a plane that is not the one in the middle is that of another scale and slant: of neighbours by four pixels
-//! that is less than planes differ by.
+//! Places between pixels are in [`PHASES`] pictures along each axis, and costs are mixed from the four around a place:
+//! rounded to one of them, depths would be off by a fourteenth of a plane. The census of a plane that is not the one in
+//! the middle is that of another scale and slant: of neighbours by four pixels that is less than planes differ by.
 
 use crate::stereo::census::census;
 use crate::stereo::view::pixels_from_rays;
@@ -195,23 +194,20 @@ impl Turned {
         };
         let phases = PHASES as f32;
         let place = Vec2::new(shift.x, scale * y as f32 + shift.y) - self.first;
-        let [first, mut row] = (phases * place).to_array();
-        // What is not mixed is rounded.
-        let mixes_along = self.moves.x.abs() >= self.moves.y.abs();
-        let mut first = first + if mixes_along { 0.0 } else { 0.5 };
-        row += if mixes_along { 0.5 } else { 0.0 };
-        first = first.max(-MOST_PLACES).min(MOST_PLACES);
+        let [first, row] = (phases * place).to_array();
+        let first = first.max(-MOST_PLACES).min(MOST_PLACES);
         let lines = Lines {
             start: (f64::from(first) * ONE) as i64,
             step: (f64::from(phases * scale).min(f64::from(MOST_PLACES)) * ONE) as i64,
-            rows: [self.row(row), self.row(if mixes_along { row } else { row + 1.0 })],
+            rows: [self.row(row), self.row(row + 1.0)],
             is_seen: row >= 0.0 && row < self.rows as f32,
             share: ((row - row.floor()) * SHARES as f32) as u32,
         };
-        if mixes_along {
-            lines.costs::<true>(own, costs, beyond);
-        } else {
+        // Views side by side have most planes on one line.
+        if lines.share == 0 {
             lines.costs::<false>(own, costs, beyond);
+        } else {
+            lines.costs::<true>(own, costs, beyond);
         }
     }
 
@@ -236,25 +232,30 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// `ALONG` the lines costs are mixed of neighbours in the first one, else of the same place in both.
+    /// Costs of places in the first line, and between both if `BETWEEN`.
     #[inline(always)]
-    fn costs<const ALONG: bool>(&self, own: &[u64], costs: &mut [u8], beyond: &mut [u8]) {
+    fn costs<const BETWEEN: bool>(&self, own: &[u64], costs: &mut [u8], beyond: &mut [u8]) {
         let last = self.rows[0].len() as i64 - 1;
         let mut at = self.start;
         for ((&own, cost), beyond) in own.iter().zip(costs).zip(beyond) {
             let place = at >> FRACTION;
             let inside = place.clamp(0, last);
-            let first = self.rows[0][inside as usize];
-            let (second, share) = if ALONG {
-                let share = (at >> (FRACTION - SHARES.trailing_zeros())) as u32 % SHARES;
-                (self.rows[0][(inside + 1).min(last) as usize], share)
-            } else {
-                (self.rows[1][inside as usize], self.share)
-            };
+            let share = (at >> (FRACTION - SHARES.trailing_zeros())) as u32 % SHARES;
+            let [left, right] = [inside, (inside + 1).min(last)].map(|place| place as usize);
             let differing = |bits: u64| ((bits ^ own) & BITS).count_ones();
-            let mixed = differing(first) * (SHARES - share) + differing(second) * share;
+            let in_row = |row: &[u64]| {
+                let (left, right) = (row[left], row[right]);
+                let mixed = differing(left) * (SHARES - share) + differing(right) * share;
+                (mixed, left | right)
+            };
+            let (mut mixed, mut bits) = in_row(self.rows[0]);
+            if BETWEEN {
+                let (below, bits_below) = in_row(self.rows[1]);
+                mixed = (mixed * (SHARES - self.share) + below * self.share) / SHARES;
+                bits |= bits_below;
+            }
             let mixed = ((mixed + SHARES / 2) / SHARES) as u8;
-            let is_seen = self.is_seen && place == inside && (first | second) & UNSEEN == 0;
+            let is_seen = self.is_seen && place == inside && bits & UNSEEN == 0;
             *cost = if is_seen { mixed } else { UNSEEN_COST };
             *beyond = if is_seen { *beyond } else { mixed.min(*beyond) };
             at += self.step;
