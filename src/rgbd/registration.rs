@@ -263,7 +263,10 @@ mod tests {
         let rays = RayTable::of(&depth_camera);
         // z = 2 + x / 5 of the wall, of which z = 2 / (1 - rx / 5); the post is one away.
         let wall = |[x, _]: [f32; 2]| 2.0 / (1.0 - 0.2 * x);
-        let metres = rays.rays().iter().map(|&ray| if ray[0].abs() < 0.05 { 1.0 } else { wall(ray) });
+        let metres = rays
+            .rays()
+            .iter()
+            .map(|&ray| if ray[0].abs() < 0.05 { 1.0 } else { wall(ray) });
         let depth = DepthImage::new([128, 96], metres.collect()).unwrap();
         let baseline = DVec3::new(-0.05, 0.0, 0.0);
         for (size, focal) in [([128, 96], 105.0), ([512, 384], 420.0)] {

@@ -242,12 +242,15 @@ impl<'a> LineCosts<'a> {
     fn fill(&mut self, y: usize, bits: &[u64], planes: &[f32], costs: &mut [u8]) {
         for (plane, &inverse_depth) in planes.iter().enumerate() {
             self.half.clear();
-            self.beyond.fill(MAX_COST);
             for other in self.others {
-                dispatch!(Level::new(), _simd => {
-                    other.costs(inverse_depth, y, bits, &mut self.costs, &mut self.beyond);
-                });
+                dispatch!(Level::new(), _simd => other.costs(inverse_depth, y, bits, &mut self.costs));
                 self.half.take(&mut self.costs);
+            }
+            if self.half.lacks_views() {
+                self.beyond.fill(MAX_COST);
+                for other in self.others {
+                    other.beyond(inverse_depth, y, bits, &mut self.beyond);
+                }
             }
             self.half.means(&self.beyond, &mut self.means);
             for (costs, &mean) in costs.chunks_exact_mut(planes.len()).zip(&self.means) {

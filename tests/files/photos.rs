@@ -308,7 +308,9 @@ fn photographs_of_llff_are_those_of_a_folder_of_as_many() {
     let (images, smaller) = (folder.path().join("images"), folder.path().join("images_4"));
     fs::create_dir(&smaller).unwrap();
     for photo in 0..scene.poses.len() {
-        RgbImage::new(16, 12).save(smaller.join(format!("image{photo:03}.png"))).unwrap();
+        RgbImage::new(16, 12)
+            .save(smaller.join(format!("image{photo:03}.png")))
+            .unwrap();
     }
     assert_eq!(read(folder.path()).photos[0].camera.size_px(), [64, 48]);
     fs::remove_file(images.join(Scene::name(2))).unwrap();

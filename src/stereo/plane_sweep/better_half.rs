@@ -54,6 +54,11 @@ impl BetterHalf {
         }
     }
 
+    /// Whether no view shows some of the pixels.
+    pub(super) fn lacks_views(&self) -> bool {
+        self.counts.contains(&0)
+    }
+
     /// Writes the means, rounded, and what is in `beyond` where no view shows the pixel.
     pub(super) fn means(&mut self, beyond: &[u8], means: &mut [u8]) {
         dispatch!(Level::new(), _simd => self.mean(beyond, means));

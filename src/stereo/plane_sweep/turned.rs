@@ -6,9 +6,10 @@
 //! step from pixel to pixel is the same for a whole plane. So bits of the census are worked out once for a view, and
 //! not once for each plane; a plane takes one look-up a pixel. (Laid on each plane anew, a sweep took 20 times as long.)
 //!
-//! Places between pixels are in [`PHASES`] pictures along each axis, and costs are mixed from the four around a place:
-//! rounded to one of them, depths would be off by a fourteenth of a plane. The census of a plane that is not the one in
-//! the middle is that of another scale and slant: of neighbours by four pixels that is less than planes differ by.
+//! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs are
+//! mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane. The
+//! census of a plane that is not the one in the middle is that of another scale and slant: of neighbours by four pixels
+//! that is less than planes differ by.
 
 use crate::stereo::census::census;
 use crate::stereo::view::pixels_from_rays;
@@ -184,31 +185,56 @@ impl Turned {
         [least.max(-size).floor(), most.min(2.0 * size).ceil()]
     }
 
-    /// Costs of the pixels of line `y` of the first view, whose bits are `own`, on a plane: [`UNSEEN_COST`] where the
-    /// view shows none, and what its border costs there in `beyond`, if that is less.
+    /// Writes the costs of the pixels of line `y` of the first view, whose bits are `own`, on a plane: [`UNSEEN_COST`]
+    /// where the view shows none.
     #[inline(always)]
-    pub(super) fn costs(&self, inverse_depth: f32, y: usize, own: &[u64], costs: &mut [u8], beyond: &mut [u8]) {
-        let Some((scale, shift)) = self.on(inverse_depth) else {
-            costs.fill(UNSEEN_COST);
+    pub(super) fn costs(&self, inverse_depth: f32, y: usize, own: &[u64], costs: &mut [u8]) {
+        match self.lines(inverse_depth, y) {
+            Some(lines) if lines.is_seen => match lines.mixing {
+                Mixing::Along => lines.costs(own, costs, |lines, at, place| {
+                    let share = (at >> (FRACTION - SHARES.trailing_zeros())) as u32 % SHARES;
+                    (lines.rows[0][place + 1], share)
+                }),
+                Mixing::Across(share) => lines.costs(own, costs, |lines, _, place| (lines.rows[1][place], share)),
+            },
+            _ => costs.fill(UNSEEN_COST),
+        }
+    }
+
+    /// The same where it is less than in `costs` already, and beyond its border what that costs.
+    pub(super) fn beyond(&self, inverse_depth: f32, y: usize, own: &[u64], costs: &mut [u8]) {
+        let Some(lines) = self.lines(inverse_depth, y) else {
             return;
         };
+        let last = self.columns as i64 - 1;
+        let places = (0..).map(|x| ((lines.start + x * lines.step) >> FRACTION).clamp(0, last));
+        for ((&own, cost), place) in own.iter().zip(costs).zip(places) {
+            *cost = differing(lines.rows[0][place as usize], own).min(u32::from(*cost)) as u8;
+        }
+    }
+
+    /// Where line `y` is on a plane.
+    #[inline(always)]
+    fn lines(&self, inverse_depth: f32, y: usize) -> Option<Lines<'_>> {
+        let (scale, shift) = self.on(inverse_depth)?;
         let phases = PHASES as f32;
         let place = Vec2::new(shift.x, scale * y as f32 + shift.y) - self.first;
-        let [first, row] = (phases * place).to_array();
+        let [mut first, mut row] = (phases * place).to_array();
+        // What is not mixed is rounded.
+        let mixes_along = self.moves.x.abs() >= self.moves.y.abs();
+        *(if mixes_along { &mut row } else { &mut first }) += 0.5;
         let first = first.max(-MOST_PLACES).min(MOST_PLACES);
-        let lines = Lines {
+        Some(Lines {
             start: (f64::from(first) * ONE) as i64,
-            step: (f64::from(phases * scale).min(f64::from(MOST_PLACES)) * ONE) as i64,
+            step: ((f64::from(phases * scale).min(f64::from(MOST_PLACES)) * ONE) as i64).max(1),
             rows: [self.row(row), self.row(row + 1.0)],
             is_seen: row >= 0.0 && row < self.rows as f32,
-            share: ((row - row.floor()) * SHARES as f32) as u32,
-        };
-        // Views side by side have most planes on one line.
-        if lines.share == 0 {
-            lines.costs::<false>(own, costs, beyond);
-        } else {
-            lines.costs::<true>(own, costs, beyond);
-        }
+            mixing: if mixes_along {
+                Mixing::Along
+            } else {
+                Mixing::Across(((row - row.floor()) * SHARES as f32) as u32)
+            },
+        })
     }
 
     /// Bits of the places of a row; beyond the border of that at the border.
@@ -227,38 +253,49 @@ struct Lines<'a> {
     step: i64,
     /// Whether the view has the line.
     is_seen: bool,
-    /// Of the second line, of [`SHARES`].
-    share: u32,
+    mixing: Mixing,
+}
+
+/// Between which places costs are mixed.
+#[derive(Debug, Clone, Copy)]
+enum Mixing {
+    /// Neighbours of the first line.
+    Along,
+    /// The same place in both lines, so much of the second one, of [`SHARES`].
+    Across(u32),
 }
 
 impl Lines<'_> {
-    /// Costs of places in the first line, and between both if `BETWEEN`.
+    /// `second` has the other bits to mix, and how much of them.
     #[inline(always)]
-    fn costs<const BETWEEN: bool>(&self, own: &[u64], costs: &mut [u8], beyond: &mut [u8]) {
-        let last = self.rows[0].len() as i64 - 1;
-        let mut at = self.start;
-        for ((&own, cost), beyond) in own.iter().zip(costs).zip(beyond) {
-            let place = at >> FRACTION;
-            let inside = place.clamp(0, last);
-            let share = (at >> (FRACTION - SHARES.trailing_zeros())) as u32 % SHARES;
-            let [left, right] = [inside, (inside + 1).min(last)].map(|place| place as usize);
-            let differing = |bits: u64| ((bits ^ own) & BITS).count_ones();
-            let in_row = |row: &[u64]| {
-                let (left, right) = (row[left], row[right]);
-                let mixed = differing(left) * (SHARES - share) + differing(right) * share;
-                (mixed, left | right)
+    fn costs(&self, own: &[u64], costs: &mut [u8], second: impl Fn(&Self, i64, usize) -> (u64, u32)) {
+        // Pixels whose place and the next one are within the line.
+        let places = self.rows[0].len() as i64 - 1;
+        let until = |place: i64| {
+            let pixels = ((place << FRACTION) - self.start + self.step - 1).div_euclid(self.step);
+            (pixels.max(0) as usize).min(own.len())
+        };
+        let (from, to) = (until(0), until(places));
+        costs[..from].fill(UNSEEN_COST);
+        costs[to..].fill(UNSEEN_COST);
+        let mut at = self.start + from as i64 * self.step;
+        for (&own, cost) in own[from..to].iter().zip(&mut costs[from..to]) {
+            let place = (at >> FRACTION) as usize;
+            let first = self.rows[0][place];
+            let (second, share) = second(self, at, place);
+            let mixed = differing(first, own) * (SHARES - share) + differing(second, own) * share;
+            let is_seen = (first | second) & UNSEEN == 0;
+            *cost = if is_seen {
+                ((mixed + SHARES / 2) / SHARES) as u8
+            } else {
+                UNSEEN_COST
             };
-            let (mut mixed, mut bits) = in_row(self.rows[0]);
-            if BETWEEN {
-                let (below, bits_below) = in_row(self.rows[1]);
-                mixed = (mixed * (SHARES - self.share) + below * self.share) / SHARES;
-                bits |= bits_below;
-            }
-            let mixed = ((mixed + SHARES / 2) / SHARES) as u8;
-            let is_seen = self.is_seen && place == inside && bits & UNSEEN == 0;
-            *cost = if is_seen { mixed } else { UNSEEN_COST };
-            *beyond = if is_seen { *beyond } else { mixed.min(*beyond) };
             at += self.step;
         }
     }
+}
+
+#[inline(always)]
+fn differing(bits: u64, own: u64) -> u32 {
+    ((bits ^ own) & BITS).count_ones()
 }

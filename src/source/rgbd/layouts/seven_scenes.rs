@@ -76,9 +76,16 @@ mod tests {
         let turn = color.color_from_depth.matrix3;
         assert!((turn.transpose() * turn).abs_diff_eq(DMat3::IDENTITY, 1e-9));
         // What is 2 m before the depth camera, in its middle and 1 m aside.
-        let middle = color.camera.pixel(color.color_from_depth.transform_point3(DVec3::new(0.0, 0.0, 2.0)));
-        assert!((middle.unwrap() - glam::DVec2::new(309.1, 235.7)).length() < 0.2, "{middle:?}");
-        let aside = color.camera.pixel(color.color_from_depth.transform_point3(DVec3::new(1.0, 0.0, 2.0)));
+        let middle = color
+            .camera
+            .pixel(color.color_from_depth.transform_point3(DVec3::new(0.0, 0.0, 2.0)));
+        assert!(
+            (middle.unwrap() - glam::DVec2::new(309.1, 235.7)).length() < 0.2,
+            "{middle:?}"
+        );
+        let aside = color
+            .camera
+            .pixel(color.color_from_depth.transform_point3(DVec3::new(1.0, 0.0, 2.0)));
         assert!((aside.unwrap().x - middle.unwrap().x - 262.5).abs() < 3.0, "{aside:?}");
     }
 }
