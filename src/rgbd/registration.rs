@@ -1,4 +1,4 @@
-//! Colours for the pixels of a depth image, out of an image that another camera took.
+//! Colours for the pixels of a depth image, out of an image that another camera took, and depths for that image.
 //!
 //! *How it works.* The point of a depth pixel is moved into the frame of the colour camera and projected there. What is
 //! nearest at a place of that view hides what is behind it, so a depth buffer of the points themselves is drawn first.
@@ -59,6 +59,31 @@ impl ColorCamera {
             _ => UNSEEN_COLOR,
         };
         seen.par_iter().map(color).collect()
+    }
+
+    /// The depths of this camera's own image, as far as `depth` has them; 0 elsewhere. Where several places fall on one
+    /// pixel it is the nearest. The image has the shape of the camera's, and fewer pixels where neighbours of `depth`
+    /// are farther apart than those: so it has no holes between them.
+    ///
+    /// Precondition: `rays` are of an image of the same size as `depth`.
+    pub fn depths(&self, depth: &DepthImage, rays: &RayTable) -> DepthImage {
+        let seen = depth.metres().iter().zip(rays.rays());
+        let seen: Vec<Option<ProjectedPoint>> = seen.map(|(&z, &ray)| self.see(z, ray)).collect();
+        let of_camera = DVec2::from_array(self.camera.size_px().map(f64::from));
+        let size_px = (of_camera / step_px(&seen, depth.width())).round().max(DVec2::ONE);
+        let (scale, last) = (size_px / of_camera, size_px - 1.0);
+        let (width, height) = (size_px.x as usize, size_px.y as usize);
+        let mut nearest = vec![f32::INFINITY; width * height];
+        for &ProjectedPoint { pixel, z } in seen.iter().flatten() {
+            // The four around it, as neighbours are about a pixel apart.
+            let before = ((pixel + 0.5) * scale - 0.5).floor();
+            for aside in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
+                let place = (before + aside).clamp(DVec2::ZERO, last);
+                let there = &mut nearest[place.y as usize * width + place.x as usize];
+                *there = there.min(z as f32);
+            }
+        }
+        DepthImage::new([width as u32, height as u32], nearest).expect("as many as the image has pixels")
     }
 
     fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<ProjectedPoint> {
@@ -231,5 +256,47 @@ mod tests {
         }
         let hidden = (18..24).filter(|&column| row[column] == UNSEEN_COLOR).count();
         assert!((2..=4).contains(&hidden), "{hidden} pixels are hidden: {row:?}");
+    }
+
+    /// A slanted wall with a post before it, at which a camera with a wider lens looks from beside.
+    #[test]
+    fn depths_are_those_that_the_other_camera_would_take() {
+        let depth_camera = camera([128, 96], 117.0);
+        let rays = RayTable::of(&depth_camera);
+        // z = 2 + x / 5 of the wall, of which z = 2 / (1 - rx / 5); the post is one away.
+        let wall = |[x, _]: [f32; 2]| 2.0 / (1.0 - 0.2 * x);
+        let metres = rays
+            .rays()
+            .iter()
+            .map(|&ray| if ray[0].abs() < 0.05 { 1.0 } else { wall(ray) });
+        let depth = DepthImage::new([128, 96], metres.collect()).unwrap();
+        let baseline = DVec3::new(-0.05, 0.0, 0.0);
+        for (size, focal) in [([128, 96], 105.0), ([512, 384], 420.0)] {
+            let color = ColorCamera {
+                camera: camera(size, focal),
+                color_from_depth: DAffine3::from_translation(baseline),
+            };
+            let found = color.depths(&depth, &rays);
+            // As many pixels as the depth camera has of the wall, not as many as the colour camera.
+            assert!((100..=150).contains(&found.size_px()[0]), "{:?}", found.size_px());
+            let step = 128.0 / found.width() as f32;
+            let row = &found.metres()[found.width() * (found.size_px()[1] as usize / 2)..][..found.width()];
+            let (mut on_wall, mut on_post) = (0, 0);
+            for (column, &z) in row.iter().enumerate() {
+                let ray = (step * (column as f32 + 0.5) - 64.0) / 105.0;
+                // In the frame of the colour camera the wall is z = 2 + (x + 0.05) / 5.
+                let expected = 2.01 / (1.0 - 0.2 * ray);
+                let at_post = (ray + 0.05).abs();
+                if at_post < 0.04 {
+                    assert!((z - 1.0).abs() < 1e-4, "post at {column}: {z}");
+                    on_post += 1;
+                } else if at_post > 0.09 && column > 12 && column + 12 < row.len() {
+                    // The nearest of those around, which differ by the slope.
+                    assert!((z - expected).abs() < 0.02, "wall at {column}: {z} for {expected}");
+                    on_wall += 1;
+                }
+            }
+            assert!(on_wall > 60 && on_post >= 6, "{on_wall} {on_post}");
+        }
     }
 }
