@@ -5,9 +5,10 @@
 //! as large as points are far apart (paper 001 §2), written breadth-first: occupancy masks level by level, and the
 //! means of attributes for the nodes of every level, each stream for itself. So the first sections of a frame are a
 //! coarser frame. Where it is asked for, coordinates follow below the cells, to any precision or to the last bit.
-//! Everything is coded by an adaptive binary range coder; what a bit is expected to be comes from the nodes around that
-//! are known already ([`Coding::Compact`]). Or by tables that stand ahead, which takes a fraction of the time
-//! ([`Coding::Fast`]).
+//! Values are foretold by the level above, and coded as symbols by tables that stand ahead. The masks are coded by an
+//! adaptive binary range coder; what a bit is expected to be comes from the nodes around that are known already
+//! ([`Coding::Compact`]). Or by tables as well, which takes a fraction of the time ([`Coding::Fast`]). Frames that are
+//! told by the one before are coded bit by bit.
 //!
 //! ```text
 //! clouds ── frame::prepare ─► levels of whole numbers ── tree, attributes ─► streams ── file ─► chunks
@@ -20,6 +21,7 @@
 //!
 //! `docs/reel.md` describes the format for those who want to read it elsewhere.
 
+mod above;
 mod attributes;
 mod coder;
 mod decoder;

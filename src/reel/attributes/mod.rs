@@ -1,4 +1,5 @@
-//! Values of nodes, each predicted from its parent and from nodes beside it that are known already.
+//! How the values of moved nodes changed, each predicted from its parent and from nodes beside it that are known
+//! already; and what normals and offsets are.
 
 mod channels;
 mod normal_grid;
@@ -8,6 +9,6 @@ mod value_coder;
 
 pub(super) use channels::{channel_contexts, code_channels};
 pub(super) use normal_grid::{MISSING, NormalGrid};
-pub(super) use normals::{NORMAL_CONTEXTS, Turned, code_normals, code_turned_normals};
-pub(super) use offsets::{OffsetModels, code_offsets, offset_class, offset_edges, offset_of, offset_parts};
+pub(super) use normals::{NORMAL_CONTEXTS, Turned, code_turned_normals};
+pub(super) use offsets::{LARGEST_OFFSET, offset_edges, offset_of, offset_of_code, offset_parts};
 pub(super) use value_coder::{ValueCoder, ValueModels};

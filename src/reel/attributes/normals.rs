@@ -27,35 +27,6 @@ struct Foreseen {
     presence: usize,
 }
 
-/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Those of the level above are
-/// `parents`.
-#[inline(always)]
-pub(in crate::reel) fn code_normals<C: BitCoder>(
-    coder: &mut ValueCoder<'_, C>,
-    grid: &NormalGrid,
-    may_miss: bool,
-    plan: &[Known],
-    parents: &[[i16; 2]],
-    places: &mut [[i16; 2]],
-) {
-    let half = grid.half();
-    let foresee = |node: usize, places: &[[i16; 2]]| {
-        let known = &plan[node];
-        let parent = parents[known.parent as usize];
-        let (place, spread) = mean_around(half, known, parent, |neighbour| places[neighbour]);
-        Foreseen {
-            place,
-            spread,
-            presence: if place == MISSING {
-                0
-            } else {
-                1 + usize::from(parent != MISSING)
-            },
-        }
-    };
-    code_places(coder, half, may_miss, places, foresee, |_, _, place| place);
-}
-
 /// What is known of the nodes of a level that had normals in the frame before.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Turned<'a> {
@@ -68,9 +39,9 @@ pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) directions: &'a [Vec3],
 }
 
-/// [`code_normals`] of nodes that had normals in the frame before: each is foreseen to turn as those around it did.
-/// What is foreseen stands while it is as near the normal as a rounded one may be: who turns by less than can be told
-/// has nothing to tell.
+/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Each is foreseen to turn as
+/// those around it did. What is foreseen stands while it is as near the normal as a rounded one may be: who turns by
+/// less than can be told has nothing to tell.
 pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
     coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,

@@ -11,6 +11,7 @@ mod frequencies;
 mod mixer;
 mod number;
 mod range;
+mod raw_bits;
 mod reciprocal;
 mod symbols;
 

@@ -10,11 +10,13 @@
 //! tables, and that nothing is learnt on the way.
 //!
 //! The encoder writes down which symbols come in which context. Which contexts share a table is decided at the end
-//! ([`clustered`]), and the symbols are coded from the last to the first.
+//! ([`clustered`]), and the symbols are coded from the last to the first. Bits that are even anyway stand beside them,
+//! as they are ([`super::raw_bits`]).
 
 use super::clusters::{MOST_TABLES, clustered};
 use super::frequencies::{Counts, Frequencies, SCALE, SCALE_BITS, SYMBOLS, TableModels};
 use super::range::{BitCoder, RangeDecoder, RangeEncoder};
+use super::raw_bits::{RawReader, RawWriter};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 
@@ -27,9 +29,6 @@ const MOST_CONTEXTS: usize = 64;
 /// States are at least this between symbols.
 const LEAST: u32 = 1 << 16;
 
-/// The symbol of larger numbers, which follow as three bytes.
-const ESCAPE: u8 = 255;
-
 /// Codes symbols in one direction or the other.
 pub(in crate::reel) trait SymbolCoder: Default {
     /// Whether symbols are read: what is handed in then says nothing.
@@ -38,47 +37,30 @@ pub(in crate::reel) trait SymbolCoder: Default {
     /// Codes a symbol by a state and the table of a context: the one given, or the one read.
     fn symbol(&mut self, lane: usize, context: usize, symbol: u8) -> u8;
 
-    /// Codes a byte, all of them equally likely.
-    fn even_byte(&mut self, lane: usize, byte: u8) -> u8;
+    /// Codes symbols of which all contexts are known, the states in turns.
+    fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]);
 
-    /// Codes a number of either sign and less than 23 bits: small ones are symbols.
-    #[inline(always)]
-    fn signed(&mut self, lane: usize, context: usize, value: i32) -> i32 {
-        let folded = (value << 1 ^ value >> 31) as u32;
-        let symbol = self.symbol(lane, context, folded.min(u32::from(ESCAPE)) as u8);
-        let folded = if symbol == ESCAPE {
-            let bytes = [0, 8, 16].map(|shift| u32::from(self.even_byte(lane, (folded >> shift) as u8)) << shift);
-            bytes[0] | bytes[1] | bytes[2]
-        } else {
-            u32::from(symbol)
-        };
-        (folded >> 1) as i32 ^ -((folded & 1) as i32)
-    }
+    /// Codes the lowest bits of a number, at most 32, as they are.
+    fn raw(&mut self, bits: u32, value: u32) -> u32;
 }
-
-/// Even bytes, in the place of a context.
-const EVEN: u8 = u8::MAX;
 
 /// Notes symbols.
 #[derive(Debug, Default)]
 pub(in crate::reel) struct SymbolEncoder {
     /// Lane, context and symbol.
     noted: Vec<(u8, u8, u8)>,
-    lanes: usize,
     counts: Vec<Counts>,
+    raw: RawWriter,
 }
 
 impl SymbolEncoder {
-    /// With so many states, for so many contexts.
-    pub(in crate::reel) fn new(lanes: usize, contexts: usize) -> Self {
-        debug_assert!(
-            lanes <= LANES && contexts <= MOST_CONTEXTS,
-            "more than there is room for"
-        );
+    /// For so many contexts.
+    pub(in crate::reel) fn new(contexts: usize) -> Self {
+        debug_assert!(contexts <= MOST_CONTEXTS, "more than there is room for");
         Self {
             noted: Vec::new(),
-            lanes,
             counts: vec![Counts::default(); contexts],
+            raw: RawWriter::default(),
         }
     }
 
@@ -93,12 +75,15 @@ impl SymbolEncoder {
         // What was made here is no fault.
         let _ = code_tables(&mut coder, &mut map, &mut tables);
         let head = coder.finish();
+        let raw = self.raw.finish();
         let (states, words) = coded(&self.noted, &map, &tables);
         let mut writer = ByteWriter::default();
         writer.number(head.len() as u64);
         writer.bytes.extend(head);
-        for state in &states[..self.lanes] {
-            writer.u32(*state);
+        writer.number(raw.len() as u64);
+        writer.bytes.extend(raw);
+        for state in states {
+            writer.u32(state);
         }
         writer
             .bytes
@@ -113,12 +98,8 @@ fn coded(noted: &[(u8, u8, u8)], map: &[u8], tables: &[Frequencies]) -> ([u32; L
     let mut states = [LEAST; LANES];
     let mut words = Vec::new();
     for &(lane, context, symbol) in noted.iter().rev() {
-        let (frequency, start) = if context == EVEN {
-            (SCALE / SYMBOLS as u32, u32::from(symbol) * (SCALE / SYMBOLS as u32))
-        } else {
-            let (table, symbol) = (usize::from(map[usize::from(context)]), usize::from(symbol));
-            (u32::from(tables[table].0[symbol]), u32::from(starts[table][symbol]))
-        };
+        let (table, symbol) = (usize::from(map[usize::from(context)]), usize::from(symbol));
+        let (frequency, start) = (u32::from(tables[table].0[symbol]), u32::from(starts[table][symbol]));
         let state = &mut states[usize::from(lane) % LANES];
         if *state >= frequency << (32 - SCALE_BITS) {
             words.push(*state as u16);
@@ -168,9 +149,15 @@ impl SymbolCoder for SymbolEncoder {
         symbol
     }
 
-    fn even_byte(&mut self, lane: usize, byte: u8) -> u8 {
-        self.noted.push((lane as u8, EVEN, byte));
-        byte
+    fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]) {
+        for (place, (&context, &mut symbol)) in contexts.iter().zip(symbols).enumerate() {
+            self.symbol(place % LANES, usize::from(context), symbol);
+        }
+    }
+
+    fn raw(&mut self, bits: u32, value: u32) -> u32 {
+        self.raw.write(bits, value);
+        value
     }
 }
 
@@ -194,6 +181,7 @@ pub(in crate::reel) struct SymbolDecoder<'a> {
     words: &'a [[u8; 2]],
     /// Which word is next.
     next: usize,
+    raw: RawReader<'a>,
 }
 
 impl Default for SymbolDecoder<'_> {
@@ -205,13 +193,14 @@ impl Default for SymbolDecoder<'_> {
             states: [LEAST; LANES],
             words: &[],
             next: 0,
+            raw: RawReader::default(),
         }
     }
 }
 
 impl<'a> SymbolDecoder<'a> {
-    /// Of bytes with so many states, for so many contexts. Without bytes there are no symbols to be read.
-    pub(in crate::reel) fn new(bytes: &'a [u8], lanes: usize, contexts: usize) -> Result<Self, Fault> {
+    /// Of bytes with symbols of so many contexts. Without bytes there are none to be read.
+    pub(in crate::reel) fn new(bytes: &'a [u8], contexts: usize) -> Result<Self, Fault> {
         let mut decoder = Self::default();
         if bytes.is_empty() {
             decoder.slots = vec![0; SCALE as usize];
@@ -232,7 +221,9 @@ impl<'a> SymbolDecoder<'a> {
         for (start, table) in decoder.tables.iter_mut().zip(map) {
             *start = u32::from(table) << SCALE_BITS;
         }
-        for state in decoder.states.iter_mut().take(lanes) {
+        let length = reader.number()? as usize;
+        decoder.raw = RawReader::new(reader.take(length)?);
+        for state in &mut decoder.states {
             *state = reader.u32()?;
         }
         let (words, rest) = reader.take(reader.left())?.as_chunks();
@@ -245,20 +236,21 @@ impl<'a> SymbolDecoder<'a> {
 
     /// Whether exactly the symbols were read that were written.
     pub(in crate::reel) fn is_at_end(&self) -> bool {
-        self.next == self.words.len() && self.states.iter().all(|&state| state == LEAST)
+        self.next == self.words.len() && self.states.iter().all(|&state| state == LEAST) && self.raw.is_at_end()
     }
+}
 
-    #[inline(always)]
-    fn go_on(&mut self, lane: usize, state: u32) {
-        let word = self
-            .words
-            .get(self.next)
-            .map_or(0, |&word| u32::from(u16::from_le_bytes(word)));
-        // 1 below 2¹⁶, else 0. No branch: which symbols need a word nobody can guess.
-        let refills = (state | 1).leading_zeros() / 16;
-        self.states[lane] = state << (16 * refills) | (word & refills.wrapping_neg());
-        self.next += refills as usize;
-    }
+/// A symbol of the table that begins at a slot, by a state: with the state behind it, and how many words were read.
+#[inline(always)]
+fn step(slots: &[u32], table: u32, state: u32, word: Option<&[u8; 2]>) -> (u8, u32, usize) {
+    let slot = slots[(table + state % SCALE) as usize];
+    let frequency = slot >> SCALE_BITS & (SCALE - 1);
+    let state = frequency * (state >> SCALE_BITS) + (slot & (SCALE - 1));
+    let word = word.map_or(0, |&word| u32::from(u16::from_le_bytes(word)));
+    // 1 below 2¹⁶, else 0. No branch: which symbols need a word nobody can guess.
+    let refills = (state | 1).leading_zeros() / 16;
+    let state = state << (16 * refills) | (word & refills.wrapping_neg());
+    ((slot >> (2 * SCALE_BITS)) as u8, state, refills as usize)
 }
 
 impl SymbolCoder for SymbolDecoder<'_> {
@@ -266,20 +258,46 @@ impl SymbolCoder for SymbolDecoder<'_> {
 
     #[inline(always)]
     fn symbol(&mut self, lane: usize, context: usize, _: u8) -> u8 {
-        let state = self.states[lane];
-        let slot = self.slots[(self.tables[context % MOST_CONTEXTS] + state % SCALE) as usize];
-        let frequency = slot >> SCALE_BITS & (SCALE - 1);
-        self.go_on(lane, frequency * (state >> SCALE_BITS) + (slot & (SCALE - 1)));
-        (slot >> (2 * SCALE_BITS)) as u8
+        let table = self.tables[context % MOST_CONTEXTS];
+        let (symbol, state, words) = step(&self.slots, table, self.states[lane], self.words.get(self.next));
+        self.states[lane] = state;
+        self.next += words;
+        symbol
     }
 
     #[inline(always)]
-    fn even_byte(&mut self, lane: usize, _: u8) -> u8 {
-        let each = SCALE / SYMBOLS as u32;
-        let state = self.states[lane];
-        let low = state % SCALE;
-        self.go_on(lane, each * (state >> SCALE_BITS) + low % each);
-        (low / each) as u8
+    fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]) {
+        let [mut a, mut b, mut c, mut d] = self.states;
+        let mut next = self.next;
+        let (slots, all) = (self.slots.as_slice(), self.words);
+        let mut one = |state: &mut u32, context: u8, symbol: &mut u8| {
+            let (table, words) = (self.tables[usize::from(context) % MOST_CONTEXTS], all.get(next));
+            let count;
+            (*symbol, *state, count) = step(slots, table, *state, words);
+            next += count;
+        };
+        let (contexts, last_contexts) = contexts.as_chunks::<LANES>();
+        let (symbols, last_symbols) = symbols.as_chunks_mut::<LANES>();
+        for (contexts, symbols) in contexts.iter().zip(symbols) {
+            one(&mut a, contexts[0], &mut symbols[0]);
+            one(&mut b, contexts[1], &mut symbols[1]);
+            one(&mut c, contexts[2], &mut symbols[2]);
+            one(&mut d, contexts[3], &mut symbols[3]);
+        }
+        for ((state, &context), symbol) in [&mut a, &mut b, &mut c]
+            .into_iter()
+            .zip(last_contexts)
+            .zip(last_symbols)
+        {
+            one(state, context, symbol);
+        }
+        self.states = [a, b, c, d];
+        self.next = next;
+    }
+
+    #[inline(always)]
+    fn raw(&mut self, bits: u32, _: u32) -> u32 {
+        self.raw.read(bits)
     }
 }
 
@@ -290,60 +308,73 @@ mod tests {
 
     const CONTEXTS: usize = 30;
 
-    /// What is coded: a symbol or a number, by a context.
-    type Coded = (u8, usize, i32);
+    /// What is coded: a symbol by a context; several, of this context and those behind it; or so many bits.
+    type Coded = (u8, usize, u32);
 
-    fn code<C: SymbolCoder>(coder: &mut C, (kind, context, value): Coded) -> i32 {
-        let lane = context % LANES;
+    /// What a decoder has to find.
+    fn code<C: SymbolCoder>(coder: &mut C, (kind, context, value): Coded) -> Vec<u32> {
         match kind {
-            0 => i32::from(coder.symbol(lane, context, value as u8)),
-            _ => coder.signed(lane, context, value),
+            0 => vec![u32::from(coder.symbol(context % LANES, context, value as u8))],
+            1 => {
+                let contexts: Vec<u8> = (0..value as usize % 11)
+                    .map(|place| ((context + place) % CONTEXTS) as u8)
+                    .collect();
+                let mut symbols: Vec<u8> = contexts.iter().map(|&of| of.wrapping_mul(value as u8)).collect();
+                if C::DECODES {
+                    symbols.fill(0);
+                }
+                coder.symbols(&contexts, &mut symbols);
+                symbols.into_iter().map(u32::from).collect()
+            }
+            _ => vec![coder.raw(context as u32, value & ((1 << context) - 1))],
         }
     }
 
-    fn encoded(all: &[Coded]) -> Vec<u8> {
-        let mut encoder = SymbolEncoder::new(LANES, CONTEXTS);
-        for &coded in all {
-            code(&mut encoder, coded);
-        }
-        encoder.finish()
+    fn encoded(all: &[Coded]) -> (Vec<u8>, Vec<Vec<u32>>) {
+        let mut encoder = SymbolEncoder::new(CONTEXTS);
+        let given = all.iter().map(|&coded| code(&mut encoder, coded)).collect();
+        (encoder.finish(), given)
     }
 
     fn coded() -> impl Strategy<Value = Coded> {
         prop_oneof![
-            6 => (Just(0), 0..CONTEXTS, 0..256),
-            6 => (Just(0), 0..3usize, 0..3),
-            3 => (Just(1), 0..CONTEXTS, -300..300),
-            1 => (Just(1), 0..CONTEXTS, -(1 << 22)..1 << 22),
+            6 => (Just(0), 0..CONTEXTS, 0..256u32),
+            6 => (Just(0), 0..3usize, 0..3u32),
+            3 => (Just(1), 0..CONTEXTS, 0..256u32),
+            3 => (Just(2), 0..CONTEXTS, any::<u32>()),
         ]
     }
 
     proptest! {
         #[test]
         fn symbols_are_read_as_they_were_written(all in prop::collection::vec(coded(), 0..600), often in 1usize..20) {
-            let all = all.repeat(often);
-            let bytes = encoded(&all);
-            let mut decoder = SymbolDecoder::new(&bytes, LANES, CONTEXTS).unwrap();
-            for &(kind, context, value) in &all {
-                prop_assert_eq!(code(&mut decoder, (kind, context, 0)), value);
+            // Bits stand beside symbols, never alone.
+            let all = [vec![(0, 0, 1)], all.repeat(often)].concat();
+            let (bytes, given) = encoded(&all);
+            let mut decoder = SymbolDecoder::new(&bytes, CONTEXTS).unwrap();
+            for (&coded, given) in all.iter().zip(given) {
+                prop_assert_eq!(code(&mut decoder, coded), given);
             }
             prop_assert!(decoder.is_at_end());
-            if let Some(&(kind, context, _)) = all.last() {
-                code(&mut decoder, (kind, context, 0));
-                prop_assert!(!decoder.is_at_end());
+            let mut more = SymbolDecoder::new(&bytes, CONTEXTS).unwrap();
+            for &coded in all.iter().chain([&(0, 0, 0)]) {
+                code(&mut more, coded);
             }
+            prop_assert!(!more.is_at_end());
+            decoder.raw(8, 0);
+            prop_assert!(!decoder.is_at_end());
         }
 
         #[test]
         fn other_bytes_are_no_panic(all in prop::collection::vec(coded(), 1..60),
             changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
             end in any::<prop::sample::Index>()) {
-            let mut bytes = encoded(&all);
+            let (mut bytes, _) = encoded(&[vec![(0, 0, 1)], all.clone()].concat());
             for (place, value) in changes {
                 *place.get_mut(&mut bytes) = value;
             }
             bytes.truncate(end.index(bytes.len()) + 1);
-            if let Ok(mut decoder) = SymbolDecoder::new(&bytes, LANES, CONTEXTS) {
+            if let Ok(mut decoder) = SymbolDecoder::new(&bytes, CONTEXTS) {
                 for &coded in &all {
                     code(&mut decoder, coded);
                 }
@@ -356,27 +387,27 @@ mod tests {
     fn symbols_take_what_their_frequencies_say() {
         let count = 1 << 18;
         let alike = vec![(0, 0, 7); count];
-        let bits = 8 * encoded(&alike).len();
+        let bits = 8 * encoded(&alike).0.len();
         assert!(bits >= count / 360 && bits <= count / 300 + 300, "{bits}");
         // Three quarters of one, the others even: 0.811 + 0.25 log₂ 4 bits.
         let mixed: Vec<Coded> = (0..count)
             .map(|place| {
                 let number = (place as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 60;
-                (0, 0, if number < 12 { 9 } else { number as i32 })
+                (0, 0, if number < 12 { 9 } else { number as u32 })
             })
             .collect();
         let expected = 1.3113 * count as f64;
-        let bits = 8.0 * encoded(&mixed).len() as f64;
+        let bits = 8.0 * encoded(&mixed).0.len() as f64;
         assert!((bits / expected - 1.0).abs() < 0.005, "{bits} beside {expected}");
     }
 
     /// Contexts that differ have tables of their own where there is enough of them, and one where there is not.
     #[test]
     fn contexts_share_tables_as_it_pays() {
-        let of = |count: usize| -> Vec<Coded> { (0..count).map(|place| (0, place % 2, (place % 2) as i32)).collect() };
+        let of = |count: usize| -> Vec<Coded> { (0..count).map(|place| (0, place % 2, (place % 2) as u32)).collect() };
         let tables = |all: &[Coded]| {
-            let bytes = encoded(all);
-            SymbolDecoder::new(&bytes, LANES, CONTEXTS).unwrap().slots.len() >> SCALE_BITS
+            let (bytes, _) = encoded(all);
+            SymbolDecoder::new(&bytes, CONTEXTS).unwrap().slots.len() >> SCALE_BITS
         };
         assert_eq!(tables(&of(1000)), 2);
         assert_eq!(tables(&of(8)), 1);
@@ -390,8 +421,9 @@ mod tests {
             let head = coder.finish();
             let mut bytes = vec![head.len() as u8];
             bytes.extend(head);
+            bytes.push(0);
             bytes.extend([0, 0, 1, 0].repeat(LANES));
-            SymbolDecoder::new(&bytes, LANES, CONTEXTS).map(|_| ())
+            SymbolDecoder::new(&bytes, CONTEXTS).map(|_| ())
         };
         let of = |pairs: &[(usize, u16)]| {
             let mut frequencies = [0; SYMBOLS];
@@ -410,7 +442,7 @@ mod tests {
             let problem = refused(of(wrong)).unwrap_err().0;
             assert!(problem.contains("add up to"), "{problem}");
         }
-        assert!(SymbolDecoder::new(&[200, 1, 0], LANES, CONTEXTS).is_err());
-        assert!(SymbolDecoder::new(&[0], LANES, CONTEXTS).is_err());
+        assert!(SymbolDecoder::new(&[200, 1, 0], CONTEXTS).is_err());
+        assert!(SymbolDecoder::new(&[0], CONTEXTS).is_err());
     }
 }

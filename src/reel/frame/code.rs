@@ -1,13 +1,12 @@
-//! A frame as sections of streams, by the coding that its schema says, and back.
+//! A frame as sections of streams, and back.
 
 use super::exact::columns_of;
 use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::schema::Schema;
 use super::sections::{CodedSection, Sizes, Wanted, blank_sections, ranges_of, sections_of};
-use super::{compact, fast};
+use super::streams;
 use crate::reel::error::Fault;
-use crate::reel::options::Coding;
 
 /// The frame as sections; the pose becomes what a decoder makes of them.
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {
@@ -18,10 +17,7 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
         counts: &counts,
         ranges: &ranges,
     };
-    let coded = match schema.coding {
-        Coding::Compact => compact::encode(schema, grid, pose, sizes, sections.len()),
-        Coding::Fast => fast::encode(schema, grid, pose, sizes, sections.len()),
-    };
+    let coded = streams::encode(schema, grid, pose, sizes, sections.len());
     for (kind, of_sections) in coded {
         for (section, bytes) in sections.iter_mut().zip(of_sections) {
             if !bytes.is_empty() {
@@ -46,10 +42,7 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
         counts,
         ranges: &ranges,
     };
-    match wanted.schema.coding {
-        Coding::Compact => compact::decode(wanted, &mut pose, sizes, sections)?,
-        Coding::Fast => fast::decode(wanted, &mut pose, sizes, sections)?,
-    }
+    streams::decode(wanted, &mut pose, sizes, sections)?;
     Ok(pose)
 }
 

@@ -2,12 +2,10 @@
 
 mod code;
 mod columns;
-mod compact;
 mod describe;
 mod exact;
-mod fast;
-mod fast_values;
 mod floats;
+mod geometry;
 mod grid;
 mod levels;
 mod moved;
@@ -17,7 +15,9 @@ mod points;
 mod prepare;
 mod schema;
 mod sections;
+mod streams;
 mod summaries;
+mod values;
 
 pub(super) use code::{decode_pose, encode_pose};
 pub(super) use grid::Grid;

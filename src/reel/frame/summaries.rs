@@ -252,6 +252,10 @@ impl Summaries {
         };
         let normal = |range: &Range<usize>| {
             let normals = &self.normals[range.clone()];
+            // Not normalised again: an only child has the place of its parent.
+            if let &[only] = normals {
+                return only;
+            }
             let sum: Vec3 = normals.iter().sum();
             if sum.length_squared() > 1e-6 {
                 sum.normalize()

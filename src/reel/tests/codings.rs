@@ -3,7 +3,7 @@
 use super::clouds::{clouds, decoded, decoder, file_of, open, surface};
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
-use crate::reel::{Coding, NewFrame, Precision, ReelOptions, encode_group};
+use crate::reel::{Coding, NewFrame, Precision, ReelOptions, StreamKind, encode_group};
 use proptest::prelude::*;
 
 /// Options without loss in what a coding decides, but for a precision.
@@ -144,4 +144,39 @@ fn one_file_may_have_both() {
     let bytes = writer.finish().unwrap();
     let alone = |index: usize| decoded(&file_of(&clouds[index..=index], &options), 0, usize::MAX).cloud;
     assert!((0..2).all(|index| decoded(&bytes, index, usize::MAX).cloud == alone(index)));
+}
+
+/// Bits a point of a kind of stream.
+fn bits_of(cloud: &RawCloud, options: &ReelOptions, kind: StreamKind) -> f64 {
+    let file = open(&file_of(std::slice::from_ref(cloud), options)).unwrap();
+    let frame = file.frame(0).unwrap();
+    let place = StreamKind::ALL.iter().position(|other| *other == kind).unwrap();
+    8.0 * frame.bytes_by_stream[place] as f64 / frame.points as f64
+}
+
+/// Between those around it every value of a plane slope is known; rounding remains.
+#[test]
+fn slopes_take_few_bits() {
+    let mut cloud = surface(40_000, 0.0);
+    let color = |point: usize| {
+        let [x, y, z] = (cloud.positions.get(point) * 25.0).to_array();
+        [128.0 + x, 128.0 + y + z, 128.0 - x, 255.0].map(|channel| channel as u8)
+    };
+    cloud.attributes.colors = Some((0..cloud.positions.len()).map(color).collect());
+    let near = bits_of(&cloud, &ReelOptions::default(), StreamKind::Color);
+    assert!(near < 1.0, "{near}");
+    let exact = bits_of(&cloud, &options(Precision::SamplingDensity), StreamKind::Color);
+    assert!(exact < 3.0, "{exact}");
+}
+
+/// What has no siblings has what its parent has.
+#[test]
+fn nodes_without_siblings_take_no_bits() {
+    // A point far from all others is in a cell of its own on every level but the first.
+    let corner = |corner: u32| [0, 1, 2].map(|axis| 1000.0 * (corner >> axis & 1) as f32);
+    let mut cloud = RawCloud::from_positions(Positions::F32((0..8).map(corner).collect()));
+    cloud.attributes.colors = Some((0..8).map(|point| [30 * point, 7, 90 - point, 255]).collect());
+    let bits = |levels: u8| bits_of(&cloud, &options(Precision::Bits(levels)), StreamKind::Color);
+    assert!(bits(4) > 0.0);
+    assert_eq!(bits(4), bits(21));
 }

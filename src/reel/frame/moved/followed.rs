@@ -1,6 +1,6 @@
 //! What the next frame of a group is told by: where the nodes of every level are, and what they have.
 
-use super::super::compact::plan_of_points;
+use super::super::geometry::plan_of_points;
 use super::super::grid::Grid;
 use super::super::levels::{Level, LevelValues, Pose};
 use super::super::output::{Places, cloud_of_places, in_file_order};

@@ -1,22 +1,23 @@
-//! The fast coding of a frame: a coder of symbols for each stream of a section, that knows nothing of other sections.
+//! A frame as streams: a coder of symbols for each stream of a section, that knows nothing of other sections. Of the
+//! compact coding the geometry is bits ([`super::geometry`]).
 //!
 //! A stream of several scalars, or of values in steps and as they are, has a part for each. Positions below cells,
-//! numbers as they are and the order of the file are bits, as in the compact coding.
+//! numbers as they are and the order of the file are bits in either coding.
 
 use super::columns::code_order;
 use super::exact::{code_columns, code_positions, columns_by_kind, columns_of};
-use super::fast_values::code_values;
+use super::geometry;
 use super::grid::Grid;
 use super::levels::{Level, Pose};
 use super::parts::{Direction, Part};
 use super::schema::{Schema, StreamKind};
 use super::sections::{CodedSection, CodedStreams, Sizes, Wanted, joined, parted};
-use crate::reel::coder::{BitCoder, LANES, RangeDecoder, RangeEncoder, SymbolDecoder, SymbolEncoder};
+use super::values::code_values;
+use crate::reel::above::{CHANNEL_CONTEXTS, NORMAL_CONTEXTS, OFFSET_CONTEXTS};
+use crate::reel::coder::{BitCoder, RangeDecoder, RangeEncoder, SymbolDecoder, SymbolEncoder};
 use crate::reel::error::Fault;
-use crate::reel::fast::{
-    ABOVE_ROOT, MASK_CONTEXTS, NORMAL_CONTEXTS, NORMAL_LANES, OFFSET_CONTEXTS, channel_contexts, channel_lanes,
-    code_masks,
-};
+use crate::reel::fast::{ABOVE_ROOT, MASK_CONTEXTS, code_masks};
+use crate::reel::options::Coding;
 use crate::reel::tree::cells_below;
 use fearless_simd::{Level as SimdLevel, dispatch};
 
@@ -24,35 +25,20 @@ use fearless_simd::{Level as SimdLevel, dispatch};
 #[derive(Debug, Clone, Copy)]
 struct SymbolPart {
     kind: StreamKind,
-    lanes: usize,
     contexts: usize,
 }
 
 /// Parts of symbols that a frame has.
 fn symbol_parts(schema: &Schema) -> Vec<SymbolPart> {
     let others = [
-        (true, StreamKind::Geometry, LANES, MASK_CONTEXTS),
-        (
-            schema.color_step > 0,
-            StreamKind::Color,
-            channel_lanes(3),
-            channel_contexts(3),
-        ),
-        (
-            schema.normal_bits > 0,
-            StreamKind::Normal,
-            NORMAL_LANES,
-            NORMAL_CONTEXTS,
-        ),
-        (schema.offset_bits > 0, StreamKind::Offset, LANES, OFFSET_CONTEXTS),
+        (schema.coding == Coding::Fast, StreamKind::Geometry, MASK_CONTEXTS),
+        (schema.color_step > 0, StreamKind::Color, CHANNEL_CONTEXTS),
+        (schema.normal_bits > 0, StreamKind::Normal, NORMAL_CONTEXTS),
+        (schema.offset_bits > 0, StreamKind::Offset, OFFSET_CONTEXTS),
     ];
-    let singles = (0..schema.singles()).map(|single| {
-        let kind = schema.stream_of_single(single);
-        (true, kind, channel_lanes(1), channel_contexts(1))
-    });
+    let singles = (0..schema.singles()).map(|single| (true, schema.stream_of_single(single), CHANNEL_CONTEXTS));
     let all = others.into_iter().chain(singles).filter(|(is_there, ..)| *is_there);
-    let part = |(_, kind, lanes, contexts)| SymbolPart { kind, lanes, contexts };
-    all.map(part).collect()
+    all.map(|(_, kind, contexts)| SymbolPart { kind, contexts }).collect()
 }
 
 /// Parts of bits that the points have, by their stream.
@@ -78,7 +64,7 @@ impl Direction for Encoding {
 
     fn open(&self, part: usize, _: usize) -> Result<SymbolEncoder, Fault> {
         let part = self.parts[part];
-        Ok(SymbolEncoder::new(part.lanes, part.contexts))
+        Ok(SymbolEncoder::new(part.contexts))
     }
 
     fn close(&self, _: usize, coder: SymbolEncoder) -> Result<Vec<u8>, Fault> {
@@ -116,9 +102,9 @@ impl<'a> Direction for Decoding<'a> {
     type Coder = SymbolDecoder<'a>;
 
     fn open(&self, part: usize, section: usize) -> Result<SymbolDecoder<'a>, Fault> {
-        let SymbolPart { kind, lanes, contexts } = self.symbols[part];
+        let SymbolPart { kind, contexts } = self.symbols[part];
         let place = count_of(kind, &self.symbols[..part]);
-        SymbolDecoder::new(self.part(section, kind, place)?, lanes, contexts)
+        SymbolDecoder::new(self.part(section, kind, place)?, contexts)
     }
 
     fn close(&self, part: usize, coder: SymbolDecoder<'a>) -> Result<Vec<u8>, Fault> {
@@ -143,6 +129,10 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
         Vec::new()
     };
     let mut coders: Vec<RangeEncoder> = bits.iter().map(|_| RangeEncoder::default()).collect();
+    let geometry = match schema.coding {
+        Coding::Compact => geometry::encode(&mut pose.levels, sizes),
+        Coding::Fast => Vec::new(),
+    };
     // An encoder never fails.
     let coded = code(&direction, schema, grid, pose, sizes, &mut coders).unwrap_or_default();
     let of_symbols = direction.parts.iter().map(|part| part.kind).zip(coded);
@@ -166,7 +156,12 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
         };
         (kind, (0..sections).map(of_section).collect())
     };
-    StreamKind::ALL.into_iter().map(of_kind).collect()
+    let mut streams: CodedStreams = StreamKind::ALL.into_iter().map(of_kind).collect();
+    if schema.coding == Coding::Compact {
+        streams.retain(|(kind, _)| *kind != StreamKind::Geometry);
+        streams.insert(0, (StreamKind::Geometry, geometry));
+    }
+    streams
 }
 
 /// Reads a pose with room for what is in these sections.
@@ -186,6 +181,9 @@ pub(super) fn decode(
             Vec::new()
         },
     };
+    if schema.coding == Coding::Compact {
+        geometry::decode(&mut pose.levels, sizes, sections)?;
+    }
     let last = sections.len().saturating_sub(1);
     let of_bits = direction.bits.iter().map(|&kind| {
         let place = count_of(kind, &direction.symbols);
@@ -213,7 +211,10 @@ fn code<D: Direction, B: BitCoder>(
     sizes: Sizes<'_>,
     of_bits: &mut [B],
 ) -> Result<Vec<Vec<Vec<u8>>>, Fault> {
-    let mut coded = vec![code_tree(Part::open(direction, 0)?, sizes, &mut pose.levels)?];
+    let mut coded = Vec::new();
+    if schema.coding == Coding::Fast {
+        coded.push(code_tree(Part::open(direction, 0)?, sizes, &mut pose.levels)?);
+    }
     if let Some(points) = &mut pose.points {
         let mut of_bits = of_bits.iter_mut();
         let deepest = pose.levels.last().map_or(&[][..], |level| level.cells.as_slice());
@@ -230,7 +231,8 @@ fn code<D: Direction, B: BitCoder>(
             code_order(coder, &mut points.order);
         }
     }
-    coded.extend(code_values(direction, schema, pose, sizes)?);
+    let first_part = coded.len();
+    coded.extend(code_values(direction, first_part, schema, pose, sizes)?);
     Ok(coded)
 }
 

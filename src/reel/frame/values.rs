@@ -1,13 +1,13 @@
-//! Attributes of a frame in the fast coding: level after level, then those of points.
+//! Attributes of a frame: level after level, then those of points.
 
 use super::levels::{Level, LevelValues, Pose};
 use super::parts::{Direction, Part};
 use super::schema::Schema;
 use super::sections::Sizes;
+use crate::reel::above::{Above, Families, code_channels, code_normals, code_offsets};
 use crate::reel::attributes::NormalGrid;
-use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;
-use crate::reel::fast::{ABOVE_ROOT, Families, code_channels, code_normals, code_offsets, to_halves, to_places};
+use crate::reel::tree::{Faces, NO_FACES, faces_below, first_children};
 use fearless_simd::{Level as SimdLevel, dispatch};
 
 /// What each section of a part wrote.
@@ -16,33 +16,63 @@ type Written = Vec<Vec<u8>>;
 /// A level, or the points: whose children its nodes are, and the section that it is in.
 #[derive(Debug, Clone, Copy)]
 struct Place<'a> {
-    families: Families<'a>,
+    above: Above<'a>,
     section: usize,
 }
 
-/// Codes colours, normals, offsets and single numbers, those that there are, as parts 1 and on; normals and the others
-/// at the same time.
+/// Who is across the faces of the nodes of each level that has something below it.
+fn faces_of(levels: &[Level], has_points: bool) -> Vec<Vec<Faces>> {
+    let wanted = if has_points {
+        levels.len()
+    } else {
+        levels.len().saturating_sub(1)
+    };
+    let mut faces = vec![vec![NO_FACES]];
+    for level in levels.iter().take(wanted.saturating_sub(1)) {
+        let above = faces.last().map_or(&[][..], Vec::as_slice);
+        let first = first_children(&level.masks);
+        // Bits are counted by instructions that not every processor has.
+        let below = dispatch!(SimdLevel::new(), _simd => faces_below(above, &level.masks, &first));
+        faces.push(below);
+    }
+    faces
+}
+
+/// Codes colours, normals, offsets and single numbers, those that there are, as parts from a number on; normals and the
+/// others at the same time.
 pub(super) fn code_values<D: Direction>(
     direction: &D,
+    first_part: usize,
     schema: &Schema,
     pose: &mut Pose,
     sizes: Sizes<'_>,
 ) -> Result<Vec<Written>, Fault> {
+    if !schema.has_values() {
+        return Ok(Vec::new());
+    }
+    let faces = faces_of(&pose.levels, pose.points.is_some());
     let mut places = Vec::new();
-    let mut above = &[ABOVE_ROOT][..];
+    // The root has no parent.
+    let roots = sizes.counts.first().map_or(0, |&count| count.min(1));
+    let mut families = Families::Counts(&[], roots);
     let mut all: Vec<&mut LevelValues> = Vec::new();
+    let of_parents = std::iter::once(&[][..]).chain(faces.iter().map(Vec::as_slice));
+    let mut of_parents = of_parents.chain(std::iter::repeat(&[][..]));
     for (number, level) in pose.levels.iter_mut().enumerate() {
+        let faces = of_parents.next().unwrap_or_default();
         places.push(Place {
-            families: Families::Masks(above),
+            above: Above { families, faces },
             section: sizes.section_of(number),
         });
         let Level { masks, values, .. } = level;
-        above = masks;
+        families = Families::Masks(masks);
         all.push(values);
     }
     if let Some(points) = &mut pose.points {
+        let families = Families::Counts(&points.counts, points.outside.len());
+        let faces = of_parents.next().unwrap_or_default();
         places.push(Place {
-            families: Families::Counts(&points.counts, points.outside.len()),
+            above: Above { families, faces },
             section: sizes.ranges.len(),
         });
         all.push(&mut points.values);
@@ -61,14 +91,14 @@ pub(super) fn code_values<D: Direction>(
     }
     let [has_colors, has_normals, has_offsets] =
         [schema.color_step > 0, schema.normal_bits > 0, schema.offset_bits > 0].map(usize::from);
-    let of_normals = 1 + has_colors;
+    let of_normals = first_part + has_colors;
     let of_offsets = of_normals + has_normals;
     let of_singles = of_offsets + has_offsets;
     let (channels, shapes) = rayon::join(
         || {
             let colors = (has_colors > 0).then(|| {
                 let step = (u16::from(schema.color_step), 255);
-                code_all_channels(Part::open(direction, 1)?, &places, &[[128; 3]], colors, step)
+                code_all_channels(Part::open(direction, first_part)?, &places, &[[128; 3]], colors, step)
             });
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
                 let most = schema.most_code(single);
@@ -101,8 +131,8 @@ fn code_all_channels<'a, D: Direction, const N: usize>(
     let mut parents = root;
     for (place, values) in places.iter().zip(levels) {
         let coder = part.at(place.section)?;
-        let families = place.families;
-        dispatch!(SimdLevel::new(), _simd => code_channels(coder, families, parents, values, step_and_most));
+        let above = place.above;
+        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step_and_most));
         parents = if values.is_empty() { parents } else { values };
     }
     part.close()
@@ -118,28 +148,21 @@ fn code_shapes<D: Direction>(
     offsets: Vec<&mut [u8]>,
 ) -> Result<Vec<Written>, Fault> {
     let grid = NormalGrid::of(schema.normal_bits);
-    let (half, may_miss) = (grid.half(), schema.normals_may_miss);
-    let mut parents = &[[0; 2]][..];
+    let mut parents = &[[1; 2]][..];
     let mut normals = normals;
     for (place, values) in places.iter().zip(&mut normals) {
-        if !D::Coder::DECODES {
-            to_halves(values);
-        }
         let coder = of_normals.at(place.section)?;
-        let families = place.families;
-        dispatch!(SimdLevel::new(), _simd => code_normals(coder, half, may_miss, families, parents, values));
+        let (above, bits) = (place.above, schema.normal_bits);
+        dispatch!(SimdLevel::new(), _simd => code_normals(coder, bits, above, parents, values));
         parents = if values.is_empty() { parents } else { values };
     }
     let of_normals = of_normals.close()?;
-    for values in &mut normals {
-        dispatch!(SimdLevel::new(), _simd => to_places(values));
-    }
     let Some(mut part) = of_offsets else {
         return Ok(vec![of_normals]);
     };
     for ((place, normals), offsets) in places.iter().zip(normals).zip(offsets) {
-        if let (Families::Masks(above), false) = (place.families, offsets.is_empty()) {
-            let (coder, bits) = (part.at(place.section)?, schema.offset_bits);
+        if !offsets.is_empty() {
+            let (coder, above, bits) = (part.at(place.section)?, place.above, schema.offset_bits);
             dispatch!(SimdLevel::new(), _simd => code_offsets(coder, grid, bits, above, normals, offsets));
         }
     }

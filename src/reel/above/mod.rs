@@ -1,0 +1,24 @@
+//! Values that are foretold by the level above alone.
+//!
+//! How it works: the mean of a parent is known, and so are those of the nodes across its faces. Between them a child is
+//! interpolated ([`channels`], [`normals`]); and how much they differ tells what it may be off by, which chooses the
+//! table of a symbol. Nothing of a level is asked for to read its symbols, so these are read in one go, all three
+//! channels of a colour or both axes of a normal as one symbol, with bits beside it that stand for themselves. What a
+//! parent leaves to its children is told once: an only child has the value of its parent.
+//!
+//! When it wins: always so far. Of surfaces that vary smoothly, what is on both sides of a node foretells it better
+//! than three neighbours that come before it; and there is no chain from a node to the next one. Only offsets know a
+//! node before, within their family ([`offsets`]).
+
+mod channels;
+mod families;
+mod lanes;
+mod normals;
+mod offsets;
+mod steps;
+mod ways;
+
+pub(super) use channels::{CHANNEL_CONTEXTS, code_channels};
+pub(super) use families::{Above, Families};
+pub(super) use normals::{NORMAL_CONTEXTS, code_normals};
+pub(super) use offsets::{OFFSET_CONTEXTS, code_offsets};

@@ -1,0 +1,119 @@
+//! Whole numbers of a node as one symbol, and bits that stand for themselves.
+//!
+//! How it works: of three channels the symbol says how many bits each number has; what these bits are, and the sign,
+//! is as likely one as the other. So one look-up tells what would take three, and numbers that are small together cost
+//! little together. Of a single channel the symbol is the number itself.
+
+use crate::reel::coder::SymbolCoder;
+
+/// Numbers of so many bits and more are told by eight.
+const MOST_BITS: u32 = 5;
+
+/// Kinds of a number.
+const KINDS: usize = MOST_BITS as usize + 1;
+
+/// Bits that are told of a number of each kind: its sign, and what is below its highest bit.
+const TOLD: [u32; KINDS] = [0, 1, 2, 3, 4, 9];
+
+/// The least number of each kind.
+const LEAST: [i32; KINDS] = [0, 1, 2, 4, 8, 16];
+
+/// The largest number.
+const MOST: u32 = LEAST[KINDS - 1] as u32 + (1 << (TOLD[KINDS - 1] - 1)) - 1;
+
+/// The symbol of larger single numbers.
+const ESCAPE: u8 = 255;
+
+/// Bits of such a number.
+const ESCAPED_BITS: u32 = 18;
+
+/// For each symbol the kinds of three numbers, 4 bits each, and above 16 bits how many bits are told.
+static KINDS_OF: [u32; 256] = kinds();
+
+const fn kinds() -> [u32; 256] {
+    let mut table = [0; 256];
+    let mut symbol = 0;
+    while symbol < KINDS * KINDS * KINDS {
+        let of = [symbol % KINDS, symbol / KINDS % KINDS, symbol / (KINDS * KINDS)];
+        let told = TOLD[of[0]] + TOLD[of[1]] + TOLD[of[2]];
+        table[symbol] = told << 16 | (of[0] | of[1] << 4 | of[2] << 8) as u32;
+        symbol += 1;
+    }
+    table
+}
+
+/// The steps that a symbol begins. Precondition: one channel or three.
+#[inline(always)]
+pub(super) fn read<C: SymbolCoder, const N: usize>(coder: &mut C, symbol: u8) -> [i32; N] {
+    if N == 1 {
+        let folded = if symbol == ESCAPE {
+            coder.raw(ESCAPED_BITS, 0)
+        } else {
+            u32::from(symbol)
+        };
+        return [(folded >> 1) as i32 ^ -((folded & 1) as i32); N];
+    }
+    let kinds = KINDS_OF[usize::from(symbol)];
+    let mut bits = coder.raw(kinds >> 16, 0);
+    std::array::from_fn(|channel| {
+        let kind = (kinds >> (4 * channel) & 15) as usize % KINDS;
+        let told = bits & ((1 << TOLD[kind]) - 1);
+        bits >>= TOLD[kind];
+        let magnitude = LEAST[kind] + (told >> 1) as i32;
+        let sign = (told & 1) as i32;
+        (magnitude ^ -sign) + sign
+    })
+}
+
+/// The symbol of steps; writes what it leaves open.
+pub(super) fn write<C: SymbolCoder, const N: usize>(coder: &mut C, steps: [i32; N]) -> u8 {
+    if N == 1 {
+        let folded = (steps[0] << 1 ^ steps[0] >> 31) as u32;
+        if folded >= u32::from(ESCAPE) {
+            coder.raw(ESCAPED_BITS, folded);
+        }
+        return folded.min(u32::from(ESCAPE)) as u8;
+    }
+    let (mut symbol, mut place, mut bits, mut told) = (0, 1, 0, 0);
+    for step in steps {
+        let magnitude = step.unsigned_abs().min(MOST);
+        let kind = (u32::BITS - magnitude.leading_zeros()).min(MOST_BITS) as usize;
+        symbol += place * kind;
+        place *= KINDS;
+        let of_step = (magnitude - LEAST[kind] as u32) << 1 | u32::from(step < 0);
+        bits |= of_step << told;
+        told += TOLD[kind];
+    }
+    coder.raw(told, bits);
+    symbol as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reel::coder::{SymbolDecoder, SymbolEncoder};
+    use proptest::prelude::*;
+
+    fn come_back<const N: usize>(all: &[[i32; N]]) {
+        let mut encoder = SymbolEncoder::new(1);
+        let mut symbols: Vec<u8> = all.iter().map(|&steps| write(&mut encoder, steps)).collect();
+        let contexts = vec![0; symbols.len()];
+        encoder.symbols(&contexts, &mut symbols);
+        let bytes = encoder.finish();
+        let mut decoder = SymbolDecoder::new(&bytes, 1).unwrap();
+        decoder.symbols(&contexts, &mut symbols);
+        for (&symbol, steps) in symbols.iter().zip(all) {
+            assert_eq!(read::<_, N>(&mut decoder, symbol), *steps);
+        }
+        assert!(decoder.is_at_end());
+    }
+
+    proptest! {
+        #[test]
+        fn steps_come_back(small in prop::collection::vec([-3..4i32, -20..20, -255..256], 1..50),
+            one in prop::collection::vec((-(1 << 16)..1 << 16).prop_map(|step| [step]), 1..20)) {
+            come_back(&small);
+            come_back(&one);
+        }
+    }
+}
