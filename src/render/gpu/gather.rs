@@ -19,10 +19,10 @@ use super::context::Context;
 use super::gather_program::Program;
 use super::gpu_data::{Filtering, Gathering};
 use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
-use super::rooms::{MOST_ROOM, stream_in};
 use super::primitives::Amplification;
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
+use super::rooms::{MOST_ROOM, stream_in};
 use crate::levels::Selection;
 use std::sync::Arc;
 
