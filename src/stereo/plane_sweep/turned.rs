@@ -224,7 +224,7 @@ impl Turned {
         // What is not mixed is rounded.
         let mixes_along = self.moves.x.abs() >= self.moves.y.abs();
         *(if mixes_along { &mut row } else { &mut first }) += 0.5;
-        let first = first.max(-MOST_PLACES).min(MOST_PLACES);
+        let first = first.clamp(-MOST_PLACES, MOST_PLACES);
         Some(Lines {
             start: (f64::from(first) * ONE) as i64,
             step: ((f64::from(phases * scale).min(f64::from(MOST_PLACES)) * ONE) as i64).max(1),
