@@ -4,7 +4,8 @@
 //! is drawn as the first one would see it on the plane in the middle, M = L + wₘ·o·eᶻᵀ. In that picture the same pixel
 //! is at M⁻¹(L·p + w·o) = p + (w − wₘ)·e with e = M⁻¹·o: whatever the turn between the two, lines stay lines and the
 //! step from pixel to pixel is the same for a whole plane. So bits of the census are worked out once for a view, and
-//! not once for each plane; a plane takes one look-up a pixel. (Laid on each plane anew, a sweep took 20 times as long.)
+//! not once for each plane; a plane takes two look-ups a pixel. (Laid on each plane anew, a sweep took four times as
+//! long.)
 //!
 //! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs are
 //! mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane. The
