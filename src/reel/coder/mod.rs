@@ -19,6 +19,5 @@ pub(super) use bit_model::BitModel;
 pub(super) use mixer::Mixer;
 pub(super) use number::{MagnitudeModel, RestModels};
 pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};
-pub(super) use raw_bits::MOST_RAW_BITS;
 pub(super) use reciprocal::divided;
 pub(super) use symbols::{LANES, SymbolCoder, SymbolDecoder, SymbolEncoder};

@@ -1,7 +1,7 @@
 //! Bits of which each is as likely set as not, the lowest first: they stand for themselves.
 
 /// Most bits that are told at once.
-pub(in crate::reel) const MOST_RAW_BITS: u32 = 32;
+pub(super) const MOST_RAW_BITS: u32 = 32;
 
 /// Bytes that are looked at for them, wherever in the first one they begin.
 const WINDOW: usize = 8;
@@ -18,6 +18,7 @@ pub(super) struct RawWriter {
 impl RawWriter {
     /// The lowest `bits` bits of a number, at most [`MOST_RAW_BITS`].
     pub(super) fn write(&mut self, bits: u32, value: u32) {
+        debug_assert!(bits <= MOST_RAW_BITS, "more than are told at once");
         let kept = u64::from(value) & ((1 << bits) - 1);
         self.last |= kept << self.bits;
         self.bits += bits;
