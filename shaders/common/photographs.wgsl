@@ -76,10 +76,54 @@ fn photo_bilinear(photo: u32, level: u32, finest: vec2f, texel: vec2f) -> vec4f 
     return sum;
 }
 
+// Shares of four texels at a place `t` of the way from the second to the third (Catmull and Rom 1974).
+fn cubic_weights(t: f32) -> vec4f {
+    let t2 = t * t;
+    let t3 = t2 * t;
+    return vec4f(
+        -0.5 * t3 + t2 - 0.5 * t,
+        1.5 * t3 - 2.5 * t2 + 1.0,
+        -1.5 * t3 + 2.0 * t2 + 0.5 * t,
+        0.5 * (t3 - t2)
+    );
+}
+
+// On cubics through the 16 texels of a photograph around a place, between the least and the largest of the four next to
+// it: photos/texture.rs.
+fn photo_on_cubics(photo: u32, finest: vec2f, texel: vec2f) -> vec4f {
+    let last = vec2i(finest) - 1;
+    let at = clamp(texel - 0.5, vec2f(0.0), vec2f(last));
+    let before = vec2i(at);
+    let share = at - vec2f(before);
+    let across = cubic_weights(share.x);
+    let down = cubic_weights(share.y);
+    var sum = vec4f(0.0);
+    var least = vec4f(2.0);
+    var most = vec4f(-1.0);
+    for (var row = 0; row < 4; row++) {
+        for (var column = 0; column < 4; column++) {
+            let there = clamp(before + vec2i(column, row) - 1, vec2i(0), last);
+            let color = textureLoad(photo_texels, there, photo, 0);
+            let premultiplied = vec4f(color.rgb * color.a, color.a);
+            if ((row == 1 || row == 2) && (column == 1 || column == 2)) {
+                least = min(least, premultiplied);
+                most = max(most, premultiplied);
+            }
+            sum += across[column] * down[row] * premultiplied;
+        }
+    }
+    return clamp(sum, least, most);
+}
+
 fn photo_trilinear(photo: u32, levels: u32, finest: vec2f, texel: vec2f, lod: f32) -> vec4f {
     let finer = min(u32(max(lod, 0.0)), levels - 1u);
     let share = min(max(lod, 0.0) - f32(finer), 1.0);
-    let fine = photo_bilinear(photo, finer, finest, texel);
+    var fine: vec4f;
+    if (finer == 0u) {
+        fine = photo_on_cubics(photo, finest, texel);
+    } else {
+        fine = photo_bilinear(photo, finer, finest, texel);
+    }
     if (share == 0.0 || finer + 1u == levels) {
         return fine;
     }
@@ -214,6 +258,27 @@ fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     return rows * (sum / sqrt(max(dot(sum, sum), 1e-37)));
 }
 
+// The mean of what photographs show of a place, where those that disagree with the others count little:
+// render/cpu/photographs/agreement.rs.
+fn photo_agreed(colors: array<vec3f, PHOTO_MOST_BLENDED>, shares: array<f32, PHOTO_MOST_BLENDED>, count: u32) -> vec3f {
+    var shown = colors;
+    var counted = shares;
+    var mean = vec3f(0.0);
+    for (var round = 0u; round <= PHOTO_AGREEMENT_ROUNDS; round++) {
+        var color = vec3f(0.0);
+        var sum = 0.0;
+        for (var which = 0u; which < count; which++) {
+            let off = shown[which] - mean;
+            let doubt = select(1.0 + PHOTO_PER_DISAGREEMENT2 * dot(off, off), 1.0, round == 0u);
+            let share = counted[which] / doubt;
+            color += share * shown[which];
+            sum += share;
+        }
+        mean = color / max(sum, 1e-37);
+    }
+    return mean;
+}
+
 // The colour and the normal of a place in view space. `normal` has length 1 and is turned to the eye, or is zero.
 fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
@@ -285,7 +350,8 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     // Where that is as near as the nearest, all count alike.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
-    var color = vec3f(0.0);
+    var colors: array<vec3f, PHOTO_MOST_BLENDED>;
+    var shares: array<f32, PHOTO_MOST_BLENDED>;
     var normals = vec3f(0.0);
     var sum = 0.0;
     var object = 0.0;
@@ -296,7 +362,8 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
         let sizes = photo_entry(photo, 5u);
         let weight = (weights[which] / weights[0] - beyond) * trusts[which] * photo_rim(at.texel, sizes.xy);
-        color += weight * photo_entry(photo, 6u).xyz * sampled.rgb;
+        colors[which] = photo_entry(photo, 6u).xyz * sampled.rgb / max(sampled.a, 1e-37);
+        shares[which] = weight * sampled.a;
         sum += weight * sampled.a;
         if (relights) {
             normals += weight * sampled.a * photo_normal(photo, at.texel);
@@ -312,7 +379,8 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     if (sum <= 0.0) {
         return unseen;
     }
-    let shown = select(min(color / sum, vec3f(1.0)), vec3f(1.0), is_white);
+    let agreed = photo_agreed(colors, shares, min(found, blended));
+    let shown = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
     let length2 = dot(normals, normals);
     if (length2 == 0.0) {
         return Surface(shown, PHOTO_OPACITY, normal);

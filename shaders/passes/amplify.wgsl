@@ -16,24 +16,6 @@ struct DrawIndexedIndirect {
 @group(OUTPUT_GROUP) @binding(1) var<storage, read_write> group_offsets: array<u32>;
 @group(OUTPUT_GROUP) @binding(2) var<storage, read_write> draw: DrawIndexedIndirect;
 
-var<workgroup> kept: array<u32, GROUP_RECORDS>;
-
-// Runs in uniform control flow: number of kept records in the workgroup up to and with this one.
-fn inclusive_scan(local: u32, keep: u32) -> u32 {
-    kept[local] = keep;
-    for (var reach = 1u; reach < GROUP_RECORDS; reach *= 2u) {
-        workgroupBarrier();
-        var sum = kept[local];
-        if (local >= reach) {
-            sum += kept[local - reach];
-        }
-        workgroupBarrier();
-        kept[local] = sum;
-    }
-    workgroupBarrier();
-    return kept[local];
-}
-
 fn keeps(record: u32) -> u32 {
     if (record >= arrayLength(&points)) {
         return 0u;

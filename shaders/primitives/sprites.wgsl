@@ -21,6 +21,11 @@ struct Varyings {
 fn varyings(instance: Instance) -> Varyings {
     let point = fetch_point(instance);
     let shape = fetch_shape(instance);
+    if (shape.radius == RADIUS_OF_NOTHING) {
+        var nothing = Varyings();
+        nothing.position = nowhere().clip;
+        return nothing;
+    }
     let n = oct_decode(shape.normal);
     let center = offset_from_eye(point.position);
     let splat = splat_of(n, shape, center);

@@ -74,8 +74,8 @@ pub use presets::{Preset, Presets};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, Found, GraphicsInfo, Outcome, SavedSession, State, StateOptions,
-    Viewport, VisibleChange, WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession, State,
+    StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

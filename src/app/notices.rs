@@ -10,10 +10,19 @@ use std::time::Duration;
 pub enum Severity {
     /// Something was done.
     Info,
+    /// What to do for that which was asked for.
+    Hint,
     /// Something was not as expected; the program goes on.
     Warning,
     /// Something that was asked for did not happen.
     Error,
+}
+
+impl Severity {
+    /// Whether messages go by themselves.
+    fn is_brief(self) -> bool {
+        matches!(self, Self::Info | Self::Hint)
+    }
 }
 
 /// One message.
@@ -42,7 +51,7 @@ pub struct Notices {
     next_id: u64,
 }
 
-/// How long a confirmation is shown.
+/// How long a confirmation or a hint is shown.
 const INFO_TIME: Duration = Duration::from_secs(6);
 
 /// More than these hide the picture: the oldest go.
@@ -68,7 +77,7 @@ impl Notices {
         let kind = kind_of(&text);
         let same_kind = self.notices.iter_mut().find(|notice| {
             // Confirmations are of another thing each time.
-            severity != Severity::Info && notice.severity == severity && notice.kind == kind
+            !severity.is_brief() && notice.severity == severity && notice.kind == kind
         });
         if let Some(known) = &same_kind
             && (known.others.contains(&text) || known.others.len() == MAX_OTHERS)
@@ -76,7 +85,7 @@ impl Notices {
             return;
         }
         match severity {
-            Severity::Info => log::info!("{text}"),
+            Severity::Info | Severity::Hint => log::info!("{text}"),
             Severity::Warning => log::warn!("{text}"),
             Severity::Error => log::error!("{text}"),
         }
@@ -102,6 +111,11 @@ impl Notices {
     /// [`Notices::post`] for what was done.
     pub fn info(&mut self, text: impl Into<String>) {
         self.post(Severity::Info, text);
+    }
+
+    /// [`Notices::post`] for what has to be done first.
+    pub fn hint(&mut self, text: impl Into<String>) {
+        self.post(Severity::Hint, text);
     }
 
     /// [`Notices::post`] for what is odd.
@@ -134,10 +148,10 @@ impl Notices {
         });
     }
 
-    /// Lets confirmations go whose time is over. True if one went.
+    /// Lets confirmations and hints go whose time is over. True if one went.
     pub fn expire(&mut self, now: Duration) -> bool {
         for notice in &mut self.notices {
-            if notice.severity == Severity::Info {
+            if notice.severity.is_brief() {
                 notice.until.get_or_insert(now + INFO_TIME);
             }
         }
@@ -197,6 +211,7 @@ mod tests {
         let mut notices = Notices::default();
         notices.error("broken");
         notices.info("saved");
+        notices.hint("pick a point");
         assert!(!notices.expire(Duration::from_secs(10)));
         assert_eq!(notices.next_deadline(), Some(Duration::from_secs(16)));
         assert!(!notices.expire(Duration::from_millis(15_999)));

@@ -117,7 +117,8 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
             let first = mesh.triangles.iter().copied().take(1);
             Content::Mesh(Arc::new(mesh.with_triangles(first.collect())))
         }
-        Content::Nothing | Content::Coded(_) => packet.content.clone(),
+        // All of these are needed to tell which one is seen.
+        Content::Nothing | Content::Coded(_) | Content::Visible(_) => packet.content.clone(),
     };
     ScenePacket {
         content,

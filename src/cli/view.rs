@@ -5,11 +5,12 @@ use super::session::{OpenedInputs, open_inputs};
 use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
-use crate::sequence::OpenOptions;
+use crate::sequence::{OpenOptions, Sequence};
+use crate::session::ReadSession;
 use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What to show and how.
@@ -102,53 +103,20 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         (Some(sequence), session)
     };
     if let Some(read) = &mut session {
-        // What is given goes before what is kept.
-        let style = args.picture.style_over(read.session.style());
-        read.session.settings = style;
-        read.session.clip = style.of_sequence.clip;
-        read.session.view = args.view.or(read.session.view);
+        give_precedence(args, read);
     }
     if let Some(path) = &args.record {
-        match sequence.as_ref().and_then(|sequence| sequence.source().live()) {
-            Some(live) => live.start_recording(path).map_err(anyhow::Error::msg)?,
-            None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
-        }
+        record_arrivals(sequence.as_ref(), path)?;
     }
-    let compare = match args.compare.as_slice() {
-        [] => None,
-        inputs => {
-            let topic = args.compare_topic.as_deref().map(Arc::from);
-            let open = OpenOptions {
-                topic: topic.or_else(|| open.topic.clone()),
-                ..open.clone()
-            };
-            if let Some(read) = &mut session {
-                read.session.compare = None;
-            }
-            Some(Arc::new(open_inputs(inputs, &open)?.sequence))
-        }
-    };
+    let compare = open_compared(args, &open)?.map(Arc::new);
     let presets = Presets::load();
-    // A picture that a script asks for does not depend on who looked at what before.
-    let (preferences_file, preferences) = if args.screenshot.is_some() {
-        (PreferencesFile::default(), Preferences::default())
-    } else {
-        PreferencesFile::load()
-    };
+    let (preferences_file, preferences) = load_preferences(args, session.is_some());
     let kept_problems = [presets.problem(), preferences_file.problem()];
     let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
     let warnings = warnings.chain(recent_problem).collect();
     let options = Options {
         state: StateOptions {
-            preferences: Preferences {
-                settings: if session.is_some() {
-                    preferences.settings
-                } else {
-                    args.picture.style_over(preferences.settings)
-                },
-                present: args.present.unwrap_or(preferences.present),
-                ..preferences
-            },
+            preferences,
             up: args.up,
             primitive: args.picture.primitive(),
             view: args.view,
@@ -180,4 +148,56 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         lose_device_after: args.lose_device_after,
     };
     crate::app::run(options).context("the window ended")
+}
+
+/// What is given goes before what is kept in a session.
+fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
+    let style = args.picture.style_over(read.session.style());
+    read.session.settings = style;
+    read.session.clip = style.of_sequence.clip;
+    read.session.view = args.view.or(read.session.view);
+    if !args.compare.is_empty() {
+        read.session.compare = None;
+    }
+}
+
+fn record_arrivals(sequence: Option<&Sequence>, path: &Path) -> anyhow::Result<()> {
+    match sequence.and_then(|sequence| sequence.source().live()) {
+        Some(live) => live.start_recording(path).map_err(anyhow::Error::msg),
+        None => bail!("--record is for live streams, as tcp://127.0.0.1:9000: other inputs are files already"),
+    }
+}
+
+/// The sequence beside the one that is opened as `open` says, if there is one.
+fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<Sequence>> {
+    if args.compare.is_empty() {
+        return Ok(None);
+    }
+    let topic = args.compare_topic.as_deref().map(Arc::from);
+    let open = OpenOptions {
+        topic: topic.or_else(|| open.topic.clone()),
+        ..open.clone()
+    };
+    Ok(Some(open_inputs(&args.compare, &open)?.sequence))
+}
+
+/// Those of this person under what is given; `has_settings` of a session, they go before both.
+fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (file, kept) = if args.screenshot.is_some() {
+        (PreferencesFile::default(), Preferences::default())
+    } else {
+        PreferencesFile::load()
+    };
+    let settings = if has_settings {
+        kept.settings
+    } else {
+        args.picture.style_over(kept.settings)
+    };
+    let preferences = Preferences {
+        settings,
+        present: args.present.unwrap_or(kept.present),
+        ..kept
+    };
+    (file, preferences)
 }

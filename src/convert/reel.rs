@@ -115,7 +115,7 @@ pub(super) fn convert(
     progress.set(frames.len() - rest.len(), frames.len());
     let groups: Vec<&[usize]> = rest.chunks(ledger.group).collect();
     for together in groups.chunks(rayon::current_num_threads()) {
-        let encoded: Vec<Result<Made, ConvertError>> = together
+        let encoded: Vec<Result<ConvertedGroup, ConvertError>> = together
             .par_iter()
             .map(|group| encoded(sequence, conversion, options, group, progress))
             .collect();
@@ -141,7 +141,7 @@ pub(super) fn convert(
 
 /// A group as it came out.
 #[derive(Default)]
-struct Made {
+struct ConvertedGroup {
     /// `None` where none of its frames can be read.
     group: Option<EncodedGroup>,
     failed: Vec<(usize, ConvertError)>,
@@ -155,8 +155,8 @@ fn encoded(
     options: &ReelOptions,
     frames: &[usize],
     progress: &Progress,
-) -> Result<Made, ConvertError> {
-    let mut made = Made::default();
+) -> Result<ConvertedGroup, ConvertError> {
+    let mut made = ConvertedGroup::default();
     let mut clouds: Vec<(RawCloud, Arc<FrameEntry>)> = Vec::new();
     for &frame in frames {
         if progress.is_cancelled() {

@@ -38,12 +38,12 @@ pub struct LevelsWork {
 #[derive(Debug, Clone, Default)]
 pub struct LevelsSet {
     octree: Option<(StopCriterion, Arc<Octree>)>,
-    made: Option<Made>,
+    made: Option<ShapeLevels>,
 }
 
 /// Levels that are made of shapes.
 #[derive(Debug, Clone)]
-enum Made {
+enum ShapeLevels {
     List(Arc<PointList>),
     Spheres(Arc<SphereLevels>),
     LitCubes(Arc<VoxelLevels>),
@@ -65,8 +65,8 @@ impl LevelsSet {
     /// The surfels of the octree's nodes.
     pub fn surfels(&self) -> Option<&Arc<LodSurfels>> {
         match &self.made {
-            Some(Made::Surfels(surfels)) => Some(surfels),
-            Some(Made::LitCubes(cubes)) => Some(&cubes.surfels),
+            Some(ShapeLevels::Surfels(surfels)) => Some(surfels),
+            Some(ShapeLevels::LitCubes(cubes)) => Some(&cubes.surfels),
             _ => None,
         }
     }
@@ -74,7 +74,7 @@ impl LevelsSet {
     /// The byte code.
     pub fn codes(&self) -> Option<&Arc<CodedCloud>> {
         match &self.made {
-            Some(Made::Codes(codes)) => Some(codes),
+            Some(ShapeLevels::Codes(codes)) => Some(codes),
             _ => None,
         }
     }
@@ -83,12 +83,12 @@ impl LevelsSet {
     /// themselves. Cubes whose normals are not known yet are lit on their faces.
     pub fn get(&self, kind: LevelsKind) -> Option<Arc<dyn Levels>> {
         match (kind, &self.made) {
-            (LevelsKind::List, Some(Made::List(list))) => Some(Arc::clone(list) as _),
-            (LevelsKind::Spheres(kind), Some(Made::Spheres(spheres))) if spheres.kind() == kind => {
+            (LevelsKind::List, Some(ShapeLevels::List(list))) => Some(Arc::clone(list) as _),
+            (LevelsKind::Spheres(kind), Some(ShapeLevels::Spheres(spheres))) if spheres.kind() == kind => {
                 Some(Arc::clone(spheres) as _)
             }
-            (LevelsKind::LitCubes, Some(Made::LitCubes(cubes))) => Some(Arc::clone(cubes) as _),
-            (LevelsKind::Surfels, Some(Made::Surfels(surfels))) => Some(Arc::clone(surfels) as _),
+            (LevelsKind::LitCubes, Some(ShapeLevels::LitCubes(cubes))) => Some(Arc::clone(cubes) as _),
+            (LevelsKind::Surfels, Some(ShapeLevels::Surfels(surfels))) => Some(Arc::clone(surfels) as _),
             (LevelsKind::Cubes | LevelsKind::LitCubes, _) => Some(Arc::clone(self.octree()?) as _),
             _ => None,
         }
@@ -109,11 +109,11 @@ impl LevelsSet {
 
     fn kind(&self) -> Option<LevelsKind> {
         match &self.made {
-            Some(Made::List(_)) => Some(LevelsKind::List),
-            Some(Made::Spheres(spheres)) => Some(LevelsKind::Spheres(spheres.kind())),
-            Some(Made::LitCubes(_)) => Some(LevelsKind::LitCubes),
-            Some(Made::Surfels(_)) => Some(LevelsKind::Surfels),
-            Some(Made::Codes(_)) => Some(LevelsKind::Codes),
+            Some(ShapeLevels::List(_)) => Some(LevelsKind::List),
+            Some(ShapeLevels::Spheres(spheres)) => Some(LevelsKind::Spheres(spheres.kind())),
+            Some(ShapeLevels::LitCubes(_)) => Some(LevelsKind::LitCubes),
+            Some(ShapeLevels::Surfels(_)) => Some(LevelsKind::Surfels),
+            Some(ShapeLevels::Codes(_)) => Some(LevelsKind::Codes),
             None => self.octree().map(|_| LevelsKind::Cubes),
         }
     }
@@ -148,7 +148,7 @@ impl LevelsSet {
             known.cloned().or_else(|| {
                 work.codes = u32::from(kind == LevelsKind::Codes);
                 work.spheres = u32::from(matches!(kind, LevelsKind::Spheres(_)));
-                Made::of(kind, octree, points, shapes)
+                ShapeLevels::of(kind, octree, points, shapes)
             })
         });
         (levels, work)
@@ -169,15 +169,15 @@ impl LevelsSet {
         let octree = self.octree().map_or(0, |octree| octree.byte_size());
         let surfels = self.surfels().map_or(0, |surfels| surfels.most_bytes());
         let of_made = match &self.made {
-            Some(Made::Spheres(spheres)) => spheres.most_bytes(),
-            Some(Made::Surfels(surfels)) => surfels.most_selectable_bytes(),
+            Some(ShapeLevels::Spheres(spheres)) => spheres.most_bytes(),
+            Some(ShapeLevels::Surfels(surfels)) => surfels.most_selectable_bytes(),
             _ => 0,
         };
         octree + surfels + of_made + self.codes().map_or(0, |codes| codes.byte_size())
     }
 }
 
-impl Made {
+impl ShapeLevels {
     /// Levels of a kind; `None` for those that are made of no shapes. Precondition: the octree, if the kind needs one.
     fn of(
         kind: LevelsKind,

@@ -1,9 +1,10 @@
-//! Files of the depths of a photograph.
+//! Files of the depths of a photograph, which another camera beside it may have taken.
 
 use super::colmap::colmap_depth;
 use super::error::PhotosError;
 use super::picture_file::decode;
-use crate::rgbd::DepthImage;
+use crate::rgbd::{Camera, DepthImage};
+use glam::DAffine3;
 use image::DynamicImage;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +15,17 @@ pub struct DepthFile {
     pub path: PathBuf,
     /// What its numbers mean.
     pub kind: DepthKind,
+    /// The camera of its image; `None` where that is the photograph's.
+    pub taken_by: Option<DepthCamera>,
+}
+
+/// A camera of depths beside that of a photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthCamera {
+    /// Its image.
+    pub camera: Camera,
+    /// From its frame to that of the photograph's camera.
+    pub photo_from_depth: DAffine3,
 }
 
 /// How a file holds depths.
@@ -22,12 +34,13 @@ pub struct DepthFile {
 pub enum DepthKind {
     /// An image of COLMAP's dense stage: `W&H&C&`, then floats in the unit of the world. See [`colmap_depth`].
     Colmap,
-    /// A grey picture whose values are depths along the axis in the unit of the world, once multiplied by this.
+    /// A grey picture whose values are depths along the axis in the unit of the world, once multiplied by this. 0 is no
+    /// depth, and of 16 bits neither is 65535.
     Scaled(f64),
 }
 
 impl DepthFile {
-    /// Depths along the axis of the camera, in the unit of the world whatever `metres` says; 0 where there is none.
+    /// Depths along the axis of the camera that took them, in the unit of the world whatever `metres` says; 0 where there is none.
     ///
     /// # Errors
     /// Where the file cannot be read, or is of another shape.
@@ -43,8 +56,9 @@ fn scaled(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
     let picture = decode(path)?;
     let size_px = [picture.width(), picture.height()];
     let depth = |value: u16| (f64::from(value) * scale) as f32;
+    let measured = |value: u16| depth(if value == u16::MAX { 0 } else { value });
     let depths: Vec<f32> = match picture {
-        DynamicImage::ImageLuma16(image) => image.into_raw().into_iter().map(depth).collect(),
+        DynamicImage::ImageLuma16(image) => image.into_raw().into_iter().map(measured).collect(),
         DynamicImage::ImageLuma8(image) => image.into_raw().into_iter().map(|value| depth(value.into())).collect(),
         other => {
             let problem = format!("expected grey values of 16 or 8 bits, found {:?}", other.color());
@@ -66,10 +80,11 @@ mod tests {
         let file = DepthFile {
             path: path.clone(),
             kind: DepthKind::Scaled(1e-3),
+            taken_by: None,
         };
-        let wide: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(2, 1, vec![1500_u16, 0]).unwrap();
+        let wide: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 1, vec![1500_u16, 0, 65535]).unwrap();
         wide.save(&path).unwrap();
-        assert_eq!(file.read().unwrap().metres(), [1.5, 0.0]);
+        assert_eq!(file.read().unwrap().metres(), [1.5, 0.0, 0.0]);
         GrayImage::from_raw(1, 1, vec![200]).unwrap().save(&path).unwrap();
         assert_eq!(file.read().unwrap().metres(), [0.2]);
         RgbImage::new(1, 1).save(&path).unwrap();

@@ -6,7 +6,7 @@
 use super::calibration::Calibration;
 use super::error::PhotosError;
 use super::view_set::ViewSet;
-use super::{bundler, colmap, meshroom, middlebury, nvm, transforms};
+use super::{bundler, colmap, llff, meshroom, middlebury, nvm, transforms};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -60,6 +60,8 @@ pub enum Format {
     Middlebury,
     /// instant-ngp, nerfstudio and NeRF.
     Transforms,
+    /// Poses and bounds of LLFF.
+    Llff,
 }
 
 /// A reconstruction that was found.
@@ -81,6 +83,7 @@ impl Format {
             Self::Meshroom => "Meshroom",
             Self::Middlebury => "Middlebury par",
             Self::Transforms => "transforms.json",
+            Self::Llff => "LLFF (poses_bounds.npy)",
         }
     }
 }
@@ -107,6 +110,7 @@ impl Found {
             Format::Meshroom => meshroom::read(&self.path),
             Format::Middlebury => middlebury::read(&self.path),
             Format::Transforms => transforms::read(&self.path),
+            Format::Llff => llff::read(&self.path),
         };
         Ok(Calibration::new(drafts?))
     }
@@ -149,6 +153,7 @@ fn in_folder(folder: &Path) -> Option<Found> {
         .or_else(|| first(SCENES).or_else(|| by_ending(".sfm")).map(found(Format::Meshroom)))
         .or_else(|| in_meshroom_cache(folder).map(found(Format::Meshroom)))
         .or_else(|| first(TRANSFORMS).map(found(Format::Transforms)))
+        .or_else(|| first(&[llff::FILE]).map(found(Format::Llff)))
         .or_else(|| by_ending(middlebury::SUFFIX).map(found(Format::Middlebury)))
 }
 
@@ -205,6 +210,7 @@ fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {
         "txt" if name.ends_with(middlebury::SUFFIX) => of(Format::Middlebury),
         "out" if begins_with(path, bundler::MAGIC) => of(Format::Bundler),
         "nvm" => of(Format::Nvm),
+        "npy" if name == llff::FILE => of(Format::Llff),
         "sfm" => of(Format::Meshroom),
         "json" => {
             let head = head_of(path, HEAD).map_err(|source| PhotosError::Io {

@@ -9,9 +9,9 @@ use super::shared_points::shared_points;
 use super::texture::Texture;
 use super::undistort::Extent;
 use super::view_set::ViewSet;
-use super::{DepthFile, DepthKind, Photo, PhotosError};
+use super::{DepthCamera, DepthFile, DepthKind, Photo, PhotosError};
 use crate::progress::Progress;
-use crate::rgbd::{Camera, DepthImage, Distortion};
+use crate::rgbd::{Camera, ColorCamera, DepthImage, Distortion, RayTable};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -124,6 +124,9 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
 /// The depths that a file has of a photograph, as its pinhole sees them. Those of COLMAP are of pinholes already.
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
     let taken = file.read()?;
+    if let Some(taken_by) = &file.taken_by {
+        return seen_beside(file, &taken, taken_by, pinhole).map(Some);
+    }
     if *camera.distortion() == Distortion::None || file.kind == DepthKind::Colmap {
         return Ok(Some(taken));
     }
@@ -142,4 +145,26 @@ fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<D
         })
     });
     Ok(DepthImage::new([width, height], distances.collect()))
+}
+
+/// The depths that a camera beside took, as the pinhole of the photograph sees them.
+fn seen_beside(
+    file: &DepthFile,
+    taken: &DepthImage,
+    taken_by: &DepthCamera,
+    pinhole: &Camera,
+) -> Result<DepthImage, PhotosError> {
+    let (found_px, expected_px) = (taken.size_px(), taken_by.camera.size_px());
+    if found_px != expected_px {
+        return Err(PhotosError::WrongSize {
+            path: file.path.clone(),
+            expected_px,
+            found_px,
+        });
+    }
+    let photo = ColorCamera {
+        camera: pinhole.clone(),
+        color_from_depth: taken_by.photo_from_depth,
+    };
+    Ok(photo.depths(taken, &RayTable::of(&taken_by.camera)))
 }

@@ -64,6 +64,7 @@ fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
             .map(|path| DepthFile {
                 path,
                 kind: DepthKind::Scaled(scale.unwrap_or(USUAL_DEPTH_SCALE)),
+                taken_by: None,
             }),
         time: number_at(frame, "time").filter(|time| time.is_finite()),
         ..Draft::at(name, lens(file, frame), axes, center)

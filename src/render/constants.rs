@@ -47,6 +47,13 @@ pub(super) const PHOTO_MOST_TAPS: f32 = 4.0;
 /// The width of the border to which photographs fade, as a share of an edge: so it is not seen.
 pub(super) const PHOTO_RIM: f32 = 0.02;
 
+/// How much less a photograph counts for a squared difference of its colour (of 0 to 1) from that of all: half of it at
+/// a difference of 16 of 255 in each channel, which is more than the noise of photographs and less than another thing.
+pub(super) const PHOTO_PER_DISAGREEMENT2: f32 = 84.67;
+
+/// How often the mean of photographs is taken again, once it is known which of them disagree with it.
+pub(super) const PHOTO_AGREEMENT_ROUNDS: u32 = 2;
+
 /// In place of the cosine of a photograph that does not look at a place: below all cosines.
 pub(super) const PHOTO_NOT_LOOKING: f32 = -2.0;
 

@@ -1,4 +1,5 @@
-//! Records of selected nodes brought together, where who draws does not keep those of all nodes.
+//! Records of selected nodes brought together, where who draws does not keep those of all nodes, and those of visible
+//! points, where who draws does not make them.
 
 use crate::scene::{Content, ScenePacket};
 
@@ -10,20 +11,23 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
-    /// Content without selected nodes.
+    /// Content whose records are all there.
     pub(super) fn content(&mut self, content: &Content) -> Content {
-        let Content::Selected(selected) = content else {
+        if let Some((of, gathered)) = &self.last
+            && of == content
+        {
+            return gathered.clone();
+        }
+        let Some(surfels) = content.gathered() else {
             self.last = None;
             return content.clone();
         };
-        let known = self.last.take().filter(|(of, _)| of == content);
-        let (_, gathered) = self
-            .last
-            .insert(known.unwrap_or_else(|| (content.clone(), Content::Surfels(selected.gathered()))));
-        gathered.clone()
+        let gathered = Content::Surfels(surfels);
+        self.last = Some((content.clone(), gathered.clone()));
+        gathered
     }
 
-    /// The same packet without selected nodes.
+    /// The same packet, whose records are all there.
     pub(super) fn packet(&mut self, packet: &ScenePacket) -> ScenePacket {
         ScenePacket {
             content: self.content(&packet.content),

@@ -1,4 +1,4 @@
-//! Colours for the pixels of a depth image, out of an image that another camera took.
+//! Colours for the pixels of a depth image, out of an image that another camera took, and depths for that image.
 //!
 //! *How it works.* The point of a depth pixel is moved into the frame of the colour camera and projected there. What is
 //! nearest at a place of that view hides what is behind it, so a depth buffer of the points themselves is drawn first.
@@ -32,7 +32,7 @@ pub struct ColorCamera {
 
 /// A point in the view of the colour camera.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct ProjectedPoint {
     pixel: DVec2,
     z: f64,
 }
@@ -44,14 +44,14 @@ impl ColorCamera {
     /// Preconditions: `rays` are of an image of the same size as `depth`, `image` is of the size of the camera's.
     pub fn colors(&self, depth: &DepthImage, rays: &RayTable, image: &ColorImage) -> Vec<[u8; 4]> {
         debug_assert_eq!(image.size_px(), self.camera.size_px());
-        let seen: Vec<Option<Seen>> = depth
+        let seen: Vec<Option<ProjectedPoint>> = depth
             .metres()
             .par_iter()
             .zip(rays.rays())
             .map(|(&z, &ray)| self.see(z, ray))
             .collect();
         let nearest = NearestDepth::of(&seen, depth.width(), &self.camera);
-        let color = |seen: &Option<Seen>| match seen {
+        let color = |seen: &Option<ProjectedPoint>| match seen {
             Some(seen) if nearest.shows(*seen) => {
                 let [r, g, b] = image.bilinear(seen.pixel.as_vec2().to_array());
                 [r, g, b, 255]
@@ -61,14 +61,41 @@ impl ColorCamera {
         seen.par_iter().map(color).collect()
     }
 
-    fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<Seen> {
+    /// The depths of this camera's own image, as far as `depth` has them; 0 elsewhere. Where several places fall on one
+    /// pixel it is the nearest. The image has the shape of the camera's, and fewer pixels where neighbours of `depth`
+    /// are farther apart than those: so it has no holes between them.
+    ///
+    /// Precondition: `rays` are of an image of the same size as `depth`.
+    pub fn depths(&self, depth: &DepthImage, rays: &RayTable) -> DepthImage {
+        let seen = depth.metres().iter().zip(rays.rays());
+        let seen: Vec<Option<ProjectedPoint>> = seen.map(|(&z, &ray)| self.see(z, ray)).collect();
+        let of_camera = DVec2::from_array(self.camera.size_px().map(f64::from));
+        let size_px = (of_camera / step_px(&seen, depth.width())).round().max(DVec2::ONE);
+        let (scale, last) = (size_px / of_camera, size_px - 1.0);
+        let (width, height) = (size_px.x as usize, size_px.y as usize);
+        let mut nearest = vec![f32::INFINITY; width * height];
+        for &ProjectedPoint { pixel, z } in seen.iter().flatten() {
+            // The four around it, as neighbours are about a pixel apart.
+            let before = ((pixel + 0.5) * scale - 0.5).floor();
+            for aside in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
+                let place = (before + aside).clamp(DVec2::ZERO, last);
+                let there = &mut nearest[place.y as usize * width + place.x as usize];
+                *there = there.min(z as f32);
+            }
+        }
+        DepthImage::new([width as u32, height as u32], nearest).expect("as many as the image has pixels")
+    }
+
+    fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<ProjectedPoint> {
         if !(z > 0.0 && x.is_finite()) {
             return None;
         }
         let point = f64::from(z) * DVec3::new(f64::from(x), f64::from(y), 1.0);
         let point = self.color_from_depth.transform_point3(point);
         let pixel = self.camera.pixel(point)?;
-        self.camera.contains(pixel).then_some(Seen { pixel, z: point.z })
+        self.camera
+            .contains(pixel)
+            .then_some(ProjectedPoint { pixel, z: point.z })
     }
 }
 
@@ -82,7 +109,7 @@ struct NearestDepth {
 }
 
 impl NearestDepth {
-    fn of(seen: &[Option<Seen>], width: usize, camera: &Camera) -> Self {
+    fn of(seen: &[Option<ProjectedPoint>], width: usize, camera: &Camera) -> Self {
         let cell_px = step_px(seen, width);
         let cells_along = |pixels: u32| (f64::from(pixels) / cell_px).ceil() as usize + 2;
         let [columns, rows] = camera.size_px().map(cells_along);
@@ -102,7 +129,7 @@ impl NearestDepth {
         ((pixel + 0.5) / self.cell_px).max(DVec2::ZERO)
     }
 
-    fn draw(&self, Seen { pixel, z }: Seen) {
+    fn draw(&self, ProjectedPoint { pixel, z }: ProjectedPoint) {
         let corner = self.corner(pixel).floor();
         let bits = (z as f32).to_bits();
         for (right, down) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -113,7 +140,7 @@ impl NearestDepth {
     }
 
     /// Whether nothing is before the point at its place.
-    fn shows(&self, Seen { pixel, z }: Seen) -> bool {
+    fn shows(&self, ProjectedPoint { pixel, z }: ProjectedPoint) -> bool {
         let cell = self.corner(pixel).round();
         let column = (cell.x as usize).min(self.columns - 1);
         let row = (cell.y as usize).min(self.rows - 1);
@@ -124,7 +151,7 @@ impl NearestDepth {
 
 /// How far neighbours in a line of the depth image are from each other in the colour image: the median, at least a
 /// pixel.
-fn step_px(seen: &[Option<Seen>], width: usize) -> f64 {
+fn step_px(seen: &[Option<ProjectedPoint>], width: usize) -> f64 {
     /// As many lines say it as well as all.
     const LINES: usize = 16;
     let lines = seen.len() / width.max(1);
@@ -229,5 +256,47 @@ mod tests {
         }
         let hidden = (18..24).filter(|&column| row[column] == UNSEEN_COLOR).count();
         assert!((2..=4).contains(&hidden), "{hidden} pixels are hidden: {row:?}");
+    }
+
+    /// A slanted wall with a post before it, at which a camera with a wider lens looks from beside.
+    #[test]
+    fn depths_are_those_that_the_other_camera_would_take() {
+        let depth_camera = camera([128, 96], 117.0);
+        let rays = RayTable::of(&depth_camera);
+        // z = 2 + x / 5 of the wall, of which z = 2 / (1 - rx / 5); the post is one away.
+        let wall = |[x, _]: [f32; 2]| 2.0 / (1.0 - 0.2 * x);
+        let metres = rays
+            .rays()
+            .iter()
+            .map(|&ray| if ray[0].abs() < 0.05 { 1.0 } else { wall(ray) });
+        let depth = DepthImage::new([128, 96], metres.collect()).unwrap();
+        let baseline = DVec3::new(-0.05, 0.0, 0.0);
+        for (size, focal) in [([128, 96], 105.0), ([512, 384], 420.0)] {
+            let color = ColorCamera {
+                camera: camera(size, focal),
+                color_from_depth: DAffine3::from_translation(baseline),
+            };
+            let found = color.depths(&depth, &rays);
+            // As many pixels as the depth camera has of the wall, not as many as the colour camera.
+            assert!((100..=150).contains(&found.size_px()[0]), "{:?}", found.size_px());
+            let step = 128.0 / found.width() as f32;
+            let row = &found.metres()[found.width() * (found.size_px()[1] as usize / 2)..][..found.width()];
+            let (mut on_wall, mut on_post) = (0, 0);
+            for (column, &z) in row.iter().enumerate() {
+                let ray = (step * (column as f32 + 0.5) - 64.0) / 105.0;
+                // In the frame of the colour camera the wall is z = 2 + (x + 0.05) / 5.
+                let expected = 2.01 / (1.0 - 0.2 * ray);
+                let at_post = (ray + 0.05).abs();
+                if at_post < 0.04 {
+                    assert!((z - 1.0).abs() < 1e-4, "post at {column}: {z}");
+                    on_post += 1;
+                } else if at_post > 0.09 && column > 12 && column + 12 < row.len() {
+                    // The nearest of those around, which differ by the slope.
+                    assert!((z - expected).abs() < 0.02, "wall at {column}: {z} for {expected}");
+                    on_wall += 1;
+                }
+            }
+            assert!(on_wall > 60 && on_post >= 6, "{on_wall} {on_post}");
+        }
     }
 }

@@ -6,7 +6,8 @@
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::ScenePacket;
-use super::screen_surfels::{ScreenInput, ScreenStats, ScreenSurfels};
+use super::screen_surfels::{ScreenInput, ScreenSurfels};
+use super::visible_points::ScreenStats;
 use super::{
     Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
 };
@@ -267,6 +268,7 @@ impl Scene {
                 sensor: frame.frame.sensor(),
             },
             shows_errors: style.shows_normal_errors(),
+            is_left_to_card: style.drawing.renderer == RendererChoice::Gpu,
         })
     }
 
@@ -332,7 +334,7 @@ impl Scene {
         self.stats
     }
 
-    /// What was done for normals of the screen, if the last picture has such.
+    /// What the processor did for normals of the screen, if the last picture has such.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
         self.screen.stats()
     }

@@ -2,6 +2,7 @@
 
 use super::Clip;
 use super::clip::at;
+use super::visible_points::VisiblePoints;
 use crate::cloud::{MeshRecords, PointRecord, ShapeRecord, VoxelRecord};
 use crate::levels::octree::CodedCloud;
 use crate::levels::{NodeRecords, RecordBuffers, Records, Selection};
@@ -19,6 +20,8 @@ pub enum Content {
     Surfels(Surfels),
     /// The same, some of those of all nodes of levels of detail, for graphics cards, which keep these.
     Selected(Selected),
+    /// The same of those points that a picture shows, for graphics cards, which find them and their normals.
+    Visible(Arc<VisiblePoints>),
     /// Cubes.
     Voxels(Voxels),
     /// Triangles, and points between them.
@@ -79,11 +82,27 @@ pub struct CodedCells {
 }
 
 impl Content {
-    /// Positions and colours of points or surfels; where some nodes are drawn, of all.
+    /// The surfels of what is left to who draws: some of those of all nodes, or those of visible points.
+    pub fn gathered(&self) -> Option<Surfels> {
+        match self {
+            Self::Selected(selected) => Some(selected.gathered()),
+            Self::Visible(visible) => {
+                let surfels = visible.surfels();
+                Some(Surfels {
+                    points: Arc::clone(&surfels.points),
+                    shapes: Arc::clone(&surfels.shapes),
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// Positions and colours of points or surfels; where some nodes or visible points are drawn, of all.
     pub fn points(&self) -> Option<&Arc<Vec<PointRecord>>> {
         match self {
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => Some(points),
             Self::Selected(Selected { nodes, .. }) => Some(&nodes.points),
+            Self::Visible(visible) => Some(&visible.points),
             Self::Nothing | Self::Voxels(_) | Self::Mesh(_) | Self::Coded(_) => None,
         }
     }
@@ -95,6 +114,11 @@ impl Content {
             Self::Selected(Selected { nodes, .. }) => Some(&nodes.shapes),
             _ => None,
         }
+    }
+
+    /// Whether what is drawn has normals and radii, be they left to who draws or not.
+    pub fn has_shapes(&self) -> bool {
+        self.shapes().is_some() || matches!(self, Self::Visible(_))
     }
 
     /// Cells of an octree.
@@ -121,12 +145,14 @@ impl Content {
         }
     }
 
-    /// Number of records; of byte codes the nodes of the deepest level that may be drawn.
+    /// Number of records; of byte codes the nodes of the deepest level that may be drawn, of points of which the
+    /// visible ones are drawn that of all.
     pub fn record_count(&self) -> usize {
         match self {
             Self::Nothing => 0,
             Self::Points(points) | Self::Surfels(Surfels { points, .. }) => points.len(),
             Self::Selected(selected) => selected.selection.len(),
+            Self::Visible(visible) => visible.points.len(),
             Self::Voxels(voxels) => voxels.records.len(),
             Self::Mesh(mesh) => mesh.triangles.len(),
             Self::Coded(coded) => coded.deepest_nodes(),
@@ -156,7 +182,10 @@ impl Content {
                     shapes: Arc::new(at(shapes, &kept)),
                 })
             }
-            Self::Selected(selected) => Self::Surfels(selected.gathered()).clipped(clip),
+            Self::Selected(_) | Self::Visible(_) => {
+                let gathered = self.gathered().map(Self::Surfels);
+                gathered.map_or_else(|| self.clone(), |surfels| surfels.clipped(clip))
+            }
             Self::Voxels(voxels) => {
                 let kept = clip.kept(&voxels.records);
                 if kept.len() == voxels.records.len() {
@@ -202,7 +231,9 @@ impl Content {
                 shapes: voxels.normals.map(memory).unwrap_or_default(),
                 ..RecordBuffers::default()
             },
-            Self::Nothing | Self::Points(_) | Self::Mesh(_) | Self::Coded(_) => RecordBuffers::default(),
+            Self::Nothing | Self::Points(_) | Self::Visible(_) | Self::Mesh(_) | Self::Coded(_) => {
+                RecordBuffers::default()
+            }
         }
     }
 }
@@ -236,6 +267,7 @@ impl PartialEq for Content {
         match (self, other) {
             (Self::Nothing, Self::Nothing) => true,
             (Self::Points(a), Self::Points(b)) => Arc::ptr_eq(a, b),
+            (Self::Visible(a), Self::Visible(b)) => Arc::ptr_eq(a, b),
             (Self::Mesh(a), Self::Mesh(b)) => Arc::ptr_eq(a, b),
             (Self::Surfels(a), Self::Surfels(b)) => {
                 Arc::ptr_eq(&a.points, &b.points) && Arc::ptr_eq(&a.shapes, &b.shapes)

@@ -33,6 +33,7 @@ mod screen_surfels;
 mod shadow;
 mod style;
 mod view_text;
+mod visible_points;
 
 pub use albedo_curve::AlbedoCurve;
 pub(crate) use albedo_curve::DIELECTRIC;
@@ -63,7 +64,7 @@ pub use picture_plane::PicturePlane;
 pub use pinhole_view::sensor_target_distance;
 pub use point_size::PointSize;
 pub use scale_bar::ScaleBar;
-pub use screen_surfels::{ScreenStats, screen_view};
+pub use screen_surfels::screen_view;
 pub use shadow::Shadow;
 pub(crate) use style::choices;
 pub use style::{
@@ -74,3 +75,4 @@ pub use style::{
     Style, SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;
+pub use visible_points::{ScreenStats, VisiblePoints, VisibleSurfels};

@@ -1,37 +1,20 @@
 //! Surfels of what a picture shows, with normals and radii from the picture ([`crate::analysis::screen`]).
 //!
 //! **How it works.** They are made where packets are: a packet has records of visible points as it has those of a cut
-//! of levels of detail, and whoever draws, picks or exports needs to know no more. So both renderers draw the same
-//! records, and a graphics card gets them with each new view. As long as view, points and what they are drawn for stay,
-//! the records are the same allocations.
+//! of levels of detail, and whoever draws, picks or exports needs to know no more. A graphics card makes them itself
+//! and gets all points once ([`Content::Visible`]); then a view costs it no upload, and the processor nothing. As long
+//! as view, points and what they are drawn for stay, the records are the same allocations.
 //!
 //! Pictures of more than 2²³ pixels are looked at in coarser steps.
 
+use super::visible_points::{ScreenStats, VisiblePoints, VisibleSurfels};
 use super::{Content, Surfels, ViewTransform};
-use crate::analysis::NormalErrors;
-use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
-use crate::cloud::{PointRecord, ShapeRecord};
-use std::sync::Arc;
-use std::time::Instant;
+use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView};
+use crate::locks::lock;
+use std::sync::{Arc, Mutex};
 
 /// Most pixels that points are told apart by.
 const MOST_PIXELS: f32 = (1 << 23) as f32;
-
-/// What was done for the last picture with normals of the screen.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
-pub struct ScreenStats {
-    /// Points that might have been seen.
-    pub points: usize,
-    /// Those that were.
-    pub visible: usize,
-    /// Milliseconds of telling them apart.
-    pub cull_ms: f64,
-    /// Milliseconds of normals and radii.
-    pub normals_ms: f64,
-    /// Errors of the normals, where these are shown.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub errors: Option<NormalErrors>,
-}
 
 /// What surfels of the screen depend on.
 #[derive(Debug, Clone)]
@@ -42,78 +25,75 @@ pub(super) struct ScreenInput {
     pub(super) viewport_px: [u32; 2],
     pub(super) cloud: ScreenCloud,
     pub(super) shows_errors: bool,
+    /// Whether who draws makes them, unless errors are shown.
+    pub(super) is_left_to_card: bool,
 }
 
 /// The last surfels of the screen.
 #[derive(Debug, Default)]
 pub(super) struct ScreenSurfels {
-    estimator: ScreenEstimator,
-    last: Option<(ScreenInput, Content, ScreenStats)>,
+    estimator: Arc<Mutex<ScreenEstimator>>,
+    last: Option<(ScreenInput, Made)>,
+}
+
+/// What they are.
+#[derive(Debug, Clone)]
+enum Made {
+    Here(VisibleSurfels),
+    Left(Arc<VisiblePoints>),
+}
+
+impl Made {
+    fn content(&self) -> Content {
+        match self {
+            Self::Here(VisibleSurfels { points, shapes, .. }) => Content::Surfels(Surfels {
+                points: Arc::clone(points),
+                shapes: Arc::clone(shapes),
+            }),
+            Self::Left(visible) => Content::Visible(Arc::clone(visible)),
+        }
+    }
 }
 
 impl ScreenSurfels {
     /// What is drawn; content without points stays as it is.
     pub(super) fn content(&mut self, from: ScreenInput) -> Content {
-        if let Some((of, content, _)) = &self.last
+        if let Some((of, made)) = &self.last
             && *of == from
         {
-            return content.clone();
+            return made.content();
         }
         let Some(points) = from.content.points() else {
             self.last = None;
             return from.content;
         };
-        let (points, truth) = (Arc::clone(points), from.content.shapes().cloned());
-        let truth = truth.filter(|_| from.shows_errors);
-        let (surfels, stats) = self.make(&from, &points, truth.as_deref().map(Vec::as_slice));
-        let content = Content::Surfels(surfels);
-        self.last = Some((from, content.clone(), stats));
+        let view = screen_view(&from.view, from.viewport_px);
+        let made = if from.is_left_to_card && !from.shows_errors {
+            let estimator = Arc::clone(&self.estimator);
+            let visible = VisiblePoints::new(Arc::clone(points), view, from.cloud, estimator);
+            Made::Left(Arc::new(visible))
+        } else {
+            let truth = from.content.shapes().filter(|_| from.shows_errors);
+            let truth = truth.map(|truth| truth.as_slice());
+            let mut estimator = lock(&self.estimator);
+            Made::Here(VisibleSurfels::make(&mut estimator, points, &view, &from.cloud, truth))
+        };
+        let content = made.content();
+        self.last = Some((from, made));
         content
     }
 
-    /// Of the last picture, if it had such surfels.
+    /// What the processor did for the last picture, if it had such surfels.
     pub(super) fn stats(&self) -> Option<ScreenStats> {
-        self.last.as_ref().map(|(_, _, stats)| *stats)
+        match self.last.as_ref().map(|(_, made)| made)? {
+            Made::Here(surfels) => Some(surfels.stats),
+            Made::Left(visible) => visible.stats(),
+        }
     }
 
     /// Another picture was made, without them.
     pub(super) fn forget(&mut self) {
         self.last = None;
-    }
-
-    fn make(
-        &mut self,
-        from: &ScreenInput,
-        points: &[PointRecord],
-        truth: Option<&[ShapeRecord]>,
-    ) -> (Surfels, ScreenStats) {
-        let view = screen_view(&from.view, from.viewport_px);
-        let start = Instant::now();
-        let visible = self.estimator.cull(&view, points, &from.cloud);
-        let cull_ms = milliseconds_since(start);
-        let start = Instant::now();
-        let shapes = self.estimator.surface(&visible, &from.cloud, Search::Fixed);
-        let normals_ms = milliseconds_since(start);
-        let mut drawn: Vec<PointRecord> = visible.slots.iter().map(|&slot| points[slot as usize]).collect();
-        let errors = truth.map(|truth| {
-            let (errors, colors) = NormalErrors::of(&shapes, truth, &visible.slots);
-            for (point, color) in drawn.iter_mut().zip(colors) {
-                point.color = color;
-            }
-            errors
-        });
-        let stats = ScreenStats {
-            points: points.len(),
-            visible: visible.len(),
-            cull_ms,
-            normals_ms,
-            errors,
-        };
-        let surfels = Surfels {
-            points: Arc::new(drawn),
-            shapes: Arc::new(shapes),
-        };
-        (surfels, stats)
     }
 }
 
@@ -124,6 +104,7 @@ impl PartialEq for ScreenInput {
             && self.viewport_px == other.viewport_px
             && self.cloud == other.cloud
             && self.shows_errors == other.shows_errors
+            && self.is_left_to_card == other.is_left_to_card
     }
 }
 
@@ -143,8 +124,4 @@ pub fn screen_view(view: &ViewTransform, viewport_px: [u32; 2]) -> ScreenView {
         px_per_slope: [view.focal[0] * half[0], -view.focal[1] * half[1]],
         middle_px: [half[0] * (1.0 + right), half[1] * (1.0 - up)],
     }
-}
-
-fn milliseconds_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

@@ -76,8 +76,8 @@ struct Small {
 }
 
 impl Dense {
-    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how many photographs are done;
-    /// what it returns after that was cancelled is of no use.
+    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how much is done, and stops soon
+    /// after that was cancelled.
     ///
     /// # Errors
     /// [`DenseError`].
@@ -97,23 +97,25 @@ impl Dense {
         }
         let middles = set.middles();
         let mut maps = Vec::with_capacity(small.len());
-        progress.set(0, small.len());
+        progress.set(0, PlaneSweep::STEPS * small.len());
         for (of_one, view) in small.iter().zip(&views) {
             if progress.is_cancelled() {
-                return Err(DenseError::Nothing { photos: small.len() });
+                return Err(StereoError::Cancelled.into());
             }
             let middle = middles[of_one.number];
             let others = self.others(set, (of_one, middle), &small, &views);
             let nothing = || vec![0.0; of_one.image.pixels().len()];
             let depths = match depth_range(set, of_one.number, middle) {
                 Some([near, far]) if !others.is_empty() => {
-                    let found = PlaneSweep::between(near, far).depths(view, &others)?;
+                    let found = PlaneSweep::between(near, far).depths_observed(view, &others, progress)?;
                     of_one.masked(&found)
                 }
-                _ => nothing(),
+                _ => {
+                    progress.advance(PlaneSweep::STEPS);
+                    nothing()
+                }
             };
             maps.extend(DepthImage::new(of_one.image.size_px(), depths));
-            progress.advance(1);
         }
         let kept = consistent(&maps, &views, self.consistency)?;
         let mut cloud = cloud(&kept, &views)?;

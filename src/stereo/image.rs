@@ -74,6 +74,7 @@ impl GrayImage {
     }
 
     /// The brightness between pixels, mixed from the four around. Beyond the border it is that of the border.
+    #[inline]
     pub(super) fn bilinear(&self, x: f32, y: f32) -> u8 {
         let place = |at: f32, count: usize| {
             let at = at.clamp(0.0, (count - 1) as f32);

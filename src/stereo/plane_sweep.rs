@@ -5,32 +5,41 @@
 //! inverse depth, for so are their pixels in the other views: a pixel p of the view is K₂(R K₁⁻¹ p + t / z) in another
 //! one, which is linear in 1 / z.
 //!
-//! Costs are those of the census of what was laid on the plane. Of the costs of all views that see the place, the mean
-//! of the better half counts (Kang et al. 2001): what hides a surface from some views hides it from one
-//! side. They are gathered as those of pairs are. It wins over pairs where many views are near each other, and needs no
-//! rectification; a pair takes less time.
+//! Costs are those of the census of what was laid on a plane; each view is laid once, and shifted from plane to plane
+//! (`turned.rs`). Of the costs of all views that see the place, the mean of the better half counts (`better_half.rs`):
+//! what hides a surface from some views hides it from one side. They are gathered as those of pairs are. It wins over
+//! pairs where many views are near each other, and needs no rectification; a pair takes less time.
 
-use super::census::{HALF_HEIGHT, census, census_of_row};
+mod better_half;
+mod turned;
+
+use super::census::census;
 use super::contrast::remove_even;
-use super::costs::{LANES, Volume};
+use super::costs::{LANES, MAX_COST, Volume};
 use super::filters::{median, remove_specks};
 use super::local::local;
 use super::refine::refine;
 use super::semi_global::{Penalties, semi_global};
-use super::view::pixels_from_rays;
 use super::winner::{Between, Choice};
 use super::{Gathering, GrayImage, StereoError, View};
+use crate::progress::Progress;
 use crate::rgbd::DepthImage;
-use glam::{Mat3, Vec3};
+use better_half::BetterHalf;
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use turned::{Other, Turned};
 
 /// Most planes.
 const MOST_PLANES: usize = 1024;
 
 /// Lines of a task.
-const LINES: usize = 16;
+const LINES: usize = 4;
 
-/// Most bytes of all costs.
+/// Steps of progress while costs are worked out.
+const COST_STEPS: usize = 15;
+
+/// Most bytes of all costs, and of all other views.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// Most other views: more would tell nothing that the nearest do not.
@@ -58,6 +67,9 @@ pub struct PlaneSweep {
 }
 
 impl PlaneSweep {
+    /// Steps by which progress advances: costs, then what is made of them.
+    pub const STEPS: usize = COST_STEPS + 1;
+
     /// Between two depths.
     pub fn between(near: f64, far: f64) -> Self {
         Self {
@@ -76,6 +88,19 @@ impl PlaneSweep {
     /// # Errors
     /// [`StereoError`] of views (the first is number 0, others follow), depths, penalties and sizes.
     pub fn depths(&self, view: &View<'_>, others: &[View<'_>]) -> Result<DepthImage, StereoError> {
+        self.depths_observed(view, others, &Progress::default())
+    }
+
+    /// The same while somebody waits for it: `progress` advances by [`PlaneSweep::STEPS`] in all, and may be cancelled.
+    ///
+    /// # Errors
+    /// Those of [`PlaneSweep::depths`], and [`StereoError::Cancelled`].
+    pub fn depths_observed(
+        &self,
+        view: &View<'_>,
+        others: &[View<'_>],
+        progress: &Progress,
+    ) -> Result<DepthImage, StereoError> {
         self.check_depths()?;
         if others.is_empty() {
             return Err(StereoError::TooFewViews(1));
@@ -88,7 +113,7 @@ impl PlaneSweep {
         let size = [image.width(), image.height()];
         let others: Vec<_> = others.iter().map(|other| Other::new(other, view)).collect();
         let planes = self.inverse_depths(size, &others);
-        let volume = costs(&image, &others, &planes)?;
+        let volume = costs(&image, &others, &planes, progress)?;
         let choice = Choice {
             unique_percent: self.unique_percent,
             between: Between::Lines,
@@ -101,6 +126,9 @@ impl PlaneSweep {
             Gathering::Local { radius_px } => local(&volume, radius_px, &mut labels, winners)?,
         }
         remove_even(&image, &mut labels);
+        if progress.is_cancelled() {
+            return Err(StereoError::Cancelled);
+        }
         let labels = refine(&labels, size[0], |at, label| volume.around(at, label));
         let mut labels = median(&labels, size[0]);
         remove_specks(&mut labels, size[0], self.least_area_px, |a, b| {
@@ -112,6 +140,7 @@ impl PlaneSweep {
             if inverse > 0.0 { 1.0 / inverse } else { 0.0 }
         };
         let depths = labels.into_iter().map(depth).collect();
+        progress.advance(1);
         Ok(DepthImage::new(view.image.size_px(), depths).expect("as many as the image has pixels"))
     }
 
@@ -144,181 +173,91 @@ impl PlaneSweep {
     }
 }
 
-/// Another view, as the first one sees it on a plane.
-struct Other {
-    image: GrayImage,
-    /// From pixels of the first view to those of this one on the plane at infinity.
-    linear: Mat3,
-    /// Times inverse depth, what is added.
-    offset: Vec3,
-}
-
-impl Other {
-    fn new(view: &View<'_>, first: &View<'_>) -> Self {
-        let second_from_first = view.camera_from_world * first.camera_from_world.inverse();
-        let pixels = pixels_from_rays(view.camera);
-        Self {
-            image: GrayImage::of_colors(view.image),
-            linear: (pixels * second_from_first.matrix3 * pixels_from_rays(first.camera).inverse()).as_mat3(),
-            offset: (pixels * second_from_first.translation).as_vec3(),
-        }
-    }
-
-    /// By how many pixels what the first view has in its middle or in a corner moves between two inverse depths.
-    fn shift(&self, [width, height]: [usize; 2], range: [f64; 2]) -> f32 {
-        let (width, height) = (width as f32 - 1.0, height as f32 - 1.0);
-        let places = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        let shifts = places.map(|[x, y]| {
-            let ends = range.map(|inverse| {
-                let to = self.linear * Vec3::new(x * width, y * height, 1.0) + self.offset * inverse as f32;
-                (to.z > 0.0).then(|| to.truncate() / to.z)
-            });
-            let [Some(far), Some(near)] = ends else { return 0.0 };
-            far.distance(near)
-        });
-        shifts.into_iter().fold(0.0, f32::max)
-    }
-
-    /// Writes the lines from `from` on of what is seen on a plane, and of which pixels there is something.
-    fn lay(&self, inverse_depth: f32, from: usize, width: usize, pixels: &mut [u8], is_seen: &mut [bool]) {
-        let offset = self.offset * inverse_depth;
-        let most = [self.image.width() as f32 - 0.5, self.image.height() as f32 - 0.5];
-        let lines = pixels.chunks_exact_mut(width).zip(is_seen.chunks_exact_mut(width));
-        for (y, (pixels, is_seen)) in (from..).zip(lines) {
-            let line = self.linear * Vec3::new(0.0, y as f32, 1.0) + offset;
-            for (x, (pixel, is_seen)) in pixels.iter_mut().zip(is_seen).enumerate() {
-                let to = line + self.linear.x_axis * x as f32;
-                let (u, v) = (to.x / to.z, to.y / to.z);
-                *is_seen = to.z > 0.0 && u >= -0.5 && v >= -0.5 && u <= most[0] && v <= most[1];
-                // Beyond the border is the border: where all is even, no plane costs more than others.
-                *pixel = self.image.bilinear(u, v);
-            }
-        }
-    }
-}
-
-fn costs(image: &GrayImage, others: &[Other], planes: &[f32]) -> Result<Volume, StereoError> {
-    let [width, height] = [image.width(), image.height()];
-    let line = width * planes.len();
-    let needed = line as u64 * height as u64;
+fn costs(image: &GrayImage, others: &[Other], planes: &[f32], progress: &Progress) -> Result<Volume, StereoError> {
+    let size = [image.width(), image.height()];
+    let line = size[0] * planes.len();
+    let needed = line as u64 * size[1] as u64 + others.len() as u64 * Other::byte_size(size);
     if needed > MOST_BYTES {
         return Err(StereoError::TooLarge {
             needed_mib: needed >> 20,
             most_mib: MOST_BYTES >> 20,
         });
     }
+    let range = [planes[0], planes[planes.len() - 1]];
+    let turned: Vec<Turned> = others.par_iter().map(|other| other.turned(size, range)).collect();
     let bits = census(image);
-    let mut costs = vec![0; line * height];
-    costs
-        .par_chunks_mut(LINES * line)
-        .enumerate()
-        .for_each(|(task, costs)| {
-            let from = task * LINES;
-            let lines = from..from + costs.len() / line;
-            let mut slab = Slab::new(others, lines, [width, height]);
-            for (plane, &inverse_depth) in planes.iter().enumerate() {
-                slab.sweep(inverse_depth, &bits);
-                for (costs, cost) in costs.chunks_exact_mut(planes.len()).zip(slab.best_halves()) {
-                    costs[plane] = cost;
-                }
-            }
-        });
+    let mut costs = vec![0; line * size[1]];
+    let done = AtomicUsize::new(0);
+    let lines = costs.par_chunks_mut(LINES * line).zip(bits.par_chunks(LINES * size[0]));
+    lines.enumerate().for_each(|(task, (costs, bits))| {
+        if progress.is_cancelled() {
+            return;
+        }
+        let mut costs_of_lines = LineCosts::new(&turned, size[0]);
+        let lines = costs.chunks_exact_mut(line).zip(bits.chunks_exact(size[0]));
+        for (y, (costs, bits)) in (task * LINES..).zip(lines) {
+            costs_of_lines.fill(y, bits, planes, costs);
+        }
+        let lines = LINES.min(size[1] - task * LINES);
+        let before = done.fetch_add(lines, Ordering::Relaxed);
+        let steps = |lines: usize| COST_STEPS * lines / size[1];
+        let steps = steps(before + lines) - steps(before);
+        if steps > 0 {
+            progress.advance(steps);
+        }
+    });
+    if progress.is_cancelled() {
+        return Err(StereoError::Cancelled);
+    }
     Ok(Volume {
-        size: [width, height],
+        size,
         count: planes.len(),
         costs,
     })
 }
 
-/// Some lines of the view, and memory for what is laid on them.
-struct Slab<'a> {
-    others: &'a [Other],
-    width: usize,
-    lines: std::ops::Range<usize>,
-    /// First of the lines that are laid: those above and below are compared with.
-    first: usize,
-    laid: GrayImage,
-    is_seen: Vec<bool>,
-    bits: Vec<u64>,
-    /// Costs of the others of each pixel, and how many of them see it.
+/// Memory for the costs of a line.
+struct LineCosts<'a> {
+    others: &'a [Turned],
+    half: BetterHalf,
+    /// Of one other view, of one plane.
     costs: Vec<u8>,
-    counts: Vec<u8>,
     /// The least cost of each pixel beyond all borders, where no view sees it.
     beyond: Vec<u8>,
+    means: Vec<u8>,
 }
 
-impl<'a> Slab<'a> {
-    fn new(others: &'a [Other], lines: std::ops::Range<usize>, [width, height]: [usize; 2]) -> Self {
-        let first = lines.start.saturating_sub(HALF_HEIGHT);
-        let last = (lines.end + HALF_HEIGHT).min(height);
-        let pixels = width * lines.len();
+impl<'a> LineCosts<'a> {
+    fn new(others: &'a [Turned], width: usize) -> Self {
         Self {
             others,
-            width,
-            first,
-            laid: GrayImage::black([width, last - first]),
-            is_seen: vec![false; width * (last - first)],
-            bits: vec![0; width],
-            costs: vec![0; pixels * others.len()],
-            counts: vec![0; pixels],
-            beyond: vec![0; pixels],
-            lines,
+            half: BetterHalf::new(width, others.len()),
+            costs: vec![0; width],
+            beyond: vec![0; width],
+            means: vec![0; width],
         }
     }
 
-    /// Costs of one plane. `bits` are those of the whole view.
-    fn sweep(&mut self, inverse_depth: f32, bits: &[u64]) {
-        let width = self.width;
-        self.counts.fill(0);
-        self.beyond.fill(u8::MAX);
-        for other in self.others {
-            other.lay(
-                inverse_depth,
-                self.first,
-                width,
-                self.laid.pixels_mut(),
-                &mut self.is_seen,
-            );
-            let costs = self.costs.chunks_exact_mut(width * self.others.len());
-            let counts = self
-                .counts
-                .chunks_exact_mut(width)
-                .zip(self.beyond.chunks_exact_mut(width));
-            for (y, (costs, (counts, beyond))) in self.lines.clone().zip(costs.zip(counts)) {
-                let laid = y - self.first;
-                self.bits.fill(0);
-                census_of_row(&self.laid, laid, &mut self.bits);
-                let is_seen = &self.is_seen[laid * width..(laid + 1) * width];
-                let bits = &bits[y * width..(y + 1) * width];
-                for (x, costs) in costs.chunks_exact_mut(self.others.len()).enumerate() {
-                    let cost = (self.bits[x] ^ bits[x]).count_ones() as u8;
-                    if is_seen[x] {
-                        costs[usize::from(counts[x])] = cost;
-                        counts[x] += 1;
-                    } else {
-                        beyond[x] = beyond[x].min(cost);
-                    }
+    /// Writes the costs of line `y`, pixel by pixel, plane by plane. `bits` are those of its pixels.
+    fn fill(&mut self, y: usize, bits: &[u64], planes: &[f32], costs: &mut [u8]) {
+        for (plane, &inverse_depth) in planes.iter().enumerate() {
+            self.half.clear();
+            for other in self.others {
+                dispatch!(Level::new(), _simd => other.costs(inverse_depth, y, bits, &mut self.costs));
+                self.half.take(&mut self.costs);
+            }
+            if self.half.lacks_views() {
+                self.beyond.fill(MAX_COST);
+                for other in self.others {
+                    other.beyond(inverse_depth, y, bits, &mut self.beyond);
                 }
+            }
+            self.half.means(&self.beyond, &mut self.means);
+            for (costs, &mean) in costs.chunks_exact_mut(planes.len()).zip(&self.means) {
+                costs[plane] = mean;
             }
         }
     }
-
-    /// The mean of the better half of the costs of each pixel.
-    fn best_halves(&mut self) -> impl Iterator<Item = u8> {
-        let pixels = self
-            .costs
-            .chunks_exact_mut(self.others.len())
-            .zip(self.counts.iter().zip(&self.beyond));
-        pixels.map(|(costs, (&count, &beyond))| best_half(&mut costs[..usize::from(count)]).unwrap_or(beyond))
-    }
-}
-
-/// `None` of none.
-fn best_half(costs: &mut [u8]) -> Option<u8> {
-    costs.sort_unstable();
-    let half = costs.len().div_ceil(2) as u32;
-    let sum: u32 = costs.iter().take(half as usize).map(|&cost| u32::from(cost)).sum();
-    (sum + half / 2).checked_div(half).map(|mean| mean as u8)
 }
 
 #[cfg(test)]

@@ -308,6 +308,51 @@ fn an_array_with_layers_is_a_sequence() {
 }
 
 #[test]
+fn an_array_of_images_of_points_is_a_sequence_of_organised_clouds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.npz");
+    let options = io::ReadOptions::default();
+    // Two images of two lines of four pixels, the third pixel of each line a hole.
+    let values: Vec<f32> = (0..48)
+        .map(|index| if index / 3 % 4 == 2 { f32::NAN } else { index as f32 })
+        .collect();
+    let confidence: Vec<f32> = (0..16).map(|pixel| pixel as f32).collect();
+    let colors: Vec<u8> = (0..48).collect();
+    let write = |frames: usize, values: &[f32], confidence: &[f32], colors: &[u8]| {
+        let file = npz(
+            &[
+                ("intensity", floats(&format!("({frames}, 2, 4)"), confidence)),
+                ("world_points", floats(&format!("({frames}, 2, 4, 3)"), values)),
+                (
+                    "colors",
+                    npy(1, "'|u1'", false, &format!("({frames}, 2, 4, 3)"), colors),
+                ),
+            ],
+            zip::CompressionMethod::Deflated,
+        );
+        std::fs::write(&path, file).unwrap();
+        io::list(&path, &options).unwrap()
+    };
+    let entries = write(2, &values, &confidence, &colors);
+    assert_eq!(entries.len(), 2);
+    for (frame, entry) in entries.iter().enumerate() {
+        let cloud = io::read_part(&path, &entry.part, &options).unwrap();
+        let grid = cloud.grid.unwrap();
+        assert_eq!((grid.width(), grid.height()), (4, 2));
+        let first = 24.0 * frame as f64;
+        assert_eq!(positions(&cloud)[5], [first + 15.0, first + 16.0, first + 17.0]);
+        assert!(positions(&cloud)[2][0].is_nan() && positions(&cloud)[6][0].is_nan());
+        assert_eq!(cloud.attributes.scalars[0].values[7], 8.0 * frame as f32 + 7.0);
+        assert_eq!(cloud.attributes.colors.as_ref().unwrap()[1][0], 24 * frame as u8 + 3);
+        assert_eq!(cloud.assumption, None);
+    }
+    let one = write(1, &values[..24], &confidence[..8], &colors[..24]);
+    assert_eq!(one.len(), 1);
+    let cloud = io::read_part(&path, &one[0].part, &options).unwrap();
+    assert_eq!((positions(&cloud).len(), cloud.grid.is_some()), (8, true));
+}
+
+#[test]
 fn layers_that_are_only_claimed_are_no_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.npz");

@@ -58,6 +58,7 @@ const WRITERS: &[(&str, Format, Writer, bool)] = &[
     ),
     ("Middlebury", Format::Middlebury, Scene::write_middlebury, false),
     ("transforms.json", Format::Transforms, Scene::write_transforms, false),
+    ("LLFF", Format::Llff, Scene::write_llff, false),
 ];
 
 fn read(path: &Path) -> ViewSet {
@@ -133,11 +134,11 @@ fn one_scene_projects_equally_in_all_formats() {
     assert_projects_equally(&Scene::simple(), |_| true);
 }
 
-/// Bundler, and Meshroom before 1.2, know one focal length; Bundler no principal point either.
+/// Bundler, LLFF, and Meshroom before 1.2, know one focal length; the first two no principal point either.
 #[test]
 fn a_principal_point_off_the_middle_stays_where_it_is() {
     assert_projects_equally(&Scene::off_center(), |name| {
-        name != "Bundler" && name != "Meshroom 1.0.0"
+        !["Bundler", "LLFF", "Meshroom 1.0.0"].contains(&name)
     });
     let one_focal = Scene {
         focal_px: DVec2::splat(90.0),
@@ -146,10 +147,12 @@ fn a_principal_point_off_the_middle_stays_where_it_is() {
     assert_projects_equally(&one_focal, |name| name == "Meshroom 1.0.0");
 }
 
-/// NVM distorts the other way round (see its own test), par files are of undistorted photographs.
+/// NVM distorts the other way round (see its own test), par files and LLFF are of undistorted photographs.
 #[test]
 fn a_lens_bends_equally_in_all_formats() {
-    assert_projects_equally(&Scene::distorted(), |name| name != "NVM" && name != "Middlebury");
+    assert_projects_equally(&Scene::distorted(), |name| {
+        !["NVM", "Middlebury", "LLFF"].contains(&name)
+    });
 }
 
 /// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.
@@ -276,6 +279,57 @@ fn transforms_count_from_the_corner_and_look_along_minus_z() {
     assert_shows(&[("transforms_train.json", &angle)], [0.1, 0.2, -1.0], [36.5, 13.5]);
 }
 
+/// Down, right and backward are the columns; the principal point is the middle of the image.
+#[test]
+fn llff_looks_along_minus_its_third_column_from_the_middle() {
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 17)}";
+    let numbers = [
+        0.0, 1.0, 0.0, 1.0, 48.0, 1.0, 0.0, 0.0, 0.0, 64.0, 0.0, 0.0, -1.0, 0.0, 50.0, 1.0, 2.0,
+    ];
+    let payload = numbers.iter().flat_map(|number: &f64| number.to_le_bytes());
+    let mut file = b"\x93NUMPY\x01\0".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.bytes().chain(payload));
+    let folder = folder_with(&[]);
+    fs::write(folder.path().join("poses_bounds.npy"), file).unwrap();
+    let photo = &read(folder.path()).photos[0];
+    let pixel = |x: f64, y: f64| photo.project(DVec3::new(x, y, 1.0)).unwrap();
+    assert!(pixel(1.0, 0.0).distance(DVec2::new(31.5, 23.5)) < 1e-9);
+    // One to the right is the world's x, one down its y.
+    assert!(pixel(1.1, 0.2).distance(DVec2::new(36.5, 33.5)) < 1e-9);
+}
+
+/// Copies of a quarter of the size are taken where the originals were left out, and not where another number is there.
+#[test]
+fn photographs_of_llff_are_those_of_a_folder_of_as_many() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::simple();
+    scene.write_llff(folder.path());
+    let (images, smaller) = (folder.path().join("images"), folder.path().join("images_4"));
+    fs::create_dir(&smaller).unwrap();
+    for photo in 0..scene.poses.len() {
+        RgbImage::new(16, 12)
+            .save(smaller.join(format!("image{photo:03}.png")))
+            .unwrap();
+    }
+    assert_eq!(read(folder.path()).photos[0].camera.size_px(), [64, 48]);
+    fs::remove_file(images.join(Scene::name(2))).unwrap();
+    let set = read(folder.path());
+    assert_eq!(set.photos[0].camera.size_px(), [16, 12]);
+    for (index, photo) in set.photos.iter().enumerate() {
+        for &point in &scene.points {
+            let expected = (scene.pixel(index, point) + 0.5) / 4.0 - 0.5;
+            assert!(photo.project(point).unwrap().distance(expected) < 1e-9);
+        }
+    }
+    fs::remove_file(smaller.join("image001.png")).unwrap();
+    let error = error_of(folder.path());
+    assert!(
+        error.contains("6 photographs are calibrated") && error.contains("5 in images, 5 in images_4"),
+        "{error}"
+    );
+}
+
 #[test]
 fn a_file_stands_for_its_reconstruction() {
     for (write, file) in [
@@ -289,6 +343,7 @@ fn a_file_stands_for_its_reconstruction() {
         (|scene, folder| scene.write_meshroom(folder, [1, 2, 6]), "sfm.json"),
         (Scene::write_middlebury, "scene_par.txt"),
         (Scene::write_transforms, "transforms.json"),
+        (Scene::write_llff, "poses_bounds.npy"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         write(&Scene::simple(), folder.path());

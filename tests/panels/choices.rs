@@ -3,8 +3,9 @@
 use super::{click, frame, options, press, sequence, window, window_on};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Presets, StateOptions};
+use pointreel::app::{Presets, State, StateOptions};
 use pointreel::scene::Primitive;
 
 #[test]
@@ -27,6 +28,35 @@ fn the_palette_finds_chooses_and_runs() {
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().palette.is_none());
     assert_eq!(frame(&harness), 1);
+}
+
+#[test]
+fn the_palette_brings_the_row_of_a_setting_into_view() {
+    let mut harness = window();
+    let choose = |harness: &mut Harness<'_, State>, text: &str| {
+        press(harness, Modifiers::COMMAND, Key::P);
+        harness
+            .get_by_role_and_label(Role::TextInput, "Find a command")
+            .type_text(text);
+        harness.run();
+        press(harness, Modifiers::NONE, Key::Enter);
+        // Scrolling takes some pictures.
+        for _ in 0..60 {
+            harness.step();
+        }
+    };
+    let is_seen = |harness: &Harness<'_, State>, label: &str| {
+        let node = harness.query_by_role_and_label(Role::Label, label);
+        node.is_some_and(|node| harness.ctx.content_rect().contains_rect(node.rect()))
+    };
+    assert!(!is_seen(&harness, "Clip"));
+    choose(&mut harness, "clip to a box");
+    assert!(is_seen(&harness, "Clip"));
+    // One of those that are folded away.
+    assert!(!is_seen(&harness, "Painted by"));
+    choose(&mut harness, "painted by");
+    assert!(is_seen(&harness, "Painted by"));
+    assert!(harness.state().appearance.shows_advanced);
 }
 
 #[test]

@@ -60,6 +60,28 @@ fn a_sequence_of_broken_files_is_one_as_well_and_one_good_frame_is_enough() {
 }
 
 #[test]
+fn a_single_frame_has_its_name_and_nothing_to_play_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("alone.xyz");
+    std::fs::write(&file, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
+    let mut harness = window();
+    let controls = ["Play", "Next frame", "Frame rate", "Reverse"];
+    for control in controls {
+        assert!(harness.query_by_label(control).is_some(), "{control}");
+    }
+    harness.state_mut().open_paths(vec![file]);
+    until(&mut harness, "it is shown", |state| !state.recent.entries().is_empty());
+    let is_below = |name: &str| {
+        let mut nodes = harness.query_all_by_label(name);
+        nodes.any(|node| node.rect().top() > 700.0)
+    };
+    assert!(is_below("alone.xyz"));
+    for control in controls {
+        assert!(harness.query_by_label(control).is_none(), "{control}");
+    }
+}
+
+#[test]
 fn what_was_shown_is_listed_as_opened_lately() {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole.xyz");

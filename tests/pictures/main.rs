@@ -43,6 +43,7 @@ mod splat_geometry;
 mod sprites;
 mod stability;
 mod strategies;
+mod visible_surfels;
 #[path = "../common/walk.rs"]
 mod walk;
 mod white;

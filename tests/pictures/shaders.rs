@@ -6,8 +6,8 @@ mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
-    Filtering, Gathering, LampUniform, NodeBounds, PointRecord, ShapeRecord, SplatVertex, TexturePlace, TriangleRecord,
-    VertexRecord, ViewUniform,
+    Filtering, Gathering, LampUniform, NodeBounds, PointRecord, Screening, ShapeRecord, SplatVertex, TexturePlace,
+    TriangleRecord, VertexRecord, ViewUniform,
 };
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
@@ -80,7 +80,7 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather | Permutation::Filter => true,
+        Permutation::Gather | Permutation::Filter | Permutation::Visible => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);
@@ -156,6 +156,31 @@ fn rust_and_wgsl_agree_on_every_layout() {
         level,
         parent,
         unused
+    );
+    assert_layout!(
+        Screening,
+        "Screening",
+        rotation_x,
+        near,
+        rotation_y,
+        radius,
+        rotation_z,
+        spacing,
+        eye_high,
+        closing,
+        eye_low,
+        has_sensor,
+        sensor,
+        point_count,
+        px_per_slope,
+        middle_px,
+        size_px,
+        first,
+        count,
+        level,
+        unused_a,
+        unused_b,
+        unused_c
     );
     assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);

@@ -1,7 +1,7 @@
 //! Neighbourhoods of sixteen points: the radius of each is bisected until it holds so many, as `AutoSplats` do (Preiner
 //! et al. 2012), beside which paper 003 measures a fixed radius (Fig. 4).
 
-use super::cells::MOST_REACH;
+use super::constants::MOST_REACH_CELLS;
 use super::planes::{Neighbourhood, Planes};
 use super::view::Seen;
 use crate::analysis::four_matrices::FOUR;
@@ -30,7 +30,9 @@ impl Planes<'_> {
                 shapes
             })
             .collect();
-        tasks.concat()
+        let mut shapes = tasks.concat();
+        self.lend_normals(seen, &mut shapes);
+        shapes
     }
 
     #[inline(always)]
@@ -48,7 +50,7 @@ impl Planes<'_> {
     fn sixteen_around<S: Simd>(&self, simd: S, seen: &Seen) -> Neighbourhood {
         let most = self.cells.most_radius_px() * seen.depth / self.view.px_per_unit();
         // From one window of pixels to the next larger one, until there are enough.
-        let mut high = MOST_REACH * seen.depth / self.view.px_per_unit();
+        let mut high = MOST_REACH_CELLS * seen.depth / self.view.px_per_unit();
         let mut around = self.around(simd, seen, high, false);
         while around.points < WANTED && high < most {
             high *= 2.0;

@@ -6,31 +6,14 @@
 //! nearest of four. Coordinates are apart from one another and rows have a border, so that eight cells of a row are
 //! read at once from anywhere in the picture. A cell without points is too far away for any neighbourhood.
 
+use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, LEAST_RADIUS_PX, MOST_LEVELS, MOST_REACH_CELLS, WIDE_WINDOW};
 use super::view::{ScreenView, Seen};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-/// The coarsest level: its cells are 128 pixels wide.
-pub(super) const MOST_LEVELS: u32 = 7;
-
-/// Cells of a row that are read at once.
-pub(super) const WINDOW: usize = 8;
-
-/// How many times as far a wide window reaches.
-const WIDE: usize = 2;
-
-/// A window reaches so many cells from its middle at most: then it is no more than eight cells wide.
-pub(super) const MOST_REACH: f32 = 3.5;
-
-/// Neighbourhoods reach so many pixels at least.
-pub(super) const LEAST_RADIUS_PX: f32 = 2.0;
-
-/// Cells before the first one of a row, and rows before the first.
-const BORDER: usize = 8;
-
 /// Cells after the last one of a row, and rows after the last.
-const BORDER_AFTER: usize = WIDE * WINDOW;
+const BORDER_AFTER: usize = WIDE_WINDOW * CELLS_OF_WINDOW;
 
 /// No point is there.
 const EMPTY: u64 = u64::MAX;
@@ -67,6 +50,8 @@ pub(super) struct Window<'a> {
     pub(super) level: &'a CellLevel,
     /// Index of the first cell.
     pub(super) first: usize,
+    /// Column and row of the first cell, with the border before them.
+    start: [usize; 2],
     pub(super) rows: usize,
     /// How many times eight cells a row has.
     pub(super) eights: usize,
@@ -75,7 +60,7 @@ pub(super) struct Window<'a> {
 
 /// The level whose windows hold a radius.
 pub(super) fn level_of(radius_px: f32) -> u32 {
-    let cells = radius_px / MOST_REACH;
+    let cells = radius_px / MOST_REACH_CELLS;
     (0..MOST_LEVELS)
         .find(|&level| cells <= (1_u32 << level) as f32)
         .unwrap_or(MOST_LEVELS)
@@ -132,18 +117,19 @@ impl Cells {
     /// of the coarsest there is where they would be too many, which are fewer then.
     #[inline(always)]
     pub(super) fn window(&self, place_px: [f32; 2], radius_px: f32, is_wide: bool) -> Window<'_> {
-        let eights = if is_wide { WIDE } else { 1 };
+        let eights = if is_wide { WIDE_WINDOW } else { 1 };
         let wanted = level_of(radius_px / eights as f32).clamp(self.finest, self.coarsest());
         let level = &self.levels[(wanted - self.finest) as usize];
         let per_px = 1.0 / (1_u32 << wanted) as f32;
-        let reach = (radius_px * per_px).min(MOST_REACH * eights as f32);
+        let reach = (radius_px * per_px).min(MOST_REACH_CELLS * eights as f32);
         // The border makes them positive.
-        let start = place_px.map(|px| (px * per_px - reach + BORDER as f32).max(0.0) as usize);
-        let last_row = (place_px[1] * per_px + reach) as usize + BORDER;
-        let rows = (last_row + 1).saturating_sub(start[1]).min(eights * WINDOW);
+        let start = place_px.map(|px| (px * per_px - reach + CELLS_BEFORE as f32).max(0.0) as usize);
+        let last_row = (place_px[1] * per_px + reach) as usize + CELLS_BEFORE;
+        let rows = (last_row + 1).saturating_sub(start[1]).min(eights * CELLS_OF_WINDOW);
         Window {
             level,
             first: start[1] * level.stride + start[0],
+            start,
             rows,
             eights,
             stride: level.stride,
@@ -157,7 +143,26 @@ impl Cells {
 
     /// The largest radius that windows hold.
     pub(super) fn most_radius_px(&self) -> f32 {
-        MOST_REACH * (1_u32 << self.coarsest()) as f32
+        MOST_REACH_CELLS * (1_u32 << self.coarsest()) as f32
+    }
+}
+
+impl Window<'_> {
+    /// The nearest points of its cells: their places among the visible ones, row by row.
+    pub(super) fn points(&self) -> impl Iterator<Item = usize> {
+        let [width, height] = self.level.size;
+        let inside = |start: usize, count: usize, size: usize| {
+            let without_border = |cell: usize| cell.saturating_sub(CELLS_BEFORE).min(size);
+            without_border(start)..without_border(start + count)
+        };
+        let columns = inside(self.start[0], self.eights * CELLS_OF_WINDOW, width);
+        let rows = inside(self.start[1], self.rows, height);
+        let cells = rows.flat_map(move |row| columns.clone().map(move |column| row * width + column));
+        let winners = cells.map(|cell| self.level.winners[cell]);
+        // The lower half is a place.
+        winners
+            .filter(|&winner| winner != EMPTY)
+            .map(|winner| winner as u32 as usize)
     }
 }
 
@@ -165,8 +170,8 @@ impl CellLevel {
     fn resize(&mut self, size: [usize; 2]) {
         let [width, height] = size;
         self.size = size;
-        self.stride = width + BORDER + BORDER_AFTER;
-        let cells = self.stride * (height + BORDER + BORDER_AFTER);
+        self.stride = width + CELLS_BEFORE + BORDER_AFTER;
+        let cells = self.stride * (height + CELLS_BEFORE + BORDER_AFTER);
         for axis in &mut self.places {
             axis.clear();
             axis.resize(cells, NOWHERE);
@@ -182,9 +187,9 @@ impl CellLevel {
         winners
             .with_min_len(1 << 16)
             .for_each(|(winner, nearest)| *winner = nearest.load(Ordering::Relaxed));
-        let rows = self.counts.par_chunks_mut(self.stride).skip(BORDER);
+        let rows = self.counts.par_chunks_mut(self.stride).skip(CELLS_BEFORE);
         rows.zip(counts.par_chunks(width)).for_each(|(row, counts)| {
-            for (sum, count) in row[BORDER..].iter_mut().zip(counts) {
+            for (sum, count) in row[CELLS_BEFORE..].iter_mut().zip(counts) {
                 *sum = count.load(Ordering::Relaxed) as f32;
             }
         });
@@ -192,14 +197,14 @@ impl CellLevel {
 
     fn take_coarser(&mut self, finer: &Self) {
         let (width, [finer_width, finer_height]) = (self.size[0], finer.size);
-        let rows = self.counts.par_chunks_mut(self.stride).skip(BORDER);
+        let rows = self.counts.par_chunks_mut(self.stride).skip(CELLS_BEFORE);
         let rows = rows.zip(self.winners.par_chunks_mut(width)).enumerate();
         rows.for_each(|(row, (counts, winners))| {
-            for (column, (count, winner)) in counts[BORDER..].iter_mut().zip(winners).enumerate() {
+            for (column, (count, winner)) in counts[CELLS_BEFORE..].iter_mut().zip(winners).enumerate() {
                 (*count, *winner) = (0.0, EMPTY);
                 for row in 2 * row..(2 * row + 2).min(finer_height) {
                     for column in 2 * column..(2 * column + 2).min(finer_width) {
-                        *count += finer.counts[(row + BORDER) * finer.stride + column + BORDER];
+                        *count += finer.counts[(row + CELLS_BEFORE) * finer.stride + column + CELLS_BEFORE];
                         *winner = (*winner).min(finer.winners[row * finer_width + column]);
                     }
                 }
@@ -211,12 +216,12 @@ impl CellLevel {
     fn place(&mut self, seen: &[Seen]) {
         let width = self.size[0];
         let [x, y, z] = &mut self.places;
-        let x_rows = x.par_chunks_mut(self.stride).skip(BORDER);
-        let y_rows = y.par_chunks_mut(self.stride).skip(BORDER);
-        let z_rows = z.par_chunks_mut(self.stride).skip(BORDER);
+        let x_rows = x.par_chunks_mut(self.stride).skip(CELLS_BEFORE);
+        let y_rows = y.par_chunks_mut(self.stride).skip(CELLS_BEFORE);
+        let z_rows = z.par_chunks_mut(self.stride).skip(CELLS_BEFORE);
         let rows = x_rows.zip(y_rows).zip(z_rows).zip(self.winners.par_chunks(width));
         rows.for_each(|(((x, y), z), winners)| {
-            for (column, &winner) in (BORDER..).zip(winners) {
+            for (column, &winner) in (CELLS_BEFORE..).zip(winners) {
                 // The lower half is a place.
                 if winner != EMPTY {
                     let place = seen[winner as u32 as usize].offset;

@@ -14,9 +14,10 @@
 //! than that radius a surface would hide itself at 45 degrees already, and planes be fitted to most of the points.
 
 use super::compact::compact;
+use super::constants::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS};
 use super::lanes::LANES;
 use super::ramp::Around;
-use super::view::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS, ScreenView, Seen, Visible};
+use super::view::{ScreenView, Seen, Visible};
 use crate::cloud::PointRecord;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ impl DepthPicture {
     pub(super) fn draw(&mut self, view: &ScreenView, points: &[PointRecord], spacing: f32) {
         let spacing = spacing.max(0.0);
         (self.spacing, self.radius) = (spacing, RADIUS_SPACINGS * spacing);
-        let view = view.with_margin(margin_px(view, points, self.radius));
+        let view = with_margin_of_splats(view, points, spacing);
         self.view = Some(view);
         let [width, height] = self.size_px();
         self.nearest.resize_with(width * height, AtomicU32::default);
@@ -220,6 +221,11 @@ fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(Seen, [usize; 2
     let [width, height] = view.size_px;
     let is_inside = x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32;
     is_inside.then_some((seen, [x as usize, y as usize]))
+}
+
+/// The same view of a picture with a margin, whose splats may reach into it.
+pub(crate) fn with_margin_of_splats(view: &ScreenView, points: &[PointRecord], spacing: f32) -> ScreenView {
+    view.with_margin(margin_px(view, points, RADIUS_SPACINGS * spacing.max(0.0)))
 }
 
 /// How far beside the picture splats may reach into it: as far as the radius of neighbourhoods is seen, of the nearest

@@ -21,6 +21,7 @@
 mod bisect;
 mod cells;
 mod compact;
+pub(crate) mod constants;
 mod cull;
 mod lanes;
 mod planes;
@@ -29,10 +30,13 @@ mod ramp;
 mod tests;
 mod view;
 
-pub use view::{RADIUS_SPACINGS, ScreenView, Visible};
+pub use constants::RADIUS_SPACINGS;
+pub(crate) use cull::with_margin_of_splats;
+pub use view::{ScreenView, Visible};
 
 use crate::cloud::{PointRecord, ShapeRecord};
-use cells::{Cells, MOST_LEVELS};
+use cells::Cells;
+use constants::MOST_LEVELS;
 use cull::DepthPicture;
 use glam::Vec3;
 use planes::Planes;
@@ -79,8 +83,8 @@ impl ScreenEstimator {
     /// [`ScreenEstimator::cull`].
     ///
     /// A radius is that of a circle with a share of the neighbourhood's area as large as one of the points in it, times
-    /// [`ScreenCloud::closing`]: that closes the surface. Of points without a plane around them the normal is towards
-    /// the eye.
+    /// [`ScreenCloud::closing`]: that closes the surface. Points without a plane around them have the normal of the
+    /// nearest one that has, or face the eye if none is near.
     pub fn surface(&mut self, visible: &Visible, cloud: &ScreenCloud, search: Search) -> Vec<ShapeRecord> {
         let Some(view) = self.picture.view().filter(|_| !visible.is_empty()) else {
             return Vec::new();

@@ -9,36 +9,28 @@
 //! anew for 2R, and so on up to 8R, in finer cells: on a surface that is seen from the side, cells in its direction are
 //! far apart.
 //!
+//! Where none of these is a plane, the normal is that of the nearest neighbour that has one, up to 32R away: of a floor
+//! that is seen from the side, cells are higher than rows of points are apart, so that the neighbours are one row. Only
+//! a point without such a neighbour faces the eye, which on a floor is a light spot.
+//!
 //! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
 //! closes grids, as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
 //! than a pixel are one a pixel; seen from the side, their splats would be thinner than the rows of pixels are apart.
 //! So those are larger, up to twice their neighbourhood.
 
-use super::cells::{CellLevel, Cells, LEAST_RADIUS_PX, WINDOW, Window};
+use super::cells::{CellLevel, Cells, Window};
+use super::constants::{
+    CELLS_OF_WINDOW, CLOSING_ROWS_PX, FEWEST_NEIGHBOURS, FEWEST_OF_PLANE, LEAST_RADIUS_PX, LEAST_SPREAD,
+    MOST_DOUBLINGS, MOST_DOUBLINGS_OF_LENDING, RADIUS_SPACINGS,
+};
 use super::lanes::total;
-use super::view::{RADIUS_SPACINGS, ScreenView, Seen};
+use super::view::{ScreenView, Seen};
 use crate::analysis::four_matrices::{FOUR, FourMatrices};
-use crate::cloud::{ShapeRecord, oct_encode};
+use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
-
-/// A neighbourhood with fewer is looked at once more, twice as far.
-const FEWEST: f32 = 6.0;
-
-/// Three points are a plane.
-const FEWEST_OF_PLANE: f32 = 3.0;
-
-/// So often at most.
-const MOST_DOUBLINGS: usize = 3;
-
-/// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
-/// its noise.
-const LEAST_SPREAD: f64 = 2e-3;
-
-/// Half the height of splats that close rows of pixels, whose points are anywhere in them.
-const CLOSING_ROWS_PX: f32 = 0.75;
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
@@ -80,7 +72,45 @@ impl Planes<'_> {
         tasks.zip(seen.par_chunks(POINTS_PER_TASK)).for_each(|(shapes, seen)| {
             dispatch!(level, simd => self.fit(simd, seen, shapes));
         });
+        self.lend_normals(seen, &mut shapes);
         shapes
+    }
+
+    /// Gives points that have no plane the normals of neighbours that have one.
+    pub(super) fn lend_normals(&self, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+        let lacking = shapes.par_iter().enumerate().filter(|(_, shape)| lacks_plane(shape));
+        let lacking: Vec<usize> = lacking.map(|(place, _)| place).collect();
+        let lent = lacking.par_iter().map(|&place| {
+            let shape = ShapeRecord {
+                radius: -shapes[place].radius,
+                ..shapes[place]
+            };
+            let lender = self.nearest_with_plane(&seen[place], seen, shapes);
+            lender.map_or(shape, |(lender, neighbourhood)| {
+                let normal = oct_decode(shapes[lender].normal);
+                self.shape_with_normal(&seen[place], normal, shape.radius, neighbourhood)
+            })
+        });
+        let lent: Vec<ShapeRecord> = lent.collect();
+        for (place, shape) in lacking.into_iter().zip(lent) {
+            shapes[place] = shape;
+        }
+    }
+
+    /// The nearest of the points around that have a plane, in the smallest neighbourhood that has such, and the radius of
+    /// that.
+    fn nearest_with_plane(&self, from: &Seen, seen: &[Seen], shapes: &[ShapeRecord]) -> Option<(usize, f32)> {
+        let px_per_unit = self.view.px_per_unit() / from.depth;
+        (0..=MOST_DOUBLINGS_OF_LENDING).find_map(|doubling| {
+            let radius = self.radius_at(from.depth) * (1_u32 << doubling) as f32;
+            let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
+            let window = self.cells.window(from.place_px, radius_px, doubling > 0);
+            let squared = |place: usize| seen[place].offset.distance_squared(from.offset);
+            let with_plane = window.points().filter(|&place| !lacks_plane(&shapes[place]));
+            let within = with_plane.filter(|&place| squared(place) <= radius * radius);
+            let nearest = within.min_by(|&a, &b| squared(a).total_cmp(&squared(b)))?;
+            Some((nearest, radius))
+        })
     }
 
     #[inline(always)]
@@ -91,7 +121,7 @@ impl Planes<'_> {
                 let mut radius = self.radius_at(seen.depth);
                 *around = self.around(simd, seen, radius, false);
                 for _ in 0..MOST_DOUBLINGS {
-                    if around.found >= FEWEST && around.is_plane() {
+                    if around.found >= FEWEST_NEIGHBOURS && around.is_plane() {
                         break;
                     }
                     radius *= 2.0;
@@ -140,23 +170,29 @@ impl Planes<'_> {
     }
 
     fn shape(&self, seen: &Seen, around: &Neighbourhood, normal: Option<DVec3>) -> ShapeRecord {
-        let to_eye = -seen.offset;
         let Some(normal) = normal.map(DVec3::as_vec3).filter(|normal| normal.is_finite()) else {
             return ShapeRecord {
-                normal: oct_encode(to_eye.normalize_or(Vec3::Z)),
-                radius: self.closing * self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
+                normal: oct_encode((-seen.offset).normalize_or(Vec3::Z)),
+                // Negative as long as it has no plane.
+                radius: -self.closing * self.spacing.max(self.radius_at(seen.depth) / RADIUS_SPACINGS),
                 ..NO_SHAPE
             };
         };
+        let radius = self.closing * around.radius * (PI / around.points.max(PI)).sqrt();
+        // At rims there is nothing around, and splats would reach far beyond them.
+        let radius = radius.min(self.radius_at(seen.depth));
+        self.shape_with_normal(seen, normal, radius, around.radius)
+    }
+
+    /// A shape with a plane, whose normal is turned, and whose radius closes rows of pixels.
+    fn shape_with_normal(&self, seen: &Seen, normal: Vec3, radius: f32, neighbourhood: f32) -> ShapeRecord {
+        let to_eye = -seen.offset;
         let outwards = self.sensor.map_or(to_eye, |sensor| sensor - seen.offset);
         let faces_away = normal.dot(outwards) < 0.0;
-        // At rims there is nothing around, and splats would reach far beyond them.
-        let radius = self.closing * around.radius * (PI / around.points.max(PI)).sqrt();
-        let radius = radius.min(self.radius_at(seen.depth));
         ShapeRecord {
             normal: oct_encode(if faces_away { -normal } else { normal }),
             // Edge-on at a rim, it would stand out of that.
-            radius: radius.max(self.closing_rows(seen, normal).min(2.0 * around.radius)),
+            radius: radius.max(self.closing_rows(seen, normal).min(2.0 * neighbourhood)),
             ..NO_SHAPE
         }
     }
@@ -178,6 +214,11 @@ const NO_SHAPE: ShapeRecord = ShapeRecord {
     ellipse: 0,
     scalar: 0.0,
 };
+
+/// Whether a point has no plane around it, and none of a neighbour yet.
+fn lacks_plane(shape: &ShapeRecord) -> bool {
+    shape.radius.is_sign_negative()
+}
 
 impl Neighbourhood {
     pub(super) const NONE: Self = Self {
@@ -222,8 +263,8 @@ fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neig
     let CellLevel { places, counts, .. } = window.level;
     for eight in 0..window.rows * window.eights {
         let (row, column) = (eight / window.eights, eight % window.eights);
-        let start = window.first + row * window.stride + column * WINDOW;
-        let end = start + WINDOW;
+        let start = window.first + row * window.stride + column * CELLS_OF_WINDOW;
+        let end = start + CELLS_OF_WINDOW;
         let mut d = [zero; 3];
         for axis in 0..3 {
             d[axis] = (f32x8::from_slice(simd, &places[axis][start..end]) - center[axis]) * per_radius;

@@ -14,12 +14,9 @@
 //! deeper than the radius of neighbourhoods. A bound on the slope alone, as shadow maps have one, would let points
 //! through at each silhouette, where depths step as they do on a steep surface.
 
+use super::constants::{BORDER_PX, FEWEST_OF_RAMP, MOST_REACH_PX};
 use super::lanes::{LANES, total};
-use super::view::{BORDER_PX, MOST_REACH_PX};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
-
-/// Fewer nearer pixels are no plane.
-const FEWEST: f32 = 4.0;
 
 /// Pixels of eight lanes, from the first of them.
 const LANE_COLUMNS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -60,7 +57,7 @@ impl Around<'_> {
         }
         let limit = self.depth - spacing;
         let mut sums = self.sums(simd, limit, MOST_REACH_PX);
-        if sums.count < FEWEST {
+        if sums.count < FEWEST_OF_RAMP {
             sums = self.sums(simd, limit, BORDER_PX);
         }
         let Some([column_slope, row_slope, before]) = sums.plane(self.place_px) else {
@@ -174,7 +171,7 @@ impl Sums {
     #[inline(always)]
     fn plane(&self, [column, row]: [f32; 2]) -> Option<[f32; 3]> {
         let count = self.count;
-        if count < FEWEST {
+        if count < FEWEST_OF_RAMP {
             return None;
         }
         let columns = count * self.columns - self.column * self.column;

@@ -1,8 +1,9 @@
 //! Normals against surfaces with a formula. Visible points against all pairs of points in `hidden.rs`, and on surfaces
-//! that are seen from the side in `grazing.rs`.
+//! that are seen from the side in `grazing.rs`, and normals of neighbours in `lent.rs`.
 
 mod grazing;
 mod hidden;
+mod lent;
 
 use super::*;
 use crate::cloud::oct_decode;

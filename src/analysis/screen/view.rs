@@ -3,15 +3,6 @@
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-/// The radius in which neighbours are looked for, in spacings of the points: about 28 are within it.
-pub const RADIUS_SPACINGS: f32 = 3.0;
-
-/// How far the square of a point reaches from its pixel at most: it is seven pixels wide.
-pub(super) const MOST_REACH_PX: usize = 3;
-
-/// How far from its pixel anything is looked for.
-pub(super) const BORDER_PX: usize = 7;
-
 /// A view of a cloud, and the pixels of its picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenView {

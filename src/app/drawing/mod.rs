@@ -115,7 +115,7 @@ impl Drawing {
     pub(in crate::app) fn has_surfels(&self) -> bool {
         self.packet
             .as_ref()
-            .is_some_and(|packet| packet.style.draws_surfels() && packet.content.shapes().is_some())
+            .is_some_and(|packet| packet.style.draws_surfels() && packet.content.has_shapes())
     }
 
     /// Takes levels of detail that were made.

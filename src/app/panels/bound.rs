@@ -25,6 +25,7 @@ use crate::app::features::timeline::panel::{TimelineContext, TimelineRequest, ti
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::presets::built_in;
 use crate::app::widgets::overlay::PictureOverlay;
+use crate::app::widgets::sought::seek;
 use crate::app::{Benchmark, PanelId, Side, State};
 use crate::bench::suites;
 use crate::playback::Player;
@@ -302,6 +303,9 @@ pub(super) fn palette(ui: &mut Ui, state: &mut State, more: &[Entry]) {
                 state.start_benchmark(suite);
             }
         }
-        Action::ShowSettings => state.panels.set(PanelId::SETTINGS, true),
+        Action::ShowSetting(title) => {
+            state.panels.set(PanelId::SETTINGS, true);
+            seek(ui.ctx(), title);
+        }
     }
 }

@@ -57,6 +57,7 @@ fn shown_works(state: &State) -> Vec<&Work> {
 fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
     let (color, word) = match notice.severity {
         Severity::Info => (GOOD, "Done"),
+        Severity::Hint => (ui.visuals().hyperlink_color, "Hint"),
         Severity::Warning => (ui.visuals().warn_fg_color, "Note"),
         Severity::Error => (ui.visuals().error_fg_color, "Error"),
     };

@@ -10,6 +10,7 @@ use crate::app::features::temporal::panel::poses_ui;
 use crate::app::features::thumbnails::panel::thumbnails_ui;
 use crate::app::features::trails::panel::field_ui;
 pub(super) use crate::app::widgets::rows::{choice, choice_among, heading, note_below, row, rows};
+use crate::app::widgets::sought;
 use crate::app::{Clipping, MeasuredQuality, PresentChoice, Temporal, Thumbnails, Trails, Turntable};
 use crate::playback::Player;
 use crate::rgbd::Filters;
@@ -101,6 +102,14 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
         let advanced = CollapsingHeader::new(title).open(Some(*context.shows_advanced));
         let shown = advanced.show_unindented(ui, |ui| advanced_ui(ui, context));
         *context.shows_advanced ^= shown.header_response.clicked();
+        if sought::is_missing(ui.ctx()) {
+            // It is among these, or nothing that is drawn has a use for it.
+            if *context.shows_advanced {
+                sought::give_up(ui.ctx());
+            }
+            *context.shows_advanced = true;
+            ui.ctx().request_repaint();
+        }
         request = shown.body_returned.flatten().or(request.take());
         ui.add_space(12.0);
         if ui
@@ -118,7 +127,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &mut SettingsContext<'_>) -> Opt
 fn part(ui: &mut Ui, title: &str) {
     ui.add_space(10.0);
     ui.separator();
-    ui.label(RichText::new(title).strong().size(PART_SIZE));
+    sought::meet(&ui.label(RichText::new(title).strong().size(PART_SIZE)), title);
     ui.add_space(2.0);
 }
 

@@ -124,14 +124,14 @@ impl State {
     fn toggle_trails(&mut self) {
         self.trails.is_on ^= true;
         if self.trails.is_on && self.inspection.picked().next().is_none() {
-            self.notices.info("Pick a point (I and a click): its trail is shown");
+            self.notices.hint("Pick a point (I and a click): its trail is shown");
         }
     }
 
     fn toggle_comparison(&mut self) {
         if self.beside.is_some() {
             let text = "Two sequences are compared: File, Close comparison ends that";
-            return self.notices.info(text);
+            return self.notices.hint(text);
         }
         if self.comparison.is_some() {
             self.end_comparison(Side::A);

@@ -104,7 +104,7 @@ impl State {
             }
             None => self
                 .notices
-                .info("One sequence is open: File, Compare with… opens another beside it"),
+                .hint("One sequence is open: File, Compare with… opens another beside it"),
         }
     }
 

@@ -44,6 +44,11 @@ pub enum DialogKind {
 }
 
 impl DialogKind {
+    /// Whether it asks where to write what a person has made, which must not be lost for want of a dialog.
+    pub(super) fn writes_own_work(self) -> bool {
+        matches!(self, Self::SavePath | Self::SaveSession | Self::SaveReport(_))
+    }
+
     /// What to do where the system has no dialogs.
     pub(super) fn without_dialogs(self) -> &'static str {
         match self {
@@ -56,7 +61,7 @@ impl DialogKind {
                 "Write folder and name into the fields"
             }
             Self::RecordTo => "Name the file on the command line: pointreel view tcp://… --record FILE",
-            Self::SavePath | Self::SaveSession | Self::SaveReport(_) => "Install one of these, and save again",
+            Self::SavePath | Self::SaveSession | Self::SaveReport(_) => "Install one of these for other places",
         }
     }
 }
@@ -73,8 +78,13 @@ pub enum DialogAnswer {
     },
     /// Without any.
     Cancelled,
-    /// The system has no dialogs; this one was wanted.
-    NoDialog(DialogKind),
+    /// The system has no dialogs.
+    NoDialog {
+        /// Which one was wanted.
+        dialog: DialogKind,
+        /// The name of a file that was proposed.
+        file_name: Option<String>,
+    },
 }
 
 /// The dialog that is open, or none.
@@ -96,9 +106,9 @@ impl Dialogs {
         }
         tasks.start("file dialog", move || {
             let opened = Instant::now();
-            match show_dialog(dialog, file_name) {
+            match show_dialog(dialog, file_name.clone()) {
                 Some(paths) if !paths.is_empty() => DialogAnswer::Chosen { dialog, paths },
-                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog(dialog),
+                _ if opened.elapsed() < SEEN_DIALOG => DialogAnswer::NoDialog { dialog, file_name },
                 _ => DialogAnswer::Cancelled,
             }
         });

@@ -1,11 +1,14 @@
 //! Dialogs and the files that are chosen with them.
 
 use super::dialogs::{DialogAnswer, DialogKind};
+use super::save::folder_of;
 use super::{State, WindowRequest};
 use crate::app::features::benchmark::{Benchmark, ReportFormat};
-use crate::app::work::files::{PicturePlace, picture_folder, save_bytes, save_picture, with_extension};
+use crate::app::work::files::{
+    PicturePlace, document_folder, picture_folder, save_bytes, save_picture, with_extension,
+};
 use crate::session::EXTENSION;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 impl State {
     /// Asks the person. Nothing happens while another dialog is open.
@@ -19,11 +22,31 @@ impl State {
         match answer {
             DialogAnswer::Chosen { dialog, paths } => self.chosen(dialog, paths),
             DialogAnswer::Cancelled => {}
-            DialogAnswer::NoDialog(dialog) => self.notices.error(format!(
-                "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. {}",
-                dialog.without_dialogs()
-            )),
+            DialogAnswer::NoDialog { dialog, file_name } => {
+                let text = format!(
+                    "No file dialog could be opened: on Linux one needs xdg-desktop-portal or zenity. {}",
+                    dialog.without_dialogs()
+                );
+                match file_name.filter(|_| dialog.writes_own_work()) {
+                    Some(name) => {
+                        self.notices.warn(text);
+                        self.chosen(dialog, vec![self.new_file(&name)]);
+                    }
+                    None => self.notices.error(text),
+                }
+            }
         }
+    }
+
+    /// A file that is not there yet: of this name, or of it with a number, beside the open sequence.
+    fn new_file(&self, name: &str) -> PathBuf {
+        let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
+        let folder = beside.unwrap_or_else(document_folder);
+        let name = Path::new(name);
+        let [stem, extension] = [name.file_stem(), name.extension()].map(|part| part.unwrap_or_default().display());
+        let numbered = (2..).map(|number| folder.join(format!("{stem}-{number}.{extension}")));
+        let mut files = std::iter::once(folder.join(name)).chain(numbered);
+        files.find(|file| !file.exists()).unwrap_or_default()
     }
 
     fn chosen(&mut self, dialog: DialogKind, paths: Vec<PathBuf>) {
@@ -77,5 +100,53 @@ impl State {
         };
         self.tasks
             .try_start("save picture", move || save_picture(&image, place));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::StateOptions;
+    use crate::sequence::Sequence;
+    use std::fs;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn a_session_is_saved_beside_the_data_where_there_is_no_dialog_and_replaces_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let scan = folder.path().join("scan.xyz");
+        fs::write(&scan, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
+        let other = folder.path().join("scan.pointreel");
+        fs::write(&other, "not ours").unwrap();
+        let mut state = State::new(StateOptions::default());
+        state.open(Arc::new(Sequence::discover(&[scan]).unwrap()));
+        state.take_answer(DialogAnswer::NoDialog {
+            dialog: DialogKind::SaveSession,
+            file_name: Some("scan.pointreel".to_owned()),
+        });
+        let saved = folder.path().join("scan-2.pointreel");
+        let begin = Instant::now();
+        while state.session_file() != Some(&saved) {
+            assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", state.notices.list());
+            let now = state.now();
+            state.update(now);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        assert!(fs::read_to_string(saved).unwrap().contains("scan.xyz"));
+        assert_eq!(fs::read_to_string(other).unwrap(), "not ours");
+    }
+
+    #[test]
+    fn what_is_to_be_opened_needs_a_dialog() {
+        let mut state = State::new(StateOptions::default());
+        state.take_answer(DialogAnswer::NoDialog {
+            dialog: DialogKind::OpenFiles,
+            file_name: None,
+        });
+        let [notice] = state.notices.list() else {
+            panic!("{:?}", state.notices.list())
+        };
+        assert!(notice.text.contains("Drop files"), "{}", notice.text);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::State;
 use super::failed_opening::FailedOpening;
-use super::outcome::{Found, NotFound, Outcome};
+use super::outcome::{FoundSequence, NotFound, Outcome};
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
@@ -66,7 +66,7 @@ impl State {
         }
     }
 
-    fn take_found(&mut self, found: Found) {
+    fn take_found(&mut self, found: FoundSequence) {
         match found.sequence {
             Ok(sequence) => {
                 match (found.side, found.session) {

@@ -16,7 +16,7 @@ impl State {
     pub(super) fn put_label(&mut self, side: Side, pick: &Pick, frame: &PreparedFrame) {
         if side == Side::B {
             let text = "Labels are put at points of the open sequence, not of the one beside it";
-            return self.notices.info(text);
+            return self.notices.hint(text);
         }
         let label = Label {
             text: String::new(),

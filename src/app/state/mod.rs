@@ -36,7 +36,7 @@ pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
 pub use opened::SavedSession;
 pub use options::StateOptions;
-pub use outcome::{Found, Outcome};
+pub use outcome::{FoundSequence, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
 

@@ -2,7 +2,7 @@
 
 use super::State;
 use super::connection::Connection;
-use super::outcome::{Found, NotFound};
+use super::outcome::{FoundSequence, NotFound};
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
@@ -97,7 +97,7 @@ impl State {
                 }
                 Err(reason) => (open, None, Err(NotFound::Because(reason.to_string()))),
             };
-            Found {
+            FoundSequence {
                 inputs,
                 open,
                 session,

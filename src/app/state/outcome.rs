@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 /// A sequence was found, or not.
 #[derive(Debug)]
-pub struct Found {
+pub struct FoundSequence {
     /// What was asked for; empty for the demo.
     pub(super) inputs: Vec<PathBuf>,
     /// How it was opened.
@@ -75,7 +75,7 @@ macro_rules! outcomes {
 
 outcomes! {
     /// The frames of inputs were looked for.
-    Found(Found),
+    Found(FoundSequence),
     /// A dialog was closed.
     Answered(DialogAnswer),
     /// A file was written.

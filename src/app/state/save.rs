@@ -165,7 +165,7 @@ impl State {
 }
 
 /// Where a person looks for what was made of a sequence: beside it.
-fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
+pub(super) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
     let input = sequence.source().inputs().first()?;
     let folder = std::path::absolute(input).ok()?.parent()?.to_owned();
     let can_be_written = |folder: &PathBuf| folder.metadata().is_ok_and(|folder| !folder.permissions().readonly());

@@ -8,4 +8,5 @@ pub(super) mod picture;
 pub(super) mod ramp;
 pub(super) mod rows;
 pub(super) mod settle;
+pub(super) mod sought;
 pub(super) mod tool_window;

@@ -1,5 +1,6 @@
 //! Rows of choices: a label, a control named by it, and a tooltip on both.
 
+use super::sought;
 use egui::{Button, ComboBox, Grid, Label, RichText, Ui, Widget};
 
 /// Longer lists of choices scroll, points.
@@ -14,7 +15,7 @@ pub(in crate::app) fn heading(ui: &mut Ui, text: &str) {
 /// Above lines of text, which are closer together than controls.
 pub(in crate::app) fn heading_of_list(ui: &mut Ui, text: &str) {
     ui.add_space(6.0);
-    ui.label(RichText::new(text).strong().size(14.5));
+    sought::meet(&ui.label(RichText::new(text).strong().size(14.5)), text);
 }
 
 pub(in crate::app) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
@@ -28,6 +29,7 @@ pub(in crate::app) fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
 /// A label and a control named by it, both with the tooltip.
 pub(in crate::app) fn row(ui: &mut Ui, name: &str, tooltip: &str, control: impl Widget) {
     let label = ui.label(name).on_hover_text(tooltip);
+    sought::meet(&label, name);
     ui.add(control).labelled_by(label.id).on_hover_text(tooltip);
     ui.end_row();
 }
@@ -52,6 +54,7 @@ pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
     lack_of: impl Fn(&T) -> Option<&'static str>,
 ) {
     let label = ui.label(name).on_hover_text(tooltip);
+    sought::meet(&label, name);
     let selected = choices
         .iter()
         .find(|(_, choice, _)| choice == value)

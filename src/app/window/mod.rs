@@ -34,8 +34,8 @@ use winit::window::{Window, WindowId};
 /// Size of a new window, logical pixels.
 const DEFAULT_SIZE: LogicalSize<f64> = LogicalSize::new(1280.0, 800.0);
 
-/// Below this the timeline does not fit, logical pixels.
-const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(720.0, 420.0);
+/// The smallest size that panels have a layout for, logical pixels.
+const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(320.0, 240.0);
 
 /// The shortest time from one redraw to the next, of that between two pictures of the screen, where presenting does not
 /// wait: a mouse tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not
@@ -275,7 +275,7 @@ impl App {
         let left = self.options.state.preferences.window_size.map(LogicalSize::<f64>::from);
         let attributes = match self.options.size_px {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
-            None => attributes.with_inner_size(left.unwrap_or(DEFAULT_SIZE)),
+            None => attributes.with_inner_size(within_screen(event_loop, left.unwrap_or(DEFAULT_SIZE))),
         };
         event_loop
             .create_window(attributes)
@@ -515,5 +515,18 @@ impl ApplicationHandler<Message> for App {
         self.state.end_exports();
         // What is on the screen goes before the connection to the window system, which ends with the event loop.
         self.screen = None;
+    }
+}
+
+/// A size that the screen has room for: not every window manager sees to that. Where several are, or none is known,
+/// the largest decides.
+fn within_screen(event_loop: &ActiveEventLoop, size: LogicalSize<f64>) -> LogicalSize<f64> {
+    let screens = event_loop.available_monitors();
+    let rooms = screens.map(|screen| screen.size().to_logical::<f64>(screen.scale_factor()));
+    let largest = rooms.max_by(|a, b| (a.width * a.height).total_cmp(&(b.width * b.height)));
+    // Some systems know a screen of no size until a window is on it.
+    match largest.filter(|room| room.width > 0.0 && room.height > 0.0) {
+        Some(room) => LogicalSize::new(size.width.min(room.width), size.height.min(room.height)),
+        None => size,
     }
 }

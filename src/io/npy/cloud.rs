@@ -9,12 +9,12 @@ use super::super::options::ReadOptions;
 use super::super::splats::arrays::{self as splats, SplatArray};
 use super::super::xyz;
 use super::header::{Array, ArrayLayout};
-use super::layers::{MAX_COLUMNS, NamedArray, layer_of, take_layer};
-use crate::cloud::RawCloud;
+use super::layers::{MAX_COLUMNS, NamedArray, layer_of, take_layer, unroll_images};
+use crate::cloud::{ImageGrid, RawCloud};
 use std::io::{Cursor, Read as _};
 
 /// Names of arrays with coordinates.
-const POSITIONS: [&str; 15] = [
+const POSITIONS: [&str; 19] = [
     "xyz",
     "points",
     "point",
@@ -25,6 +25,11 @@ const POSITIONS: [&str; 15] = [
     "coords",
     "coordinates",
     "point_cloud",
+    // Of networks that see a point in each pixel.
+    "world_points",
+    "pts3d",
+    "points3d",
+    "pointmap",
     // Of splats.
     "means3d",
     "means_3d",
@@ -62,12 +67,16 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
     let mut arrays = Vec::new();
     for (name, bytes) in members {
         let array = Array::parse(bytes)
-            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?
-            .without_single_layers();
+            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
         arrays.push((name.to_ascii_lowercase(), array));
     }
     let is_one_of = |names: &[&str], name: &str| names.contains(&name);
     let place = place_of_positions(&arrays);
+    let image = place.and_then(|place| unroll_images(&mut arrays, place));
+    let mut arrays: Vec<NamedArray<'_>> = arrays
+        .into_iter()
+        .map(|(name, array)| (name, array.without_single_layers()))
+        .collect();
     let assumption = match place {
         Some(place) => take_layer(&mut arrays, place, layer)?,
         None => None,
@@ -106,7 +115,11 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
                 array.shape.first().unwrap_or(&0)
             )));
         }
-        let width = if array.shape.len() == 2 { array.shape[1] } else { 1 };
+        // A row of all points, 1 × N, is one column.
+        let width = match array.shape[..] {
+            [rows, width] if rows == count => width,
+            _ => 1,
+        };
         for (column, name) in names.iter().enumerate().take(width) {
             columns.retain(|known| known.name != *name);
             columns.push(array.column((*name).to_owned(), column, width, count));
@@ -125,8 +138,16 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
     }
     let mut cloud = growing::cloud(&columns, count)?;
     splats::apply(&splat_arrays(&arrays, count), &mut cloud);
-    cloud.assumption = cloud.assumption.or(assumption);
+    match image {
+        Some([height, width]) => cloud.grid = grid_of(width, height, count),
+        // What an image is, four dimensions say.
+        None => cloud.assumption = cloud.assumption.or(assumption),
+    }
     Ok(cloud)
+}
+
+fn grid_of(width: usize, height: usize, count: usize) -> Option<ImageGrid> {
+    ImageGrid::of(u32::try_from(width).ok()?, u32::try_from(height).ok()?, count)
 }
 
 /// The arrays that say something of splats, as columns.

@@ -8,7 +8,7 @@ use super::super::error::{Fault, IoError};
 use super::super::options::ReadOptions;
 use super::cloud::{cloud_of_archive, place_of_positions, unpacked};
 use super::header::Array;
-use super::layers::layer_count;
+use super::layers::{layer_count, unroll_images};
 use crate::cloud::RawCloud;
 use std::fs::File;
 use std::io::Read;
@@ -79,11 +79,13 @@ fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
     }
     let mut arrays = Vec::new();
     for (name, head) in &heads {
-        arrays.push((name.clone(), Array::parse_head(head)?.without_single_layers()));
+        arrays.push((name.clone(), Array::parse_head(head)?));
     }
     let place = place_of_positions(&arrays)?;
-    let positions = &arrays[place].1;
-    let layers = layer_count(positions).filter(|&layers| layers <= MAX_LAYERS)?;
+    unroll_images(&mut arrays, place);
+    let (_, positions) = arrays.swap_remove(place);
+    let positions = positions.without_single_layers();
+    let layers = layer_count(&positions).filter(|&layers| layers <= MAX_LAYERS)?;
     let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
     positions.claimed_bytes().filter(|&bytes| bytes as u64 <= most_bytes)?;
     Some(layers)

@@ -11,7 +11,7 @@ const MAGIC: &[u8] = b"\x93NUMPY";
 pub(super) struct Array<'a> {
     pub(super) shape: Vec<usize>,
     pub(super) kind: ArrayLayout,
-    is_fortran: bool,
+    pub(super) is_fortran: bool,
     pub(super) payload: &'a [u8],
     /// Where the first entry is, and how far apart the next ones along the first dimension are, entries: in the order
     /// of Fortran alone.

@@ -1,7 +1,7 @@
-//! Sequences in one array: T × N × 3, a layer a frame.
+//! Sequences in one array: T × N × 3, a layer a frame, or T × H × W × 3, an image of points a frame.
 //!
-//! An image of points, H × W × 3, looks the same and is read as H frames: that is said of every frame. An array with
-//! one layer is one frame.
+//! A single image of points, H × W × 3, looks like the first and is read as H frames: that is said of every frame. An
+//! array with one layer is one frame.
 
 use super::super::contents::Part;
 use super::super::error::Fault;
@@ -19,6 +19,26 @@ pub(in crate::io) fn layer_of(part: &Part) -> usize {
         Part::Layer(layer) => *layer,
         _ => 0,
     }
+}
+
+/// Makes images of points, T × H × W × 3 at `place`, the layers T × H·W × 3, as well as what is beside them of each of
+/// their points. Height and width of these images; `None` if there are none.
+pub(super) fn unroll_images(arrays: &mut [NamedArray<'_>], place: usize) -> Option<[usize; 2]> {
+    let positions = &arrays[place].1;
+    let (ArrayLayout::Table(_), &[frames, height, width, columns]) = (&positions.kind, &positions.shape[..]) else {
+        return None;
+    };
+    let points = height.checked_mul(width)?;
+    if positions.is_fortran || !(3..=MAX_COLUMNS).contains(&columns) {
+        return None;
+    }
+    for (_, array) in arrays {
+        let is_table = matches!(array.kind, ArrayLayout::Table(_)) && !array.is_fortran;
+        if is_table && array.shape.starts_with(&[frames, height, width]) {
+            array.shape.splice(1..3, [points]);
+        }
+    }
+    Some([height, width])
 }
 
 /// How many frames an array is: `None` if it is one.

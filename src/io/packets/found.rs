@@ -27,7 +27,7 @@ use std::time::Duration;
 const MOST_SENSORS: usize = 64;
 
 /// What is found in a capture.
-pub(super) struct Found<'a> {
+pub(super) struct FoundSensors<'a> {
     path: &'a Path,
     options: &'a ReadOptions,
     sensors: BTreeMap<(IpAddr, u16), Sensor>,
@@ -52,7 +52,7 @@ struct Row {
     layout: Arc<Layout>,
 }
 
-impl<'a> Found<'a> {
+impl<'a> FoundSensors<'a> {
     /// Nothing yet, in the capture at `path`.
     pub(super) fn new(path: &'a Path, options: &'a ReadOptions) -> Self {
         Self {

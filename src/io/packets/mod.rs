@@ -35,7 +35,7 @@ use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use capture::{Capture, Packet};
-use found::Found;
+use found::FoundSensors;
 use fragments::Fragments;
 use link::{Content, Datagram};
 use std::fs::File;
@@ -53,7 +53,7 @@ pub(super) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> 
     };
     let file = File::open(path).map_err(failed)?;
     let mut capture = Capture::open(file).map_err(|fault| fault.of(path, FORMAT))?;
-    let mut found = Found::new(path, options);
+    let mut found = FoundSensors::new(path, options);
     loop {
         match capture.next() {
             Ok(Some(packet)) => found.add(&packet.0, packet.1),

@@ -8,7 +8,7 @@ use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
-use super::found::{Found, Wanted};
+use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use std::time::Duration;
@@ -73,7 +73,7 @@ fn time(seconds: u32, nanos: u32) -> Duration {
 }
 
 /// What is wanted of the file that `walk` is at the start of.
-pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<Found, Fault> {
+pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<FoundMessages, Fault> {
     let magic = walk.take(MAGIC.len() as u64).unwrap_or_default();
     if magic != MAGIC {
         return Err(Fault::new(
@@ -81,7 +81,7 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
             "only bags of version 2.0 are read: convert it with `rosbag migrate`, or to MCAP",
         ));
     }
-    let mut found = Found::new(wanted);
+    let mut found = FoundMessages::new(wanted);
     let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     while walk.left() > 0 {
         let start = walk.position();
@@ -109,7 +109,7 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
 }
 
 /// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
-fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(MessageChunk, Vec<u32>)>) -> Option<()> {
+fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageChunk, Vec<u32>)>) -> Option<()> {
     let mut length = |most: u64| {
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
         (length <= most).then_some(length)
@@ -170,7 +170,7 @@ fn record(walk: &mut Walk, found: &mut Found, chunks: &mut Vec<(MessageChunk, Ve
 }
 
 /// Reads what is in a chunk.
-fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut Found) {
+fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut FoundMessages) {
     let mut records = Bytes::new(bytes);
     while !records.is_empty() {
         let mut next = || {
@@ -197,14 +197,14 @@ fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut Found) {
     }
 }
 
-fn connection(header: &RecordHeader, data: &[u8], found: &mut Found) {
+fn connection(header: &RecordHeader, data: &[u8], found: &mut FoundMessages) {
     let kind = RecordHeader::parse(data).and_then(|connection| connection.kind);
     if let (Some(id), Some(kind)) = (header.connection, kind) {
         found.add_topic(id, header.topic.as_deref().unwrap_or_default(), &kind, "ros1");
     }
 }
 
-fn message(header: &RecordHeader, start: &[u8], place: MessagePlace, found: &mut Found) {
+fn message(header: &RecordHeader, start: &[u8], place: MessagePlace, found: &mut FoundMessages) {
     if let (Some(connection), Some(time)) = (header.connection, header.time) {
         found.add(connection, time, start, place);
     }

@@ -6,7 +6,7 @@
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
-use super::found::{Found, Wanted};
+use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use rusqlite::{Connection, OpenFlags};
 use std::io::Read as _;
@@ -21,7 +21,7 @@ const START_BYTES: u64 = 12;
 const LEAST_ROW_BYTES: u64 = 4;
 
 /// What is wanted of the database at `path`.
-pub(super) fn find(path: &Path, wanted: Wanted) -> Result<Found, Fault> {
+pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> {
     find_rows(path, wanted).map_err(|error| match error {
         Failure::Sql(error) => Fault::header(format!(
             "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is \
@@ -63,7 +63,7 @@ fn open(path: &Path) -> Result<Connection, Failure> {
     Ok(database)
 }
 
-fn find_rows(path: &Path, wanted: Wanted) -> Result<Found, Failure> {
+fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
     let file_bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     let mut rows_left = file_bytes / LEAST_ROW_BYTES;
     let mut count = || {
@@ -73,7 +73,7 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<Found, Failure> {
         Ok::<(), Failure>(())
     };
     let database = open(path)?;
-    let mut found = Found::new(wanted);
+    let mut found = FoundMessages::new(wanted);
     let mut statement = database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let mut rows = statement.query([])?;
     while let Some(row) = rows.next()? {

@@ -31,7 +31,7 @@ struct FoundTopic {
 
 /// What is found in a recording.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct FoundMessages {
     wanted: Wanted,
     /// Topics by the number that messages call them by; `None` for those that are not looked for.
     topics: HashMap<u32, Option<FoundTopic>>,
@@ -39,7 +39,7 @@ pub(super) struct Found {
     has_clouds: bool,
 }
 
-impl Found {
+impl FoundMessages {
     pub(super) fn new(wanted: Wanted) -> Self {
         Self {
             wanted,

@@ -9,7 +9,7 @@ use super::super::options::ReadOptions;
 use super::super::unpack::Packing;
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
-use super::found::{Found, Wanted};
+use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use super::walk::Walk;
 use std::collections::HashMap;
@@ -36,11 +36,11 @@ const MESSAGE_INDEX: u8 = 0x07;
 /// Schemas by their number, and what is found.
 struct Finder {
     schemas: HashMap<u16, String>,
-    found: Found,
+    found: FoundMessages,
 }
 
 /// What is wanted of the file that `walk` is at the start of.
-pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<Found, Fault> {
+pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Result<FoundMessages, Fault> {
     if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
         return Err(Fault::new(
             Place::Byte(0),
@@ -49,7 +49,7 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     }
     let mut finder = Finder {
         schemas: HashMap::new(),
-        found: Found::new(wanted),
+        found: FoundMessages::new(wanted),
     };
     let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
     loop {

@@ -34,7 +34,7 @@ use super::unpack::{Packing, unpack};
 use crate::cloud::RawCloud;
 use camera::{CameraMessage, CameraTopics};
 use encoding::Encoding;
-use found::{Found, Wanted};
+use found::{FoundMessages, Wanted};
 use message::MessagePlace;
 use serialisation::Serialisation;
 use std::fs::File;
@@ -67,7 +67,7 @@ pub(super) fn cameras(
     Ok(found.cameras())
 }
 
-fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> Result<Found, IoError> {
+fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> Result<FoundMessages, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,

@@ -123,7 +123,7 @@ impl QSplat {
     }
 
     pub(super) fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut {
-        let mut found = Found::default();
+        let mut found = FoundNodes::default();
         if self.node_count > 0 {
             let descent = Descent {
                 qsplat: self,
@@ -244,7 +244,7 @@ fn leaf_code(parent: &Sphere, point: &PointRecord, shape: &ShapeRecord) -> NodeC
 
 /// What a traversal found.
 #[derive(Default)]
-struct Found {
+struct FoundNodes {
     listed: ListedNodes,
     /// Nodes that were decoded.
     decoded: usize,
@@ -278,7 +278,7 @@ struct Visit {
 
 impl Descent<'_> {
     /// Recursion is bounded by the bits of a Morton code and of the number of points.
-    fn visit(&self, visit: &Visit, found: &mut Found) {
+    fn visit(&self, visit: &Visit, found: &mut FoundNodes) {
         found.decoded += 1;
         let was_divided = || self.before.at(visit.name);
         match self.rule.verdict(&visit.bounds, visit.level, was_divided) {
@@ -289,7 +289,7 @@ impl Descent<'_> {
                 if visit.level < PARALLEL_LEVELS {
                     let mut children = Vec::with_capacity(super::split::MOST_CHILDREN);
                     self.each_child(visit, found, |child, _| children.push(child));
-                    let parts: Vec<Found> = children.par_iter().map(|child| self.found_from(child)).collect();
+                    let parts: Vec<FoundNodes> = children.par_iter().map(|child| self.found_from(child)).collect();
                     for part in parts {
                         found.append(part);
                     }
@@ -300,15 +300,15 @@ impl Descent<'_> {
         }
     }
 
-    fn found_from(&self, visit: &Visit) -> Found {
-        let mut found = Found::default();
+    fn found_from(&self, visit: &Visit) -> FoundNodes {
+        let mut found = FoundNodes::default();
         self.visit(visit, &mut found);
         found
     }
 
     /// Draws the leaves among the children of a node and hands on the others.
     #[inline(always)]
-    fn each_child(&self, parent: &Visit, found: &mut Found, mut hand_on: impl FnMut(Visit, &mut Found)) {
+    fn each_child(&self, parent: &Visit, found: &mut FoundNodes, mut hand_on: impl FnMut(Visit, &mut FoundNodes)) {
         for child in self.qsplat.children(parent.code, parent.sphere, parent.children) {
             let Decoded { name, code, sphere, .. } = child;
             let Some(children) = child.children else {
@@ -329,7 +329,7 @@ impl Descent<'_> {
     }
 }
 
-impl Found {
+impl FoundNodes {
     #[inline(always)]
     fn draw(&mut self, name: usize, sphere: Sphere) {
         self.listed.drawn.push(name as u32);

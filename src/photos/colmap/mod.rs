@@ -90,6 +90,7 @@ fn depth_of(folder: &Path, name: &str) -> Option<DepthFile> {
         path.is_file().then_some(DepthFile {
             path,
             kind: DepthKind::Colmap,
+            taken_by: None,
         })
     })
 }

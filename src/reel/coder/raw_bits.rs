@@ -1,8 +1,5 @@
 //! Bits of which each is as likely set as not, the lowest first: they stand for themselves.
 
-/// Most bits that are told at once.
-pub(super) const MOST_RAW_BITS: u32 = 32;
-
 /// Bytes that are looked at for them, wherever in the first one they begin.
 const WINDOW: usize = 8;
 
@@ -16,9 +13,8 @@ pub(super) struct RawWriter {
 }
 
 impl RawWriter {
-    /// The lowest `bits` bits of a number, at most [`MOST_RAW_BITS`].
+    /// The lowest `bits` bits of a number, at most 32.
     pub(super) fn write(&mut self, bits: u32, value: u32) {
-        debug_assert!(bits <= MOST_RAW_BITS, "more than are told at once");
         let kept = u64::from(value) & ((1 << bits) - 1);
         self.last |= kept << self.bits;
         self.bits += bits;
@@ -61,7 +57,7 @@ impl<'a> RawReader<'a> {
         Self { bytes, read: 0 }
     }
 
-    /// The next bits, at most [`MOST_RAW_BITS`].
+    /// The next bits, at most 32.
     #[inline(always)]
     pub(super) fn read(&mut self, bits: u32) -> u32 {
         let start = self.read / 8;
@@ -87,7 +83,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn bits_are_read_as_they_were_written(all in prop::collection::vec((0..=MOST_RAW_BITS, any::<u32>()), 0..40)) {
+        fn bits_are_read_as_they_were_written(all in prop::collection::vec((0..=32_u32, any::<u32>()), 0..40)) {
             let mut writer = RawWriter::default();
             for &(bits, value) in &all {
                 writer.write(bits, value);
@@ -100,7 +96,7 @@ mod tests {
             prop_assert!(reader.is_at_end());
             reader.read(8);
             prop_assert!(!reader.is_at_end());
-            prop_assert_eq!(reader.read(MOST_RAW_BITS), 0);
+            prop_assert_eq!(reader.read(32), 0);
         }
     }
 }

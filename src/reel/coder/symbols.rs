@@ -40,7 +40,7 @@ pub(in crate::reel) trait SymbolCoder: Default {
     /// Codes symbols of which all contexts are known, the states in turns.
     fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]);
 
-    /// Codes the lowest bits of a number, at most [`super::raw_bits::MOST_RAW_BITS`], as they are.
+    /// Codes the lowest bits of a number, at most 32, as they are.
     fn raw(&mut self, bits: u32, value: u32) -> u32;
 }
 

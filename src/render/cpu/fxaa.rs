@@ -20,7 +20,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 /// The picture that was drawn.
-struct Drawn<'a> {
+struct AliasedPicture<'a> {
     pixels: &'a [[u8; 4]],
     lumas: &'a [f32],
     size_px: [i32; 2],
@@ -37,7 +37,7 @@ pub(super) fn smooth(drawn: &RgbaImage, shown: &mut RgbaImage) {
     let size_px @ [width, height] = [drawn.width(), drawn.height()].map(|edge| edge as i32);
     let (pixels, _) = drawn.as_chunks();
     let lumas: Vec<f32> = pixels.par_iter().map(|&pixel| luma(color(pixel))).collect();
-    let drawn = Drawn {
+    let drawn = AliasedPicture {
         pixels,
         lumas: &lumas,
         size_px,
@@ -78,7 +78,7 @@ impl Cross {
     }
 }
 
-impl Drawn<'_> {
+impl AliasedPicture<'_> {
     fn row_of_lumas(&self, y: i32) -> &[f32] {
         let width = self.size_px[0] as usize;
         &self.lumas[width * y as usize..width * (y as usize + 1)]

@@ -12,10 +12,10 @@ use super::eight::Vectors;
 use super::ewa::OnScreen;
 use super::facet::Canvas;
 use super::raster::{gaussian, head_light_of};
-use super::tile::{LANES, Tile, WIDTH};
+use super::tile::{self, HEIGHT, LANES, Tile, WIDTH};
 use super::view::PixelView;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
-use glam::Vec3;
+use std::mem;
 
 /// Pixels of a splat: two columns of two rows.
 const PIXELS: usize = 4;
@@ -23,41 +23,47 @@ const PIXELS: usize = 4;
 /// Determinants of K are not taken for less: what is seen edge-on is a line.
 const LEAST_DETERMINANT: f32 = 1e-9;
 
-/// A splat on the screen.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SmallSplat {
-    /// Place in the tile of its upper left pixel; that may be outside, where its weight is 0.
-    at: i32,
-    weights: [f32; PIXELS],
-    depths: [f32; PIXELS],
-    /// Lit.
-    color: [f32; 3],
-    /// Towards the eye; where light falls on the blended surface.
-    normal: Vec3,
-}
-
 /// Eight splats, a property in each row, a splat in each lane.
 #[derive(Debug)]
-pub(super) struct SmallSplats {
-    /// Column and row of the upper left pixel.
+struct SmallSplats {
+    /// Column and row of the upper left pixel; that may be outside, where its weight is 0.
     places: [[f32; LANES]; 2],
     weights: [[f32; LANES]; PIXELS],
     depths: [[f32; LANES]; PIXELS],
-    /// Factor on the colour, and white that is added.
-    light: [[f32; LANES]; 2],
-    /// The product of normal and middle: positive where the normal points away.
-    facing: [f32; LANES],
+    /// Lit.
+    colors: [[f32; LANES]; 3],
+    /// Towards the eye.
+    normals: [[f32; LANES]; 3],
+    /// The lanes of those that are in the picture, in front.
+    lanes: [usize; LANES],
+    count: usize,
 }
 
 /// Eight small splats as they are seen.
-pub(super) struct Seen<'a, S: Simd> {
+pub(super) struct EightSmall<'a, S: Simd> {
     pub(super) canvas: &'a Canvas<'a>,
     pub(super) on_screen: &'a OnScreen<S>,
     pub(super) centers: Vectors<S>,
     pub(super) normals: Vectors<S>,
+    /// From 0 to 1, of their front sides.
+    pub(super) colors: [f32x8<S>; 3],
+    /// Factor on the colours of their back sides.
+    pub(super) back_side: f32,
     /// Lanes with a splat that may be in the picture.
     pub(super) may_touch: mask32x8<S>,
     pub(super) is_lit: bool,
+}
+
+/// The sums of a tile's small splats. The channels of a pixel are beside one another, so that one addition serves all
+/// of them; all are zero between two tiles.
+#[derive(Debug, Default)]
+pub(super) struct SmallSums {
+    /// Weighted red, green, blue, and the weights.
+    colors: Vec<[f32; 4]>,
+    /// Weighted normals and depths, where light falls on the blended surface.
+    surfaces: Vec<[f32; 4]>,
+    /// The first row of the tile that was added to, and the one after the last.
+    rows: [usize; 2],
 }
 
 /// Whether all splats are small, whatever of them is in the picture.
@@ -79,15 +85,15 @@ pub(super) fn are_small<S: Simd>(
 impl SmallSplats {
     /// Of eight that are small.
     #[inline(always)]
-    pub(super) fn of<S: Simd>(simd: S, seen: &Seen<'_, S>) -> Self {
+    fn of<S: Simd>(simd: S, eight: &EightSmall<'_, S>) -> Self {
         let splat = |value: f32| f32x8::splat(simd, value);
-        let Seen {
+        let EightSmall {
             canvas,
             on_screen,
             centers,
             normals,
             ..
-        } = *seen;
+        } = *eight;
         let (view, clip) = (canvas.view, canvas.clip);
         let [xx, xy, yy] = on_screen.covariance();
         let per_determinant = 1.0 / xx.mul_sub(yy, xy * xy).max(splat(LEAST_DETERMINANT));
@@ -99,7 +105,8 @@ impl SmallSplats {
 
         let facing = normals.dot(centers);
         let distance = centers.dot(centers).sqrt();
-        let mut are_seen = seen.may_touch & facing.abs().simd_gt(distance * 1e-6);
+        let faces_away = facing.simd_gt(splat(0.0));
+        let mut are_seen = eight.may_touch & facing.abs().simd_gt(distance * 1e-6);
         if canvas.cull_back_faces {
             are_seen &= facing.simd_le(splat(0.0));
         }
@@ -107,20 +114,29 @@ impl SmallSplats {
         let per_facing = splat(view.near) / facing;
         let per_right = normals.x * per_facing * (1.0 / view.px_per_slope[0]);
         let per_down = normals.y * per_facing * (1.0 / view.px_per_slope[1]);
-        let [factor, white] = if seen.is_lit {
+        let [factor, white] = if eight.is_lit {
             head_light_of(simd, facing.abs() / distance)
         } else {
             [splat(1.0), splat(0.0)]
         };
+        let side = simd.select_f32x8(faces_away, splat(eight.back_side), splat(1.0));
+        let turned = simd.select_f32x8(faces_away, splat(-1.0), splat(1.0));
 
         let mut small = Self {
             places: [*left, *top],
             weights: [[0.0; LANES]; PIXELS],
             depths: [[0.0; LANES]; PIXELS],
-            light: [*factor, *white],
-            facing: *facing,
+            colors: [[0.0; LANES]; 3],
+            normals: [*(normals.x * turned), *(normals.y * turned), *(normals.z * turned)],
+            lanes: [0; LANES],
+            count: 0,
         };
+        // Not by `map`: see `raster.rs`.
+        for (lit, channel) in small.colors.iter_mut().zip(eight.colors) {
+            *lit = *(channel * side * factor + white).min(splat(1.0));
+        }
         let (first, end) = (clip.start.map(|px| px as f32), clip.end.map(|px| px as f32));
+        let mut sums = splat(0.0);
         for pixel in 0..PIXELS {
             let column = left + (pixel % 2) as f32;
             let row = top + (pixel / 2) as f32;
@@ -132,64 +148,82 @@ impl SmallSplats {
                 & row.simd_lt(splat(end[1]));
             let is_inside = radius2.simd_le(splat(1.0)) & is_in_clip & are_seen;
             let mask = gaussian(simd, radius2.max(splat(0.0)).min(splat(1.0))) * on_screen.weights();
-            small.weights[pixel] = *simd.select_f32x8(is_inside, mask, splat(0.0));
-            small.depths[pixel] = *per_right.mul_add(right, per_down.mul_add(down, depth));
+            let depths = per_right.mul_add(right, per_down.mul_add(down, depth));
+            let weights = simd.select_f32x8(is_inside & depths.simd_le(splat(1.0)), mask, splat(0.0));
+            sums += weights;
+            small.weights[pixel] = *weights;
+            small.depths[pixel] = *depths;
+        }
+        // Which ones are in the picture is as good as chance: a loop over these alone is foreseen, a branch is not.
+        for (lane, &weight) in sums.iter().enumerate() {
+            small.lanes[small.count] = lane;
+            small.count += usize::from(weight > 0.0);
         }
         small
     }
-
-    /// The splat of a lane, which is of this colour, if something of it is in the picture; whether its normal points
-    /// away from the eye decides about both.
-    #[inline(always)]
-    pub(super) fn get(
-        &self,
-        lane: usize,
-        origin: [i32; 2],
-        color_and_normal: impl FnOnce(bool) -> ([f32; 3], Vec3),
-    ) -> Option<SmallSplat> {
-        let weights = [0, 1, 2, 3].map(|pixel: usize| self.weights[pixel][lane]);
-        if weights == [0.0; PIXELS] {
-            return None;
-        }
-        let (color, normal) = color_and_normal(self.facing[lane] > 0.0);
-        let [factor, white] = [self.light[0][lane], self.light[1][lane]];
-        let [column, row] = [0, 1].map(|axis: usize| self.places[axis][lane] as i32 - origin[axis]);
-        Some(SmallSplat {
-            at: row * WIDTH as i32 + column,
-            weights,
-            depths: [0, 1, 2, 3].map(|pixel: usize| self.depths[pixel][lane]),
-            color: color.map(|channel| (channel * factor + white).min(1.0)),
-            normal,
-        })
-    }
 }
 
-impl SmallSplat {
-    /// Sums its weighted colour where it is not behind the depths that are there; its normal, if light is to fall on
-    /// these.
+impl SmallSums {
+    /// Sums weighted colours of eight where they are not behind the depths of the tile; their normals, if light is to
+    /// fall on these.
     #[inline(always)]
-    pub(super) fn attribute(&self, tile: &mut Tile, has_normals: bool) {
+    pub(super) fn add<S: Simd>(&mut self, simd: S, tile: &Tile, eight: &EightSmall<'_, S>, has_normals: bool) {
         const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
-        for (pixel, step) in STEPS.into_iter().enumerate() {
-            let (weight, depth) = (self.weights[pixel], self.depths[pixel]);
-            if weight == 0.0 {
-                continue;
-            }
-            // What has a weight is in the tile.
-            let at = (self.at + step) as usize;
-            if depth < tile.depth[at] || depth > 1.0 {
-                continue;
-            }
-            for (sums, channel) in tile.colors.iter_mut().zip(self.color) {
-                sums[at] += channel * weight;
-            }
-            tile.weight[at] += weight;
-            if has_normals {
-                let Vec3 { x, y, z } = self.normal;
-                for (sums, value) in tile.surfaces.iter_mut().zip([x, y, z, depth]) {
-                    sums[at] += value * weight;
+        self.colors.resize(tile::PIXELS, [0.0; 4]);
+        if has_normals {
+            self.surfaces.resize(tile::PIXELS, [0.0; 4]);
+        }
+        let small = SmallSplats::of(simd, eight);
+        for &lane in &small.lanes[..small.count] {
+            let column = small.places[0][lane] as i32 - tile.origin[0];
+            let row = small.places[1][lane] as i32 - tile.origin[1];
+            self.touch(row);
+            let [red, green, blue] = &small.colors;
+            let color = [red[lane], green[lane], blue[lane], 1.0];
+            let [x, y, z] = &small.normals;
+            let [x, y, z] = [x[lane], y[lane], z[lane]];
+            for (pixel, step) in STEPS.into_iter().enumerate() {
+                // What has a weight is in the tile, and what has none changes nothing anywhere.
+                let at = (row * WIDTH as i32 + column + step) as usize % tile::PIXELS;
+                let depth = small.depths[pixel][lane];
+                let is_behind = depth < tile.depth[at];
+                let weight = if is_behind { 0.0 } else { small.weights[pixel][lane] };
+                add_to(&mut self.colors[at], color, weight);
+                if has_normals {
+                    add_to(&mut self.surfaces[at], [x, y, z, depth], weight);
                 }
             }
         }
+    }
+
+    /// Row and the one below are added to, as far as they are in the tile.
+    #[inline(always)]
+    fn touch(&mut self, row: i32) {
+        let (first, end) = (row.max(0) as usize, (row + 2).max(0) as usize);
+        self.rows = [self.rows[0].min(first), self.rows[1].max(end)];
+    }
+
+    /// Adds the sums to those of the tile, and begins anew.
+    pub(super) fn finish(&mut self, tile: &mut Tile, has_normals: bool) {
+        let [first, end] = mem::replace(&mut self.rows, [HEIGHT, 0]);
+        for at in first * WIDTH..end.min(HEIGHT) * WIDTH {
+            let [red, green, blue, weight] = mem::take(&mut self.colors[at]);
+            for (sums, sum) in tile.colors.iter_mut().zip([red, green, blue]) {
+                sums[at] += sum;
+            }
+            tile.weight[at] += weight;
+            if has_normals {
+                for (sums, sum) in tile.surfaces.iter_mut().zip(mem::take(&mut self.surfaces[at])) {
+                    sums[at] += sum;
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_to(sums: &mut [f32; 4], values: [f32; 4], weight: f32) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += value * weight;
     }
 }

@@ -5,14 +5,16 @@ use super::gpu_data::{
     LIGHTING_PER_VERTEX,
 };
 use super::photographs::{PHOTO_CLIPS_BY_ANY, PHOTO_CLIPS_BY_VOTE, PHOTO_IS_WHITE, PHOTO_LEAVES_HOLES, PHOTO_RELIGHTS};
+use crate::analysis::screen::constants as screen;
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
     BACK_SIDE, COARSE_LINES, CUBE_REACH_HALF_EDGES, EWA_LEAST_DETERMINANT, EWA_MEAN_WEIGHT, FACET_LEAST_SIZE,
     FARTHEST_GREY, FINE_LINES, FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_LEAST_CONTRAST,
     FXAA_LEAST_SHARE, FXAA_MOST_BLENDED, FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR,
-    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, PHOTO_LEAST_COSINE, PHOTO_LEAST_FACING,
-    PHOTO_MOST_TAPS, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
-    SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_LEAST_COSINE,
+    PHOTO_LEAST_FACING, PHOTO_MOST_TAPS, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_DISAGREEMENT2,
+    PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII,
+    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
 use crate::scene::{
     AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, PhotoStyle,
@@ -33,6 +35,9 @@ pub(super) const OUTPUT_GROUP: u32 = SHAPE_GROUP + 1;
 
 /// Of the pass that gathers records: all that it reads and writes.
 pub(super) const GATHER_GROUP: u32 = 0;
+
+/// Of the passes that make surfels of the screen: all that they read and write.
+pub(super) const SCREENING_GROUP: u32 = 0;
 
 /// The radius of what is not drawn, which was not told before its record was written.
 const RADIUS_OF_NOTHING: f32 = -1.0;
@@ -150,6 +155,7 @@ pub(super) fn shared() -> String {
         OCCLUSION_ROUGHNESS,
         OPAQUE_WEIGHT,
         OUTPUT_GROUP,
+        PHOTO_AGREEMENT_ROUNDS,
         PHOTO_CLIPS_BY_ANY,
         PHOTO_CLIPS_BY_VOTE,
         PHOTO_IS_WHITE,
@@ -161,6 +167,7 @@ pub(super) fn shared() -> String {
         PHOTO_MOST_TAPS,
         PHOTO_NOT_LOOKING,
         PHOTO_OPACITY,
+        PHOTO_PER_DISAGREEMENT2,
         PHOTO_PER_STEP_ANGLE2,
         PHOTO_RELIGHTS,
         PHOTO_RIM,
@@ -187,6 +194,40 @@ pub(super) fn shared() -> String {
         VIEW_GROUP,
         WIDEST_CELL_PX,
     ]
+}
+
+/// Those of the passes that make surfels of the screen.
+pub(super) fn of_screen_normals() -> String {
+    /// The place of a point that is hidden.
+    const NOT_VISIBLE: u32 = u32::MAX;
+    /// Where a picture of depths has none.
+    const NO_DEPTH: f32 = f32::MAX;
+    /// What numbers are divided by that could be zero: a normal number, which no adapter takes for zero.
+    const LEAST_POSITIVE: f32 = 1e-30;
+    [
+        declaration("BORDER_PX", screen::BORDER_PX as u32),
+        declaration("CELLS_BEFORE", screen::CELLS_BEFORE as u32),
+        declaration("CELLS_OF_WINDOW", screen::CELLS_OF_WINDOW as u32),
+        declaration("CLOSING_ROWS_PX", screen::CLOSING_ROWS_PX),
+        declaration("FEWEST_NEIGHBOURS", screen::FEWEST_NEIGHBOURS),
+        declaration("FEWEST_OF_PLANE", screen::FEWEST_OF_PLANE),
+        declaration("FEWEST_OF_RAMP", screen::FEWEST_OF_RAMP),
+        declaration("LEAST_POSITIVE", LEAST_POSITIVE),
+        declaration("LEAST_RADIUS_PX", screen::LEAST_RADIUS_PX),
+        declaration("LEAST_SPREAD", screen::LEAST_SPREAD as f32),
+        declaration("MOST_DOUBLINGS", screen::MOST_DOUBLINGS as u32),
+        declaration("MOST_DOUBLINGS_OF_LENDING", screen::MOST_DOUBLINGS_OF_LENDING as u32),
+        declaration("MOST_LEVELS", screen::MOST_LEVELS),
+        declaration("MOST_REACH_CELLS", screen::MOST_REACH_CELLS),
+        declaration("MOST_REACH_PX", screen::MOST_REACH_PX as u32),
+        declaration("NOT_VISIBLE", NOT_VISIBLE),
+        declaration("NO_DEPTH", NO_DEPTH),
+        declaration("PI", std::f32::consts::PI),
+        declaration("RADIUS_SPACINGS", screen::RADIUS_SPACINGS),
+        declaration("SCREENING_GROUP", SCREENING_GROUP),
+        declaration("WIDE_WINDOW", screen::WIDE_WINDOW as u32),
+    ]
+    .join("\n")
 }
 
 /// Those of the shaders of an amplification: its vertices, and what a draw call counts for a record.

@@ -159,6 +159,12 @@ impl Context {
         self.limits.max_texture_dimension_2d
     }
 
+    /// Most bytes of a storage binding.
+    pub(super) fn max_storage_bytes(&self) -> u64 {
+        let limits = &self.limits;
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
     /// Waits until everything submitted is done.
     pub fn wait(&self) -> Result<(), RenderError> {
         self.device

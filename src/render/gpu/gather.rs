@@ -22,11 +22,9 @@ use super::instancing::{Chunk, RECORD_BYTES, RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
 use super::recording::Recording;
 use super::residency::{Residency, StreamKey};
+use super::rooms::{MOST_ROOM, stream_in};
 use crate::levels::Selection;
 use std::sync::Arc;
-
-/// A chunk has room for this many times as many records as it needs, at most.
-const MOST_ROOM: usize = 4;
 
 /// The WGSL of the pass.
 pub(super) fn source() -> String {
@@ -89,11 +87,9 @@ impl Gatherer {
         }
     }
 
-    /// Whether one binding holds so many records.
-    pub(super) fn can_hold(context: &Context, records: usize) -> bool {
-        let limits = &context.limits;
-        let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        (records * RECORD_BYTES) as u64 <= bytes
+    /// Whether one binding holds so many bytes.
+    pub(super) fn can_hold(context: &Context, bytes: usize) -> bool {
+        bytes as u64 <= context.max_storage_bytes()
     }
 
     /// The records of all nodes as a stream to gather from.
@@ -133,7 +129,8 @@ impl Gatherer {
         let mut rooms = self.gathered.take().map_or_else(Vec::new, |gathered| gathered.rooms);
         rooms.resize_with(RECORD_STREAMS.min(nodes.len()), Vec::new);
         for rooms in &mut rooms {
-            streams.push(make_room(context, instancing, selected, rooms));
+            let size = (selection.len(), selected.chunked_for);
+            streams.push(stream_in(context, instancing, size, rooms));
         }
         self.gathered = Some(Gathered {
             selection: Arc::clone(selection),
@@ -224,30 +221,5 @@ impl Gatherer {
             room.copy_to_texture(recording);
         }
         1
-    }
-}
-
-/// Chunks for all records of a selection, in rooms that are large enough.
-fn make_room(
-    context: &Context,
-    instancing: &dyn RecordInstancing,
-    selected: Selected<'_>,
-    rooms: &mut Vec<Room>,
-) -> Stream {
-    let count = selected.selection.len();
-    let most = instancing.most_records(context, selected.chunked_for);
-    let mut chunks = Vec::new();
-    let mut kept = std::mem::take(rooms).into_iter();
-    for first in (0..count).step_by(most) {
-        let needed = most.min(count - first);
-        let fits = |room: &Room| (needed..=MOST_ROOM * needed).contains(&room.capacity);
-        let room = kept.next().filter(fits);
-        let room = room.unwrap_or_else(|| instancing.room(context, needed.next_power_of_two().min(most)));
-        chunks.push(instancing.chunk_in(context, &room, needed as u32));
-        rooms.push(room);
-    }
-    Stream {
-        chunks,
-        byte_size: (count * RECORD_BYTES) as u64,
     }
 }

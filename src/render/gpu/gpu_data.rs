@@ -4,6 +4,7 @@
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 pub use crate::levels::NodeBounds;
 
+use crate::analysis::screen::{RADIUS_SPACINGS, ScreenCloud, ScreenView};
 use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
@@ -104,6 +105,60 @@ impl Filtering {
             culls_back_faces: numbers.culls_back_faces.into(),
             deepest_level: numbers.deepest_level,
             planes: numbers.planes,
+            ..Self::zeroed()
+        }
+    }
+}
+
+/// Twin of `Screening` in `screen_normals/view.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct Screening {
+    pub rotation_x: [f32; 3],
+    pub near: f32,
+    pub rotation_y: [f32; 3],
+    pub radius: f32,
+    pub rotation_z: [f32; 3],
+    pub spacing: f32,
+    pub eye_high: [f32; 3],
+    pub closing: f32,
+    pub eye_low: [f32; 3],
+    pub has_sensor: u32,
+    pub sensor: [f32; 3],
+    pub point_count: u32,
+    pub px_per_slope: [f32; 2],
+    pub middle_px: [f32; 2],
+    pub size_px: [u32; 2],
+    pub first: u32,
+    pub count: u32,
+    pub level: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub unused_c: u32,
+}
+
+impl Screening {
+    /// Of so many points, in the view of a picture with its margin.
+    pub fn of(view: &ScreenView, cloud: &ScreenCloud, point_count: u32) -> Self {
+        let spacing = cloud.spacing.max(0.0);
+        let sensor = cloud.sensor.map(|sensor| (sensor - view.eye_high) - view.eye_low);
+        Self {
+            rotation_x: view.rotation.x_axis.to_array(),
+            rotation_y: view.rotation.y_axis.to_array(),
+            rotation_z: view.rotation.z_axis.to_array(),
+            near: view.near,
+            radius: RADIUS_SPACINGS * spacing,
+            spacing,
+            eye_high: view.eye_high.to_array(),
+            eye_low: view.eye_low.to_array(),
+            closing: cloud.closing,
+            has_sensor: sensor.is_some().into(),
+            sensor: sensor.unwrap_or_default().to_array(),
+            point_count,
+            px_per_slope: view.px_per_slope,
+            middle_px: view.middle_px,
+            size_px: view.size_px,
             ..Self::zeroed()
         }
     }

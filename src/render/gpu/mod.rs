@@ -23,9 +23,11 @@ mod readback;
 mod recording;
 mod renderer;
 mod residency;
+mod rooms;
 pub mod shaders;
 mod targets;
 mod timer;
+mod visible;
 mod wgsl;
 
 pub use context::{Context, ContextOptions};

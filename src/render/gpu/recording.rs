@@ -37,6 +37,11 @@ impl<'a> Recording<'a> {
             .copy_buffer_to_texture(from, texture.as_image_copy(), texture.size());
     }
 
+    /// Writes zeros into the first bytes of a buffer, a multiple of four.
+    pub(super) fn clear(&mut self, buffer: &wgpu::Buffer, bytes: u64) {
+        self.encoder.clear_buffer(buffer, 0, Some(bytes));
+    }
+
     /// Begins a compute pass.
     pub(super) fn begin_compute(&mut self, label: &'static str) -> wgpu::ComputePass<'_> {
         let stamps = self.timer.as_deref_mut().and_then(|timer| timer.stamps(label));

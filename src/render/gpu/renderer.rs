@@ -14,9 +14,10 @@ use super::recording::Recording;
 use super::residency::{RecordSource, Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
 use super::timer::{GpuTimes, Timer};
+use super::visible::{VisibleMaker, Wanted};
 use crate::render::gathered::Gathered;
 use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{Antialiasing, ScenePacket, Strategy, Style};
+use crate::scene::{Antialiasing, Content, ScenePacket, Strategy, Style};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -33,6 +34,8 @@ pub struct GpuRenderer {
     indexed: Indexed,
     residency: Residency,
     gatherer: Gatherer,
+    visible: VisibleMaker,
+    makes_surfels: bool,
     gathered: Gathered,
     targets: Option<Targets>,
     quad_indices: wgpu::Buffer,
@@ -86,6 +89,8 @@ impl GpuRenderer {
             indexed: Indexed::new(&context),
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             gatherer: Gatherer::new(&context),
+            visible: VisibleMaker::default(),
+            makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
             quad_indices: quad_index_buffer(&context, 1),
@@ -130,6 +135,15 @@ impl GpuRenderer {
         self.residency.set_budget_bytes(budget_bytes);
     }
 
+    /// Whether surfels of the screen are made by the adapter, or by the processor and uploaded: unless it is said here,
+    /// by real cards alone.
+    pub fn set_makes_surfels(&mut self, makes_surfels: bool) {
+        if self.makes_surfels != makes_surfels {
+            self.makes_surfels = makes_surfels;
+            (self.prepared, self.drawn) = (None, None);
+        }
+    }
+
     /// The commands that draw what was prepared, for whoever submits them together with others; `None` if it is drawn
     /// already. They are to be submitted before another packet is prepared, which overwrites what they read.
     pub fn encode(&mut self) -> Result<Option<wgpu::CommandBuffer>, RenderError> {
@@ -152,9 +166,15 @@ impl GpuRenderer {
         self.drawn = None;
     }
 
-    /// What is drawn of a packet. Nodes of which not all can be resident are gathered here.
+    /// What is drawn of a packet. Nodes of which not all can be resident are gathered here, and surfels of the screen
+    /// are made here that the adapter does not make.
     fn as_drawn(&mut self, packet: &ScenePacket) -> ScenePacket {
         let drawn = packet.as_drawn();
+        if let Content::Visible(visible) = &drawn.content
+            && !(self.makes_surfels && VisibleMaker::can_hold(&self.context, visible))
+        {
+            return self.gathered.packet(&drawn);
+        }
         let streams = primitives::drawable(&drawn).streams;
         let mut sizes = streams.iter().map(RecordSource::record_bytes);
         let are_bindable = sizes.clone().all(|bytes| Gatherer::can_hold(&self.context, bytes));
@@ -176,7 +196,11 @@ impl GpuRenderer {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.gatherer.record(&mut recording, &self.residency);
         }
-        let streams = streams_of(&plan, &self.residency, &self.gatherer);
+        if plan.drawable.visible.is_some() {
+            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
+            self.stats.passes += self.visible.record(&mut recording, &self.residency);
+        }
+        let streams = streams_of(&plan, &self.residency, (&self.gatherer, &self.visible));
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
@@ -261,12 +285,14 @@ impl GpuRenderer {
             log::warn!("the GPU is out of memory: frames that were kept there make room");
             self.residency.clear();
             self.gatherer.clear();
+            self.visible.clear();
             result = self.upload_streams(plan);
         }
         if result.is_err() {
             // What was made of the streams cannot be drawn.
             self.residency.clear();
             self.gatherer.clear();
+            self.visible.clear();
         }
         self.residency.trim(&plan.stream_keys());
         self.stats.resident_bytes = self.residency.resident_bytes();
@@ -280,6 +306,7 @@ impl GpuRenderer {
             indexed,
             residency,
             gatherer,
+            visible: maker,
             stats,
             ..
         } = self;
@@ -306,13 +333,21 @@ impl GpuRenderer {
                 stats.uploads += u64::from(uploaded_bytes > 0);
                 stats.uploaded_bytes += uploaded_bytes;
             }
+            if let (Some(visible), Some(points)) = (plan.drawable.visible, plan.drawable.streams.first()) {
+                let wanted = Wanted {
+                    visible,
+                    points: points.key(),
+                    chunked_for,
+                };
+                maker.ensure(context, instancing.as_ref(), wanted);
+            }
         })
     }
 
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency, &self.gatherer)
+        let quads = streams_of(plan, &self.residency, (&self.gatherer, &self.visible))
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -349,6 +384,7 @@ impl Renderer for GpuRenderer {
         if self.strategy != strategy {
             self.residency.clear();
             self.gatherer.clear();
+            self.visible.clear();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
@@ -416,9 +452,16 @@ fn instancing_of<'a>(
 }
 
 /// What a plan draws, as far as it is resident.
-fn streams_of<'a>(plan: &Plan<'_>, residency: &'a Residency, gatherer: &'a Gatherer) -> Vec<&'a Stream> {
+fn streams_of<'a>(
+    plan: &Plan<'_>,
+    residency: &'a Residency,
+    (gatherer, visible): (&'a Gatherer, &'a VisibleMaker),
+) -> Vec<&'a Stream> {
     if plan.drawable.selection.is_some() {
         return gatherer.streams();
+    }
+    if plan.drawable.visible.is_some() {
+        return visible.streams();
     }
     let keys = plan.stream_keys();
     keys.into_iter().filter_map(|key| residency.get(key)).collect()

@@ -5,7 +5,7 @@
 pub use super::passes::{GeometryPass, SCREEN_PASSES, ScreenPass};
 pub use super::primitives::{AMPLIFICATIONS, Amplification};
 
-use super::{gather, instancing, wgsl};
+use super::{gather, instancing, visible, wgsl};
 use crate::scene::Strategy;
 
 /// One shader module.
@@ -19,6 +19,8 @@ pub enum Permutation {
     Gather,
     /// The same of those of a sequence, which it tests.
     Filter,
+    /// The passes that make surfels of the screen.
+    Visible,
     /// A pass over the screen.
     Screen(&'static ScreenPass),
 }
@@ -27,7 +29,7 @@ impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
-        all.extend([Self::Gather, Self::Filter]);
+        all.extend([Self::Gather, Self::Filter, Self::Visible]);
         for amplification in AMPLIFICATIONS {
             if amplification.compute_amplifies {
                 all.push(Self::Amplify(amplification));
@@ -52,6 +54,7 @@ impl Permutation {
             Self::Amplify(amplification) => format!("amplify/{}", amplification.name),
             Self::Gather => "gather".to_owned(),
             Self::Filter => "filter".to_owned(),
+            Self::Visible => "visible".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
         }
     }
@@ -78,6 +81,7 @@ impl Permutation {
             Self::Amplify(amplification) => instancing::compute_source(amplification),
             Self::Gather => gather::source(),
             Self::Filter => gather::filter_source(),
+            Self::Visible => visible::source(),
             Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
         }
     }

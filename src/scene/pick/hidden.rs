@@ -21,9 +21,9 @@ pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
     if !places.iter().any(|&(_, px)| is_seen(px)) {
         return vec![false; places.len()];
     }
-    // What was chosen of a cut is put together once for all of them.
-    if let Content::Selected(selected) = &packet.content {
-        let content = Content::Surfels(selected.gathered());
+    // What is left to who draws is put together once for all of them.
+    if let Some(surfels) = packet.content.gathered() {
+        let content = Content::Surfels(surfels);
         let packet = ScenePacket {
             content,
             ..packet.clone()
@@ -55,7 +55,7 @@ fn nearest_place(packet: &ScenePacket, ray: &Ray) -> Option<DVec3> {
         Content::Nothing => None,
         Content::Points(points) => ray.choose(&Sprites::new(packet, points, None), 0.0),
         Content::Surfels(surfels) => of_surfels(surfels),
-        Content::Selected(selected) => of_surfels(&selected.gathered()),
+        Content::Selected(_) | Content::Visible(_) => of_surfels(&packet.content.gathered()?),
         Content::Voxels(voxels) => ray.choose(&Cubes::new(voxels), 0.0),
         Content::Mesh(mesh) => ray.choose(&Triangles::new(mesh, packet), 0.0),
         Content::Coded(coded) => {

@@ -121,8 +121,8 @@ pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], rad
             let chosen = ray.choose(&sprites, radius_px)?;
             slot_of(packet, frame, points, chosen.record)
         }
-        Content::Selected(selected) => {
-            let content = Content::Surfels(selected.gathered());
+        Content::Selected(_) | Content::Visible(_) => {
+            let content = Content::Surfels(packet.content.gathered()?);
             let packet = ScenePacket {
                 content,
                 ..packet.clone()

@@ -25,7 +25,7 @@ pub(super) struct Ray {
 
 /// A record that the ray meets, or comes near to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen {
+pub(super) struct RayHit {
     pub(super) record: usize,
     /// Where it is met, or its middle if it is not, in the space of the frame.
     pub(super) place: DVec3,
@@ -80,9 +80,9 @@ pub(super) struct Miss {
 pub(super) struct Met {
     /// As the ray's `t`.
     pub(super) depth: f64,
-    /// As [`Seen::slack`].
+    /// As [`RayHit::slack`].
     pub(super) slack: f64,
-    /// As [`Seen::aside`].
+    /// As [`RayHit::aside`].
     pub(super) aside: f64,
 }
 
@@ -120,8 +120,8 @@ impl Ray {
     }
 
     /// The record whose colour the pixel mostly has; where it has none, the nearest one on the picture.
-    pub(super) fn choose(&self, records: &impl Drawn, radius_px: f64) -> Option<Seen> {
-        let seen: Vec<Seen> = (0..records.len().div_ceil(BLOCK))
+    pub(super) fn choose(&self, records: &impl Drawn, radius_px: f64) -> Option<RayHit> {
+        let seen: Vec<RayHit> = (0..records.len().div_ceil(BLOCK))
             .into_par_iter()
             .with_min_len(BLOCKS_PER_TASK)
             .flat_map_iter(|block| self.look_at_block(records, block, radius_px))
@@ -147,7 +147,7 @@ impl Ray {
         }
     }
 
-    fn look_at_block(&self, records: &impl Drawn, block: usize, radius_px: f64) -> Vec<Seen> {
+    fn look_at_block(&self, records: &impl Drawn, block: usize, radius_px: f64) -> Vec<RayHit> {
         let range = BLOCK * block..records.len().min(BLOCK * (block + 1));
         if !self.may_meet_block(records, range.clone(), radius_px) {
             return Vec::new();
@@ -204,14 +204,14 @@ impl Ray {
         farthest + reach >= self.near && is_near(0) && is_near(1)
     }
 
-    fn look_at(&self, records: &impl Drawn, record: usize, radius_px: f64) -> Option<Seen> {
+    fn look_at(&self, records: &impl Drawn, record: usize, radius_px: f64) -> Option<RayHit> {
         let offset = records.position(record).as_dvec3() - self.eye;
         if !records.faces_eye(record, offset) {
             return None;
         }
         let met = records.meet(self, record, offset);
         if let Some(met) = met.filter(|met| met.depth >= self.near) {
-            return Some(Seen {
+            return Some(RayHit {
                 record,
                 place: self.eye + met.depth * self.direction(),
                 depth: met.depth,
@@ -221,7 +221,7 @@ impl Ray {
             });
         }
         let miss = records.miss(self, record, offset)?;
-        (miss.outline_px < radius_px).then(|| Seen {
+        (miss.outline_px < radius_px).then(|| RayHit {
             record,
             place: self.eye + offset,
             depth: miss.depth,

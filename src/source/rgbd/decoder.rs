@@ -118,6 +118,7 @@ impl Recorded {
             StoredImage::File(path) => Some(DepthFile {
                 path: path.clone(),
                 kind: DepthKind::Scaled(self.code.metres_per_unit()?),
+                taken_by: None,
             }),
             StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
         }

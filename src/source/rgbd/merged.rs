@@ -4,7 +4,7 @@ use super::error::RgbdError;
 use super::recording::RgbdRecording;
 use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::messages::{frame_by_index, frames_with_indices};
-use crate::photos::{Photo, ViewSet};
+use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
@@ -122,8 +122,8 @@ impl Source for MergedFrames {
     }
 }
 
-/// The colour image of a frame as a photograph, with its depth image where both are of one camera. Messages of
-/// recordings are none: photographs are files.
+/// The colour image of a frame as a photograph, with its depth image. Messages of recordings are none: photographs are
+/// files.
 fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
     let recorded = &recording.recorded;
     let path = recorded.color_file(index)?;
@@ -138,9 +138,20 @@ fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
         mask: None,
         depth,
     };
+    let depth = recorded.depth_file(index);
     Some(match &sensor.rig.color {
-        Some(color) => photo(&color.camera, color.color_from_depth * camera_from_world, None),
-        None => photo(&sensor.rig.depth, camera_from_world, recorded.depth_file(index)),
+        Some(color) => {
+            let taken_by = DepthCamera {
+                camera: sensor.rig.depth.clone(),
+                photo_from_depth: color.color_from_depth,
+            };
+            let depth = depth.map(|depth| DepthFile {
+                taken_by: Some(taken_by),
+                ..depth
+            });
+            photo(&color.camera, color.color_from_depth * camera_from_world, depth)
+        }
+        None => photo(&sensor.rig.depth, camera_from_world, depth),
     })
 }
 

@@ -156,15 +156,6 @@ fn a_second_view_is_enough_and_the_local_winner_finds_the_same() {
 }
 
 #[test]
-fn the_better_half_of_the_costs_counts() {
-    assert_eq!(best_half(&mut []), None);
-    assert_eq!(best_half(&mut [40]), Some(40));
-    assert_eq!(best_half(&mut [40, 7]), Some(7));
-    assert_eq!(best_half(&mut [40, 8, 60, 6]), Some(7));
-    assert_eq!(best_half(&mut [62, 5, 2]), Some(4));
-}
-
-#[test]
 fn any_number_of_threads_finds_the_same_depths() {
     let scene = Scene::new(3);
     let views = scene.views();
@@ -174,6 +165,53 @@ fn any_number_of_threads_finds_the_same_depths() {
         pool.install(|| depths_of(&views, 1, &sweep))
     };
     assert_eq!(of(1), of(3));
+}
+
+#[test]
+fn progress_comes_to_its_end_and_a_cancelled_sweep_says_so() {
+    let scene = Scene::new(3);
+    let views = scene.views();
+    let sweep = PlaneSweep::between(2.5, 5.0);
+    let progress = Progress::default();
+    progress.set(0, PlaneSweep::STEPS);
+    let observed = sweep.depths_observed(&views[0], &views[1..], &progress).unwrap();
+    assert_eq!(progress.done(), PlaneSweep::STEPS);
+    assert_eq!(observed, sweep.depths(&views[0], &views[1..]).unwrap());
+    let stopped = Progress::told_to(|progress| {
+        if progress.done() == 4 {
+            progress.cancel();
+        }
+    });
+    let result = sweep.depths_observed(&views[0], &views[1..], &stopped);
+    assert_eq!(result, Err(StereoError::Cancelled));
+    assert!(stopped.done() < PlaneSweep::STEPS, "{} steps", stopped.done());
+}
+
+/// Views that are turned about their axes, and one that is nearer.
+#[test]
+fn turned_and_nearer_views_tell_the_same_depths() {
+    let mut scene = Scene::new(3);
+    for (pose, (degrees, nearer)) in scene.poses.iter_mut().zip([(25.0_f64, 0.0), (0.0, 0.0), (-10.0, 0.4)]) {
+        let turn = DAffine3::from_rotation_z(degrees.to_radians());
+        *pose = turn * DAffine3::from_translation(DVec3::new(0.0, 0.0, -nearer)) * *pose;
+    }
+    scene.photographs = scene
+        .poses
+        .iter()
+        .map(|&pose| photograph(&scene.camera, pose))
+        .collect();
+    let views = scene.views();
+    let depths = depths_of(&views, 1, &PlaneSweep::between(2.5, 5.0));
+    let mut errors = Vec::new();
+    for (at, &depth) in depths.metres().iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
+        let pixel = DVec2::new(f64::from(at as u32 % SIZE[0]), f64::from(at as u32 / SIZE[0]));
+        if let Some((truth, _)) = trace(&scene.camera, scene.poses[1], pixel) {
+            errors.push((f64::from(depth) - truth).abs());
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    assert!(errors.len() > 3000, "{} pixels", errors.len());
+    assert!(errors[errors.len() / 2] <= 0.02, "{}", errors[errors.len() / 2]);
 }
 
 #[test]

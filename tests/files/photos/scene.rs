@@ -366,6 +366,29 @@ impl Scene {
         });
         fs::write(folder.join("transforms.json"), file.to_string()).unwrap();
     }
+
+    /// Rows in the order of names; the axes of cameras are down, right, backward. The header is padded as numpy does.
+    pub(crate) fn write_llff(&self, folder: &Path) {
+        self.write_photos(&folder.join("images"));
+        let mut numbers = Vec::new();
+        for (photo, (turn, _)) in self.poses.iter().enumerate() {
+            let axes = turn.transpose();
+            let (down, right, backward, c) = (axes.y_axis, axes.x_axis, -axes.z_axis, self.center(photo));
+            let of_image = [f64::from(self.size_px[1]), f64::from(self.size_px[0]), self.focal_px.x];
+            for row in 0..3 {
+                numbers.extend([down[row], right[row], backward[row], c[row], of_image[row]]);
+            }
+            numbers.extend([1.2, 9.5]);
+        }
+        let header = format!(
+            "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, 17), }}",
+            self.poses.len()
+        );
+        let header = format!("{header:<117}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        let bytes = [&b"\x93NUMPY\x01\0"[..], &length, header.as_bytes(), &doubles(&numbers)].concat();
+        fs::write(folder.join("poses_bounds.npy"), bytes).unwrap();
+    }
 }
 
 fn words(numbers: &[f64]) -> String {

@@ -3,6 +3,8 @@
 use super::recording::{FRAMES, HEIGHT, Has, LAYOUTS, Recording, WIDTH};
 use super::{open_with, points};
 use glam::DVec3;
+use pointreel::photos::LoadedPhotographs;
+use pointreel::progress::Progress;
 use pointreel::source::RgbdOptions;
 use std::fs;
 use std::path::Path;
@@ -117,6 +119,40 @@ fn posed_frames_become_one_cloud() {
         }
         assert_eq!(cloud.attributes.colors.unwrap().len(), found.len());
         assert_eq!((cloud.grid, cloud.sensor), (None, None));
+    }
+}
+
+/// Nothing in it was registered: colours have a camera of their own, and depths are those of the other one.
+#[test]
+fn photographs_of_7_scenes_are_taken_beside_their_depths() {
+    let root = tempfile::tempdir().unwrap();
+    let recording = Recording::new();
+    let (folder, _) = written(root.path(), "7-Scenes");
+    let options = RgbdOptions {
+        merge: Some((0, FRAMES - 1)),
+        ..RgbdOptions::default()
+    };
+    let sequence = open_with(&folder, options).unwrap();
+    let set = sequence.source().photographs(0).unwrap();
+    assert_eq!(set.photos.len(), FRAMES);
+    for (photo, pose) in set.photos.iter().zip(&recording.poses) {
+        let depth = photo.depth.as_ref().unwrap();
+        let taken_by = depth.taken_by.as_ref().unwrap();
+        // Those of 640 × 480, in images of a tenth.
+        assert!((photo.camera.focal_px().x - 52.5).abs() < 1e-9);
+        assert!((taken_by.camera.focal_px().x - 58.5).abs() < 1e-9);
+        let world_from_depth = photo.camera_from_world.inverse() * taken_by.photo_from_depth;
+        assert!(world_from_depth.abs_diff_eq(*pose, 1e-9), "{world_from_depth}");
+    }
+    let loaded = LoadedPhotographs::of(&set, 1 << 30, &Progress::default());
+    assert_eq!(loaded.notes, [""; 0]);
+    for photograph in loaded.photographs.all() {
+        let depth = photograph.depth.as_ref().unwrap();
+        assert!(
+            depth.valid_count() * 2 > depth.metres().len(),
+            "{} depths",
+            depth.valid_count()
+        );
     }
 }
 

@@ -44,25 +44,29 @@ const WITHOUT_KEYS: &[(&str, Command)] = &[
     ("Show the last benchmark", Command::TogglePanel(PanelId::BENCHMARK)),
 ];
 
-/// What is in the panel of settings and is no setting of drawing.
-const IN_PANEL: &[(&str, &str)] = &[
+/// What is in the panel of settings and is no setting of drawing: its name, what it does, and the title of its row.
+const IN_PANEL: &[(&str, &str, &str)] = &[
     (
         "Clip to a box or a plane…",
         "What is outside is left out, of one frame or of all",
+        "Clip",
     ),
-    ("Up axis…", "Which axis of the file is up"),
+    ("Up axis…", "Which axis of the file is up", "Up axis"),
     (
         "Change map…",
         "Points in the colours of their distances to another frame",
+        "Change map",
     ),
-    ("Onion skin…", "Ghosts of the frames before and after"),
+    ("Onion skin…", "Ghosts of the frames before and after", "Onion skin"),
     (
         "Quality: measure…",
         "Draws the sequence in every way, for the fastest below an error",
+        "Quality",
     ),
     (
         "Painted by…",
         "Whether the graphics card or the processor paints the window",
+        "Painted by",
     ),
 ];
 
@@ -81,8 +85,8 @@ pub(in crate::app) enum Action {
     Preset(usize),
     /// Starts a benchmark.
     Measure(&'static Suite),
-    /// Shows the panel that has the setting.
-    ShowSettings,
+    /// Shows the row of this title in the panel of settings.
+    ShowSetting(&'static str),
 }
 
 /// What the palette offers.
@@ -137,7 +141,7 @@ pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
         )
     });
     let in_panel = IN_PANEL.iter();
-    let in_panel = in_panel.map(|&(text, hint)| Entry::new(text, hint, Action::ShowSettings));
+    let in_panel = in_panel.map(|&(text, hint, title)| Entry::new(text, hint, Action::ShowSetting(title)));
     let commands = with_keys.chain(without).chain(in_panel);
     commands
         .chain(settings)
@@ -184,7 +188,7 @@ fn values_of(described: &'static Described) -> Vec<Entry> {
             vec![Entry::new(
                 named("…").replace(": …", "…"),
                 described.hint,
-                Action::ShowSettings,
+                Action::ShowSetting(described.title),
             )]
         }
     }

@@ -86,8 +86,15 @@ pub(in crate::app) fn find(query: &str, presets: &[String], more: &[Entry]) -> V
         })
         .collect();
     found.sort_by_key(|&(distance, _)| distance);
+    // Letters in their order are in many names by chance: they are for words that are found in no other way.
+    if found.first().is_some_and(|&(distance, _)| distance < LETTERS) {
+        found.retain(|&(distance, _)| distance < LETTERS);
+    }
     found.into_iter().map(|(_, entry)| entry).collect()
 }
+
+/// The distance of a word that is in a name by its letters alone; beyond the sums of all others.
+const LETTERS: usize = 1 << 16;
 
 /// How far a word is from a name and what the thing of that name does; `None` if it is in neither.
 fn distance(word: &str, text: &str, hint: &str) -> Option<usize> {
@@ -98,10 +105,10 @@ fn distance(word: &str, text: &str, hint: &str) -> Option<usize> {
         Some(0)
     } else if synonyms.any(|(_, ours)| text.contains(ours)) {
         Some(1)
-    } else if is_subsequence(word, text) {
-        Some(2)
     } else if word.len() >= 3 && hint.contains(word) {
-        Some(3)
+        Some(2)
+    } else if is_subsequence(word, text) {
+        Some(LETTERS)
     } else {
         None
     }
@@ -133,6 +140,7 @@ mod tests {
         assert_eq!(texts("next mark")[0], "Next marker");
         assert_eq!(texts("MARK next")[0], "Next marker");
         assert_eq!(texts("frme nxt")[0], "Next frame");
+        assert!(texts("gif").iter().all(|text| text != "Relighting: Off"));
         assert_eq!(texts("no such thing at all"), [""; 0]);
         // As they are before letters scattered over the text.
         assert_eq!(texts("left")[0], "Left");

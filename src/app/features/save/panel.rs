@@ -68,9 +68,10 @@ pub(in crate::app) fn save_ui(
                 request = place(ui, save, of);
             });
             ui.separator();
-            request = numbers(ui, save, estimates, of).or(request);
-            ui.separator();
+            // Above the numbers, which come and go and may need to be scrolled.
             request = start(ui, save, of).or(request);
+            ui.separator();
+            request = numbers(ui, save, estimates, of).or(request);
         });
     settle(ui, "Save as", shown);
     request

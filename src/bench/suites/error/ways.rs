@@ -47,48 +47,74 @@ pub(super) fn ways(has_adapter: bool) -> Vec<Style> {
 }
 
 fn of_renderer(base: &Style) -> Vec<Style> {
-    let point = Style {
-        primitive: Primitive::Point,
-        ..*base
-    };
-    let voxel = Style {
-        primitive: Primitive::Voxel,
-        ..*base
-    };
+    let point = base.with(|style| style.primitive = Primitive::Point);
+    let voxel = base.with(|style| style.primitive = Primitive::Voxel);
     let detail = base.with(|style| style.levels.surfel_lod = true);
-    let mut ways = Vec::new();
-    ways.extend([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
+    let mut ways = of_points(&point);
+    ways.extend(of_splats(base));
+    ways.extend(of_structures(base, &voxel));
+    if base.drawing.renderer == RendererChoice::Cpu {
+        ways.extend(of_codes(base));
+    }
+    let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
+    for whole in [*base, enlarged, detail, voxel, point] {
+        ways.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
+    }
+    let opaque = base.with(|style| style.surfels.splatting = Splatting::Opaque);
+    for stepped in [*base, opaque, voxel, point] {
+        ways.extend(
+            [Antialiasing::Fxaa, Antialiasing::Supersample]
+                .map(|antialiasing| stepped.with(|style| style.drawing.antialiasing = antialiasing)),
+        );
+    }
+    ways
+}
+
+/// Points by their size, shape and light.
+fn of_points(point: &Style) -> Vec<Style> {
     let of_scene = |sizing, shape| {
         point.with(|style| {
             style.points.sizing = sizing;
             style.points.shape = shape;
         })
     };
+    let mut ways = Vec::from([1.0, 2.0, 3.0].map(|size_px| point.with(|style| style.points.size_px = size_px)));
     for sizing in [PointSizing::Projected, PointSizing::Adaptive] {
         ways.extend([PointShape::Disk, PointShape::Gaussian].map(|shape| of_scene(sizing, shape)));
     }
     let blended = of_scene(PointSizing::Adaptive, PointShape::Gaussian);
-    ways.push(blended.with(|style| style.points.light = PointLight::Normals));
+    let squares = of_scene(PointSizing::Projected, PointShape::Square);
+    ways.extend([blended, squares].map(|points| points.with(|style| style.points.light = PointLight::Normals)));
     ways.push(blended.with(|style| style.levels.surfel_lod = true));
+    ways
+}
+
+/// Surfels, ellipses and sprites by mode, size, light and filter.
+fn of_splats(base: &Style) -> Vec<Style> {
     // A picture of depths is none of colours.
     let modes = Splatting::ALL.iter().filter(|&&mode| mode != Splatting::Visibility);
-    ways.extend(modes.map(|&splatting| base.with(|style| style.surfels.splatting = splatting)));
+    let mut ways: Vec<Style> = modes
+        .map(|&splatting| base.with(|style| style.surfels.splatting = splatting))
+        .collect();
     ways.extend([0.7, 1.4].map(|splat_scale| base.with(|style| style.surfels.splat_scale = splat_scale)));
     ways.extend(
         [Lighting::PerSurfel, Lighting::PerVertex].map(|lighting| base.with(|style| style.light.lighting = lighting)),
     );
     let ellipse = base.with(|style| style.primitive = Primitive::Ellipse);
-    ways.push(ellipse);
-    ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
     let sprite = base.with(|style| style.primitive = Primitive::Sprite);
-    ways.push(sprite);
+    ways.extend([ellipse, sprite]);
+    ways.push(ellipse.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged));
     ways.extend([ellipse, sprite].map(|splats| splats.with(|style| style.surfels.splatting = Splatting::Opaque)));
     for filter in [SplatFilter::Ewa, SplatFilter::Clamp] {
         ways.extend([*base, ellipse].map(|splats| splats.with(|style| style.surfels.filter = filter)));
     }
-    ways.push(
-        of_scene(PointSizing::Projected, PointShape::Square).with(|style| style.points.light = PointLight::Normals),
-    );
+    ways
+}
+
+/// Structures of levels of detail by what they leave out.
+fn of_structures(base: &Style, voxel: &Style) -> Vec<Style> {
+    let detail = base.with(|style| style.levels.surfel_lod = true);
+    let mut ways = Vec::new();
     // Of the octree: below.
     for &structure in LevelStructure::ALL
         .iter()
@@ -102,34 +128,24 @@ fn of_renderer(base: &Style) -> Vec<Style> {
         };
         ways.extend(lods.map(|lod| coarse.with(|style| style.levels.lod = lod)));
     }
-    for coarse in [detail, ellipse.with(|style| style.levels.surfel_lod = true), voxel] {
+    let ellipse = detail.with(|style| style.primitive = Primitive::Ellipse);
+    for coarse in [detail, ellipse, *voxel] {
         ways.push(coarse);
         ways.extend(THRESHOLDS_PX.map(|threshold| coarse.with(|style| style.levels.lod = Lod::ThresholdPx(threshold))));
     }
     ways.push(voxel.with(|style| style.levels.lod = Lod::ThresholdPx(0.0)));
     ways.push(voxel.with(|style| style.voxels.light = VoxelLight::Faces));
     ways.extend(DELTAS.map(|delta| voxel.with(|style| style.levels.stop = StopCriterion::Loss(delta))));
-    let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
-    if base.drawing.renderer == RendererChoice::Cpu {
-        // The GPU draws exact disks whatever it says.
-        ways.extend([Footprint::Masks, Footprint::Pixels].map(|footprint| {
-            base.with(|style| {
-                style.levels.lod = Lod::ThresholdPx(0.0);
-                style.codes.footprint = footprint;
-            })
-        }));
-        ways.push(base.with(|style| style.codes.footprint = Footprint::Masks));
-    }
-    for whole in [*base, enlarged, detail, voxel, point] {
-        ways.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
-    }
-    let opaque = base.with(|style| style.surfels.splatting = Splatting::Opaque);
-    for stepped in [*base, opaque, voxel, point] {
-        ways.extend(
-            [Antialiasing::Fxaa, Antialiasing::Supersample]
-                .map(|antialiasing| stepped.with(|style| style.drawing.antialiasing = antialiasing)),
-        );
-    }
+    ways
+}
+
+/// From the octree's byte code; the GPU draws exact disks whatever it says.
+fn of_codes(base: &Style) -> Vec<Style> {
+    let whole = base.with(|style| style.levels.lod = Lod::ThresholdPx(0.0));
+    let mut ways: Vec<Style> = [Footprint::Masks, Footprint::Pixels]
+        .map(|footprint| whole.with(|style| style.codes.footprint = footprint))
+        .into();
+    ways.push(base.with(|style| style.codes.footprint = Footprint::Masks));
     ways
 }
 

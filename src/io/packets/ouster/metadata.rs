@@ -57,18 +57,13 @@ pub(in super::super) fn parse(text: &str) -> Result<Metadata, Fault> {
             "it is no JSON ({error}), expected the metadata of an Ouster sensor"
         ))
     })?;
-    let find = |sections: &[&str], name: &str| -> Option<&Value> {
-        let sections = sections.iter().filter_map(|section| root.get(section));
-        let mut found = sections.filter_map(|section| section.get(name));
-        found.next().or_else(|| root.get(name)).filter(|value| !value.is_null())
-    };
-    let format = |name: &str| find(&["lidar_data_format", "data_format"], name);
-    let config = |name: &str| find(&["config_params"], name);
-    let beams = |name: &str| find(&["beam_intrinsics"], name);
+    let sections = Sections { root: &root };
+    let beams = |name: &str| sections.find(&["beam_intrinsics"], name);
+    let info = |name: &str| sections.find(&["sensor_info"], name);
 
     let altitudes_deg = angles(beams("beam_altitude_angles"), "beam_altitude_angles")?;
     let azimuths_deg = angles(beams("beam_azimuth_angles"), "beam_azimuth_angles")?;
-    let pixels = match format("pixels_per_column") {
+    let pixels = match sections.format("pixels_per_column") {
         Some(value) => count(value, "pixels_per_column", MOST_BEAMS)?,
         None => altitudes_deg.len(),
     };
@@ -83,66 +78,100 @@ pub(in super::super) fn parse(text: &str) -> Result<Metadata, Fault> {
             )));
         }
     }
-    let mode = config("lidar_mode")
-        .or_else(|| find(&[], "lidar_mode"))
-        .and_then(Value::as_str);
-    let columns = match (format("columns_per_frame"), mode.and_then(columns_of_mode)) {
-        (Some(value), _) => count(value, "columns_per_frame", MOST_COLUMNS)?,
-        (None, Some(columns)) => columns,
-        (None, None) => {
-            return Err(Fault::header(
-                "neither columns_per_frame nor lidar_mode says how many columns a turn has, expected one, such as \
-                 \"lidar_mode\": \"1024x10\"",
-            ));
-        }
-    };
-    let profile = format("udp_profile_lidar").or_else(|| config("udp_profile_lidar"));
-    let profile = match profile.and_then(Value::as_str) {
-        // Firmware before 2.3 knew no other.
-        None => Profile::Legacy,
-        Some(name) => Profile::of(name).ok_or_else(|| {
-            let names = Profile::names();
-            Fault::header(format!(
-                "udp_profile_lidar is {}, expected one of {names}",
-                name.escape_default()
-            ))
-        })?,
-    };
-    let header = config("header_type")
-        .or_else(|| format("header_type"))
-        .and_then(Value::as_str);
-    if let Some(header) = header.filter(|&header| header != "STANDARD") {
-        return Err(Fault::header(format!(
-            "header_type is {}, expected STANDARD",
-            header.escape_default()
-        )));
-    }
-    let port = config("udp_port_lidar").or_else(|| find(&["udp_config"], "udp_port_lidar"));
-    let info = |name: &str| find(&["sensor_info"], name);
+    sections.expect_standard_header()?;
+    let port = sections
+        .config("udp_port_lidar")
+        .or_else(|| sections.find(&["udp_config"], "udp_port_lidar"));
     Ok(Metadata {
         product: info("prod_line").and_then(Value::as_str).unwrap_or("Ouster").to_owned(),
         shape: PacketShape {
-            profile,
+            profile: sections.profile()?,
             pixels,
-            columns: match format("columns_per_packet") {
+            columns: match sections.format("columns_per_packet") {
                 Some(value) => count(value, "columns_per_packet", MOST_PACKET_COLUMNS)?,
                 None => 16,
             },
         },
         port: port.and_then(Value::as_u64).and_then(|port| u16::try_from(port).ok()),
         serial: info("prod_sn").and_then(number_of_text),
-        columns,
+        columns: sections.columns_of_turn()?,
         altitudes_deg,
         azimuths_deg,
         beam_origin_mm: beam_origin(
             beams("beam_to_lidar_transform"),
             beams("lidar_origin_to_beam_origin_mm"),
         )?,
-        sensor_from_lidar: match find(&["lidar_intrinsics"], "lidar_to_sensor_transform") {
+        sensor_from_lidar: match sections.find(&["lidar_intrinsics"], "lidar_to_sensor_transform") {
             Some(value) => matrix(value, "lidar_to_sensor_transform")?,
             None => DMat4::from_translation(DVec3::Z * HEIGHT_MM) * DMat4::from_scale(DVec3::new(-1.0, -1.0, 1.0)),
         },
     })
+}
+
+/// Metadata as newer firmware writes it, in sections, or as older does, without any.
+#[derive(Clone, Copy)]
+struct Sections<'a> {
+    root: &'a Value,
+}
+
+impl<'a> Sections<'a> {
+    /// A value of the first of these sections that has it, else of none.
+    fn find(self, sections: &[&str], name: &str) -> Option<&'a Value> {
+        let sections = sections.iter().filter_map(|section| self.root.get(section));
+        let mut found = sections.filter_map(|section| section.get(name));
+        found
+            .next()
+            .or_else(|| self.root.get(name))
+            .filter(|value| !value.is_null())
+    }
+
+    fn format(self, name: &str) -> Option<&'a Value> {
+        self.find(&["lidar_data_format", "data_format"], name)
+    }
+
+    fn config(self, name: &str) -> Option<&'a Value> {
+        self.find(&["config_params"], name)
+    }
+
+    fn columns_of_turn(self) -> Result<usize, Fault> {
+        let mode = self.config("lidar_mode").and_then(Value::as_str);
+        match (self.format("columns_per_frame"), mode.and_then(columns_of_mode)) {
+            (Some(value), _) => count(value, "columns_per_frame", MOST_COLUMNS),
+            (None, Some(columns)) => Ok(columns),
+            (None, None) => Err(Fault::header(
+                "neither columns_per_frame nor lidar_mode says how many columns a turn has, expected one, such as \
+                 \"lidar_mode\": \"1024x10\"",
+            )),
+        }
+    }
+
+    fn profile(self) -> Result<Profile, Fault> {
+        let profile = self
+            .format("udp_profile_lidar")
+            .or_else(|| self.config("udp_profile_lidar"));
+        match profile.and_then(Value::as_str) {
+            // Firmware before 2.3 knew no other.
+            None => Ok(Profile::Legacy),
+            Some(name) => Profile::of(name).ok_or_else(|| {
+                let names = Profile::names();
+                Fault::header(format!(
+                    "udp_profile_lidar is {}, expected one of {names}",
+                    name.escape_default()
+                ))
+            }),
+        }
+    }
+
+    fn expect_standard_header(self) -> Result<(), Fault> {
+        let header = self.config("header_type").or_else(|| self.format("header_type"));
+        match header.and_then(Value::as_str) {
+            None | Some("STANDARD") => Ok(()),
+            Some(header) => Err(Fault::header(format!(
+                "header_type is {}, expected STANDARD",
+                header.escape_default()
+            ))),
+        }
+    }
 }
 
 /// Serial numbers are text, at times numbers.

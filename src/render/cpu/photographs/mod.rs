@@ -2,12 +2,14 @@
 //!
 //! How it works: when all splats of a tile are summed up, each pixel of the surface asks where all photographs have it,
 //! eight of them at a time. It then goes through those that look at it, the nearest to the eye's direction first, and
-//! leaves out those from which something hides it, until there are enough. Only these are sampled.
+//! leaves out those from which something hides it, until there are enough. Only these are sampled, and those that
+//! disagree with the others count little (`agreement.rs`).
 //!
 //! What fills holes from around looks beyond a tile. There, what photographs say of all pixels is told first, in a pass
 //! of its own ([`Projected::look`]), then holes are filled (`push_pull.rs`), and the picture is drawn by what was told
 //! ([`Projected::with_told`]).
 
+mod agreement;
 mod candidates;
 mod depths;
 mod normals;
@@ -24,6 +26,7 @@ use crate::render::constants::{
     PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
 };
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
+use agreement::agreed;
 use candidates::{Candidates, Scores};
 use depths::Seen;
 use fearless_simd::Simd;
@@ -233,15 +236,17 @@ impl<'a> Projected<'a> {
         let beyond = seeing.get(self.views.blended).map_or(0.0, weight);
         // Where that is as near as the nearest, all count alike.
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
-        let (mut color, mut sum, mut object, mut background) = (Vec3::ZERO, 0.0, 0.0, 0.0);
+        let (mut sum, mut object, mut background) = (0.0, 0.0, 0.0);
+        let mut shown = [(Vec3::ZERO, 0.0); PhotoStyle::MOST_VIEWS];
         let mut normals = Vec3::ZERO;
-        for seen in blended {
+        for (shown, seen) in shown.iter_mut().zip(blended) {
             let view = &self.views.views[seen.view];
             let photograph = &self.photographs[seen.view];
             let footprint = self.footprint(seen.view, place, scores);
             let [red, green, blue, alpha] = sample(&photograph.texture, &footprint);
             let weight = (weight(seen) - beyond) * seen.trust * rim(scores.place(seen.view), view.size);
-            color += weight * view.gain * Vec3::new(red, green, blue);
+            let color = view.gain * Vec3::new(red, green, blue) / alpha.max(f32::MIN_POSITIVE);
+            *shown = (color, weight * alpha);
             sum += weight * alpha;
             if self.views.relight != PhotoRelight::Off {
                 normals += weight * alpha * normal(&self.depths[seen.view], view, footprint.place);
@@ -263,7 +268,7 @@ impl<'a> Projected<'a> {
             let color = if is_white {
                 Vec3::ONE
             } else {
-                (color / sum).min(Vec3::ONE)
+                agreed(&shown[..blended.len()]).min(Vec3::ONE)
             };
             Found::Shown {
                 color: color.to_array(),

@@ -53,7 +53,7 @@ impl<'a> Drawable<'a> {
         let style = &packet.style;
         match &packet.content {
             // What is selected was gathered before.
-            Content::Nothing | Content::Selected(_) => Self::Nothing,
+            Content::Nothing | Content::Selected(_) | Content::Visible(_) => Self::Nothing,
             Content::Points(records) => Self::Points(Points::new(packet, records, None)),
             Content::Surfels(surfels) if style.primitive == Primitive::Point => {
                 Self::Points(Points::new(packet, &surfels.points, Some(&surfels.shapes)))

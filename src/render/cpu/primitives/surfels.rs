@@ -11,8 +11,8 @@ use crate::render::cpu::packed_ellipses::decode_each;
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster::{self, Middle};
 use crate::render::cpu::records::DrawnRecords;
-use crate::render::cpu::shading::{Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
-use crate::render::cpu::small_splats::{self, SmallSplats, are_small};
+use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
+use crate::render::cpu::small_splats::{EightSmall, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
 use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
@@ -38,6 +38,7 @@ pub(in crate::render::cpu) struct Waiting {
     middles: Vec<Middle>,
     /// Eights of small ones, or fewer, by their numbers.
     small: Vec<Range<u32>>,
+    sums: SmallSums,
 }
 
 impl Placed for Surfels<'_> {
@@ -119,9 +120,10 @@ impl DrawnRecords for Surfels<'_> {
         for eight in &waiting.small {
             let eight = eight.start as usize..eight.end as usize;
             if let Some(seen) = self.eight(simd, view, &pyramid, eight) {
-                self.attribute_small(simd, view, tile, clip, &seen);
+                self.attribute_small(simd, view, tile, clip, &seen, &mut waiting.sums);
             }
         }
+        waiting.sums.finish(tile, self.lighting().is_deferred());
         let kernel = self.style.kernel();
         for (facet, shading) in &waiting.splats {
             raster::attribute(simd, tile, facet, shading, kernel);
@@ -285,49 +287,39 @@ impl Surfels<'_> {
         }
     }
 
-    /// Adds eight filtered surfels that are small to the depths that are known.
+    /// Adds eight filtered surfels that are small where they are not behind the depths that are known.
     #[inline(always)]
     fn attribute_small<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
-        tile: &mut Tile,
+        tile: &Tile,
         clip: PixelRect,
         seen: &EightSurfels<S>,
+        sums: &mut SmallSums,
     ) {
         let surfels = &self.style.surfels;
         let [_, attribute] = surfels.splatting.scales(surfels.enlargement);
         let splats = seen.splats(simd, surfels.splat_scale * attribute);
         let lighting = self.lighting();
-        let small = SmallSplats::of(
-            simd,
-            &small_splats::Seen {
-                canvas: &self.canvas(view, clip),
-                on_screen: &splats.on_screen(simd, view, seen.centers),
-                centers: seen.centers,
-                normals: seen.normals,
-                may_touch: seen.may_touch,
-                is_lit: matches!(
-                    lighting,
-                    Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment
-                ),
+        let eight = EightSmall {
+            canvas: &self.canvas(view, clip),
+            on_screen: &splats.on_screen(simd, view, seen.centers),
+            centers: seen.centers,
+            normals: seen.normals,
+            colors: seen.colors(simd, self.points),
+            back_side: if self.style.darkens_back_faces() {
+                BACK_SIDE
+            } else {
+                1.0
             },
-        );
-        for lane in 0..LANES {
-            let splat = small.get(lane, tile.origin, |faces_away| {
-                let [red, green, blue, _] = self.points[seen.numbers.start + lane].color;
-                let color = unit_color([red, green, blue]);
-                let normal = seen.normals.lane(lane);
-                match (faces_away, self.style.darkens_back_faces()) {
-                    (false, _) => (color, normal),
-                    (true, false) => (color, -normal),
-                    (true, true) => (seen_from_behind(color), -normal),
-                }
-            });
-            if let Some(splat) = splat {
-                splat.attribute(tile, lighting.is_deferred());
-            }
-        }
+            may_touch: seen.may_touch,
+            is_lit: matches!(
+                lighting,
+                Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment
+            ),
+        };
+        sums.add(simd, tile, &eight, lighting.is_deferred());
     }
 
     /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
@@ -401,6 +393,22 @@ impl<S: Simd> EightSurfels<S> {
             place_px: [0, 1].map(|axis| slopes[axis] * view.px_per_slope[axis] + view.middle_px[axis]),
             depth: view.near / -center.z,
         }
+    }
+
+    /// Their colours, from 0 to 1.
+    #[inline(always)]
+    fn colors(&self, simd: S, points: &[PointRecord]) -> [f32x8<S>; 3] {
+        let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
+        for (lane, point) in points[self.numbers.clone()].iter().enumerate() {
+            let [r, g, b, _] = point.color;
+            [red[lane], green[lane], blue[lane]] = unit_color([r, g, b]);
+        }
+        // Not by `map`: see `raster.rs`.
+        [
+            f32x8::from_slice(simd, &red),
+            f32x8::from_slice(simd, &green),
+            f32x8::from_slice(simd, &blue),
+        ]
     }
 
     /// Their splats where radii are `scale` times as large.

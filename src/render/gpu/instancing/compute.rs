@@ -30,6 +30,7 @@ pub(super) const ROW: StrategyRow = StrategyRow {
 /// The WGSL of the pass that writes corners.
 pub(in crate::render::gpu) fn compute_source(amplification: &Amplification) -> String {
     let mut files = ROW.amplifying_wgsl(amplification);
+    files.push(include_str!("../../../../shaders/common/scan.wgsl"));
     files.push(include_str!("../../../../shaders/passes/amplify.wgsl"));
     wgsl::of_records(amplification, &files)
 }

@@ -5,6 +5,7 @@ use crate::levels::Selection;
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::targets::Target;
+use crate::scene::VisiblePoints;
 use std::sync::Arc;
 
 /// Passes over records, in the order in which they are drawn.
@@ -18,6 +19,8 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
     /// Where streams are those of all nodes of a structure, which of them are drawn.
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
+    /// Where the stream is that of all points, of which those that are drawn are found, and their shapes.
+    pub(in crate::render::gpu) visible: Option<&'a Arc<VisiblePoints>>,
     /// The amplification that says how long the chunks of these streams may be.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
@@ -41,6 +44,15 @@ impl<'a> Drawable<'a> {
         Self {
             streams: streams.map(RecordSource::into_nodes).collect(),
             selection: Some(selection),
+            ..self
+        }
+    }
+
+    /// The same of visible points, with all points as its stream.
+    pub(super) fn of_visible(self, visible: &'a Arc<VisiblePoints>) -> Self {
+        Self {
+            streams: vec![RecordSource::of(&visible.points).into_nodes()],
+            visible: Some(visible),
             ..self
         }
     }

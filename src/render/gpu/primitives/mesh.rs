@@ -37,6 +37,7 @@ pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &Style) -> Drawabl
         amplification: &TRIANGLE,
         streams: vec![RecordSource::of_mesh(mesh)],
         selection: None,
+        visible: None,
         chunked_for: &TRIANGLE,
         // Files turn their faces as they like.
         cull_back_faces: false,

@@ -53,6 +53,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         // Of the first two only the background is drawn: byte codes are for the processor alone.
         Content::Nothing | Content::Coded(_) | Content::Points(_) => points::drawable(packet),
         Content::Selected(selected) => of_surfels(packet).selecting(&selected.selection),
+        Content::Visible(visible) => of_surfels(packet).of_visible(visible),
         Content::Surfels(_) => of_surfels(packet),
         Content::Voxels(voxels) => voxels::drawable(voxels, style),
         Content::Mesh(mesh) => mesh::drawable(mesh, style),

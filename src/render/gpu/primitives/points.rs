@@ -84,6 +84,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         },
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
+        visible: None,
         // Of all that is drawn from a cloud, surfels have the smallest chunks: switching the primitive uploads nothing
         // again.
         chunked_for: &surfels::DISK,

@@ -53,6 +53,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &Style) -> Drawable<'a> {
             .flatten()
             .collect(),
         selection: None,
+        visible: None,
         chunked_for: amplification,
         // The faces of a cube that do not face the eye are never right to draw.
         cull_back_faces: true,

@@ -16,10 +16,18 @@ pub(in crate::app) use context::{TimelineContext, TimelineRequest};
 
 use egui::Ui;
 
-/// Thumbnails, markers, bar, curve, transport, place and pace.
+/// Thumbnails, markers, bar, curve, transport, place and pace; of a single frame its name.
 pub(in crate::app) fn timeline_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Vec<TimelineRequest> {
     if let Some(player) = &mut context.player {
         player.refresh_runs();
+        if transport::is_still(player) {
+            ui.horizontal(|ui| transport::still_ui(ui, player));
+            // It is the picture in the list of what was opened lately.
+            if context.thumbnails.is_on {
+                context.thumbnails.want(vec![0]);
+            }
+            return Vec::new();
+        }
     }
     let on_strip = strip::strip_ui(ui, context);
     let keeps = markers::markers_ui(ui, context).then_some(TimelineRequest::Keep);

@@ -136,6 +136,17 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
 
+/// Whether there is nothing to play: a single frame that stays the only one.
+pub(super) fn is_still(player: &Player) -> bool {
+    player.sequence().len() == 1 && !player.sequence().source().may_grow()
+}
+
+/// What is shown of a single frame.
+pub(super) fn still_ui(ui: &mut Ui, player: &Player) {
+    shown_ui(ui, player);
+    name_ui(ui, player, 0);
+}
+
 fn place(ui: &mut Ui, player: &Player) {
     let sequence = player.sequence();
     let frame = player.waiting_for().unwrap_or(player.clock().frame());
@@ -146,6 +157,12 @@ fn place(ui: &mut Ui, player: &Player) {
         ui.weak(format!("file {number}"))
             .on_hover_text("The number in the name of the file");
     }
+    shown_ui(ui, player);
+    name_ui(ui, player, frame);
+}
+
+/// Whether it is being read, and how many of its points are shown.
+fn shown_ui(ui: &mut Ui, player: &Player) {
     if player.waiting_for().is_some() {
         ui.weak("loading…");
     }
@@ -163,8 +180,11 @@ fn place(ui: &mut Ui, player: &Player) {
                 grouped(frame.frame.points_in_file() as u64),
             ));
     }
-    if !sequence.is_empty() && ui.available_width() > LEAST_NAME_WIDTH {
-        let entry = sequence.entry(frame);
+}
+
+fn name_ui(ui: &mut Ui, player: &Player, frame: usize) {
+    if !player.sequence().is_empty() && ui.available_width() > LEAST_NAME_WIDTH {
+        let entry = player.sequence().entry(frame);
         ui.add(Label::new(&entry.name).truncate())
             .on_hover_text(entry.path.display().to_string());
     }

@@ -1,0 +1,19 @@
+// Sums over the records before each one, within a workgroup of GROUP_RECORDS.
+
+var<workgroup> kept: array<u32, GROUP_RECORDS>;
+
+// Runs in uniform control flow: number of kept records in the workgroup up to and with this one.
+fn inclusive_scan(local: u32, keep: u32) -> u32 {
+    kept[local] = keep;
+    for (var reach = 1u; reach < GROUP_RECORDS; reach *= 2u) {
+        workgroupBarrier();
+        var sum = kept[local];
+        if (local >= reach) {
+            sum += kept[local - reach];
+        }
+        workgroupBarrier();
+        kept[local] = sum;
+    }
+    workgroupBarrier();
+    return kept[local];
+}

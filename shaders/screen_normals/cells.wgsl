@@ -1,0 +1,83 @@
+// Visible points in cells of the picture, in a pyramid of them. Twin of analysis/screen/cells.rs.
+
+// Cells of a level.
+fn level_size(level: u32) -> vec2u {
+    return (screening.size_px >> vec2u(level)) + 1u;
+}
+
+// Levels lie one behind the other.
+fn cell_at(level: u32, place: vec2u) -> u32 {
+    var start = 0u;
+    for (var finer = 0u; finer < level; finer++) {
+        let size = level_size(finer);
+        start += size.x * size.y;
+    }
+    return start + place.y * level_size(level).x + place.x;
+}
+
+// The level whose windows hold a radius.
+fn level_of(radius_px: f32) -> u32 {
+    let cells_reached = radius_px / MOST_REACH_CELLS;
+    var level = 0u;
+    while (level < MOST_LEVELS && cells_reached > f32(1u << level)) {
+        level++;
+    }
+    return level;
+}
+
+// The radius in which neighbours of a point are looked for, in pixels.
+fn radius_px_at(depth: f32) -> f32 {
+    return max(screening.radius * px_per_unit() / depth, LEAST_RADIUS_PX);
+}
+
+// Of the nearest points of the finest cells, the first.
+@compute @workgroup_size(GROUP_RECORDS)
+fn choose(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= found.visible) {
+        return;
+    }
+    let cell = places[places[screening.point_count + id.x]];
+    if (atomicLoad(&cell_keys[3u * cell]) == ~bitcast<u32>(seen_points[id.x].w)) {
+        atomicMax(&cell_keys[3u * cell + 1u], ~id.x);
+    }
+}
+
+// The cells of a level: of the finest one as they are, of each other one from four finer ones.
+@compute @workgroup_size(GROUP_RECORDS)
+fn coarsen(@builtin(global_invocation_id) id: vec3u) {
+    let level = screening.level;
+    let size = level_size(level);
+    if (found.visible == 0u || level < found.finest || level > found.coarsest || id.x >= size.x * size.y) {
+        return;
+    }
+    let place = vec2u(id.x % size.x, id.x / size.x);
+    let cell = cell_at(level, place);
+    var key = vec3u(0u);
+    if (level == found.finest) {
+        key = key_of(cell);
+    } else {
+        let finer_size = level_size(level - 1u);
+        for (var row = 2u * place.y; row < min(2u * place.y + 2u, finer_size.y); row++) {
+            for (var column = 2u * place.x; column < min(2u * place.x + 2u, finer_size.x); column++) {
+                let finer = key_of(cell_at(level - 1u, vec2u(column, row)));
+                let count = key.z + finer.z;
+                if (finer.x > key.x || (finer.x == key.x && finer.y > key.y)) {
+                    key = finer;
+                }
+                key.z = count;
+            }
+        }
+        cell_keys_found[3u * cell] = key.x;
+        cell_keys_found[3u * cell + 1u] = key.y;
+        cell_keys_found[3u * cell + 2u] = key.z;
+    }
+    var middle = vec3f(0.0);
+    if (key.z > 0u) {
+        middle = seen_points[~key.y].xyz;
+    }
+    cells[cell] = vec4f(middle, f32(key.z));
+}
+
+fn key_of(cell: u32) -> vec3u {
+    return vec3u(cell_keys_found[3u * cell], cell_keys_found[3u * cell + 1u], cell_keys_found[3u * cell + 2u]);
+}

@@ -1,0 +1,80 @@
+// Surfaces that are seen from the side: what is nearer there covers nothing, it is the same surface. Twin of
+// analysis/screen/ramp.rs.
+
+// Sums over the nearer pixels of a window: how many, of columns and rows and their products, of the values and theirs.
+struct RampSums {
+    count: f32,
+    column: f32,
+    row: f32,
+    columns: f32,
+    rows: f32,
+    mixed: f32,
+    value: f32,
+    value_column: f32,
+    value_row: f32,
+}
+
+// Whether a point that something covers lies on the plane of what is nearer than itself by more than the spacing.
+fn is_on_plane_of_nearer(middle: u32, place_px: vec2f, depth: f32) -> bool {
+    if (is_enclosed(middle, depth - screening.radius)) {
+        return false;
+    }
+    var sums = ramp_sums(middle, depth, i32(MOST_REACH_PX));
+    if (sums.count < FEWEST_OF_RAMP) {
+        sums = ramp_sums(middle, depth, i32(BORDER_PX));
+    }
+    if (sums.count < FEWEST_OF_RAMP) {
+        return false;
+    }
+    let columns = sums.count * sums.columns - sums.column * sums.column;
+    let rows = sums.count * sums.rows - sums.row * sums.row;
+    let mixed = sums.count * sums.mixed - sums.column * sums.row;
+    // Of whole numbers, so a line has no spread at all.
+    let spread = columns * rows - mixed * mixed;
+    if (spread < 1.0) {
+        return false;
+    }
+    let by_column = sums.count * sums.value_column - sums.column * sums.value;
+    let by_row = sums.count * sums.value_row - sums.row * sums.value;
+    let column_slope = (by_column * rows - by_row * mixed) / spread;
+    let row_slope = (by_row * columns - by_column * mixed) / spread;
+    let at_middle = (sums.value - column_slope * sums.column - row_slope * sums.row) / sums.count;
+    let before = at_middle + column_slope * place_px.x + row_slope * place_px.y;
+    return before - 0.5 * (abs(column_slope) + abs(row_slope)) <= screening.radius / depth;
+}
+
+// Whether a point is covered on all sides, as most are that are hidden: known without a plane.
+fn is_enclosed(middle: u32, limit: f32) -> bool {
+    let above = middle - MOST_REACH_PX * stride();
+    let under = middle + MOST_REACH_PX * stride();
+    let beside = max(depths[middle - MOST_REACH_PX], depths[middle + MOST_REACH_PX]);
+    let before = max(max(depths[above - MOST_REACH_PX], depths[above]), depths[above + MOST_REACH_PX]);
+    let after = max(max(depths[under - MOST_REACH_PX], depths[under]), depths[under + MOST_REACH_PX]);
+    return max(max(before, after), beside) < limit;
+}
+
+// Of the inverse depths, in units of the point's own, less one; in a window that reaches so many pixels.
+fn ramp_sums(middle: u32, depth: f32, reach: i32) -> RampSums {
+    let limit = depth - screening.spacing;
+    var sums = RampSums();
+    for (var row = -reach; row <= reach; row++) {
+        let first = i32(middle) + row * i32(stride());
+        for (var column = -reach; column <= reach; column++) {
+            let there = depths[first + column];
+            if (there < limit) {
+                let value = depth / there - 1.0;
+                let place = vec2f(f32(column), f32(row));
+                sums.count += 1.0;
+                sums.column += place.x;
+                sums.row += place.y;
+                sums.columns += place.x * place.x;
+                sums.rows += place.y * place.y;
+                sums.mixed += place.x * place.y;
+                sums.value += value;
+                sums.value_column += value * place.x;
+                sums.value_row += value * place.y;
+            }
+        }
+    }
+    return sums;
+}

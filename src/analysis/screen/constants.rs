@@ -1,0 +1,51 @@
+//! Numbers that surfels of the screen are made with, by the processor and by graphics cards
+//! (`shaders/screen_normals`).
+
+/// The radius in which neighbours are looked for, in spacings of the points: about 28 are within it.
+pub const RADIUS_SPACINGS: f32 = 3.0;
+
+/// How far the square of a point reaches from its pixel at most: it is seven pixels wide.
+pub(crate) const MOST_REACH_PX: usize = 3;
+
+/// How far from its pixel anything is looked for.
+pub(crate) const BORDER_PX: usize = 7;
+
+/// Fewer nearer pixels are no plane by which a surface is told from what hides it.
+pub(crate) const FEWEST_OF_RAMP: f32 = 4.0;
+
+/// The coarsest level: its cells are 128 pixels wide.
+pub(crate) const MOST_LEVELS: u32 = 7;
+
+/// Cells of a row that are read at once, which is how wide a window is.
+pub(crate) const CELLS_OF_WINDOW: usize = 8;
+
+/// How many times as far a wide window reaches.
+pub(crate) const WIDE_WINDOW: usize = 2;
+
+/// A window reaches so many cells from its middle at most: then it is no more than eight cells wide.
+pub(crate) const MOST_REACH_CELLS: f32 = 3.5;
+
+/// Neighbourhoods reach so many pixels at least.
+pub(crate) const LEAST_RADIUS_PX: f32 = 2.0;
+
+/// Cells before the first one of a row, and rows before the first.
+pub(crate) const CELLS_BEFORE: usize = 8;
+
+/// A neighbourhood with fewer is looked at once more, twice as far.
+pub(crate) const FEWEST_NEIGHBOURS: f32 = 6.0;
+
+/// Three points are a plane.
+pub(crate) const FEWEST_OF_PLANE: f32 = 3.0;
+
+/// Radii are doubled so often at most.
+pub(crate) const MOST_DOUBLINGS: usize = 3;
+
+/// So often where the normal of a neighbour is looked for: as far as rows of a floor are apart.
+pub(crate) const MOST_DOUBLINGS_OF_LENDING: usize = 5;
+
+/// The variance of a plane in its second direction is more than this share of that in the first: else it is a line and
+/// its noise.
+pub(crate) const LEAST_SPREAD: f64 = 2e-3;
+
+/// Half the height of splats that close rows of pixels, whose points are anywhere in them.
+pub(crate) const CLOSING_ROWS_PX: f32 = 0.75;

@@ -1,0 +1,32 @@
+//! Streams of records that compute passes write: their chunks, in rooms that are used again.
+
+use super::context::Context;
+use super::instancing::{RECORD_BYTES, RecordInstancing, Room, Stream};
+use super::primitives::Amplification;
+
+/// What is used again has room for this many times as much as is needed, at most.
+pub(super) const MOST_ROOM: usize = 4;
+
+/// Chunks for so many records, in `rooms` that are large enough. The amplification says how long chunks may be.
+pub(super) fn stream_in(
+    context: &Context,
+    instancing: &dyn RecordInstancing,
+    (count, chunked_for): (usize, &'static Amplification),
+    rooms: &mut Vec<Room>,
+) -> Stream {
+    let most = instancing.most_records(context, chunked_for);
+    let mut chunks = Vec::new();
+    let mut kept = std::mem::take(rooms).into_iter();
+    for first in (0..count).step_by(most) {
+        let needed = most.min(count - first);
+        let fits = |room: &Room| (needed..=MOST_ROOM * needed).contains(&room.capacity);
+        let room = kept.next().filter(fits);
+        let room = room.unwrap_or_else(|| instancing.room(context, needed.next_power_of_two().min(most)));
+        chunks.push(instancing.chunk_in(context, &room, needed as u32));
+        rooms.push(room);
+    }
+    Stream {
+        chunks,
+        byte_size: (count * RECORD_BYTES) as u64,
+    }
+}

@@ -1,0 +1,181 @@
+//! Surfels of the screen: compute passes find the points that a picture shows, with their normals and radii.
+//!
+//! **How it works.** The card keeps all points of the frame. A view uploads uniforms alone; passes of the stages of
+//! [`crate::analysis::screen`] (`shaders/screen_normals`) write records of surfels to where the strategy has its own: a
+//! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
+//! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
+//!
+//! How many points are visible, the processor is not told: it would have to wait for that. So there is room for all, and
+//! what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw nothing.
+//!
+//! **When it wins.** A real card makes the records in a fraction of the time of the processor, and nothing is uploaded.
+//! A software adapter is the processor, which does better with code that was written for it: there the renderer takes
+//! those of the processor ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)).
+//!
+//! Paper 003 §3.4 and §3.5.
+
+mod passes;
+mod record;
+mod scratch;
+#[cfg(test)]
+mod tests;
+
+pub(super) use passes::source;
+
+use super::context::Context;
+use super::gpu_data::Screening;
+use super::instancing::{RecordInstancing, Room, Stream};
+use super::primitives::Amplification;
+use super::recording::Recording;
+use super::residency::{Residency, StreamKey};
+use super::rooms::stream_in;
+use crate::analysis::screen::constants::MOST_LEVELS;
+use crate::analysis::screen::with_margin_of_splats;
+use crate::scene::VisiblePoints;
+use passes::Programs;
+use record::{STREAMS, Screened, find_visible, write_surfels};
+use scratch::{Scratch, Sizes};
+use std::sync::Arc;
+
+/// Makes the surfels of one view at a time.
+#[derive(Debug, Default)]
+pub(super) struct VisibleMaker {
+    programs: Option<Programs>,
+    scratch: Option<Scratch>,
+    made: Option<Made>,
+}
+
+/// Surfels, or room for them.
+#[derive(Debug)]
+struct Made {
+    of: Arc<VisiblePoints>,
+    points: StreamKey,
+    sizes: Sizes,
+    streams: Vec<Stream>,
+    /// Of each chunk of each stream.
+    rooms: Vec<Vec<Room>>,
+    is_outdated: bool,
+}
+
+/// What is made from what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    pub(super) visible: &'a Arc<VisiblePoints>,
+    /// All points, which are resident.
+    pub(super) points: StreamKey,
+    pub(super) chunked_for: &'static Amplification,
+}
+
+impl VisibleMaker {
+    /// Whether the adapter has bindings that are long enough.
+    pub(super) fn can_hold(context: &Context, visible: &VisiblePoints) -> bool {
+        sizes_of(visible, &screening(visible)).fit(context)
+    }
+
+    /// Forgets what was made: another strategy lays records out otherwise.
+    pub(super) fn clear(&mut self) {
+        self.made = None;
+    }
+
+    /// Uploads the view, and makes room for all that it could show.
+    pub(super) fn ensure(&mut self, context: &Context, instancing: &dyn RecordInstancing, wanted: Wanted<'_>) {
+        let Wanted { visible, points, .. } = wanted;
+        let is_known = |made: &Made| Arc::ptr_eq(&made.of, visible) && made.points == points;
+        if self.made.as_ref().is_some_and(is_known) {
+            return;
+        }
+        self.programs.get_or_insert_with(|| Programs::new(context));
+        let screening = screening(visible);
+        let sizes = sizes_of(visible, &screening);
+        let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
+        rooms.resize_with(STREAMS, Vec::new);
+        let size = (visible.points.len(), wanted.chunked_for);
+        let streams: Vec<Stream> = rooms
+            .iter_mut()
+            .map(|rooms| stream_in(context, instancing, size, rooms))
+            .collect();
+        let scratch = Scratch::for_sizes(context, self.scratch.take(), &sizes);
+        self.scratch
+            .insert(scratch)
+            .upload(context, &uniforms(&screening, &streams[0]));
+        self.made = Some(Made {
+            of: Arc::clone(visible),
+            points,
+            sizes,
+            streams,
+            rooms,
+            is_outdated: true,
+        });
+    }
+
+    /// What is drawn.
+    pub(super) fn streams(&self) -> Vec<&Stream> {
+        self.made
+            .as_ref()
+            .map_or_else(Vec::new, |made| made.streams.iter().collect())
+    }
+
+    /// Records the passes, unless the records are there. Returns the number of passes.
+    pub(super) fn record(&mut self, recording: &mut Recording<'_>, residency: &Residency) -> u64 {
+        let (Some(programs), Some(scratch)) = (&self.programs, &self.scratch) else {
+            return 0;
+        };
+        let Some(made) = self.made.as_mut().filter(|made| made.is_outdated) else {
+            return 0;
+        };
+        made.is_outdated = false;
+        let points = residency.get(made.points).and_then(Stream::to_gather_from);
+        let Some(points) = points.filter(|_| !made.of.points.is_empty()) else {
+            return 0;
+        };
+        let rooms: Vec<[&wgpu::Buffer; STREAMS]> = made.rooms[0]
+            .iter()
+            .zip(&made.rooms[1])
+            .map(|(points, shapes)| [&points.buffer, &shapes.buffer])
+            .collect();
+        let counts: Vec<u32> = made.streams[0].chunks.iter().map(|chunk| chunk.record_count).collect();
+        let screened = Screened {
+            programs,
+            scratch,
+            points,
+            sizes: &made.sizes,
+        };
+        find_visible(recording, &screened);
+        write_surfels(recording, &screened, &rooms, &counts);
+        for room in made.rooms.iter().flatten() {
+            room.copy_to_texture(recording);
+        }
+        2
+    }
+}
+
+/// What all passes are told.
+fn screening(visible: &VisiblePoints) -> Screening {
+    let view = with_margin_of_splats(&visible.view, &visible.points, visible.cloud.spacing);
+    Screening::of(&view, &visible.cloud, visible.points.len() as u32)
+}
+
+fn sizes_of(visible: &VisiblePoints, screening: &Screening) -> Sizes {
+    Sizes {
+        points: visible.points.len() as u32,
+        size_px: screening.size_px,
+    }
+}
+
+/// One uniform for each level of cells, then one for each chunk of records.
+fn uniforms(screening: &Screening, stream: &Stream) -> Vec<Screening> {
+    let mut uniforms: Vec<Screening> = (0..=MOST_LEVELS)
+        .map(|level| Screening { level, ..*screening })
+        .collect();
+    let mut first = 0;
+    for chunk in &stream.chunks {
+        let count = chunk.record_count;
+        uniforms.push(Screening {
+            first,
+            count,
+            ..*screening
+        });
+        first += count;
+    }
+    uniforms
+}

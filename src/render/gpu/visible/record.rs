@@ -1,0 +1,97 @@
+//! The order of the passes, and what each is dispatched for.
+
+use super::passes::{DRAWN_POINTS, DRAWN_SHAPES, POINTS, Pass, Programs, Work};
+use super::scratch::{Scratch, Sizes};
+use crate::analysis::screen::constants::MOST_LEVELS;
+use crate::render::gpu::recording::Recording;
+
+/// Points, and their shapes.
+pub(super) const STREAMS: usize = 2;
+
+/// What passes are recorded with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Screened<'a> {
+    pub(super) programs: &'a Programs,
+    pub(super) scratch: &'a Scratch,
+    /// All points.
+    pub(super) points: &'a wgpu::Buffer,
+    pub(super) sizes: &'a Sizes,
+}
+
+/// Tells visible points from hidden ones, and lists them.
+pub(super) fn find_visible(recording: &mut Recording<'_>, screened: &Screened<'_>) {
+    let Screened {
+        programs,
+        scratch,
+        points,
+        sizes,
+    } = *screened;
+    scratch.clear(recording, sizes);
+    let context = recording.context;
+    let mut pass = recording.begin_compute("cull");
+    let works = [
+        (Pass::Draw, sizes.points),
+        (Pass::Frame, sizes.bordered()),
+        (Pass::Cull, sizes.points),
+        (Pass::Scan, 1),
+        (Pass::Compact, sizes.points),
+    ];
+    for (which, invocations) in works {
+        let group = programs.group(context, which, |binding| match binding {
+            POINTS => points,
+            own => scratch.buffer(own),
+        });
+        let work = Work {
+            uniform_offset: 0,
+            invocations,
+        };
+        programs.dispatch(&mut pass, which, &group, work);
+    }
+}
+
+/// Puts visible points into cells, fits planes and writes the records of each chunk into its rooms. Precondition:
+/// `counts` are of the chunks whose uniforms stand behind those of levels.
+pub(super) fn write_surfels(
+    recording: &mut Recording<'_>,
+    screened: &Screened<'_>,
+    rooms: &[[&wgpu::Buffer; STREAMS]],
+    counts: &[u32],
+) {
+    let Screened {
+        programs,
+        scratch,
+        points,
+        sizes,
+    } = *screened;
+    let context = recording.context;
+    let mut pass = recording.begin_compute("normals");
+    let choose = programs.group(context, Pass::Choose, |binding| scratch.buffer(binding));
+    let work = Work {
+        uniform_offset: 0,
+        invocations: sizes.points,
+    };
+    programs.dispatch(&mut pass, Pass::Choose, &choose, work);
+    let coarsen = programs.group(context, Pass::Coarsen, |binding| scratch.buffer(binding));
+    for level in 0..=MOST_LEVELS {
+        let work = Work {
+            uniform_offset: scratch.uniform_offset(level),
+            invocations: sizes.cells_of(level),
+        };
+        programs.dispatch(&mut pass, Pass::Coarsen, &coarsen, work);
+    }
+    for which in [Pass::Surface, Pass::Lend] {
+        for (chunk, ([drawn_points, drawn_shapes], &count)) in (MOST_LEVELS + 1..).zip(rooms.iter().zip(counts)) {
+            let group = programs.group(context, which, |binding| match binding {
+                POINTS => points,
+                DRAWN_POINTS => drawn_points,
+                DRAWN_SHAPES => drawn_shapes,
+                own => scratch.buffer(own),
+            });
+            let work = Work {
+                uniform_offset: scratch.uniform_offset(chunk),
+                invocations: count,
+            };
+            programs.dispatch(&mut pass, which, &group, work);
+        }
+    }
+}
