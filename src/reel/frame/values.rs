@@ -20,6 +20,35 @@ struct Place<'a> {
     section: usize,
 }
 
+/// What each level has of every kind.
+struct Kinds<'a> {
+    colors: Vec<&'a mut [[u16; 3]]>,
+    normals: Vec<&'a mut [[i16; 2]]>,
+    offsets: Vec<&'a mut [u8]>,
+    singles: Vec<Vec<&'a mut [[u16; 1]]>>,
+}
+
+impl<'a> Kinds<'a> {
+    /// With so many single numbers.
+    fn of(levels: Vec<&'a mut LevelValues>, singles: usize) -> Self {
+        let mut kinds = Self {
+            colors: Vec::new(),
+            normals: Vec::new(),
+            offsets: Vec::new(),
+            singles: (0..singles).map(|_| Vec::new()).collect(),
+        };
+        for values in levels {
+            kinds.colors.push(&mut values.colors);
+            kinds.normals.push(&mut values.normals);
+            kinds.offsets.push(&mut values.offsets);
+            for (of_single, values) in kinds.singles.iter_mut().zip(&mut values.singles) {
+                of_single.push(values);
+            }
+        }
+        kinds
+    }
+}
+
 /// Who is across the faces of the nodes of each level that has something below it.
 fn faces_of(levels: &[Level], has_points: bool) -> Vec<Vec<Faces>> {
     let wanted = if has_points {
@@ -77,18 +106,12 @@ pub(super) fn code_values<D: Direction>(
         });
         all.push(&mut points.values);
     }
-    let mut colors: Vec<&mut [[u16; 3]]> = Vec::new();
-    let mut normals: Vec<&mut [[i16; 2]]> = Vec::new();
-    let mut offsets: Vec<&mut [u8]> = Vec::new();
-    let mut singles: Vec<Vec<&mut [[u16; 1]]>> = (0..schema.singles()).map(|_| Vec::new()).collect();
-    for values in all {
-        colors.push(&mut values.colors);
-        normals.push(&mut values.normals);
-        offsets.push(&mut values.offsets);
-        for (of_single, values) in singles.iter_mut().zip(&mut values.singles) {
-            of_single.push(values);
-        }
-    }
+    let Kinds {
+        colors,
+        normals,
+        offsets,
+        singles,
+    } = Kinds::of(all, schema.singles());
     let [has_colors, has_normals, has_offsets] =
         [schema.color_step > 0, schema.normal_bits > 0, schema.offset_bits > 0].map(usize::from);
     let of_normals = first_part + has_colors;
