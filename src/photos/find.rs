@@ -66,7 +66,7 @@ pub enum Format {
 
 /// A reconstruction that was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Found {
+pub struct FoundSet {
     /// Its format.
     pub format: Format,
     /// Its file; of COLMAP the folder of its files.
@@ -88,7 +88,7 @@ impl Format {
     }
 }
 
-impl Found {
+impl FoundSet {
     /// Its photographs.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl Found {
 ///
 /// # Errors
 /// Where a file that has the name of one cannot be read.
-pub fn find(path: &Path) -> Result<Option<Found>, PhotosError> {
+pub fn find(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
     if path.is_dir() {
         Ok(in_folder(path))
     } else if path.is_file() {
@@ -130,9 +130,9 @@ pub fn find(path: &Path) -> Result<Option<Found>, PhotosError> {
     }
 }
 
-fn in_folder(folder: &Path) -> Option<Found> {
+fn in_folder(folder: &Path) -> Option<FoundSet> {
     let first = |names: &[&str]| names.iter().map(|name| folder.join(name)).find(|path| path.is_file());
-    let found = |format: Format| move |path: PathBuf| Found { format, path };
+    let found = |format: Format| move |path: PathBuf| FoundSet { format, path };
     let model = COLMAP_FOLDERS.iter().find_map(|name| model_in(&folder.join(name)));
     let known = model.map(found(Format::Colmap)).or_else(|| {
         first(BUNDLES)
@@ -190,10 +190,10 @@ fn in_meshroom_cache(folder: &Path) -> Option<PathBuf> {
     scenes.filter_map(written).max().map(|(_, path)| path)
 }
 
-fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {
+fn of_file(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let of = |format: Format| {
-        Ok(Some(Found {
+        Ok(Some(FoundSet {
             format,
             path: path.into(),
         }))
@@ -202,7 +202,7 @@ fn of_file(path: &Path) -> Result<Option<Found>, PhotosError> {
     match extension {
         "bin" | "txt" if ["cameras", "images", "points3d", "rigs", "frames"].contains(&stem) => {
             let folder = path.parent().unwrap_or(Path::new(""));
-            Ok(colmap::is_in(folder).then(|| Found {
+            Ok(colmap::is_in(folder).then(|| FoundSet {
                 format: Format::Colmap,
                 path: folder.into(),
             }))

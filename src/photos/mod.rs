@@ -1,6 +1,6 @@
 //! Sets of calibrated photographs with sparse points: what programs of reconstruction write, made ready to be drawn.
 //!
-//! [`find`] says what a folder holds, and [`Found::read`] reads it into a [`ViewSet`], whatever the format: cameras
+//! [`find`] says what a folder holds, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format: cameras
 //! have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at integers.
 //!
 //! Readers write down what a file says (`draft`), in its own pixels; `draft` then finds the photographs, looks at their
@@ -54,7 +54,7 @@ pub use colmap::colmap_depth;
 pub use depth_file::{DepthCamera, DepthFile, DepthKind};
 pub use error::PhotosError;
 pub use files::is_picture;
-pub use find::{Format, Found, find};
+pub use find::{Format, FoundSet, find};
 pub use gains::gains;
 pub use loading::LoadedPhotographs;
 pub use mips::{halved, mips};

@@ -3,7 +3,7 @@
 
 use super::constants::MOST_REACH_CELLS;
 use super::planes::{Neighbourhood, Planes};
-use super::view::Seen;
+use super::view::ScreenPoint;
 use crate::analysis::four_matrices::FOUR;
 use crate::cloud::ShapeRecord;
 use fearless_simd::{Level, Simd, dispatch};
@@ -20,7 +20,7 @@ const POINTS_PER_TASK: usize = 1 << 9;
 
 impl Planes<'_> {
     /// Neighbourhoods of sixteen points.
-    pub(super) fn bisected(&self, seen: &[Seen]) -> Vec<ShapeRecord> {
+    pub(super) fn bisected(&self, seen: &[ScreenPoint]) -> Vec<ShapeRecord> {
         let level = Level::new();
         let tasks = seen.par_chunks(POINTS_PER_TASK);
         let tasks: Vec<Vec<ShapeRecord>> = tasks
@@ -36,7 +36,7 @@ impl Planes<'_> {
     }
 
     #[inline(always)]
-    fn bisect<S: Simd>(&self, simd: S, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+    fn bisect<S: Simd>(&self, simd: S, seen: &[ScreenPoint], shapes: &mut [ShapeRecord]) {
         for (seen, shapes) in seen.chunks(FOUR).zip(shapes.chunks_mut(FOUR)) {
             let mut around = [Neighbourhood::NONE; FOUR];
             for (around, seen) in around.iter_mut().zip(seen) {
@@ -47,7 +47,7 @@ impl Planes<'_> {
     }
 
     #[inline(always)]
-    fn sixteen_around<S: Simd>(&self, simd: S, seen: &Seen) -> Neighbourhood {
+    fn sixteen_around<S: Simd>(&self, simd: S, seen: &ScreenPoint) -> Neighbourhood {
         let most = self.cells.most_radius_px() * seen.depth / self.view.px_per_unit();
         // From one window of pixels to the next larger one, until there are enough.
         let mut high = MOST_REACH_CELLS * seen.depth / self.view.px_per_unit();

@@ -7,7 +7,7 @@
 //! read at once from anywhere in the picture. A cell without points is too far away for any neighbourhood.
 
 use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, LEAST_RADIUS_PX, MOST_LEVELS, MOST_REACH_CELLS, WIDE_WINDOW};
-use super::view::{ScreenView, Seen};
+use super::view::{ScreenPoint, ScreenView};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
@@ -74,7 +74,7 @@ pub(super) fn levels_for(view: &ScreenView, radius: f32, [nearest, farthest]: [f
 
 impl Cells {
     /// Puts points into the levels of a picture of `size_px`.
-    pub(super) fn build(&mut self, size_px: [usize; 2], levels: RangeInclusive<u32>, seen: &[Seen]) {
+    pub(super) fn build(&mut self, size_px: [usize; 2], levels: RangeInclusive<u32>, seen: &[ScreenPoint]) {
         self.finest = *levels.start();
         let count = (levels.end() + 1 - self.finest) as usize;
         self.levels.resize_with(count, CellLevel::default);
@@ -93,7 +93,7 @@ impl Cells {
         }
     }
 
-    fn count_points(&mut self, size: [usize; 2], seen: &[Seen]) {
+    fn count_points(&mut self, size: [usize; 2], seen: &[ScreenPoint]) {
         let [width, height] = size;
         self.nearest.resize_with(width * height, AtomicU64::default);
         self.counts.resize_with(width * height, AtomicU32::default);
@@ -213,7 +213,7 @@ impl CellLevel {
     }
 
     /// Writes where the nearest points are.
-    fn place(&mut self, seen: &[Seen]) {
+    fn place(&mut self, seen: &[ScreenPoint]) {
         let width = self.size[0];
         let [x, y, z] = &mut self.places;
         let x_rows = x.par_chunks_mut(self.stride).skip(CELLS_BEFORE);

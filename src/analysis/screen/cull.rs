@@ -17,7 +17,7 @@ use super::compact::compact;
 use super::constants::{BORDER_PX, MOST_REACH_PX, RADIUS_SPACINGS};
 use super::lanes::LANES;
 use super::ramp::Around;
-use super::view::{ScreenView, Seen, Visible};
+use super::view::{ScreenPoint, ScreenView, Visible};
 use crate::cloud::PointRecord;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ pub(super) struct DepthPicture {
 }
 
 impl DepthPicture {
-    /// The view whose pixels [`Seen::place_px`] are of.
+    /// The view whose pixels [`ScreenPoint::place_px`] are of.
     pub(super) fn view(&self) -> Option<&ScreenView> {
         self.view.as_ref()
     }
@@ -136,7 +136,7 @@ impl DepthPicture {
             return Visible::default();
         };
         let level = Level::new();
-        let tasks: Vec<(Vec<u32>, Vec<Seen>)> = points
+        let tasks: Vec<(Vec<u32>, Vec<ScreenPoint>)> = points
             .par_chunks(POINTS_PER_TASK)
             .enumerate()
             .map(|(task, points)| {
@@ -160,7 +160,7 @@ impl DepthPicture {
         view: &ScreenView,
         first: u32,
         points: &[PointRecord],
-        (slots, visible): &mut (Vec<u32>, Vec<Seen>),
+        (slots, visible): &mut (Vec<u32>, Vec<ScreenPoint>),
     ) {
         for (slot, point) in (first..).zip(points) {
             if let Some((seen, place)) = in_picture(view, point)
@@ -174,7 +174,7 @@ impl DepthPicture {
 
     /// Whether a point at a pixel is hidden.
     #[inline(always)]
-    fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &Seen) -> bool {
+    fn is_hidden<S: Simd>(&self, simd: S, pixel: [usize; 2], seen: &ScreenPoint) -> bool {
         let (depth, limit) = (seen.depth, seen.depth - self.radius);
         // Of the first row and column that are looked at; the border is as wide as that.
         let corner = pixel[1] * self.stride + pixel[0];
@@ -215,7 +215,7 @@ impl DepthPicture {
 
 /// A point with the pixel of its middle, if that is in the picture.
 #[inline(always)]
-fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(Seen, [usize; 2])> {
+fn in_picture(view: &ScreenView, point: &PointRecord) -> Option<(ScreenPoint, [usize; 2])> {
     let seen = view.see(point.position)?;
     let [x, y] = seen.place_px;
     let [width, height] = view.size_px;

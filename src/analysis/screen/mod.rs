@@ -40,7 +40,7 @@ use constants::MOST_LEVELS;
 use cull::DepthPicture;
 use glam::Vec3;
 use planes::Planes;
-use view::Seen;
+use view::ScreenPoint;
 
 /// How neighbours are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,7 +90,7 @@ impl ScreenEstimator {
             return Vec::new();
         };
         let radius = RADIUS_SPACINGS * cloud.spacing.max(0.0);
-        let depths = Seen::depth_range(&visible.seen);
+        let depths = ScreenPoint::depth_range(&visible.seen);
         let levels = match search {
             Search::Fixed => cells::levels_for(view, radius, depths),
             Search::Bisected => 0..=MOST_LEVELS,

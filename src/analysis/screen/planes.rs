@@ -24,7 +24,7 @@ use super::constants::{
     MOST_DOUBLINGS, MOST_DOUBLINGS_OF_LENDING, RADIUS_SPACINGS,
 };
 use super::lanes::total;
-use super::view::{ScreenView, Seen};
+use super::view::{ScreenPoint, ScreenView};
 use crate::analysis::four_matrices::{FOUR, FourMatrices};
 use crate::cloud::{ShapeRecord, oct_decode, oct_encode};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8, f64x4};
@@ -65,7 +65,7 @@ pub(super) struct Neighbourhood {
 
 impl Planes<'_> {
     /// Neighbourhoods of a fixed radius.
-    pub(super) fn fixed(&self, seen: &[Seen]) -> Vec<ShapeRecord> {
+    pub(super) fn fixed(&self, seen: &[ScreenPoint]) -> Vec<ShapeRecord> {
         let mut shapes = vec![NO_SHAPE; seen.len()];
         let level = Level::new();
         let tasks = shapes.par_chunks_mut(POINTS_PER_TASK);
@@ -77,7 +77,7 @@ impl Planes<'_> {
     }
 
     /// Gives points that have no plane the normals of neighbours that have one.
-    pub(super) fn lend_normals(&self, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+    pub(super) fn lend_normals(&self, seen: &[ScreenPoint], shapes: &mut [ShapeRecord]) {
         let lacking = shapes.par_iter().enumerate().filter(|(_, shape)| lacks_plane(shape));
         let lacking: Vec<usize> = lacking.map(|(place, _)| place).collect();
         let lent = lacking.par_iter().map(|&place| {
@@ -99,7 +99,12 @@ impl Planes<'_> {
 
     /// The nearest of the points around that have a plane, in the smallest neighbourhood that has such, and the radius of
     /// that.
-    fn nearest_with_plane(&self, from: &Seen, seen: &[Seen], shapes: &[ShapeRecord]) -> Option<(usize, f32)> {
+    fn nearest_with_plane(
+        &self,
+        from: &ScreenPoint,
+        seen: &[ScreenPoint],
+        shapes: &[ShapeRecord],
+    ) -> Option<(usize, f32)> {
         let px_per_unit = self.view.px_per_unit() / from.depth;
         (0..=MOST_DOUBLINGS_OF_LENDING).find_map(|doubling| {
             let radius = self.radius_at(from.depth) * (1_u32 << doubling) as f32;
@@ -114,7 +119,7 @@ impl Planes<'_> {
     }
 
     #[inline(always)]
-    fn fit<S: Simd>(&self, simd: S, seen: &[Seen], shapes: &mut [ShapeRecord]) {
+    fn fit<S: Simd>(&self, simd: S, seen: &[ScreenPoint], shapes: &mut [ShapeRecord]) {
         for (seen, shapes) in seen.chunks(FOUR).zip(shapes.chunks_mut(FOUR)) {
             let mut around = [Neighbourhood::NONE; FOUR];
             for (around, seen) in around.iter_mut().zip(seen) {
@@ -139,7 +144,7 @@ impl Planes<'_> {
 
     /// The neighbours of a point within a radius, or within the largest one that there are cells for.
     #[inline(always)]
-    pub(super) fn around<S: Simd>(&self, simd: S, seen: &Seen, radius: f32, is_wide: bool) -> Neighbourhood {
+    pub(super) fn around<S: Simd>(&self, simd: S, seen: &ScreenPoint, radius: f32, is_wide: bool) -> Neighbourhood {
         let px_per_unit = self.view.px_per_unit() / seen.depth;
         let radius_px = (radius * px_per_unit).min(self.cells.most_radius_px());
         let radius = radius.min(radius_px / px_per_unit);
@@ -152,7 +157,7 @@ impl Planes<'_> {
     pub(super) fn solve<S: Simd>(
         &self,
         simd: S,
-        seen: &[Seen],
+        seen: &[ScreenPoint],
         around: &[Neighbourhood; FOUR],
         shapes: &mut [ShapeRecord],
     ) {
@@ -169,7 +174,7 @@ impl Planes<'_> {
         }
     }
 
-    fn shape(&self, seen: &Seen, around: &Neighbourhood, normal: Option<DVec3>) -> ShapeRecord {
+    fn shape(&self, seen: &ScreenPoint, around: &Neighbourhood, normal: Option<DVec3>) -> ShapeRecord {
         let Some(normal) = normal.map(DVec3::as_vec3).filter(|normal| normal.is_finite()) else {
             return ShapeRecord {
                 normal: oct_encode((-seen.offset).normalize_or(Vec3::Z)),
@@ -185,7 +190,7 @@ impl Planes<'_> {
     }
 
     /// A shape with a plane, whose normal is turned, and whose radius closes rows of pixels.
-    fn shape_with_normal(&self, seen: &Seen, normal: Vec3, radius: f32, neighbourhood: f32) -> ShapeRecord {
+    fn shape_with_normal(&self, seen: &ScreenPoint, normal: Vec3, radius: f32, neighbourhood: f32) -> ShapeRecord {
         let to_eye = -seen.offset;
         let outwards = self.sensor.map_or(to_eye, |sensor| sensor - seen.offset);
         let faces_away = normal.dot(outwards) < 0.0;
@@ -198,7 +203,7 @@ impl Planes<'_> {
     }
 
     /// The radius that closes rows of pixels, where one point a pixel is left.
-    fn closing_rows(&self, seen: &Seen, normal: Vec3) -> f32 {
+    fn closing_rows(&self, seen: &ScreenPoint, normal: Vec3) -> f32 {
         let px = seen.depth / self.view.px_per_unit();
         if self.spacing * FRAC_1_SQRT_2 > 0.5 * px {
             return 0.0;

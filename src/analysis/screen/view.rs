@@ -24,7 +24,7 @@ pub struct ScreenView {
 
 /// A point in a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Seen {
+pub(super) struct ScreenPoint {
     /// From the eye, in the axes of the cloud.
     pub(super) offset: Vec3,
     /// Distance along the view axis.
@@ -38,7 +38,7 @@ pub(super) struct Seen {
 pub struct Visible {
     /// Their places among all, ascending.
     pub slots: Vec<u32>,
-    pub(super) seen: Vec<Seen>,
+    pub(super) seen: Vec<ScreenPoint>,
 }
 
 impl ScreenView {
@@ -50,7 +50,7 @@ impl ScreenView {
 
     /// Where a point is seen, beside the picture as well; `None` before the near plane, and of what is no number.
     #[inline(always)]
-    pub(super) fn see(&self, position: [f32; 3]) -> Option<Seen> {
+    pub(super) fn see(&self, position: [f32; 3]) -> Option<ScreenPoint> {
         let offset = self.offset(position);
         let in_view = self.rotation * offset;
         let depth = -in_view.z;
@@ -58,7 +58,7 @@ impl ScreenView {
         (depth >= self.near && depth > 0.0 && depth < f32::INFINITY).then(|| {
             let per_depth = 1.0 / depth;
             let place = |axis: usize| in_view[axis] * per_depth * self.px_per_slope[axis] + self.middle_px[axis];
-            Seen {
+            ScreenPoint {
                 offset,
                 depth,
                 place_px: [place(0), place(1)],
@@ -82,7 +82,7 @@ impl ScreenView {
     }
 }
 
-impl Seen {
+impl ScreenPoint {
     /// The least and the largest depth.
     pub(super) fn depth_range(seen: &[Self]) -> [f32; 2] {
         let none = || [f32::INFINITY, 0.0_f32];

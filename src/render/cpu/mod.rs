@@ -56,7 +56,7 @@ use blocks::Blocks;
 use illumination::Illumination;
 use image::RgbaImage;
 pub(in crate::render) use photographs::{DepthMap, DepthMaps};
-use photographs::{Found, Projected, fill_holes};
+use photographs::{PhotoAnswer, Projected, fill_holes};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
 use screen::Screen;
@@ -83,7 +83,7 @@ pub struct CpuRenderer {
     /// The depths that photographs see.
     photograph_depths: Option<DepthMaps>,
     /// What photographs say of the pixels of the picture, where holes are filled from around.
-    photographed: Vec<Found>,
+    photographed: Vec<PhotoAnswer>,
     stats: RenderStats,
 }
 
@@ -162,7 +162,7 @@ impl CpuRenderer {
             let depths = depths_of_photographs(&mut self.photograph_depths, packet);
             let projected = Projected::new(views, shown.photographs.all(), depths);
             if projected.fills_holes() {
-                self.photographed.resize(pixels, Found::default());
+                self.photographed.resize(pixels, PhotoAnswer::default());
                 look(&projected, packet, blocks, &mut self.photographed);
                 fill_holes(&mut self.photographed, packet.viewport_px);
                 return projected.with_told(&self.photographed);
@@ -272,7 +272,7 @@ fn draw_distances(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks
 }
 
 /// What photographs say of all pixels of a packet.
-fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [Found]) {
+fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [PhotoAnswer]) {
     let illumination = Lights::of(packet).map(|lights| Illumination {
         lights,
         occlusion: None,

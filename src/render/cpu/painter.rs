@@ -2,7 +2,7 @@
 
 use super::finish::{Finish, Gradient, Held};
 use super::illumination::Illumination;
-use super::photographs::{Found, Projected};
+use super::photographs::{PhotoAnswer, Projected};
 use super::rows::TileRow;
 use super::tile::{HEIGHT, Tile, Tiles, WIDTH};
 use super::view::{PixelRect, PixelView};
@@ -99,7 +99,7 @@ fn look_at_tile<S: Simd>(
     tile: &Tile,
     view: &PixelView,
     clip: PixelRect,
-    rows: &mut [Found],
+    rows: &mut [PhotoAnswer],
 ) {
     simd.vectorize(
         #[inline(always)]

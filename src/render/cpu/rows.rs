@@ -1,6 +1,6 @@
 //! Rows of tiles of what is made of a picture: each is the work of one task.
 
-use super::photographs::Found;
+use super::photographs::PhotoAnswer;
 use super::tile::HEIGHT;
 use crate::scene::ScenePacket;
 
@@ -14,7 +14,7 @@ pub(super) enum TileRow<'a> {
     /// Reversed depths alone.
     Depths(&'a mut [f32]),
     /// What photographs say of the surface, alone.
-    Photographed(&'a mut [Found]),
+    Photographed(&'a mut [PhotoAnswer]),
 }
 
 /// What belongs to rows of tiles, of as many values for each pixel of a picture.

@@ -48,7 +48,7 @@ pub(super) struct Family {
 
 /// A moment, and where its images are.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Found {
+pub(super) struct FoundMoment {
     /// Names it: an image of it, or its folder.
     pub(super) timed: Timed,
     pub(super) images: Images,
@@ -98,7 +98,7 @@ impl Layout {
     }
 
     /// The moments that there are now, in their order.
-    pub(super) fn moments(&self) -> Vec<Found> {
+    pub(super) fn moments(&self) -> Vec<FoundMoment> {
         match self {
             Self::Cameras(folders) => moments_of_cameras(folders),
             Self::Moments { family, stems } => {
@@ -109,12 +109,12 @@ impl Layout {
                         .map(|path| (stem_of(&path), path))
                         .collect();
                     let images = stems.iter().map(|stem| by_stem.get(stem).cloned()).collect();
-                    Found {
+                    FoundMoment {
                         timed,
                         images: Images::OfCameras(images),
                     }
                 });
-                let has_image = |found: &Found| match &found.images {
+                let has_image = |found: &FoundMoment| match &found.images {
                     Images::OfCameras(images) => images.iter().any(Option::is_some),
                     _ => true,
                 };
@@ -123,7 +123,7 @@ impl Layout {
             Self::Sets(family) => {
                 let sets = family.folders().into_iter();
                 let sets = sets.filter(|timed| matches!(photos::find(&timed.entry.path), Ok(Some(_))));
-                sets.map(|timed| Found {
+                sets.map(|timed| FoundMoment {
                     images: Images::InFolder(timed.entry.path.clone()),
                     timed,
                 })
@@ -235,14 +235,14 @@ fn are_copies(folders: &[PathBuf]) -> bool {
         .all(|folder| halvings(folder).is_some_and(u32::is_power_of_two))
 }
 
-fn moments_of_cameras(folders: &[Option<PathBuf>]) -> Vec<Found> {
+fn moments_of_cameras(folders: &[Option<PathBuf>]) -> Vec<FoundMoment> {
     let images = |folder: &Option<PathBuf>| folder.as_deref().map_or_else(Vec::new, pictures_in);
     let cameras = timed(folders.iter().map(images).collect());
     let found = together(&cameras).into_iter().filter_map(|moment| {
         let of_each = || cameras.iter().zip(&moment.of_each);
         let first = of_each().find_map(|(images, at)| images.get((*at)?))?;
         let image = |(images, at): (&Vec<Timed>, &Option<usize>)| Some(images.get((*at)?)?.entry.path.clone());
-        Some(Found {
+        Some(FoundMoment {
             timed: first.clone(),
             images: Images::OfCameras(of_each().map(image).collect()),
         })

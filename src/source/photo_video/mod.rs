@@ -19,7 +19,7 @@ use crate::photos::{Calibration, PhotosError, Rig, ViewSet};
 use crate::progress::Progress;
 use crate::stereo::Dense;
 use clock::{Timed, beside, timed};
-use layout::{Found, Images, Layout, entries_of};
+use layout::{FoundMoment, Images, Layout, entries_of};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ enum Known {
     /// A calibration for each moment.
     Sets(Layout),
     /// One calibration that says when each photograph was taken.
-    Times(Box<Calibration>, Vec<Found>),
+    Times(Box<Calibration>, Vec<FoundMoment>),
 }
 
 /// Cameras, and where their images are.
@@ -215,7 +215,7 @@ impl Known {
 }
 
 impl Moment {
-    fn new(Found { timed, images }: Found, points: Option<PathBuf>) -> Self {
+    fn new(FoundMoment { timed, images }: FoundMoment, points: Option<PathBuf>) -> Self {
         let mut entry = timed.entry;
         if let Some(points) = &points {
             entry.path.clone_from(points);
@@ -229,7 +229,7 @@ impl Moment {
     }
 
     /// With the points in a file among its images, else with those of its number.
-    fn with_points(found: Found, clouds: &[Timed]) -> Self {
+    fn with_points(found: FoundMoment, clouds: &[Timed]) -> Self {
         let folder = Some(&found.timed.entry.path).filter(|path| path.is_dir());
         let inside = folder.and_then(|folder| entries_of(folder).into_iter().find(|path| is_cloud(path)));
         let points = inside.or_else(|| Some(beside(clouds, found.timed.clock())?.entry.path.clone()));
@@ -359,7 +359,7 @@ impl MomentDecoder {
 
 /// The photographs of each time, where a calibration says when all of them were taken, and most times have several: one
 /// camera that goes around has one.
-fn moments_by_time(calibration: &Calibration) -> Option<Vec<Found>> {
+fn moments_by_time(calibration: &Calibration) -> Option<Vec<FoundMoment>> {
     let times = calibration.times()?;
     let names: Vec<&str> = calibration.names().collect();
     let mut by_time: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
@@ -373,7 +373,7 @@ fn moments_by_time(calibration: &Calibration) -> Option<Vec<Found>> {
     }
     let found = by_time.into_values().enumerate().map(|(at, photos)| {
         let name = photos.first().map_or("", |&first| names[first]);
-        Found {
+        FoundMoment {
             timed: Timed::at(PathBuf::from(name), at as u64),
             images: Images::Listed(photos),
         }

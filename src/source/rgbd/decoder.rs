@@ -5,7 +5,7 @@ use super::depth_code::DepthCode;
 use super::error::RgbdError;
 use super::folder::has_extension;
 use super::folder::name_of;
-use super::layouts::{Found, FrameImages};
+use super::layouts::{FoundRecording, FrameImages};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::text;
@@ -50,7 +50,7 @@ struct PreparedRig {
 }
 
 impl Recorded {
-    pub(super) fn new(found: Found, sizes: Sizes, options: &OpenOptions) -> Self {
+    pub(super) fn new(found: FoundRecording, sizes: Sizes, options: &OpenOptions) -> Self {
         Self {
             frames: found.frames,
             code: found.code,

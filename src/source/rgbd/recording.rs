@@ -5,7 +5,7 @@ use super::decoder::{GROUP_FRAMES, ImageDecoder, Recorded};
 use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
 use super::kinect;
-use super::layouts::{self, Found};
+use super::layouts::{self, FoundRecording};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::topics;
@@ -133,7 +133,7 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
 }
 
 /// What a person says holds for every frame.
-fn take_options(found: &mut Found, options: &OpenOptions) -> Result<(), RgbdError> {
+fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(), RgbdError> {
     let rgbd = &options.rgbd;
     if let Some(intrinsics) = &rgbd.intrinsics {
         let calibration = Arc::new(Calibration::of_option(intrinsics)?);

@@ -1,7 +1,7 @@
 //! Sizes of images before they are decoded.
 
 use super::calibration::Calibration;
-use super::layouts::Found;
+use super::layouts::FoundRecording;
 use super::stored_image::StoredImage;
 use crate::io::ReadOptions;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Sizes {
     };
 
     /// Looks at the first images of `found`. Cameras that do not say for which size they are get these.
-    pub(super) fn learn(found: &mut Found, options: &ReadOptions) -> Self {
+    pub(super) fn learn(found: &mut FoundRecording, options: &ReadOptions) -> Self {
         let size_of = |image: &StoredImage| image.size_px(options);
         let first = Arc::clone(&found.frames[0].calibration);
         let color = found.frames.iter().find_map(|frame| frame.color.as_ref());

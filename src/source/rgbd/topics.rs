@@ -12,7 +12,7 @@ use super::calibration::{Calibration, Intrinsics};
 use super::camera_info::{intrinsics, transform_between};
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
-use super::layouts::{Found, FrameImages};
+use super::layouts::{FoundRecording, FrameImages};
 use super::moving_frames::MovingFrames;
 use super::pairs::nearest;
 use super::stored_image::{ImageMessage, StoredImage};
@@ -38,7 +38,7 @@ fn is_realsense(topic: &str) -> bool {
 
 /// The recording in the file at `path` and whose way of naming it has; `None` if it has no depth images, and if it has
 /// point clouds and nobody named a topic. Files that cannot be read are left to those who read clouds.
-pub(super) fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, Found)>, RgbdError> {
+pub(super) fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     let named = options.topic.as_deref();
     let Ok(topics) = io::cameras(path, named.is_some(), &options.read) else {
         return Ok(None);
@@ -236,7 +236,12 @@ impl RosRecording<'_> {
     }
 
     /// The frames of `depth` with the colours of `color`.
-    fn found(&self, depth: &Stream<'_>, color: Option<&Stream<'_>>, options: &OpenOptions) -> Result<Found, RgbdError> {
+    fn found(
+        &self,
+        depth: &Stream<'_>,
+        color: Option<&Stream<'_>>,
+        options: &OpenOptions,
+    ) -> Result<FoundRecording, RgbdError> {
         let mut notes = Vec::new();
         let calibration = match self.info(depth) {
             Some(info) => self.calibration(depth, &info, color, &mut notes)?,
@@ -284,7 +289,7 @@ impl RosRecording<'_> {
                 color.topic.name
             ));
         }
-        Ok(Found {
+        Ok(FoundRecording {
             frames,
             code: DepthCode::per_metre(UNITS_PER_METRE),
             notes,

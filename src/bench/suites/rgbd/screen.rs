@@ -41,7 +41,7 @@ struct Samples {
 }
 
 /// A cloud, and where it is seen from.
-struct Seen<'a> {
+struct ViewedCloud<'a> {
     name: &'a str,
     image: &'a str,
     frame: &'a PreparedFrame,
@@ -66,7 +66,7 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
         };
         rows.push(measure(
             run,
-            &Seen {
+            &ViewedCloud {
                 name: "made",
                 image: "merged",
                 frame: &frame,
@@ -96,7 +96,7 @@ pub(super) fn measure_frame(run: &mut Run<'_>, subject: &Subject<'_>, index: usi
     };
     measure(
         run,
-        &Seen {
+        &ViewedCloud {
             name: subject.name,
             image: "recorded",
             frame: &frame,
@@ -121,7 +121,7 @@ fn style() -> Style {
     })
 }
 
-fn measure(run: &mut Run<'_>, seen: &Seen<'_>) -> Result<Row, BenchError> {
+fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError> {
     let viewport_px = run.options.viewport_px;
     let packet = Scene::default().packet(seen.frame, seen.origin, &seen.camera, &style(), viewport_px);
     let view = screen_view(&packet.view, packet.viewport_px);
@@ -158,7 +158,7 @@ fn measure(run: &mut Run<'_>, seen: &Seen<'_>) -> Result<Row, BenchError> {
 }
 
 /// In the order of the suite's columns: what is of filters alone is missing.
-fn row(seen: &Seen<'_>, visible: usize, samples: &Samples) -> Row {
+fn row(seen: &ViewedCloud<'_>, visible: usize, samples: &Samples) -> Row {
     let median = |times: &[f64]| Quantiles::of(times).map(|times| times.median);
     let stages = [&samples.cull_ms, &samples.normals_ms, &samples.draw_ms].map(|times| median(times));
     let total = stages.iter().copied().sum::<Option<f64>>();

@@ -64,7 +64,7 @@ pub(super) fn measure(
     Ok(rows)
 }
 
-struct Drawn {
+struct ViewSamples {
     errors: Errors,
     times_ms: Vec<f64>,
 }
@@ -75,14 +75,14 @@ fn drawn(
     filmed: &Filmed<'_>,
     (frame, style): (&PreparedFrame, &Style),
     views: &[TrueView],
-) -> Result<Drawn, BenchError> {
-    Ok(Drawn {
+) -> Result<ViewSamples, BenchError> {
+    Ok(ViewSamples {
         errors: Errors::of(run, runner, filmed, (frame, style), views)?,
         times_ms: times_ms(run, runner, filmed, (frame, style), views)?,
     })
 }
 
-impl Drawn {
+impl ViewSamples {
     fn row(&self, cells: Vec<(&'static str, Cell)>) -> Row {
         self.errors.row(SIZES, cells, &self.times_ms)
     }

@@ -20,7 +20,7 @@ pub(in crate::render) struct DepthMap {
 
 /// Where a place is in relation to what a photograph shows there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seen {
+pub(super) enum DepthRelation {
     /// It is what the photograph shows, as far as anybody knows.
     There,
     /// Something before it hides it.
@@ -58,7 +58,7 @@ impl DepthMap {
 
     /// What is at `share` of its width and height, 0 to 1, beside a place at `distance`; and whether a step is near.
     #[inline(always)]
-    pub(super) fn seen(&self, share: [f32; 2], distance: f32) -> (Seen, bool) {
+    pub(super) fn seen(&self, share: [f32; 2], distance: f32) -> (DepthRelation, bool) {
         let [column, row] = [0, 1].map(|axis| {
             let texel = share[axis] * self.size[axis] as f32;
             (texel as usize).min(self.size[axis] as usize - 1)
@@ -66,13 +66,13 @@ impl DepthMap {
         let there = self.distances[self.size[0] as usize * row + column];
         let behind = distance - there.abs();
         let seen = if there == 0.0 {
-            Seen::There
+            DepthRelation::There
         } else if behind > self.tolerance {
-            Seen::Hidden
+            DepthRelation::Hidden
         } else if self.is_measured && behind < -self.tolerance {
-            Seen::Through
+            DepthRelation::Through
         } else {
-            Seen::There
+            DepthRelation::There
         };
         (seen, there < 0.0)
     }
@@ -140,13 +140,13 @@ mod tests {
     fn what_is_behind_is_hidden_and_what_is_before_a_measured_surface_is_seen_through() {
         // The tolerance is a twentieth of 20.
         let map = DepthMap::new([10, 10], distances(), 30.0, true);
-        assert_eq!(map.seen([0.5, 0.05], 10.9), (Seen::There, false));
-        assert_eq!(map.seen([0.5, 0.05], 11.1), (Seen::Hidden, false));
-        assert_eq!(map.seen([0.5, 0.95], 28.9), (Seen::Through, false));
+        assert_eq!(map.seen([0.5, 0.05], 10.9), (DepthRelation::There, false));
+        assert_eq!(map.seen([0.5, 0.05], 11.1), (DepthRelation::Hidden, false));
+        assert_eq!(map.seen([0.5, 0.95], 28.9), (DepthRelation::Through, false));
         let drawn = DepthMap::new([10, 10], distances(), 30.0, false);
-        assert_eq!(drawn.seen([0.5, 0.95], 28.9), (Seen::There, false));
+        assert_eq!(drawn.seen([0.5, 0.95], 28.9), (DepthRelation::There, false));
         // The last line and column belong to the edge itself.
-        assert_eq!(map.seen([1.0, 1.0], 31.1), (Seen::Hidden, false));
+        assert_eq!(map.seen([1.0, 1.0], 31.1), (DepthRelation::Hidden, false));
     }
 
     #[test]
@@ -155,21 +155,21 @@ mod tests {
         let is_near = |row: usize| map.seen([0.5, 0.1 * row as f32 + 0.05], 10.0).1;
         let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
         assert_eq!(near, [2, 3, 4, 5, 6, 7]);
-        assert_eq!(map.seen([0.5, 0.35], 10.9).0, Seen::There);
+        assert_eq!(map.seen([0.5, 0.35], 10.9).0, DepthRelation::There);
         let mut hole = vec![1.0; 100];
         hole[44] = 0.0;
         let around = DepthMap::new([10, 10], hole, 30.0, false);
         assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 48);
         // A wall far behind the surface does not widen the tolerance.
         let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
-        assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, Seen::Hidden);
+        assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, DepthRelation::Hidden);
     }
 
     #[test]
     fn unknown_distances_hide_nothing() {
         let map = DepthMap::new([3, 1], vec![0.0, f32::INFINITY, f32::NAN], 1.0, true);
         for share in [0.1, 0.5, 0.9] {
-            assert_eq!(map.seen([share, 0.5], 1e6).0, Seen::There);
+            assert_eq!(map.seen([share, 0.5], 1e6).0, DepthRelation::There);
         }
     }
 

@@ -28,7 +28,7 @@ use crate::render::constants::{
 use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
 use agreement::agreed;
 use candidates::{Candidates, Scores};
-use depths::Seen;
+use depths::DepthRelation;
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 use normals::normal;
@@ -43,7 +43,7 @@ pub(super) struct Projected<'a> {
     depths: &'a [DepthMap],
     candidates: Candidates,
     /// What was told of all pixels of the picture before.
-    told: Option<&'a [Found]>,
+    told: Option<&'a [PhotoAnswer]>,
 }
 
 /// A place of the surface, in view space.
@@ -70,7 +70,7 @@ struct Seeing {
 
 /// What the photographs say of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) enum Found {
+pub(super) enum PhotoAnswer {
     /// What its colour is; and its normal in view space, if that is not to be the points' own: else of length 0.
     Shown { color: [f32; 3], normal: [f32; 3] },
     /// None of them sees it.
@@ -98,7 +98,7 @@ impl<'a> Projected<'a> {
     }
 
     /// The same where it is known what they say of each pixel of the picture.
-    pub(super) fn with_told(self, told: &'a [Found]) -> Self {
+    pub(super) fn with_told(self, told: &'a [PhotoAnswer]) -> Self {
         Self {
             told: Some(told),
             ..self
@@ -108,7 +108,14 @@ impl<'a> Projected<'a> {
     /// Writes what they say of the surface in a tile, to the rows of the picture that the tile is in. Precondition: the
     /// tile holds sums of surfaces.
     #[inline(always)]
-    pub(super) fn look<S: Simd>(&self, simd: S, tile: &Tile, view: &PixelView, clip: PixelRect, rows: &mut [Found]) {
+    pub(super) fn look<S: Simd>(
+        &self,
+        simd: S,
+        tile: &Tile,
+        view: &PixelView,
+        clip: PixelRect,
+        rows: &mut [PhotoAnswer],
+    ) {
         let mut scores = Scores::default();
         for y in clip.start[1]..clip.end[1] {
             let row = (y - tile.origin[1]) as usize;
@@ -116,7 +123,7 @@ impl<'a> Projected<'a> {
                 let at = WIDTH * row + (x - tile.origin[0]) as usize;
                 rows[view.size_px[0] as usize * row + x as usize] = match Place::of_pixel(tile, view, [x, y], at) {
                     Some(place) => self.find(simd, &place, &mut scores),
-                    None => Found::Clipped,
+                    None => PhotoAnswer::Clipped,
                 };
             }
         }
@@ -140,7 +147,7 @@ impl<'a> Projected<'a> {
                     None => self.find(simd, &place, &mut scores),
                 };
                 match found {
-                    Found::Shown { color, normal } => {
+                    PhotoAnswer::Shown { color, normal } => {
                         tile.weight[at] *= PHOTO_OPACITY;
                         for sum in &mut tile.surfaces {
                             sum[at] *= PHOTO_OPACITY;
@@ -154,12 +161,12 @@ impl<'a> Projected<'a> {
                             }
                         }
                     }
-                    Found::Unseen if self.views.holes != PhotoHoles::Left => {
+                    PhotoAnswer::Unseen if self.views.holes != PhotoHoles::Left => {
                         if is_white {
                             tile.colors.iter_mut().for_each(|sum| sum[at] = weight);
                         }
                     }
-                    Found::Unseen | Found::Clipped => {
+                    PhotoAnswer::Unseen | PhotoAnswer::Clipped => {
                         tile.weight[at] = 0.0;
                         tile.depth[at] = 0.0;
                         let sums = tile.colors.iter_mut().chain(&mut tile.surfaces);
@@ -172,7 +179,7 @@ impl<'a> Projected<'a> {
 
     /// The colour of a place.
     #[inline(always)]
-    fn find<S: Simd>(&self, simd: S, place: &Place, scores: &mut Scores) -> Found {
+    fn find<S: Simd>(&self, simd: S, place: &Place, scores: &mut Scores) -> PhotoAnswer {
         self.candidates
             .score(simd, place.position, place.to_eye, place.normal, scores);
         // One more than is blended: weights are relative to that of the last.
@@ -192,12 +199,12 @@ impl<'a> Projected<'a> {
             let (seen, is_near_step) = self.depths[view].seen(share, scores.distance(view));
             let seen_of_it = share_seen(place, scores.facing(view));
             match seen {
-                Seen::Hidden => continue,
-                Seen::Through => {
+                DepthRelation::Hidden => continue,
+                DepthRelation::Through => {
                     through += seen_of_it * self.weight(angle2 - least);
                     continue;
                 }
-                Seen::There => {}
+                DepthRelation::There => {}
             }
             votes += seen_of_it * self.weight(angle2 - least);
             let trust = seen_of_it * trust(angle2, is_near_step);
@@ -214,7 +221,7 @@ impl<'a> Projected<'a> {
             PhotoClipping::Vote => through > votes,
         };
         if is_clipped {
-            return Found::Clipped;
+            return PhotoAnswer::Clipped;
         }
         self.blend(place, seeing, scores)
     }
@@ -227,9 +234,9 @@ impl<'a> Projected<'a> {
 
     /// What those that see a place show there, nearest first, with one more than is blended if there are as many.
     #[inline(always)]
-    fn blend(&self, place: &Place, seeing: &[Seeing], scores: &Scores) -> Found {
+    fn blend(&self, place: &Place, seeing: &[Seeing], scores: &Scores) -> PhotoAnswer {
         let Some(nearest) = seeing.first() else {
-            return Found::Unseen;
+            return PhotoAnswer::Unseen;
         };
         let weight = |seen: &Seeing| self.weight(seen.angle2 - nearest.angle2);
         let blended = &seeing[..seeing.len().min(self.views.blended)];
@@ -262,7 +269,7 @@ impl<'a> Projected<'a> {
             PhotoClipping::Paper => background > 0.0,
         };
         if is_background {
-            Found::Clipped
+            PhotoAnswer::Clipped
         } else if sum > 0.0 {
             let is_white = self.views.relight == PhotoRelight::DepthOnly;
             let color = if is_white {
@@ -270,12 +277,12 @@ impl<'a> Projected<'a> {
             } else {
                 agreed(&shown[..blended.len()]).min(Vec3::ONE)
             };
-            Found::Shown {
+            PhotoAnswer::Shown {
                 color: color.to_array(),
                 normal: normals.normalize_or_zero().to_array(),
             }
         } else {
-            Found::Unseen
+            PhotoAnswer::Unseen
         }
     }
 

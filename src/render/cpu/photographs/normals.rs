@@ -15,7 +15,7 @@ use crate::scene::PhotoView;
 use glam::{Vec3, Vec4};
 
 /// A depth map with the lens that it was seen through, in its own texels.
-struct Seen<'a> {
+struct DepthView<'a> {
     map: &'a DepthMap,
     focal: [f32; 2],
     principal: [f32; 2],
@@ -26,7 +26,7 @@ struct Seen<'a> {
 #[inline(always)]
 pub(super) fn normal(map: &DepthMap, view: &PhotoView, place: [f32; 2]) -> Vec3 {
     let scale = [0, 1].map(|axis| map.size[axis] as f32 / view.size[axis]);
-    let seen = Seen {
+    let seen = DepthView {
         map,
         focal: [0, 1].map(|axis| view.focal[axis] * scale[axis]),
         principal: [0, 1].map(|axis| view.principal[axis] * scale[axis]),
@@ -36,7 +36,7 @@ pub(super) fn normal(map: &DepthMap, view: &PhotoView, place: [f32; 2]) -> Vec3 
     in_camera.x * x + in_camera.y * y + in_camera.z * z
 }
 
-impl Seen<'_> {
+impl DepthView<'_> {
     /// Between the four texels around a place.
     #[inline(always)]
     fn between_texels(&self, place: [f32; 2]) -> Vec3 {

@@ -6,7 +6,7 @@
 //! pixels it lies. So a small hole has the colour of its rim, and a large one is smooth; the work is that of a third
 //! more pixels. Pixels that are no surface neither give nor take.
 
-use super::Found;
+use super::PhotoAnswer;
 use rayon::prelude::*;
 
 /// Red, green and blue times how sure they are, and that, 0 to 1.
@@ -20,18 +20,18 @@ struct Level {
 
 /// Gives what no photograph sees the colours of what is around. Precondition: `found` has `size_px` pixels, rows of
 /// which follow each other. Where no photograph sees anything, nothing changes.
-pub(in crate::render::cpu) fn fill_holes(found: &mut [Found], size_px: [u32; 2]) {
-    let is_hole = |found: &Found| *found == Found::Unseen;
+pub(in crate::render::cpu) fn fill_holes(found: &mut [PhotoAnswer], size_px: [u32; 2]) {
+    let is_hole = |found: &PhotoAnswer| *found == PhotoAnswer::Unseen;
     if !found.par_iter().any(is_hole) {
         return;
     }
     let size = size_px.map(|edge| edge as usize);
     let seen = found.par_iter().map(|found| match found {
-        Found::Shown {
+        PhotoAnswer::Shown {
             color: [red, green, blue],
             ..
         } => [*red, *green, *blue, 1.0],
-        Found::Unseen | Found::Clipped => [0.0; 4],
+        PhotoAnswer::Unseen | PhotoAnswer::Clipped => [0.0; 4],
     });
     let mut levels = vec![Level {
         size,
@@ -47,7 +47,7 @@ pub(in crate::render::cpu) fn fill_holes(found: &mut [Found], size_px: [u32; 2])
             let filled = found.par_iter_mut().zip(&coarser.pixels);
             filled.for_each(|(found, &[red, green, blue, sure])| {
                 if is_hole(found) && sure > 0.0 {
-                    *found = Found::Shown {
+                    *found = PhotoAnswer::Shown {
                         color: [red, green, blue].map(|channel| (channel / sure).min(1.0)),
                         normal: [0.0; 3],
                     };
@@ -127,17 +127,17 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn shown(color: [f32; 3]) -> Found {
-        Found::Shown {
+    fn shown(color: [f32; 3]) -> PhotoAnswer {
+        PhotoAnswer::Shown {
             color,
             normal: [0.0, 0.0, 1.0],
         }
     }
 
-    fn color(found: Found) -> [f32; 3] {
+    fn color(found: PhotoAnswer) -> [f32; 3] {
         match found {
-            Found::Shown { color, .. } => color,
-            Found::Unseen | Found::Clipped => panic!("{found:?} has no colour"),
+            PhotoAnswer::Shown { color, .. } => color,
+            PhotoAnswer::Unseen | PhotoAnswer::Clipped => panic!("{found:?} has no colour"),
         }
     }
 
@@ -146,14 +146,14 @@ mod tests {
         // The left is red and the right green; between them, two columns are unseen.
         let row = |column: usize| match column {
             0..7 => shown([1.0, 0.0, 0.0]),
-            7..9 => Found::Unseen,
+            7..9 => PhotoAnswer::Unseen,
             _ => shown([0.0, 1.0, 0.0]),
         };
-        let mut found: Vec<Found> = (0..16 * 16).map(|at| row(at % 16)).collect();
+        let mut found: Vec<PhotoAnswer> = (0..16 * 16).map(|at| row(at % 16)).collect();
         let before = found.clone();
         fill_holes(&mut found, [16, 16]);
         for (at, (found, before)) in found.iter().zip(&before).enumerate() {
-            if *before != Found::Unseen {
+            if *before != PhotoAnswer::Unseen {
                 assert_eq!(found, before);
                 continue;
             }
@@ -168,14 +168,14 @@ mod tests {
 
     #[test]
     fn what_is_no_surface_neither_gives_nor_takes() {
-        let mut found = vec![Found::Clipped; 30 * 7];
+        let mut found = vec![PhotoAnswer::Clipped; 30 * 7];
         found[3] = shown([0.25, 0.5, 0.75]);
-        found[30 * 6 + 29] = Found::Unseen;
+        found[30 * 6 + 29] = PhotoAnswer::Unseen;
         fill_holes(&mut found, [30, 7]);
         let [red, green, blue] = color(found[30 * 6 + 29]);
         assert!((red - 0.25).abs() < 1e-5 && (green - 0.5).abs() < 1e-5 && (blue - 0.75).abs() < 1e-5);
         assert_eq!(
-            found.iter().filter(|&&found| found == Found::Clipped).count(),
+            found.iter().filter(|&&found| found == PhotoAnswer::Clipped).count(),
             30 * 7 - 2
         );
     }
@@ -183,9 +183,9 @@ mod tests {
     #[test]
     fn where_nothing_is_seen_nothing_changes() {
         for size in [[1, 1], [5, 3], [64, 1]] {
-            let mut found = vec![Found::Unseen; (size[0] * size[1]) as usize];
+            let mut found = vec![PhotoAnswer::Unseen; (size[0] * size[1]) as usize];
             fill_holes(&mut found, size);
-            assert!(found.iter().all(|found| *found == Found::Unseen));
+            assert!(found.iter().all(|found| *found == PhotoAnswer::Unseen));
         }
         fill_holes(&mut [], [0, 0]);
     }
@@ -200,18 +200,18 @@ mod tests {
             values in prop::collection::vec(0.2_f32..0.7, 40 * 40),
         ) {
             let count = (width * height) as usize;
-            let mut found: Vec<Found> = kinds[..count].iter().zip(&values).map(|(kind, &value)| match kind {
-                0 => Found::Clipped,
+            let mut found: Vec<PhotoAnswer> = kinds[..count].iter().zip(&values).map(|(kind, &value)| match kind {
+                0 => PhotoAnswer::Clipped,
                 1 => shown([value, 0.9 - value, 0.5]),
-                _ => Found::Unseen,
+                _ => PhotoAnswer::Unseen,
             }).collect();
             let before = found.clone();
             fill_holes(&mut found, [width, height]);
-            let is_seen = |found: &Found| matches!(found, Found::Shown { .. });
+            let is_seen = |found: &PhotoAnswer| matches!(found, PhotoAnswer::Shown { .. });
             let sees = before.iter().any(is_seen);
             for (found, before) in found.iter().zip(&before) {
-                prop_assert_eq!(is_seen(found), is_seen(before) || sees && *before == Found::Unseen);
-                if let Found::Shown { color: [red, green, blue], .. } = found {
+                prop_assert_eq!(is_seen(found), is_seen(before) || sees && *before == PhotoAnswer::Unseen);
+                if let PhotoAnswer::Shown { color: [red, green, blue], .. } = found {
                     prop_assert!((0.199..0.701).contains(red) && (red + green - 0.9).abs() < 1e-3);
                     prop_assert!((blue - 0.5).abs() < 1e-3);
                 }

@@ -11,7 +11,7 @@ mod modes;
 use super::calibration::{Calibration, Intrinsics};
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
-use super::layouts::{Found, FrameImages};
+use super::layouts::{FoundRecording, FrameImages};
 use super::options::RgbdOptions;
 use super::pairs::nearest;
 use super::stored_image::{BlockImage, BlockPixels, StoredImage};
@@ -44,7 +44,7 @@ pub(super) fn is_one(path: &Path) -> bool {
 }
 
 /// The recording in the Matroska file at `path`.
-pub(super) fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<Found, RgbdError> {
+pub(super) fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundRecording, RgbdError> {
     let wrong = |problem: String| RgbdError::Matroska {
         path: path.to_owned(),
         problem,
@@ -201,7 +201,7 @@ impl KinectRecording<'_> {
         color: Option<&Colors<'_>>,
         calibration: Calibration,
         mut notes: Vec<String>,
-    ) -> Found {
+    ) -> FoundRecording {
         let calibration = Arc::new(calibration);
         let delay_ns = self.depth_delay_ns();
         let frames: Vec<FrameImages> = depth
@@ -226,7 +226,7 @@ impl KinectRecording<'_> {
                 frames.len()
             ));
         }
-        Found {
+        FoundRecording {
             frames,
             code: DepthCode::per_metre(UNITS_PER_METRE),
             notes,

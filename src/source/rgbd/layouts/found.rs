@@ -18,12 +18,12 @@ pub(in crate::source::rgbd) struct Layout {
     /// Its name, for people.
     pub(in crate::source::rgbd) name: &'static str,
     /// The recording in a folder; `None` if the folder is laid out in another way.
-    pub(super) find: fn(&Folder) -> Result<Option<Found>, RgbdError>,
+    pub(super) find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
 }
 
 /// A recording as its folder or file tells it.
 #[derive(Debug)]
-pub(in crate::source::rgbd) struct Found {
+pub(in crate::source::rgbd) struct FoundRecording {
     pub(in crate::source::rgbd) frames: Vec<FrameImages>,
     pub(in crate::source::rgbd) code: DepthCode,
     /// What is left out, a sentence each.
@@ -40,7 +40,7 @@ pub(in crate::source::rgbd) struct FrameImages {
     pub(in crate::source::rgbd) calibration: Arc<Calibration>,
 }
 
-impl Found {
+impl FoundRecording {
     /// Frames of these depth images, with times if their names tell some.
     pub(super) fn of_pairs(depths: Vec<PathBuf>, pairs: Pairs, calibration: Calibration, code: DepthCode) -> Self {
         let names: Vec<&str> = depths.iter().map(|path| name_of(path)).collect();

@@ -4,7 +4,7 @@
 //! POV-Ray's axes are left-handed. So the z axis of the world is turned over, and the camera looks as others do: x to
 //! the right, y down, z forward.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_key;
 use crate::source::rgbd::text::read;
@@ -15,7 +15,7 @@ pub(super) const LAYOUT: Layout = Layout { name: "ICL-NUIM", find };
 
 const CAMERA: [f64; 4] = [481.2, 480.0, 319.5, 239.5];
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let depths = folder.files(|name| has_extension(name, &["depth"]));
     if depths.is_empty() {
         return Ok(None);
@@ -26,7 +26,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
         .iter()
         .map(|path| moment(name_of(path)).map(|moment| format!("{moment}.txt")))
         .collect();
-    let mut found = Found::of_pairs(
+    let mut found = FoundRecording::of_pairs(
         depths,
         pairs,
         Calibration::usual(CAMERA, "ICL-NUIM"),

@@ -13,7 +13,7 @@ mod seven_scenes;
 mod sun;
 mod tum;
 
-pub(super) use found::{Found, FrameImages, Layout};
+pub(super) use found::{FoundRecording, FrameImages, Layout};
 pub(super) use pattern::by_pattern;
 
 use super::calibration::Calibration;
@@ -34,7 +34,7 @@ const TABLE: &[Layout] = &[
 ];
 
 /// The recording in `folder`; `None` if it is laid out in no way of the table.
-pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, Found)>, RgbdError> {
+pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     for layout in TABLE {
         if let Some(found) = (layout.find)(folder)? {
             return Ok(Some((layout.name, found)));

@@ -3,7 +3,7 @@
 //! The depth images are codes of a Kinect with their bytes swapped. Its two cameras were calibrated; the toolbox of the
 //! data set has the numbers, whose rotation is written there with all signs turned.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
 use crate::io::timestamps::times_of_lines;
 use crate::rgbd::Distortion;
 use crate::source::rgbd::calibration::Intrinsics;
@@ -16,14 +16,14 @@ use std::time::Duration;
 pub(super) const LAYOUT: Layout = Layout { name: "NYU", find };
 
 #[expect(clippy::unnecessary_wraps, reason = "as the layouts are that read files")]
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let depths = stamped(folder, "d-", "pgm");
     if depths.is_empty() {
         return Ok(None);
     }
     let pairs = by_time(&depths, &stamped(folder, "r-", "ppm"));
     let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
-    let mut found = Found::of_pairs(paths, pairs, calibration(), DepthCode::nyu());
+    let mut found = FoundRecording::of_pairs(paths, pairs, calibration(), DepthCode::nyu());
     for (frame, time) in found.frames.iter_mut().zip(times) {
         frame.time = Some(time);
     }

@@ -1,6 +1,6 @@
 //! Redwood and Open3D: folders `depth` and `color`, the camera in JSON, the trajectory in `.log` or JSON.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError, Trajectory};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory};
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_name;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ pub(super) const LAYOUT: Layout = Layout { name: "Open3D", find };
 /// A camera of PrimeSense, which Open3D takes where none is named.
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let Some(depth) = folder.sub(&["depth"]).filter(|_| !folder.has_clouds()) else {
         return Ok(None);
     };
@@ -42,7 +42,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
             Calibration::read(chosen)?
         }
     };
-    let mut found = Found::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
+    let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
     found.notes.extend(notes);
     if let Some(path) = trajectory(folder) {
         found.take_poses(&Trajectory::read(&path)?);

@@ -1,6 +1,6 @@
 //! Any layout, by patterns of the names of its images.
 
-use super::{Calibration, DepthCode, Found, RgbdError};
+use super::{Calibration, DepthCode, FoundRecording, RgbdError};
 use crate::io::natural_order;
 use crate::source::rgbd::options::RgbdOptions;
 use crate::source::rgbd::pairs::by_name;
@@ -12,7 +12,7 @@ pub(in crate::source::rgbd) fn by_pattern(
     folder: &Path,
     depth: &str,
     options: &RgbdOptions,
-) -> Result<Found, RgbdError> {
+) -> Result<FoundRecording, RgbdError> {
     let Some(intrinsics) = &options.intrinsics else {
         return Err(RgbdError::Options {
             reason: format!("nothing says which camera took {depth}: name it by --intrinsics fx,fy,cx,cy or a file"),
@@ -25,7 +25,7 @@ pub(in crate::source::rgbd) fn by_pattern(
     };
     let pairs = by_name(&depths, &colors);
     let calibration = Calibration::of_option(intrinsics)?;
-    Ok(Found::of_pairs(
+    Ok(FoundRecording::of_pairs(
         depths,
         pairs,
         calibration,

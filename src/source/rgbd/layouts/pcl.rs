@@ -1,7 +1,7 @@
 //! The grabbers of PCL: `frame_20121214T142255.814212_depth.tiff` or `.pclzf`, `…_rgb` beside it, and XML with the
 //! camera, in the same folder or the one around it.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
 use crate::io::timestamps::times_of_names;
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_key;
@@ -24,7 +24,7 @@ fn moment<'a>(name: &'a str, ends: &[&str]) -> Option<&'a str> {
     ends.iter().find_map(|end| stem.strip_suffix(end))
 }
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let depths = folder.files(|name| moment(name, DEPTH).is_some());
     if depths.is_empty() {
         return Ok(None);
@@ -37,7 +37,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
         .filter_map(|path| moment(name_of(path), DEPTH).map(str::to_owned))
         .collect();
     let usual = Calibration::usual(CAMERA, "PCL's grabbers");
-    let mut found = Found::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
+    let mut found = FoundRecording::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
     // A time is told by the whole name: `_depth` would be its end.
     let names: Vec<String> = moments.iter().map(|moment| format!("{moment}.pcd")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();

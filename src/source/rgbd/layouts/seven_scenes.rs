@@ -6,7 +6,7 @@
 //! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon). `--intrinsics
 //! 585,585,320,240` says that colours were registered after all.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::name_of;
 use crate::source::rgbd::pairs::by_key;
@@ -29,7 +29,7 @@ const COLOR_FROM_DEPTH_TURN: DMat3 = DMat3::from_cols(
 /// Metres.
 const COLOR_FROM_DEPTH_SHIFT: DVec3 = DVec3::new(-0.025_558_943, 0.000_101_096, 0.002_031_832);
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let named = |end: &'static str| move |name: &str| name.starts_with("frame-") && name.ends_with(end);
     let depths = folder.files(named(".depth.png"));
     if depths.is_empty() {
@@ -42,7 +42,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
         .map(|path| moment(name_of(path)).map(|moment| format!("{moment}.pose.txt")))
         .collect();
     let code = DepthCode::per_metre(1000.0);
-    let mut found = Found::of_pairs(depths, pairs, calibration(), code);
+    let mut found = FoundRecording::of_pairs(depths, pairs, calibration(), code);
     for (frame, pose) in found.frames.iter_mut().zip(poses) {
         if let Some(pose) = pose.filter(|pose| folder.has_file(pose)) {
             frame.world_from_camera = read_pose(&folder.path.join(pose))?;

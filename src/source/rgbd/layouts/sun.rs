@@ -1,14 +1,14 @@
 //! SUN3D and SUN RGB-D (Xiao et al. 2013, Song et al. 2015): `depth`, `image` and `intrinsics.txt`. Depths are
 //! millimetres, turned by three bits.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError, Trajectory};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory};
 use crate::source::rgbd::folder::has_extension;
 use crate::source::rgbd::pairs::by_name;
 use std::path::Path;
 
 pub(super) const LAYOUT: Layout = Layout { name: "SUN", find };
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let camera = "intrinsics.txt";
     let (Some(depth), Some(color)) = (folder.sub(&["depth", "depth_bfx"]), folder.sub(&["image"])) else {
         return Ok(None);
@@ -22,7 +22,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
     }
     let pairs = by_name(&depths, &Folder::read(&color)?.images());
     let calibration = Calibration::read(&folder.path.join(camera))?;
-    let mut found = Found::of_pairs(depths, pairs, calibration, DepthCode::rotated());
+    let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::rotated());
     if let Some(poses) = folder.sub(&["extrinsics"]) {
         take_poses(&mut found, &poses)?;
     }
@@ -31,7 +31,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
 
 /// The newest list of poses, if it is one for all frames: that of a single image says how the camera was tilted, not
 /// where it was.
-fn take_poses(found: &mut Found, folder: &Path) -> Result<(), RgbdError> {
+fn take_poses(found: &mut FoundRecording, folder: &Path) -> Result<(), RgbdError> {
     let lists = Folder::read(folder)?.files(|name| has_extension(name, &["txt"]));
     let Some(newest) = lists.last() else { return Ok(()) };
     if found.frames.len() < 2 {

@@ -1,6 +1,6 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
-use super::{Calibration, DepthCode, Folder, Found, Layout, RgbdError, Trajectory};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory};
 use crate::io::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;
@@ -14,7 +14,7 @@ const UNITS_PER_METRE: f64 = 5000.0;
 
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
 
-fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
+fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     if !folder.has_file("depth.txt") || folder.has_clouds() {
         return Ok(None);
     }
@@ -27,7 +27,7 @@ fn find(folder: &Folder) -> Result<Option<Found>, RgbdError> {
     let pairs = by_time(&depths, &colors);
     let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
     let code = DepthCode::per_metre(UNITS_PER_METRE);
-    let mut found = Found::of_pairs(paths, pairs, Calibration::usual(CAMERA, "TUM"), code);
+    let mut found = FoundRecording::of_pairs(paths, pairs, Calibration::usual(CAMERA, "TUM"), code);
     for (frame, time) in found.frames.iter_mut().zip(times) {
         frame.time = Some(time);
     }
