@@ -40,7 +40,8 @@ pub enum DepthKind {
 }
 
 impl DepthFile {
-    /// Depths along the axis of the camera that took them, in the unit of the world whatever `metres` says; 0 where there is none.
+    /// Depths along the axis of the camera that took them, in the unit of the world whatever `metres` says; 0 where
+    /// there is none.
     ///
     /// # Errors
     /// Where the file cannot be read, or is of another shape.

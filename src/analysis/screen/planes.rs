@@ -97,8 +97,8 @@ impl Planes<'_> {
         }
     }
 
-    /// The nearest of the points around that have a plane, in the smallest neighbourhood that has such, and the radius of
-    /// that.
+    /// The nearest of the points around that have a plane, in the smallest neighbourhood that has such, and the radius
+    /// of that.
     fn nearest_with_plane(
         &self,
         from: &ScreenPoint,

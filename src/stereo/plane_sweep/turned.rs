@@ -7,10 +7,10 @@
 //! not once for each plane; a plane takes two look-ups a pixel. (Laid on each plane anew, a sweep took four times as
 //! long.)
 //!
-//! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs are
-//! mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane. The
-//! census of a plane that is not the one in the middle is that of another scale and slant: of neighbours by four pixels
-//! that is less than planes differ by.
+//! Places between pixels are in [`PHASES`] pictures along each axis. Along the axis on which places move more, costs
+//! are mixed from the two places around; rounded there as well, they would put depths off by a fourteenth of a plane.
+//! The census of a plane that is not the one in the middle is that of another scale and slant: of neighbours by four
+//! pixels that is less than planes differ by.
 
 use crate::stereo::census::census;
 use crate::stereo::view::pixels_from_rays;

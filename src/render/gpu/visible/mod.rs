@@ -5,8 +5,8 @@
 //! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
 //! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
 //!
-//! How many points are visible, the processor is not told: it would have to wait for that. So there is room for all, and
-//! what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw nothing.
+//! How many points are visible, the processor is not told: it would have to wait for that. So there is room for all,
+//! and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw nothing.
 //!
 //! **When it wins.** A real card makes the records in a fraction of the time of the processor, and nothing is uploaded.
 //! A software adapter is the processor, which does better with code that was written for it: there the renderer takes

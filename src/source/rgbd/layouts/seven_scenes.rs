@@ -3,8 +3,8 @@
 //! Depths and colours are those of a Kinect as its two cameras took them: nothing was registered, and poses are those
 //! of the depth camera. The data set tells the depth camera alone. The colour camera has a wider lens, so that taking
 //! one for the other is off by up to 36 pixels at the border. It stands for what is usual of a Kinect: ACE (Brachmann
-//! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon). `--intrinsics
-//! 585,585,320,240` says that colours were registered after all.
+//! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon).
+//! `--intrinsics 585,585,320,240` says that colours were registered after all.
 
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
 use crate::source::rgbd::calibration::Intrinsics;
