@@ -340,7 +340,10 @@ impl Player {
         };
         if let Some(frame) = frame.filter(|_| !must_wait) {
             self.arrive(ahead, now);
-            change.other_attributes = self.attributes.note(frame.index, &frame.frame);
+            // A live stream sends points with normals as soon as it knows the view.
+            if self.sequence().source().live().is_none() {
+                change.other_attributes = self.attributes.note(frame.index, &frame.frame);
+            }
             change.new_warnings = new_warnings(&frame, &mut self.told);
             change.beyond_frame |= self.failure.take().is_some();
             change.visible |= self.show(frame, now);
