@@ -70,7 +70,6 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
             .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
         arrays.push((name.to_ascii_lowercase(), array));
     }
-    let is_one_of = |names: &[&str], name: &str| names.contains(&name);
     let place = place_of_positions(&arrays);
     let image = place.and_then(|place| unroll_images(&mut arrays, place));
     let mut arrays: Vec<NamedArray<'_>> = arrays
@@ -98,7 +97,32 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
                 .map_or(0, |(_, array)| array.shape.iter().product()),
         ),
     };
-    for (name, array) in &arrays {
+    add_columns_beside(&mut columns, &arrays, count)?;
+    if columns.is_empty() {
+        let names: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
+        return Err(Fault::header(format!(
+            "there are no coordinates: expected an array `xyz` or `points`, found {}",
+            if names.is_empty() {
+                "no array".to_owned()
+            } else {
+                names.join(", ")
+            }
+        )));
+    }
+    let mut cloud = growing::cloud(&columns, count)?;
+    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
+    match image {
+        Some([height, width]) => cloud.grid = grid_of(width, height, count),
+        // What an image is, four dimensions say.
+        None => cloud.assumption = cloud.assumption.or(assumption),
+    }
+    Ok(cloud)
+}
+
+/// Adds what the `arrays` beside the coordinates say of each of `count` points.
+fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a>], count: usize) -> Result<(), Fault> {
+    let is_one_of = |names: &[&str], name: &str| names.contains(&name);
+    for (name, array) in arrays {
         let ArrayLayout::Table(_) = array.kind else { continue };
         let names: &[&str] = if is_one_of(&COLORS, name) {
             &["red", "green", "blue", "alpha"]
@@ -125,25 +149,7 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
             columns.push(array.column((*name).to_owned(), column, width, count));
         }
     }
-    if columns.is_empty() {
-        let names: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
-        return Err(Fault::header(format!(
-            "there are no coordinates: expected an array `xyz` or `points`, found {}",
-            if names.is_empty() {
-                "no array".to_owned()
-            } else {
-                names.join(", ")
-            }
-        )));
-    }
-    let mut cloud = growing::cloud(&columns, count)?;
-    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
-    match image {
-        Some([height, width]) => cloud.grid = grid_of(width, height, count),
-        // What an image is, four dimensions say.
-        None => cloud.assumption = cloud.assumption.or(assumption),
-    }
-    Ok(cloud)
+    Ok(())
 }
 
 fn grid_of(width: usize, height: usize, count: usize) -> Option<ImageGrid> {
