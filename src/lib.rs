@@ -66,5 +66,6 @@ pub mod serve;
 pub mod session;
 pub mod source;
 pub mod stereo;
+mod stopwatch;
 pub mod timeline;
 pub mod wire;

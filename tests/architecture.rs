@@ -28,7 +28,16 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &["math", "memory", "kept", "locks", "messages", "priority", "progress"],
+    &[
+        "math",
+        "memory",
+        "kept",
+        "locks",
+        "messages",
+        "priority",
+        "progress",
+        "stopwatch",
+    ],
     &["cloud"],
     &["rgbd"],
     &["photos"],

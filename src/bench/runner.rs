@@ -7,6 +7,7 @@
 use crate::levels::Selection;
 use crate::render::{AnyRenderer, PassTimes, RenderError, Renderer};
 use crate::scene::{Content, ScenePacket, Selected, Surfels, Voxels};
+use crate::stopwatch::milliseconds_since;
 use image::RgbaImage;
 use std::sync::Arc;
 use std::time::Instant;
@@ -124,8 +125,4 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
         content,
         ..packet.clone()
     }
-}
-
-pub(super) fn milliseconds_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

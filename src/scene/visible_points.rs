@@ -9,6 +9,7 @@ use crate::analysis::NormalErrors;
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
 use crate::cloud::{PointRecord, ShapeRecord};
 use crate::locks::lock;
+use crate::stopwatch::milliseconds_since;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
@@ -118,8 +119,4 @@ impl VisibleSurfels {
             },
         }
     }
-}
-
-fn milliseconds_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

@@ -4,7 +4,6 @@ use super::detail::Detail;
 use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
-use super::stopwatch::milliseconds_since;
 use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -13,6 +12,7 @@ use crate::source::{
     self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameEntry, FrameList, OpenOptions,
     SequenceError, Source,
 };
+use crate::stopwatch::milliseconds_since;
 use crate::timeline::{DEFAULT_FPS, Pace};
 use glam::DVec3;
 use std::num::NonZero;
@@ -292,7 +292,7 @@ impl Sequence {
         } else {
             let start = Instant::now();
             let decoded = self.decode_observed(index, detail, progress)?;
-            (decoded, milliseconds_since(start))
+            (decoded, milliseconds_since(start) as f32)
         };
         let start = Instant::now();
         let has_levels = decoded.level.is_some();
@@ -302,7 +302,7 @@ impl Sequence {
         }
         Ok(LoadedFrame {
             frame,
-            decode_ms: decoder_ms + milliseconds_since(start),
+            decode_ms: decoder_ms + milliseconds_since(start) as f32,
             // What grows with the points is no cost of its own.
             decoder_ms: if has_levels { 0.0 } else { decoder_ms },
         })
@@ -345,7 +345,7 @@ impl Sequence {
             0 => self.origin.decided_by(&sample.cloud)?,
             _ => self.origin.known()?,
         };
-        let decoder_ms = milliseconds_since(start);
+        let decoder_ms = milliseconds_since(start) as f32;
         let frame = match sample.level {
             Some(_) => validated(sample, origin, Detail::Full),
             None => Frame::from_sampled(sample.cloud, origin, point_count),
@@ -353,7 +353,7 @@ impl Sequence {
         let frame = frame.ok()?;
         Some(LoadedFrame {
             frame,
-            decode_ms: milliseconds_since(start),
+            decode_ms: milliseconds_since(start) as f32,
             decoder_ms,
         })
     }
@@ -405,7 +405,7 @@ impl OriginFrames for Sequence {
     fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError> {
         let start = Instant::now();
         let decoded = self.decode_observed(index, Detail::Full, progress)?;
-        Ok((decoded.cloud, milliseconds_since(start)))
+        Ok((decoded.cloud, milliseconds_since(start) as f32))
     }
 
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {

@@ -33,7 +33,6 @@ mod prepare;
 mod records;
 mod scaled;
 mod stamps;
-mod stopwatch;
 mod trails;
 mod watch;
 
@@ -55,7 +54,6 @@ pub use needs::Needs;
 pub use onion::OnionSkin;
 pub use prepare::{PrepareCounters, PreparedFrame, PreparedMesh, Timings, complete, prepare, prepare_part};
 pub use scaled::NO_VALUE_COLOR;
-pub(crate) use stopwatch::milliseconds_since;
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use watch::watch;
 

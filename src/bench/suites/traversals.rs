@@ -2,10 +2,10 @@
 
 use crate::bench::BenchError;
 use crate::bench::run::Run;
-use crate::bench::runner::milliseconds_since;
 use crate::bench::subject::Subject;
 use crate::levels::octree::Octree;
 use crate::scene::Camera;
+use crate::stopwatch::milliseconds_since;
 use std::hint::black_box;
 use std::time::Instant;
 

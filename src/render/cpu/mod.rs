@@ -51,6 +51,7 @@ use crate::measure::DepthImage;
 use crate::scene::{
     AmbientOcclusion, Antialiasing, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow, seen_by_photograph,
 };
+use crate::stopwatch::milliseconds_since;
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
 use illumination::Illumination;
@@ -327,8 +328,4 @@ pub(in crate::render) fn depths_of_photographs<'a>(
         DepthMaps { of, maps }
     });
     &known.insert(maps).maps
-}
-
-fn milliseconds_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

@@ -11,7 +11,8 @@ use crate::progress::Progress;
 use crate::sequence::effort::MakingCost;
 use crate::sequence::error::catch_panic;
 use crate::sequence::prepare::{complete_observed, prepare, prepare_observed, prepare_sample};
-use crate::sequence::{FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError, milliseconds_since};
+use crate::sequence::{FrameError, Needs, PrepareCounters, PreparedFrame, Sequence, SequenceError};
+use crate::stopwatch::milliseconds_since;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -264,7 +265,7 @@ fn load_mesh(
     }
     let start = Instant::now();
     let mesh = shared.run_stages(job, || shared.sequence.load_mesh(job.index, progress))?;
-    Ok((Some(mesh), milliseconds_since(start)))
+    Ok((Some(mesh), milliseconds_since(start) as f32))
 }
 
 /// Whether the machine has the memory that `frame` takes when it is completed for `needs`.

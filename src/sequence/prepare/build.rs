@@ -8,7 +8,8 @@ use crate::cloud::{Frame, Mesh, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet, LevelsWork};
 use crate::progress::Progress;
 use crate::sequence::records::{self, SurfaceWork};
-use crate::sequence::{Needs, Paint, milliseconds_since};
+use crate::sequence::{Needs, Paint};
+use crate::stopwatch::milliseconds_since;
 use glam::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -103,7 +104,7 @@ impl Build<'_> {
         let start = Instant::now();
         *shapes = Arc::new(records::with_ellipses(&self.frame, shapes));
         self.has_ellipses = true;
-        self.timings.analysis_ms += milliseconds_since(start);
+        self.timings.analysis_ms += milliseconds_since(start) as f32;
         let estimated = u64::from(self.frame.ellipses().is_none());
         self.counters.ellipses_estimated.fetch_add(estimated, Ordering::Relaxed);
     }
@@ -112,7 +113,7 @@ impl Build<'_> {
         let start = Instant::now();
         let shapes = self.shapes.as_ref().map(|(shapes, _)| shapes.as_slice());
         let points = records::painted_points(&self.frame, paint, shapes);
-        self.timings.records_ms += milliseconds_since(start);
+        self.timings.records_ms += milliseconds_since(start) as f32;
         let written = &self.counters.records_written;
         written.fetch_add(points.len() as u64, Ordering::Relaxed);
         Arc::new(points)
@@ -138,7 +139,7 @@ impl Build<'_> {
         let start = Instant::now();
         let (levels, work) = known.completed(needs.levels, &cloud);
         if work != LevelsWork::default() {
-            self.timings.octree_ms = milliseconds_since(start);
+            self.timings.octree_ms = milliseconds_since(start) as f32;
         }
         let built = &self.counters.octrees_built;
         built.fetch_add(work.octrees.into(), Ordering::Relaxed);
@@ -164,10 +165,10 @@ pub(super) fn estimated_shapes(
             counters.surfaces_estimated.fetch_add(1, Ordering::Relaxed);
         }
     }
-    timings.analysis_ms = milliseconds_since(start);
+    timings.analysis_ms = milliseconds_since(start) as f32;
     let start = Instant::now();
     let shapes = records::shape_records(frame, &surface);
-    timings.records_ms += milliseconds_since(start);
+    timings.records_ms += milliseconds_since(start) as f32;
     counters
         .records_written
         .fetch_add(shapes.len() as u64, Ordering::Relaxed);

@@ -29,10 +29,11 @@ pub use counters::{PrepareCounters, Timings};
 pub use frame::PreparedFrame;
 pub use mesh::PreparedMesh;
 
-use super::{Needs, milliseconds_since};
+use super::Needs;
 use crate::analysis::estimate_surface_fast;
 use crate::cloud::{CloudError, Frame, Mesh, ShapeRecord, radius_factor};
 use crate::progress::Progress;
+use crate::stopwatch::milliseconds_since;
 use build::{Build, estimated_shapes};
 use std::sync::Arc;
 use std::time::Instant;
@@ -99,7 +100,7 @@ pub(super) fn prepare_sample(
         Arc::new(slots.iter().map(shape).collect::<Vec<_>>())
     });
     let timings = Timings {
-        records_ms: milliseconds_since(start),
+        records_ms: milliseconds_since(start) as f32,
         ..Timings::default()
     };
     let build = Build {

@@ -8,10 +8,10 @@ use super::columns::{NORMALS, row};
 use crate::analysis::{PlaneFit, estimate_planes};
 use crate::bench::report::Cell;
 use crate::bench::run::Run;
-use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
 use crate::measure::{AngularError, Orientation};
 use crate::source::{OUTLIERS, Sampled, Shape};
+use crate::stopwatch::milliseconds_since;
 use std::hint::black_box;
 use std::time::Instant;
 

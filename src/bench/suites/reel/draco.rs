@@ -7,10 +7,10 @@
 
 use super::samples::{KeptSamples, Measured};
 use crate::bench::BenchError;
-use crate::bench::runner::milliseconds_since;
 use crate::cloud::{Positions, RawCloud};
 use crate::progress::Progress;
 use crate::reel::DecodedFrame;
+use crate::stopwatch::milliseconds_since;
 use draco_core::{
     DataType, DecoderBuffer, EncoderBuffer, EncoderOptions, GeometryAttributeType, PointAttribute, PointCloud,
     PointCloudDecoder, PointCloudEncoder,

@@ -3,10 +3,10 @@
 use super::judge::Distortion;
 use super::original::Original;
 use crate::bench::report::{Cell, Row};
-use crate::bench::runner::milliseconds_since;
 use crate::bench::{BenchError, Quantiles};
 use crate::progress::Progress;
 use crate::reel::{DecodedFrame, NewFrame, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
+use crate::stopwatch::milliseconds_since;
 use std::sync::Arc;
 use std::time::Instant;
 

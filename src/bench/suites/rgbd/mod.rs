@@ -11,12 +11,12 @@ mod screen;
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
-use crate::bench::runner::milliseconds_since;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::RawCloud;
 use crate::rgbd::{DepthImage, Filters, TemporalFilter};
+use crate::stopwatch::milliseconds_since;
 use made::made;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
