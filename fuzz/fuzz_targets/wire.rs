@@ -4,6 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use pointreel_fuzz::unpacked_size_px;
 use pointreel_fuzz::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
 
 /// Bytes that a payload, and what is unpacked of it, may take.
@@ -23,10 +24,10 @@ fn take_message(message: Message) {
         Ok(Some(Content::Images(images))) => {
             let size_px = images.depth.size_px();
             assert_eq!(size_px, images.rig.depth.size_px());
-            if let Ok(raster) = images.depth.raster(MOST_BYTES) {
-                assert_eq!(raster.size_px, size_px);
+            if let Some(unpacked_px) = unpacked_size_px(&images.depth, MOST_BYTES) {
+                assert_eq!(unpacked_px, size_px);
             }
-            let _ = images.color.map(|color| color.raster(MOST_BYTES));
+            let _ = images.color.map(|color| unpacked_size_px(&color, MOST_BYTES));
         }
         Ok(Some(Content::Points(points))) => {
             if let Ok(cloud) = points.cloud() {

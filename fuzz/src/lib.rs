@@ -49,6 +49,11 @@ pub fn let_caught_panics_pass() {
     }));
 }
 
+/// Unpacks an image of a live stream: its size.
+pub fn unpacked_size_px(image: &wire::PackedImage, most_bytes: u64) -> Option<[u32; 2]> {
+    image.raster(most_bytes).ok().map(|raster| raster.size_px)
+}
+
 mod memory {
     /// The same on every machine, so that a finding is one everywhere.
     pub(crate) fn machine_bytes() -> Option<u64> {
