@@ -11,6 +11,8 @@ cd "$(dirname "$0")/.."
 seconds=${1:-60}
 shift || true
 export RUSTC_BOOTSTRAP=1
+# SQLite and another C library have a table of the same name each.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_odr_violation=0}
 
 cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuzz
 
