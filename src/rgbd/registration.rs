@@ -44,12 +44,7 @@ impl ColorCamera {
     /// Preconditions: `rays` are of an image of the same size as `depth`, `image` is of the size of the camera's.
     pub fn colors(&self, depth: &DepthImage, rays: &RayTable, image: &ColorImage) -> Vec<[u8; 4]> {
         debug_assert_eq!(image.size_px(), self.camera.size_px());
-        let seen: Vec<Option<ProjectedPoint>> = depth
-            .metres()
-            .par_iter()
-            .zip(rays.rays())
-            .map(|(&z, &ray)| self.see(z, ray))
-            .collect();
+        let seen = self.see_all(depth, rays);
         let nearest = NearestDepth::of(&seen, depth.width(), &self.camera);
         let color = |seen: &Option<ProjectedPoint>| match seen {
             Some(seen) if nearest.shows(*seen) => {
@@ -67,8 +62,7 @@ impl ColorCamera {
     ///
     /// Precondition: `rays` are of an image of the same size as `depth`.
     pub fn depths(&self, depth: &DepthImage, rays: &RayTable) -> DepthImage {
-        let seen = depth.metres().iter().zip(rays.rays());
-        let seen: Vec<Option<ProjectedPoint>> = seen.map(|(&z, &ray)| self.see(z, ray)).collect();
+        let seen = self.see_all(depth, rays);
         let of_camera = DVec2::from_array(self.camera.size_px().map(f64::from));
         let size_px = (of_camera / step_px(&seen, depth.width())).round().max(DVec2::ONE);
         let (scale, last) = (size_px / of_camera, size_px - 1.0);
@@ -84,6 +78,11 @@ impl ColorCamera {
             }
         }
         DepthImage::new([width as u32, height as u32], nearest).expect("as many as the image has pixels")
+    }
+
+    fn see_all(&self, depth: &DepthImage, rays: &RayTable) -> Vec<Option<ProjectedPoint>> {
+        let pixels = depth.metres().par_iter().zip(rays.rays());
+        pixels.map(|(&z, &ray)| self.see(z, ray)).collect()
     }
 
     fn see(&self, z: f32, [x, y]: [f32; 2]) -> Option<ProjectedPoint> {

@@ -5,7 +5,7 @@ use super::save::folder_of;
 use super::{State, WindowRequest};
 use crate::app::features::benchmark::{Benchmark, ReportFormat};
 use crate::app::work::files::{
-    PicturePlace, document_folder, picture_folder, save_bytes, save_picture, with_extension,
+    PicturePlace, document_folder, numbered_files, picture_folder, save_bytes, save_picture, with_extension,
 };
 use crate::session::EXTENSION;
 use std::path::{Path, PathBuf};
@@ -43,9 +43,9 @@ impl State {
         let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
         let folder = beside.unwrap_or_else(document_folder);
         let name = Path::new(name);
-        let [stem, extension] = [name.file_stem(), name.extension()].map(|part| part.unwrap_or_default().display());
-        let numbered = (2..).map(|number| folder.join(format!("{stem}-{number}.{extension}")));
-        let mut files = std::iter::once(folder.join(name)).chain(numbered);
+        let [stem, extension] =
+            [name.file_stem(), name.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
+        let mut files = numbered_files(&folder, &stem, &extension);
         files.find(|file| !file.exists()).unwrap_or_default()
     }
 

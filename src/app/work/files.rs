@@ -54,17 +54,16 @@ pub(in crate::app) fn save_png(image: &image::RgbaImage, path: &Path) -> Result<
         .map_err(|reason| cannot_write(path, &reason))
 }
 
+/// Names of new files that are tried.
+const MOST_TRIED: usize = 9_999;
+
 /// Writes a PNG to `folder/stem.png`, or `folder/stem-2.png` and so on; never replaces a file.
 fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<PathBuf, String> {
     let mut encoded = std::io::Cursor::new(Vec::new());
     image
         .write_to(&mut encoded, image::ImageFormat::Png)
         .map_err(|reason| cannot_write(folder, &reason))?;
-    for number in 1..10_000 {
-        let path = folder.join(match number {
-            1 => format!("{stem}.png"),
-            _ => format!("{stem}-{number}.png"),
-        });
+    for path in numbered_files(folder, stem, "png").take(MOST_TRIED) {
         match fs::File::create_new(&path) {
             Ok(mut file) => {
                 return file
@@ -77,6 +76,16 @@ fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<P
         }
     }
     Err(cannot_write(folder, &"every name is taken"))
+}
+
+/// `folder/stem.extension`, `folder/stem-2.extension` and so on: the first that is not there is for a new file.
+pub(in crate::app) fn numbered_files(folder: &Path, stem: &str, extension: &str) -> impl Iterator<Item = PathBuf> {
+    (1_u32..).map(move |number| {
+        folder.join(match number {
+            1 => format!("{stem}.{extension}"),
+            _ => format!("{stem}-{number}.{extension}"),
+        })
+    })
 }
 
 /// `path`, with this extension if it has none.

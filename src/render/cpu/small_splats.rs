@@ -164,15 +164,19 @@ impl SmallSplats {
 }
 
 impl SmallSums {
-    /// Sums weighted colours of eight where they are not behind the depths of the tile; their normals, if light is to
-    /// fall on these.
-    #[inline(always)]
-    pub(super) fn add<S: Simd>(&mut self, simd: S, tile: &Tile, eight: &EightSmall<'_, S>, has_normals: bool) {
-        const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
+    /// Has room for a tile from now on.
+    pub(super) fn begin(&mut self, has_normals: bool) {
         self.colors.resize(tile::PIXELS, [0.0; 4]);
         if has_normals {
             self.surfaces.resize(tile::PIXELS, [0.0; 4]);
         }
+    }
+
+    /// Sums weighted colours of eight where they are not behind the depths of the tile; their normals, if light is to
+    /// fall on these. Precondition: [`SmallSums::begin`] was told of these.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(&mut self, simd: S, tile: &Tile, eight: &EightSmall<'_, S>, has_normals: bool) {
+        const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
         let small = SmallSplats::of(simd, eight);
         for &lane in &small.lanes[..small.count] {
             let column = small.places[0][lane] as i32 - tile.origin[0];

@@ -117,13 +117,17 @@ impl DrawnRecords for Surfels<'_> {
             }
             return;
         }
+        let has_normals = self.lighting().is_deferred();
+        if !waiting.small.is_empty() {
+            waiting.sums.begin(has_normals);
+        }
         for eight in &waiting.small {
             let eight = eight.start as usize..eight.end as usize;
             if let Some(seen) = self.eight(simd, view, &pyramid, eight) {
                 self.attribute_small(simd, view, tile, clip, &seen, &mut waiting.sums);
             }
         }
-        waiting.sums.finish(tile, self.lighting().is_deferred());
+        waiting.sums.finish(tile, has_normals);
         let kernel = self.style.kernel();
         for (facet, shading) in &waiting.splats {
             raster::attribute(simd, tile, facet, shading, kernel);
