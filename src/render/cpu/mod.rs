@@ -19,6 +19,7 @@ mod ewa;
 mod eye_dome;
 mod facet;
 mod finish;
+mod footprints;
 mod fxaa;
 mod grid;
 mod illumination;

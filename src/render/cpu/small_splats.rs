@@ -14,11 +14,18 @@ use super::facet::Canvas;
 use super::raster::{gaussian, head_light_of};
 use super::tile::{self, HEIGHT, LANES, Tile, WIDTH};
 use super::view::PixelView;
+use crate::scene::SplatFilter;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
 use std::mem;
 
 /// Pixels of a splat: two columns of two rows.
 const PIXELS: usize = 4;
+
+/// Splats that reach no farther from their middles before they are filtered are small: K is at most `JJᵀ` and r² along
+/// the diagonal, and neither of its squares is to reach 1.
+pub(super) const MOST_REACH_OF_SMALL_PX: f32 = 0.49;
+const _: () =
+    assert!(MOST_REACH_OF_SMALL_PX * MOST_REACH_OF_SMALL_PX + SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX < 1.0);
 
 /// Determinants of K are not taken for less: what is seen edge-on is a line.
 const LEAST_DETERMINANT: f32 = 1e-9;

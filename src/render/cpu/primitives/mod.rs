@@ -58,13 +58,7 @@ impl<'a> Drawable<'a> {
             Content::Surfels(surfels) if style.primitive == Primitive::Point => {
                 Self::Points(Points::new(packet, &surfels.points, Some(&surfels.shapes)))
             }
-            Content::Surfels(surfels) => Self::Surfels(Surfels {
-                points: &surfels.points,
-                shapes: &surfels.shapes,
-                style,
-                filter: style.splat_filter(),
-                slack_radii,
-            }),
+            Content::Surfels(surfels) => Self::Surfels(Surfels::new(style, surfels, slack_radii)),
             Content::Voxels(voxels) => Self::Cubes(Cubes::new(voxels, style.light.lighting, slack_of_cells)),
             Content::Mesh(records) => Self::Mesh(Mesh { records, style }),
             Content::Coded(cells) => Self::Coded(Coded::new(cells, style)),

@@ -1,33 +1,38 @@
 //! Surfels, round or not, in the six modes of paper 000, Fig. 3, and as hard disks.
 
+mod eight;
+
 use crate::cloud::{PointRecord, ShapeRecord};
-use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
+use crate::render::constants::{EWA_REACH_PX, SQUARE_REACH_RADII};
 use crate::render::cpu::blocks::{Extent, Placed};
-use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
+use crate::render::cpu::eight::Pyramid;
 use crate::render::cpu::ewa::Splats;
 use crate::render::cpu::facet::{Canvas, Facet, Facets, Outline, Patches};
 use crate::render::cpu::finish::Held;
-use crate::render::cpu::packed_ellipses::decode_each;
-use crate::render::cpu::packed_normals::oct_decode_each;
+use crate::render::cpu::footprints::Footprints;
 use crate::render::cpu::raster::{self, Middle};
 use crate::render::cpu::records::DrawnRecords;
 use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen_from_behind, unit_color};
-use crate::render::cpu::small_splats::{EightSmall, SmallSums, are_small};
+use crate::render::cpu::small_splats::{EightSmall, MOST_REACH_OF_SMALL_PX, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style};
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8, mask32x8};
+use crate::scene::{Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Style, Surfels as SurfelRecords};
+use eight::{EightMiddles, EightSurfels};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use std::ops::Range;
 
 /// Surfels of a packet, and how they are drawn.
 pub(in crate::render::cpu) struct Surfels<'a> {
-    pub(super) points: &'a [PointRecord],
-    pub(super) shapes: &'a [ShapeRecord],
-    pub(super) style: &'a Style,
+    points: &'a [PointRecord],
+    shapes: &'a [ShapeRecord],
+    style: &'a Style,
     /// How they are filtered to the pixels.
-    pub(super) filter: SplatFilter,
+    filter: SplatFilter,
+    lighting: Lighting,
+    /// Factors on the radii in the visibility and the attribute pass.
+    scales: [f32; 2],
     /// How far the visibility pass is pushed back, in splat radii.
-    pub(super) slack_radii: f32,
+    slack_radii: f32,
 }
 
 /// Splats of the attribute pass that wait for the visibility pass to end.
@@ -39,6 +44,23 @@ pub(in crate::render::cpu) struct Waiting {
     /// Eights of small ones, or fewer, by their numbers.
     small: Vec<Range<u32>>,
     sums: SmallSums,
+}
+
+/// What becomes of eight surfels.
+enum Fate {
+    /// They may cover middles of pixels.
+    Drawn,
+    /// They do not, but those that they are filtered to may: they wait for the visibility pass to end.
+    Small,
+    /// Nothing is to be seen of them.
+    Unseen,
+}
+
+impl Waiting {
+    #[inline(always)]
+    fn add_small(&mut self, numbers: Range<usize>) {
+        self.small.push(numbers.start as u32..numbers.end as u32);
+    }
 }
 
 impl Placed for Surfels<'_> {
@@ -53,19 +75,6 @@ impl Placed for Surfels<'_> {
     fn reach(&self, record: usize) -> f32 {
         SQUARE_REACH_RADII * self.shapes[record].radius
     }
-}
-
-/// Eight surfels as seen from the eye.
-struct EightSurfels<S: Simd> {
-    numbers: Range<usize>,
-    are_there: mask32x8<S>,
-    may_touch: mask32x8<S>,
-    centers: Vectors<S>,
-    normals: Vectors<S>,
-    /// Their half edges where the radius is 1.
-    u: Vectors<S>,
-    v: Vectors<S>,
-    radii: f32x8<S>,
 }
 
 impl DrawnRecords for Surfels<'_> {
@@ -83,7 +92,7 @@ impl DrawnRecords for Surfels<'_> {
     fn extent(&self) -> Extent {
         Extent {
             scale: self.largest_scale(),
-            margin_px: if self.is_filtered() { EWA_REACH_PX } else { 0.0 },
+            margin_px: self.margin_px(),
             ..Extent::default()
         }
     }
@@ -106,8 +115,17 @@ impl DrawnRecords for Surfels<'_> {
         for range in records {
             let end = range.end;
             for first in range.step_by(LANES) {
-                if let Some(seen) = self.eight(simd, view, &pyramid, first..end.min(first + LANES)) {
-                    self.draw_eight(simd, view, tile, clip, &seen, waiting);
+                let Some(middles) = self.middles(simd, view, &pyramid, first..end.min(first + LANES)) else {
+                    continue;
+                };
+                match self.fate(simd, view, &middles) {
+                    Fate::Drawn => {
+                        if let Some(seen) = self.turned(simd, view, middles) {
+                            self.draw_eight(simd, view, tile, clip, &seen, waiting);
+                        }
+                    }
+                    Fate::Small => waiting.add_small(middles.numbers),
+                    Fate::Unseen => {}
                 }
             }
         }
@@ -117,13 +135,16 @@ impl DrawnRecords for Surfels<'_> {
             }
             return;
         }
-        let has_normals = self.lighting().is_deferred();
+        let has_normals = self.lighting.is_deferred();
         if !waiting.small.is_empty() {
             waiting.sums.begin(has_normals);
         }
         for eight in &waiting.small {
             let eight = eight.start as usize..eight.end as usize;
-            if let Some(seen) = self.eight(simd, view, &pyramid, eight) {
+            let Some(middles) = self.middles(simd, view, &pyramid, eight) else {
+                continue;
+            };
+            if let Some(seen) = self.turned(simd, view, middles) {
                 self.attribute_small(simd, view, tile, clip, &seen, &mut waiting.sums);
             }
         }
@@ -135,20 +156,52 @@ impl DrawnRecords for Surfels<'_> {
     }
 }
 
-impl Surfels<'_> {
+impl<'a> Surfels<'a> {
+    pub(super) fn new(style: &'a Style, records: &'a SurfelRecords, slack_radii: f32) -> Self {
+        let surfels = &style.surfels;
+        let scales = surfels.splatting.scales(surfels.enlargement);
+        Self {
+            points: &records.points,
+            shapes: &records.shapes,
+            style,
+            filter: style.splat_filter(),
+            lighting: match style.light.lighting {
+                // Sprites have no vertices on their disks but the middles.
+                Lighting::PerVertex if style.draws_sprites() => Lighting::PerSurfel,
+                lighting => lighting,
+            },
+            scales: scales.map(|scale| scale * surfels.splat_scale),
+            slack_radii,
+        }
+    }
+
     fn is_filtered(&self) -> bool {
         self.filter != SplatFilter::Off
     }
 
     /// Factors on the radii of what is drawn at most.
     fn largest_scale(&self) -> f32 {
-        let surfels = &self.style.surfels;
-        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
-        visibility.max(attribute) * surfels.splat_scale
+        let [visibility, attribute] = self.scales;
+        visibility.max(attribute)
+    }
+
+    /// How much farther they reach where they are filtered.
+    fn margin_px(&self) -> f32 {
+        if self.is_filtered() { EWA_REACH_PX } else { 0.0 }
+    }
+
+    /// The longer axis of an ellipse, or the corner of a square, in radii.
+    fn reach_radii(&self) -> f32 {
+        let are_squares = matches!(self.style.surfels.splatting, Splatting::Regular | Splatting::NoDepth);
+        if are_squares || self.style.primitive == Primitive::Ellipse {
+            SQUARE_REACH_RADII
+        } else {
+            1.0
+        }
     }
 
     /// Where whole disks are drawn.
-    fn canvas<'a>(&self, view: &'a PixelView, clip: PixelRect) -> Canvas<'a> {
+    fn canvas<'v>(&self, view: &'v PixelView, clip: PixelRect) -> Canvas<'v> {
         Canvas {
             view,
             clip,
@@ -158,57 +211,54 @@ impl Surfels<'_> {
         }
     }
 
-    /// How they are lit: sprites have no vertices on their disks but the middles.
-    fn lighting(&self) -> Lighting {
-        match self.style.light.lighting {
-            Lighting::PerVertex if self.style.draws_sprites() => Lighting::PerSurfel,
-            lighting => lighting,
-        }
-    }
-
-    /// Eight surfels, or fewer at the end of a list; `None` if nothing of them is in the picture.
+    /// Where eight of them are, if anything of these is in the picture.
     #[inline(always)]
-    fn eight<S: Simd>(
+    fn middles<S: Simd>(
         &self,
         simd: S,
         view: &PixelView,
         pyramid: &Pyramid,
         numbers: Range<usize>,
-    ) -> Option<EightSurfels<S>> {
-        let [x, y, z, _] = words(simd, &self.points[numbers.clone()]);
-        let [normals, radii, ellipses, _] = words(simd, &self.shapes[numbers.clone()]);
-        let centers = view.rotate_each(simd, view.offsets_from_eye(simd, [x, y, z]));
-        let mut reach = radii * (self.largest_scale() * SQUARE_REACH_RADII);
-        if self.is_filtered() {
-            reach += centers.z * -view.length_of_px(EWA_REACH_PX);
-        }
-        let are_there = lanes_below(simd, numbers.len());
-        let may_touch = pyramid.may_touch(simd, centers, reach) & are_there;
-        if !simd.any_true_mask32x8(may_touch) {
-            return None;
-        }
-        let normals = oct_decode_each(simd, normals);
-        let (u, half_axes) = if self.style.primitive == Primitive::Ellipse {
-            let ellipses = decode_each(simd, normals, ellipses);
-            (ellipses.axes, Some(ellipses.half_axes(simd)))
-        } else {
-            (across(simd, normals), None)
-        };
-        let (normals, mut u) = (view.rotate_each(simd, normals), view.rotate_each(simd, u));
-        let mut v = normals.cross(u);
-        if let Some([longer, shorter]) = half_axes {
-            (u, v) = (u.times(longer), v.times(shorter));
-        }
-        Some(EightSurfels {
+    ) -> Option<EightMiddles<S>> {
+        let records = (self.points, self.shapes);
+        EightMiddles::of(
+            simd,
+            view,
+            pyramid,
+            records,
             numbers,
-            are_there,
-            may_touch,
-            centers,
-            normals,
-            u,
-            v,
-            radii,
-        })
+            (self.largest_scale(), self.margin_px()),
+        )
+    }
+
+    /// How they are turned, if any of them is seen.
+    #[inline(always)]
+    fn turned<S: Simd>(&self, simd: S, view: &PixelView, middles: EightMiddles<S>) -> Option<EightSurfels<S>> {
+        let normals = middles.normals(simd, view, self.style.culls_back_faces())?;
+        Some(middles.turned(simd, view, normals, self.style.primitive == Primitive::Ellipse))
+    }
+
+    /// What becomes of eight of which only the middles are known.
+    #[inline(always)]
+    fn fate<S: Simd>(&self, simd: S, view: &PixelView, middles: &EightMiddles<S>) -> Fate {
+        if self.filter == SplatFilter::Clamp {
+            return Fate::Drawn;
+        }
+        let reach = middles.radii * (self.largest_scale() * self.reach_radii());
+        let footprints = Footprints::of(simd, view, middles.centers, reach);
+        let may_cover = footprints.may_cover_middles(simd) & middles.may_touch;
+        if simd.any_true_mask32x8(may_cover) {
+            return Fate::Drawn;
+        }
+        if self.filter == SplatFilter::Off {
+            return Fate::Unseen;
+        }
+        let are_large = !footprints.are_within(simd, MOST_REACH_OF_SMALL_PX) & middles.are_there;
+        if simd.any_true_mask32x8(are_large) {
+            Fate::Drawn
+        } else {
+            Fate::Small
+        }
     }
 
     /// Draws eight surfels, or lets them wait.
@@ -223,9 +273,7 @@ impl Surfels<'_> {
         waiting: &mut Waiting,
     ) {
         let surfels = &self.style.surfels;
-        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
-        let scale = surfels.splat_scale;
-        let [visibility, attribute] = [scale * visibility, scale * attribute];
+        let [visibility, attribute] = self.scales;
         let mut canvas = self.canvas(view, clip);
         match surfels.splatting {
             Splatting::Regular | Splatting::NoDepth => {
@@ -233,7 +281,7 @@ impl Surfels<'_> {
                 if self.style.primitive != Primitive::Sprite {
                     canvas.outline = Outline::Parallelogram;
                 }
-                let splats = seen.splats(simd, scale);
+                let splats = seen.splats(simd, attribute);
                 let facets = splats.facets(simd, &canvas, seen);
                 let with_depth = (surfels.splatting == Splatting::Regular).then_some(canvas.outline);
                 for lane in 0..LANES {
@@ -244,7 +292,7 @@ impl Surfels<'_> {
                 }
             }
             Splatting::Opaque => {
-                let splats = seen.splats(simd, scale);
+                let splats = seen.splats(simd, attribute);
                 let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
@@ -271,7 +319,7 @@ impl Surfels<'_> {
                     SplatFilter::Ewa => {
                         let on_screen = splats.on_screen(simd, view, seen.centers);
                         if are_small(simd, view, &on_screen, seen.centers, seen.are_there) {
-                            waiting.small.push(seen.numbers.start as u32..seen.numbers.end as u32);
+                            waiting.add_small(seen.numbers.clone());
                             return;
                         }
                         splats = splats.filtered(&on_screen);
@@ -302,10 +350,9 @@ impl Surfels<'_> {
         seen: &EightSurfels<S>,
         sums: &mut SmallSums,
     ) {
-        let surfels = &self.style.surfels;
-        let [_, attribute] = surfels.splatting.scales(surfels.enlargement);
-        let splats = seen.splats(simd, surfels.splat_scale * attribute);
-        let lighting = self.lighting();
+        let [_, attribute] = self.scales;
+        let splats = seen.splats(simd, attribute);
+        let lighting = self.lighting;
         let eight = EightSmall {
             canvas: &self.canvas(view, clip),
             on_screen: &splats.on_screen(simd, view, seen.centers),
@@ -341,7 +388,7 @@ impl Surfels<'_> {
     #[inline(always)]
     fn shading<S: Simd>(&self, seen: &EightSurfels<S>, splats: &Splats<S>, lane: usize) -> Shading {
         let [red, green, blue, _] = self.points[seen.numbers.start + lane].color;
-        let lighting = self.lighting();
+        let lighting = self.lighting;
         let light = if lighting == Lighting::PerFragment {
             Light::OfPixels
         } else {
@@ -362,67 +409,6 @@ impl Surfels<'_> {
             normal: lighting
                 .is_deferred()
                 .then_some(SurfaceNormal::Same(if faces_away { -normal } else { normal })),
-        }
-    }
-}
-
-/// Unit vectors u across the normals n of disks. Paper 000 §V-A: T(p) · S(r, r, 1) · R(u, v, n) with u = a × n and v =
-/// n × u (`shaders/primitives/disk_axes.wgsl`).
-#[inline(always)]
-fn across<S: Simd>(simd: S, normals: Vectors<S>) -> Vectors<S> {
-    let splat = |value: f32| f32x8::splat(simd, value);
-    // a is −z where n is almost upright, and y elsewhere.
-    let is_upright = normals.y.abs().simd_gt(splat(UPRIGHT_NORMAL_Y));
-    let u = Vectors {
-        x: simd.select_f32x8(is_upright, normals.y, normals.z),
-        y: simd.select_f32x8(is_upright, -normals.x, splat(0.0)),
-        z: simd.select_f32x8(is_upright, splat(0.0), -normals.x),
-    };
-    u.times(1.0 / u.dot(u).sqrt())
-}
-
-impl<S: Simd> EightSurfels<S> {
-    /// Where the middle of one of them is.
-    #[inline(always)]
-    fn middle(&self, view: &PixelView, lane: usize) -> Middle {
-        let center = self.centers.lane(lane);
-        if -center.z < view.near {
-            return Middle {
-                place_px: [0.0; 2],
-                depth: 0.0,
-            };
-        }
-        let slopes = center.truncate() / -center.z;
-        Middle {
-            place_px: [0, 1].map(|axis| slopes[axis] * view.px_per_slope[axis] + view.middle_px[axis]),
-            depth: view.near / -center.z,
-        }
-    }
-
-    /// Their colours, from 0 to 1.
-    #[inline(always)]
-    fn colors(&self, simd: S, points: &[PointRecord]) -> [f32x8<S>; 3] {
-        let [mut red, mut green, mut blue] = [[0.0; LANES]; 3];
-        for (lane, point) in points[self.numbers.clone()].iter().enumerate() {
-            let [r, g, b, _] = point.color;
-            [red[lane], green[lane], blue[lane]] = unit_color([r, g, b]);
-        }
-        // Not by `map`: see `raster.rs`.
-        [
-            f32x8::from_slice(simd, &red),
-            f32x8::from_slice(simd, &green),
-            f32x8::from_slice(simd, &blue),
-        ]
-    }
-
-    /// Their splats where radii are `scale` times as large.
-    #[inline(always)]
-    fn splats(&self, simd: S, scale: f32) -> Splats<S> {
-        let radii = self.radii * scale;
-        Splats {
-            u: self.u.times(radii),
-            v: self.v.times(radii),
-            weights: f32x8::splat(simd, 1.0),
         }
     }
 }
