@@ -155,7 +155,7 @@ fn open_share(positions: &[Vec3], surface: &Surface, places: &[Place], scale: f3
 }
 
 /// Parts that rays are shot in, so that they do not crowd the points out of each other's lists.
-const PARTS: usize = 20;
+const PARTS: usize = 5;
 
 /// Holds samples of `shape` together against both bounds.
 fn check(name: &str, shape: Shape, samples: &[Vec<Vec3>], most_open: f64) {

@@ -121,7 +121,7 @@ fn voxels_cover_what_surfels_cover_and_look_like_them() {
         let origin = sequence.origin();
         let up = FirstLook::of(&[&frame.frame], origin).up;
         let framing = Camera::framing(&frame.frame.bounds(), origin, up);
-        for size_px in [[640, 480], [1920, 1280]] {
+        for size_px in [[640, 480], [1280, 960]] {
             let mut sums = [0.0; 3];
             let views = [(20.0, 10.0), (140.0, 35.0), (260.0, -15.0)];
             for (azimuth_deg, elevation_deg) in views {
