@@ -18,10 +18,34 @@ impl<S: Simd> Ellipses<S> {
     /// [`Ellipse::half_axes_of_quadratic_mean`](crate::cloud::Ellipse::half_axes_of_quadratic_mean).
     #[inline(always)]
     pub(super) fn half_axes(&self, simd: S) -> [f32x8<S>; 2] {
-        let one = f32x8::splat(simd, 1.0);
-        let longer = (2.0 / self.ratios.mul_add(self.ratios, one)).sqrt();
+        let longer = longer_half_axes(simd, self.ratios);
         [longer, self.ratios * longer]
     }
+}
+
+/// How far ellipses reach where the radius is 1, without the rest of what is packed: their longer half axes.
+#[inline(always)]
+pub(super) fn reach_each<S: Simd>(simd: S, packed: f32x8<S>) -> f32x8<S> {
+    longer_half_axes(simd, ratios_of(simd, packed.bitcast()))
+}
+
+#[inline(always)]
+fn longer_half_axes<S: Simd>(simd: S, ratios: f32x8<S>) -> f32x8<S> {
+    (2.0 / ratios.mul_add(ratios, f32x8::splat(simd, 1.0))).sqrt()
+}
+
+/// The low half is the ratio, of which circles have none: no ellipse is so thin that it is 0.
+#[inline(always)]
+fn ratios_of<S: Simd>(simd: S, packed: i32x8<S>) -> f32x8<S> {
+    let ratios = share(simd, packed);
+    let is_circle = ratios.simd_le(f32x8::splat(simd, 0.0));
+    simd.select_f32x8(is_circle, f32x8::splat(simd, 1.0), ratios)
+}
+
+/// Of the low half, from 0 to 1.
+#[inline(always)]
+fn share<S: Simd>(simd: S, packed: i32x8<S>) -> f32x8<S> {
+    simd.cvt_f32_i32x8(packed & i32x8::splat(simd, 0xffff)) * (1.0 / ELLIPSE_STEPS)
 }
 
 /// As [`decode_ellipse`](crate::cloud::decode_ellipse), but that a circle is an ellipse of ratio 1.
@@ -29,18 +53,14 @@ impl<S: Simd> Ellipses<S> {
 pub(super) fn decode_each<S: Simd>(simd: S, normals: Vectors<S>, packed: f32x8<S>) -> Ellipses<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
     let packed: i32x8<S> = packed.bitcast();
-    let low_half = i32x8::splat(simd, 0xffff);
-    let share = |half: i32x8<S>| simd.cvt_f32_i32x8(half & low_half) * (1.0 / ELLIPSE_STEPS);
-    let (direction, ratio) = (share(packed >> 16), share(packed));
-    // None is so thin that its ratio is 0.
-    let is_circle = ratio.simd_le(splat(0.0));
+    let direction = share(simd, packed >> 16);
     let x = direction.mul_sub(splat(2.0), splat(1.0));
     let y = 1.0 - x.abs();
     let [tangents, bitangents] = tangent_bases(simd, normals);
     let axes = tangents.times(x).plus(bitangents.times(y));
     Ellipses {
         axes: axes.times(1.0 / axes.dot(axes).sqrt()),
-        ratios: simd.select_f32x8(is_circle, splat(1.0), ratio),
+        ratios: ratios_of(simd, packed),
     }
 }
 
@@ -99,6 +119,10 @@ mod tests {
             let expected = decode_ellipse(packed_normal, packed);
             let (axis, half_axes) = decoded(normal, packed, lane);
             prop_assert!((axis - expected.axis).length() < 1e-5, "{axis} for {}", expected.axis);
+            let reach = dispatch!(Level::new(), simd => {
+                reach_each(simd, f32x8::splat(simd, f32::from_bits(packed)))[lane]
+            });
+            prop_assert_eq!(reach, half_axes[0]);
             for (found, expected) in half_axes.into_iter().zip(expected.half_axes_of_quadratic_mean(1.0)) {
                 prop_assert!((found - expected).abs() < 1e-6);
             }

@@ -4,7 +4,7 @@ use crate::cloud::{PointRecord, ShapeRecord};
 use crate::render::constants::{SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y};
 use crate::render::cpu::eight::{Pyramid, Vectors, lanes_below, words};
 use crate::render::cpu::ewa::Splats;
-use crate::render::cpu::packed_ellipses::decode_each;
+use crate::render::cpu::packed_ellipses::{decode_each, reach_each};
 use crate::render::cpu::packed_normals::oct_decode_each;
 use crate::render::cpu::raster::Middle;
 use crate::render::cpu::shading::unit_color;
@@ -75,6 +75,16 @@ impl<S: Simd> EightMiddles<S> {
             normals,
             ellipses,
         })
+    }
+
+    /// How far from their middles disks reach where the radius is 1, or ellipses.
+    #[inline(always)]
+    pub(super) fn reach_radii(&self, simd: S, are_ellipses: bool) -> f32x8<S> {
+        if are_ellipses {
+            reach_each(simd, self.ellipses)
+        } else {
+            f32x8::splat(simd, 1.0)
+        }
     }
 
     /// Their normals; `None` if those that face away are not seen, and all of them do.

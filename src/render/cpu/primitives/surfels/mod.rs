@@ -190,16 +190,6 @@ impl<'a> Surfels<'a> {
         if self.is_filtered() { EWA_REACH_PX } else { 0.0 }
     }
 
-    /// The longer axis of an ellipse, or the corner of a square, in radii.
-    fn reach_radii(&self) -> f32 {
-        let are_squares = matches!(self.style.surfels.splatting, Splatting::Regular | Splatting::NoDepth);
-        if are_squares || self.style.primitive == Primitive::Ellipse {
-            SQUARE_REACH_RADII
-        } else {
-            1.0
-        }
-    }
-
     /// Where whole disks are drawn.
     fn canvas<'v>(&self, view: &'v PixelView, clip: PixelRect) -> Canvas<'v> {
         Canvas {
@@ -244,7 +234,14 @@ impl<'a> Surfels<'a> {
         if self.filter == SplatFilter::Clamp {
             return Fate::Drawn;
         }
-        let reach = middles.radii * (self.largest_scale() * self.reach_radii());
+        // Corners of squares are as far away, whether disks or ellipses touch their edges.
+        let are_squares = matches!(self.style.surfels.splatting, Splatting::Regular | Splatting::NoDepth);
+        let reach = if are_squares {
+            f32x8::splat(simd, SQUARE_REACH_RADII)
+        } else {
+            middles.reach_radii(simd, self.style.primitive == Primitive::Ellipse)
+        };
+        let reach = middles.radii * self.largest_scale() * reach;
         let footprints = Footprints::of(simd, view, middles.centers, reach);
         let may_cover = footprints.may_cover_middles(simd) & middles.may_touch;
         if simd.any_true_mask32x8(may_cover) {
