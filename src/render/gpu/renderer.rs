@@ -1,9 +1,10 @@
 //! [`GpuRenderer`]: keeps what pictures share, and makes the next one from a packet.
 
 use super::context::Context;
+use super::depth_images::DepthMaker;
 use super::gather::{Gatherer, Selected};
 use super::gpu_data::ViewUniform;
-use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing, Stream};
+use super::instancing::{self, Chunk, Draw, Indexed, Instancing, RECORD_BYTES, RecordInstancing, Stream};
 use super::passes::Pipelines;
 use super::photographs::PhotoTextures;
 use super::picture::Recorder;
@@ -35,6 +36,7 @@ pub struct GpuRenderer {
     residency: Residency,
     gatherer: Gatherer,
     visible: VisibleMaker,
+    depth_images: DepthMaker,
     makes_surfels: bool,
     gathered: Gathered,
     targets: Option<Targets>,
@@ -90,6 +92,7 @@ impl GpuRenderer {
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             gatherer: Gatherer::new(&context),
             visible: VisibleMaker::default(),
+            depth_images: DepthMaker::default(),
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
@@ -307,19 +310,31 @@ impl GpuRenderer {
             residency,
             gatherer,
             visible: maker,
+            depth_images,
             stats,
             ..
         } = self;
         let chunked_for = plan.drawable.chunked_for;
         context.catching_out_of_memory("the cloud", || {
             for records in &plan.drawable.streams {
-                let uploaded_bytes = residency.ensure(records, |contents| match contents {
+                let mut of_images = None;
+                let resident_bytes = residency.ensure(records, |contents| match contents {
                     StreamContents::Records(bytes) => {
                         instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
                     }
                     StreamContents::Nodes(bytes) => Gatherer::upload_nodes(context, bytes),
                     StreamContents::Mesh(mesh) => indexed.upload(context, chunked_for, mesh),
+                    StreamContents::Images(images) => {
+                        let made = of_images.insert(depth_images.make(context, images));
+                        Stream {
+                            byte_size: u64::from(made.count) * RECORD_BYTES as u64,
+                            chunks: vec![Chunk::to_gather_from(made.count, made.buffer.clone())],
+                        }
+                    }
                 });
+                // Images are fewer bytes than the points that are made of them.
+                let uploaded_bytes = of_images.as_ref().map_or(resident_bytes, |made| made.uploaded_bytes);
+                stats.passes += of_images.map_or(0, |made| made.passes);
                 stats.uploads += u64::from(uploaded_bytes > 0);
                 stats.uploaded_bytes += uploaded_bytes;
             }

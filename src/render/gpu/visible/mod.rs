@@ -1,6 +1,6 @@
 //! Surfels of the screen: compute passes find the points that a picture shows, with their normals and radii.
 //!
-//! **How it works.** The card keeps all points of the frame. A view uploads uniforms alone; passes of the stages of
+//! **How it works.** The card keeps all points of the frame, which were uploaded or made of images (`depth_images`). A view uploads uniforms alone; passes of the stages of
 //! [`crate::analysis::screen`] (`shaders/screen_normals`) write records of surfels to where the strategy has its own: a
 //! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
 //! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
@@ -23,6 +23,7 @@ mod tests;
 pub(super) use passes::source;
 
 use super::context::Context;
+use super::depth_images::DepthMaker;
 use super::gpu_data::Screening;
 use super::instancing::{RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
@@ -69,7 +70,9 @@ pub(super) struct Wanted<'a> {
 impl VisibleMaker {
     /// Whether the adapter has bindings that are long enough.
     pub(super) fn can_hold(context: &Context, visible: &VisiblePoints) -> bool {
-        sizes_of(visible, &screening(visible)).fit(context)
+        let images = visible.images.as_ref();
+        images.is_none_or(|images| DepthMaker::can_hold(context, &images.frame))
+            && sizes_of(visible, &screening(visible)).fit(context)
     }
 
     /// Forgets what was made: another strategy lays records out otherwise.
@@ -89,7 +92,7 @@ impl VisibleMaker {
         let sizes = sizes_of(visible, &screening);
         let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
         rooms.resize_with(STREAMS, Vec::new);
-        let size = (visible.points.len(), wanted.chunked_for);
+        let size = (visible.record_count(), wanted.chunked_for);
         let streams: Vec<Stream> = rooms
             .iter_mut()
             .map(|rooms| stream_in(context, instancing, size, rooms))
@@ -152,12 +155,15 @@ impl VisibleMaker {
 /// What all passes are told.
 fn screening(visible: &VisiblePoints) -> Screening {
     let view = with_margin_of_splats(&visible.view, &visible.points, visible.cloud.spacing);
-    Screening::of(&view, &visible.cloud, visible.points.len() as u32)
+    Screening {
+        has_holes: visible.images.is_some().into(),
+        ..Screening::of(&view, &visible.cloud, visible.record_count() as u32)
+    }
 }
 
 fn sizes_of(visible: &VisiblePoints, screening: &Screening) -> Sizes {
     Sizes {
-        points: visible.points.len() as u32,
+        points: visible.record_count() as u32,
         size_px: screening.size_px,
     }
 }
