@@ -23,10 +23,12 @@ pub struct ScreenStats {
     pub points: usize,
     /// Those that were.
     pub visible: usize,
-    /// Milliseconds of telling them apart.
-    pub cull_ms: f64,
-    /// Milliseconds of normals and radii.
-    pub normals_ms: f64,
+    /// Milliseconds of telling them apart, if they were measured: on a card, by its own clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cull_ms: Option<f64>,
+    /// Milliseconds of normals and radii, in the same way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normals_ms: Option<f64>,
     /// Errors of the normals, where these are shown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<NormalErrors>,
@@ -137,8 +139,8 @@ impl VisibleSurfels {
             stats: ScreenStats {
                 points: points.len(),
                 visible: visible.len(),
-                cull_ms,
-                normals_ms,
+                cull_ms: Some(cull_ms),
+                normals_ms: Some(normals_ms),
                 errors,
             },
         }

@@ -15,10 +15,12 @@ use super::recording::Recording;
 use super::residency::{RecordSource, Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
 use super::timer::{GpuTimes, Timer};
-use super::visible::{VisibleMaker, Wanted};
+use super::visible::{CULL_PASS, NORMALS_PASS, VisibleMaker, Wanted};
 use crate::render::gathered::Gathered;
-use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{Antialiasing, Content, ScenePacket, Strategy, Style};
+use crate::render::{PassTimes, RenderError, RenderStats, Renderer};
+use crate::rgbd::DepthFrame;
+use crate::scene::{Antialiasing, Content, PointImages, ScenePacket, ScreenStats, Strategy, Style};
+use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -37,6 +39,8 @@ pub struct GpuRenderer {
     gatherer: Gatherer,
     visible: VisibleMaker,
     depth_images: DepthMaker,
+    /// What culling and normals of a picture took last.
+    screen_ms: [Option<f64>; 2],
     makes_surfels: bool,
     gathered: Gathered,
     targets: Option<Targets>,
@@ -93,6 +97,7 @@ impl GpuRenderer {
             gatherer: Gatherer::new(&context),
             visible: VisibleMaker::default(),
             depth_images: DepthMaker::default(),
+            screen_ms: [None; 2],
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
@@ -129,7 +134,60 @@ impl GpuRenderer {
     /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
-        self.timer.as_mut()?.wait(&context)?.total_ms
+        // Without timestamps, there is still the number of visible points to wait for.
+        self.depth_images.wait_times(&context).ok()?;
+        let times = self.timer.as_mut()?.wait(&context)?;
+        self.note_screen_times();
+        times.total_ms
+    }
+
+    /// What the passes over the images of a frame take, once they are uploaded: of its filters and of its points.
+    /// `None` where the adapter has no clock, or the processor makes these points.
+    pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
+        self.context.check_alive()?;
+        let is_here = self.makes_surfels && DepthMaker::can_hold(&self.context, frame);
+        if !is_here || !self.context.has_timestamps {
+            return Ok(None);
+        }
+        let Self {
+            context, depth_images, ..
+        } = self;
+        let images = PointImages {
+            frame: Arc::clone(frame),
+            origin: Vec3::ZERO,
+            one_color: None,
+        };
+        context.catching_out_of_memory("the depth image", || depth_images.make(context, &images))?;
+        depth_images.wait_times(context).map(Some)
+    }
+
+    /// Takes notice of the times of culling and normals, if the last picture that was measured has them: one that is
+    /// drawn again has not.
+    fn note_screen_times(&mut self) {
+        let passes = self.timer.as_ref().map(|timer| timer.last().passes).unwrap_or_default();
+        let time_of = |name| {
+            passes
+                .iter()
+                .find(|time| time.pass == name)
+                .and_then(|time| time.gpu_ms)
+        };
+        if let Some(cull_ms) = time_of(CULL_PASS) {
+            self.screen_ms = [Some(cull_ms), time_of(NORMALS_PASS)];
+        }
+    }
+
+    /// What was found for normals of the screen, if the last picture has such and they were made here.
+    fn screen_stats(&self) -> Option<ScreenStats> {
+        let drawn = &self.prepared.as_ref()?.drawn.content;
+        let count = self.visible.count().filter(|_| matches!(drawn, Content::Visible(_)))?;
+        let [cull_ms, normals_ms] = self.screen_ms;
+        Some(ScreenStats {
+            points: count.points,
+            visible: count.visible,
+            cull_ms,
+            normals_ms,
+            errors: None,
+        })
     }
 
     /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
@@ -195,6 +253,7 @@ impl GpuRenderer {
         if let Some(timer) = &mut self.timer {
             timer.begin(&self.context);
         }
+        self.note_screen_times();
         if plan.drawable.selection.is_some() {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.gatherer.record(&mut recording, &self.residency);
@@ -448,6 +507,8 @@ impl Renderer for GpuRenderer {
         RenderStats {
             gpu_ms: total_ms,
             gpu_passes: passes,
+            image_passes: self.depth_images.times(),
+            screen: self.screen_stats(),
             ..self.stats
         }
     }

@@ -5,6 +5,7 @@ use super::depth_code::DepthCode;
 use super::error::RgbdError;
 use super::folder::has_extension;
 use super::folder::name_of;
+use super::frames_before::{DepthInTime, FilteredDepth, FramesBefore};
 use super::layouts::{FoundRecording, FrameImages};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
@@ -16,17 +17,13 @@ use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
 use crate::rgbd::{
-    ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, Filters, RayTable, Rig, Sensor, Temporal,
-    TemporalFilter, cloud,
+    ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, Filters, RayTable, Rig, Sensor, cloud,
 };
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
 use crate::wire::RawImages;
 use glam::DAffine3;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
-
-/// Frames that are decoded one after the other where each is filtered with those before it.
-pub(in crate::source) const GROUP_FRAMES: usize = 32;
 
 /// A recording as its decoders share it.
 #[derive(Debug)]
@@ -42,21 +39,6 @@ pub(super) struct Recorded {
     left_out: Vec<usize>,
     /// Of each camera that was needed so far; there is one, or a few.
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
-}
-
-/// A depth image after the filters that look at it alone, and before them.
-#[derive(Debug)]
-pub(in crate::source) struct FilteredDepth {
-    image: DepthImage,
-    samples: Arc<DepthSamples>,
-}
-
-/// A depth image after all filters, and the images that the last of them began with.
-#[derive(Debug)]
-pub(super) struct DepthInTime {
-    image: DepthImage,
-    samples: Arc<DepthSamples>,
-    before: Vec<Arc<DepthSamples>>,
 }
 
 /// Cameras with what is worked out of them once.
@@ -408,71 +390,6 @@ fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, R
     })
 }
 
-/// The temporal filter of one thread: after which frame, and its state.
-#[derive(Debug, Default)]
-pub(in crate::source) struct FramesBefore {
-    last: Option<AfterFrame>,
-}
-
-/// The filter after the frame of this index.
-#[derive(Debug)]
-struct AfterFrame {
-    index: usize,
-    filter: TemporalFilter,
-    /// What it has seen.
-    images: Vec<Arc<DepthSamples>>,
-}
-
-impl FramesBefore {
-    /// `depth`, which is that of frame `index`, with the frames before it, which `before` gives. Broken ones among
-    /// these, and those that are gone, are passed over.
-    pub(super) fn filtered(
-        &mut self,
-        temporal: Option<Temporal>,
-        (index, depth): (usize, FilteredDepth),
-        before: impl Fn(usize) -> Option<FilteredDepth>,
-        progress: &Progress,
-    ) -> DepthInTime {
-        let FilteredDepth { image, samples } = depth;
-        let alone = |image, samples| DepthInTime {
-            image,
-            samples,
-            before: Vec::new(),
-        };
-        let Some(temporal) = temporal else {
-            return alone(image, samples);
-        };
-        let begin = temporal_begin(temporal, index);
-        // The frames of a group go on from each other; each group has a beginning of its own.
-        let known = self
-            .last
-            .take()
-            .filter(|last| last.index < index && temporal_begin(temporal, last.index) == begin);
-        let (first, mut filter, mut images) = known.map_or_else(
-            || (begin, TemporalFilter::new(temporal), Vec::new()),
-            |last| (last.index + 1, last.filter, last.images),
-        );
-        for index in first..index {
-            if progress.is_cancelled() {
-                return alone(image, samples);
-            }
-            if let Some(before) = before(index) {
-                filter.next(before.image);
-                images.push(before.samples);
-            }
-        }
-        let filtered = filter.next(image);
-        let before = images.clone();
-        images.push(Arc::clone(&samples));
-        self.last = Some(AfterFrame { index, filter, images });
-        DepthInTime {
-            image: filtered,
-            samples,
-            before,
-        }
-    }
-}
-
 /// Decodes frames of a recording. It keeps the state of the temporal filter, if there is one.
 pub(super) struct ImageDecoder {
     recorded: Arc<Recorded>,
@@ -506,10 +423,4 @@ impl Decoder for ImageDecoder {
             .frame_cloud(&recorded.frames[index], with_frames_before)?
             .into())
     }
-}
-
-/// The frame from which the filter of frame `index` begins: so far before its group that what is still before it makes
-/// no difference.
-fn temporal_begin(temporal: Temporal, index: usize) -> usize {
-    (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(temporal.lead_frames())
 }

@@ -1,9 +1,10 @@
 //! Images of live streams become clouds by what decodes those of files: the same filters, registration and cameras.
 
 use super::calibration::Calibration;
-use super::decoder::{FilteredDepth, FramesBefore, Recorded};
+use super::decoder::Recorded;
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
+use super::frames_before::{FilteredDepth, FramesBefore};
 use super::layouts::FrameImages;
 use super::stored_image::{ReceivedImage, StoredImage};
 use crate::cloud::RawCloud;

@@ -171,9 +171,10 @@ impl DepthMaker {
         last.filter(|_| begins_alike).map(|last| last + 1)
     }
 
-    /// The times of the frame that was measured last, if its adapter measures them.
+    /// The times of the last frame that was measured.
     pub(super) fn times(&self) -> PassTimes {
-        self.timer.as_ref().map_or_else(GpuTimes::default, Timer::last).passes
+        let last = self.timer.as_ref().map(Timer::last);
+        last.map_or_else(PassTimes::default, |times| times.passes)
     }
 
     /// Waits for the times of the last frame.

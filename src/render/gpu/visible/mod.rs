@@ -5,8 +5,9 @@
 //! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
 //! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
 //!
-//! How many points are visible, the processor is not told: it would have to wait for that. So there is room for all,
-//! and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw nothing.
+//! How many points are visible, the processor is not told in time: it would have to wait for that. So there is room for
+//! all, and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw
+//! nothing. For statistics the number is read back later (`count.rs`).
 //!
 //! **When it wins.** A real card makes the records in a fraction of the time of the processor, and nothing is uploaded.
 //! A software adapter is the processor, which does better with code that was written for it: there the renderer takes
@@ -14,13 +15,16 @@
 //!
 //! Paper 003 §3.4 and §3.5.
 
+mod count;
 mod passes;
 mod record;
 mod scratch;
 #[cfg(test)]
 mod tests;
 
+pub(super) use count::VisibleCount;
 pub(super) use passes::source;
+pub(super) use record::{CULL_PASS, NORMALS_PASS};
 
 use super::context::Context;
 use super::depth_images::DepthMaker;
@@ -33,7 +37,8 @@ use super::rooms::stream_in;
 use crate::analysis::screen::constants::MOST_LEVELS;
 use crate::analysis::screen::with_margin_of_splats;
 use crate::scene::VisiblePoints;
-use passes::Programs;
+use count::CountReader;
+use passes::{FOUND, Programs};
 use record::{STREAMS, Screened, find_visible, write_surfels};
 use scratch::{Scratch, Sizes};
 use std::sync::Arc;
@@ -44,6 +49,7 @@ pub(super) struct VisibleMaker {
     programs: Option<Programs>,
     scratch: Option<Scratch>,
     made: Option<Made>,
+    count: Option<CountReader>,
 }
 
 /// Surfels, or room for them.
@@ -88,6 +94,7 @@ impl VisibleMaker {
             return;
         }
         self.programs.get_or_insert_with(|| Programs::new(context));
+        self.count.get_or_insert_with(|| CountReader::new(context));
         let screening = screening(visible);
         let sizes = sizes_of(visible, &screening);
         let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
@@ -148,7 +155,15 @@ impl VisibleMaker {
         for room in made.rooms.iter().flatten() {
             room.copy_to_texture(recording);
         }
+        if let Some(count) = &self.count {
+            count.ask(recording.encoder(), scratch.buffer(FOUND), made.of.points.len());
+        }
         2
+    }
+
+    /// How many points a view shows, the last that is known of.
+    pub(super) fn count(&self) -> Option<VisibleCount> {
+        self.count.as_ref()?.last()
     }
 }
 
