@@ -80,7 +80,7 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather | Permutation::Filter | Permutation::Visible => true,
+        Permutation::Gather | Permutation::Filter | Permutation::Visible | Permutation::DepthImages => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);

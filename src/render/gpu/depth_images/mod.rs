@@ -29,7 +29,7 @@ pub(super) use passes::source;
 use super::context::Context;
 use super::gpu_data::DepthImaging;
 use super::recording::Recording;
-use super::timer::{GpuTimes, Timer};
+use super::timer::Timer;
 use crate::cloud::PointRecord;
 use crate::render::{PassTimes, RenderError};
 use crate::rgbd::{DepthFrame, DepthSamples, Filters};
