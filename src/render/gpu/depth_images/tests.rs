@@ -1,10 +1,12 @@
 //! Passes beside the processor's filters, and the bilateral filter beside its definition in double precision.
 
 use super::*;
+use crate::render::gpu::GpuRenderer;
 use crate::render::gpu::context::ContextOptions;
 use crate::render::gpu::readback::map_and_read;
 use crate::rgbd::{Bilateral, Camera, DepthImage, DepthRange, DepthTable, Distortion, FlyingPixels, RayTable};
 use glam::{DVec2, Vec3};
+use std::sync::LazyLock;
 use wgpu::BufferUsages as Usages;
 
 /// Sizes: a pixel, a line, odd ones, a workgroup, and more than whole workgroups.
@@ -69,15 +71,16 @@ fn rays(size_px: [u32; 2]) -> Arc<RayTable> {
     Arc::new(RayTable::of(&camera))
 }
 
-fn table() -> DepthTable {
+/// Of all images, as those of a recording have one.
+static TABLE_OF_ALL: LazyLock<DepthTable> = LazyLock::new(|| {
     DepthTable::new(|number| match number {
         0 | u16::MAX => 0.0,
         number => f32::from(number) / 10_000.0,
     })
-}
+});
 
 fn coded(size_px: [u32; 2], seed: u32) -> Arc<DepthSamples> {
-    Arc::new(DepthSamples::coded(numbers(size_px, seed), table()))
+    Arc::new(DepthSamples::coded(numbers(size_px, seed), TABLE_OF_ALL.clone()))
 }
 
 fn floats(size_px: [u32; 2], seed: u32) -> Arc<DepthSamples> {
@@ -259,7 +262,12 @@ fn a_plane_comes_back_with_its_holes_and_a_step_stays_one() {
     let plane: Vec<f32> = (0..45 * 23)
         .map(|at| if at % 7 == 3 { 0.0 } else { 1.234_567 })
         .collect();
-    let images = images_of(Arc::new(DepthSamples::metres(plane.clone())), size_px, Filters::USUAL);
+    // Corners have too few neighbours for pixels that do not fly.
+    let filters = Filters {
+        flying: None,
+        ..Filters::USUAL
+    };
+    let images = images_of(Arc::new(DepthSamples::metres(plane.clone())), size_px, filters);
     assert_eq!(depths(&made(&mut maker, &context, &images)), plane);
     let step: Vec<f32> = (0..45 * 23).map(|at| if at % 45 < 20 { 1.0 } else { 1.1 }).collect();
     let filters = Filters {
@@ -294,10 +302,11 @@ fn all_filters_together_are_those_of_the_processor() {
 /// Frames of a group, each with those before it.
 fn group(size_px: [u32; 2], count: usize, filters: Filters) -> Vec<PointImages> {
     let all: Vec<Arc<DepthSamples>> = (0..count as u32).map(|seed| coded(size_px, seed % 3)).collect();
+    let rays = rays(size_px);
     (0..count)
         .map(|place| {
             let images = (all[..place].to_vec(), Arc::clone(&all[place]));
-            shown(DepthFrame::new(images, rays(size_px), None, filters).unwrap())
+            shown(DepthFrame::new(images, Arc::clone(&rays), None, filters).unwrap())
         })
         .collect()
 }
@@ -399,4 +408,32 @@ fn pixels_that_a_lens_does_not_show_are_holes() {
     let frame = DepthFrame::new((Vec::new(), samples), rays, None, Filters::NONE).unwrap();
     let points = made(&mut DepthMaker::default(), &context, &shown(frame));
     assert_eq!(points.iter().filter(|point| point.color == [0; 4]).count(), unseen);
+}
+
+#[test]
+fn a_renderer_tells_what_its_passes_take_where_it_makes_points() {
+    let context = context();
+    let size_px = [64, 48];
+    let filters = filters_of("near,median,bilateral,flying,temporal");
+    let images = (vec![coded(size_px, 1)], coded(size_px, 2));
+    let frame = Arc::new(DepthFrame::new(images, rays(size_px), None, filters).unwrap());
+    let mut renderer = GpuRenderer::new(Arc::clone(&context)).unwrap();
+    assert_eq!(
+        renderer.depth_image_times(&frame).unwrap(),
+        None,
+        "the processor makes them"
+    );
+    renderer.set_makes_surfels(true);
+    let times = renderer.depth_image_times(&frame).unwrap();
+    assert_eq!(times.is_some(), context.has_timestamps);
+    let names: Vec<&str> = times
+        .iter()
+        .flat_map(|times| times.iter())
+        .map(|time| time.pass)
+        .collect();
+    let expected = ["near", "median", "bilateral", "flying", "temporal", "reproject"];
+    assert!(
+        !context.has_timestamps || names == expected,
+        "{names:?}: of the last image alone"
+    );
 }
