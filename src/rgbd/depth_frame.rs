@@ -182,7 +182,8 @@ impl DepthFrame {
     /// The depth image, and those that a temporal filter goes through first, in their order.
     pub fn images(&self) -> impl DoubleEndedIterator<Item = &Arc<DepthSamples>> + ExactSizeIterator {
         // `Chain` does not know its length.
-        (0..self.before.len() + 1).map(|place| self.before.get(place).unwrap_or(&self.depth))
+        let count = self.before.len() + 1;
+        (0..count).map(|place| self.before.get(place).unwrap_or(&self.depth))
     }
 
     /// The ray of every pixel.
