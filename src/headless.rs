@@ -307,7 +307,7 @@ impl Headless {
 
     /// What was done for normals of the screen, if the last packet has such.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
-        self.scene.screen_stats()
+        self.scene.screen_stats().or(self.renderer.stats().screen)
     }
 
     /// What the last [`Headless::draw`] of `frame` took.
@@ -340,7 +340,7 @@ impl Headless {
                 traverse_ms,
                 traversal,
             }),
-            screen: self.scene.screen_stats(),
+            screen: self.screen_stats(),
             render: self.renderer.stats(),
         }
     }

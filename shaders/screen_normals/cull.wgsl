@@ -7,9 +7,11 @@ var<workgroup> group_farthest: atomic<u32>;
 @compute @workgroup_size(GROUP_RECORDS)
 fn draw(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) local: u32) {
     if (id.x < screening.point_count) {
-        let seen = see(points[id.x].position);
+        let point = points[id.x];
+        let seen = see(point.position);
+        let is_hole = screening.has_holes != 0u && point.color == 0u;
         var depth = 0u;
-        if (is_in_picture(seen)) {
+        if (is_in_picture(seen) && !is_hole) {
             // Positive f32 are ordered as their bits are.
             depth = bitcast<u32>(seen.depth);
             let pixel = vec2u(seen.place_px);

@@ -34,9 +34,10 @@ struct Screening {
     count: u32,
     // Of the cells that `coarsen` writes.
     level: u32,
+    // Whether points of no colour at all are holes of an image.
+    has_holes: u32,
     unused_a: u32,
     unused_b: u32,
-    unused_c: u32,
 }
 
 // What is known of all points. It begins with zeros, so of depths that are to be small it has the inverted bits.

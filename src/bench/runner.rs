@@ -6,6 +6,7 @@
 
 use crate::levels::Selection;
 use crate::render::{AnyRenderer, PassTimes, RenderError, Renderer};
+use crate::rgbd::DepthFrame;
 use crate::scene::{Content, ScenePacket, Selected, Surfels, Voxels};
 use crate::stopwatch::milliseconds_since;
 use image::RgbaImage;
@@ -79,6 +80,16 @@ impl Runner {
             gpu_ms,
             gpu_passes: self.renderer.stats().gpu_passes,
         })
+    }
+
+    /// What a graphics card takes to filter the images of a frame and to make points of them, where it makes those.
+    pub(super) fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
+        self.renderer.depth_image_times(frame)
+    }
+
+    /// Who draws.
+    pub(super) fn summary(&self) -> String {
+        self.renderer.summary()
     }
 
     /// The picture of `packet`.

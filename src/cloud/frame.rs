@@ -6,8 +6,8 @@
 use super::attributes::gather;
 use super::value_sample::{SharedSample, ValueSample};
 use super::{
-    Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, Positions, RawCloud, ScalarField, even_places,
-    radius_factor,
+    Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
+    even_places, radius_factor,
 };
 use crate::math::{Aabb, Cube, order_of_codes};
 use glam::{DVec3, Vec3};
@@ -50,6 +50,7 @@ pub struct Frame {
     has_all_normals: bool,
     has_all_radii: bool,
     grid: Option<ImageGrid>,
+    made_from: Option<MadeFrom>,
     sensor: Option<Vec3>,
     convention: Option<AxisConvention>,
     unit: Option<LengthUnit>,
@@ -89,6 +90,7 @@ impl Frame {
             has_all_radii: hold_for_all(attributes.radii.as_deref(), |&radius| radius > 0.0),
             attributes,
             grid: raw.grid,
+            made_from: raw.made_from,
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             convention: raw.convention,
             unit: raw.unit,
@@ -248,6 +250,11 @@ impl Frame {
         self.grid
     }
 
+    /// What positions and colours were made from, where nothing was done to them since.
+    pub fn made_from(&self) -> Option<&MadeFrom> {
+        self.made_from.as_ref()
+    }
+
     /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one
     /// where it belongs to none.
     pub fn value_sample(&self) -> &Arc<ValueSample> {
@@ -337,7 +344,7 @@ impl Frame {
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
         let per_point = size_of::<Vec3>() + size_of::<u32>() + self.attributes.point_bytes();
-        self.len() * per_point
+        self.len() * per_point + self.made_from.as_ref().map_or(0, MadeFrom::byte_size)
     }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod codes;
 mod ellipse;
 mod frame;
 mod image_grid;
+mod made_from;
 mod mesh;
 mod mesh_records;
 mod quantised_normal;
@@ -22,6 +23,7 @@ pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};
 pub use image_grid::ImageGrid;
+pub use made_from::MadeFrom;
 pub use mesh::Mesh;
 pub use mesh_records::MeshRecords;
 pub use quantised_normal::{

@@ -1,7 +1,7 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
-use super::{Attributes, ImageGrid, LengthUnit, Texturing};
+use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
 use glam::DVec3;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
@@ -93,6 +93,8 @@ pub struct RawCloud {
     pub attributes: Attributes,
     /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
     pub grid: Option<ImageGrid>,
+    /// What positions and colours were made from, as long as these are as they were made.
+    pub made_from: Option<MadeFrom>,
     /// Whether the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
@@ -120,6 +122,7 @@ impl RawCloud {
             positions,
             attributes: Attributes::default(),
             grid: None,
+            made_from: None,
             has_narrow_colors: false,
             faces: Vec::new(),
             faces_left_out: 0,
@@ -132,8 +135,8 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid. Precondition:
-    /// each is below the number of points and of the entries of every attribute.
+    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid, nor what they
+    /// were made from. Precondition: each is below the number of points and of the entries of every attribute.
     pub fn keep(&mut self, indices: &[u32]) {
         self.positions = match &self.positions {
             Positions::F32(positions) => Positions::F32(gather(positions, indices)),
@@ -144,6 +147,7 @@ impl RawCloud {
         self.faces.clear();
         self.texturing = None;
         self.grid = None;
+        self.made_from = None;
     }
 
     /// Names of what each point has, positions first.
@@ -155,6 +159,7 @@ impl RawCloud {
     /// Bytes of all arrays.
     pub fn byte_size(&self) -> usize {
         let point_bytes = self.positions.point_bytes() + self.attributes.point_bytes();
-        self.positions.len() * point_bytes + size_of_val(self.faces.as_slice())
+        let made_from = self.made_from.as_ref().map_or(0, MadeFrom::byte_size);
+        self.positions.len() * point_bytes + size_of_val(self.faces.as_slice()) + made_from
     }
 }

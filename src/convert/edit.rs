@@ -99,6 +99,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
         transform.transform_point3(position).to_array()
     });
     cloud.positions = Positions::F64(moved.collect());
+    cloud.made_from = None;
     let of_normals = linear.inverse().transpose();
     let attributes = &mut cloud.attributes;
     let normals = attributes.normals.iter().flatten();
@@ -185,6 +186,7 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
         Positions::F32(_) => Positions::F32(means.map(|mean| mean.as_vec3().to_array()).collect()),
         Positions::F64(_) => Positions::F64(means.map(|mean| mean.to_array()).collect()),
     };
+    cloud.made_from = None;
     let color = |cell: &CellSums| cell.color.map(|sum| (sum / cell.count).round() as u8);
     let normal = |cell: &CellSums| cell.normal.normalize_or_zero().to_array();
     // What one point covers, each of the joined ones covered in part.

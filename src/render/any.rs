@@ -2,7 +2,8 @@
 
 use super::cpu::CpuRenderer;
 use super::gpu::{Context, ContextOptions, GpuRenderer, may_have_gpu};
-use super::{RenderError, RenderStats, Renderer};
+use super::{PassTimes, RenderError, RenderStats, Renderer};
+use crate::rgbd::DepthFrame;
 use crate::scene::{RendererChoice, ScenePacket};
 use image::RgbaImage;
 use std::sync::Arc;
@@ -91,6 +92,15 @@ impl AnyRenderer {
         match self {
             Self::Gpu(renderer) => renderer.wait_gpu_ms(),
             Self::Cpu(_) => None,
+        }
+    }
+
+    /// What a graphics card takes to filter the images of a frame and to make points of them; `None` where the processor
+    /// does that, or the card has no clock.
+    pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
+        match self {
+            Self::Gpu(renderer) => renderer.depth_image_times(frame),
+            Self::Cpu(_) => Ok(None),
         }
     }
 

@@ -11,7 +11,7 @@ pub mod truth;
 pub use any::AnyRenderer;
 pub use pass_times::{PassTime, PassTimes};
 
-use crate::scene::ScenePacket;
+use crate::scene::{ScenePacket, ScreenStats};
 
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {
@@ -56,6 +56,14 @@ pub struct RenderStats {
     pub gpu_ms: Option<f64>,
     /// What each of its passes took.
     pub gpu_passes: PassTimes,
+    /// What passes over the images of a depth camera took, where a graphics card has filtered some and made points of
+    /// them: those of the frame before the one that was uploaded last, unless somebody has waited.
+    #[serde(skip_serializing_if = "PassTimes::are_none")]
+    pub image_passes: PassTimes,
+    /// Visible points, where the last picture has normals of the screen and a graphics card makes them: those of a
+    /// picture some before it, as they are read back without waiting.
+    #[serde(skip)]
+    pub screen: Option<ScreenStats>,
     /// Of that of the software renderer, the time of what follows over the whole picture: eye-dome lighting and the
     /// grid.
     pub screen_ms: f64,

@@ -22,6 +22,11 @@ pub struct PassTimes {
 impl PassTimes {
     /// Most passes of a picture.
     pub const MOST: usize = 16;
+
+    /// Whether there are none.
+    pub fn are_none(&self) -> bool {
+        self.count == 0
+    }
 }
 
 impl Deref for PassTimes {

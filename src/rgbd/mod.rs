@@ -8,6 +8,7 @@
 
 mod camera;
 mod cloud;
+mod depth_frame;
 mod distortion;
 mod filters;
 mod images;
@@ -17,7 +18,9 @@ mod rig;
 
 pub use camera::{Camera, CameraError};
 pub use cloud::cloud;
+pub use depth_frame::{DepthFrame, DepthSamples, DepthTable};
 pub use distortion::Distortion;
+pub(crate) use filters::constants as filter_constants;
 pub use filters::{
     Bilateral, DepthRange, FilterKind, FilterParameter, Filters, FlyingPixels, ParseFiltersError, Temporal,
     TemporalFilter, median,

@@ -7,7 +7,7 @@ use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
 use super::packet::ScenePacket;
 use super::screen_surfels::{ScreenInput, ScreenSurfels};
-use super::visible_points::ScreenStats;
+use super::visible_points::{PointImages, ScreenStats};
 use super::{
     Camera, Clip, GroundPlane, PhotographsInFrame, PointSizing, Primitive, RendererChoice, Style, ViewTransform,
 };
@@ -16,7 +16,8 @@ use crate::cloud::Frame;
 use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
 };
-use crate::sequence::{Needs, PreparedFrame};
+use crate::rgbd::DepthFrame;
+use crate::sequence::{Needs, Paint, PreparedFrame};
 use glam::DVec3;
 use std::ptr;
 use std::sync::Arc;
@@ -189,7 +190,7 @@ impl Scene {
         ScenePacket {
             viewport_px,
             view,
-            content: self.content(frame, &view, viewport_px, &style),
+            content: self.content((frame, origin), &view, viewport_px, &style),
             style,
             bounds,
             ground,
@@ -200,7 +201,7 @@ impl Scene {
     /// What is drawn of `frame`. Whatever is drawn of levels of detail that are not there is drawn of all points.
     fn content(
         &mut self,
-        frame: &PreparedFrame,
+        (frame, origin): (&PreparedFrame, DVec3),
         view: &ViewTransform,
         viewport_px: [u32; 2],
         style: &Style,
@@ -258,8 +259,10 @@ impl Scene {
         if !is_of_screen {
             return whole;
         }
+        let images = images_of(frame, origin).filter(|_| style.of_sequence.clip.is_none());
         self.screen.content(ScreenInput {
             content: whole,
+            images,
             view: *view,
             viewport_px,
             cloud: ScreenCloud {
@@ -408,4 +411,19 @@ impl Scene {
         });
         content
     }
+}
+
+/// The images that the points of a frame were made from, if these have the colours of the camera or one for all.
+fn images_of(frame: &PreparedFrame, origin: DVec3) -> Option<PointImages> {
+    let images = DepthFrame::of(&frame.frame)?;
+    let one_color = match *frame.paint() {
+        Paint::File if images.colors().is_some() => None,
+        Paint::Uniform([red, green, blue]) => Some([red, green, blue, 255]),
+        _ => return None,
+    };
+    Some(PointImages {
+        frame: images,
+        origin: origin.as_vec3(),
+        one_color,
+    })
 }

@@ -75,4 +75,4 @@ pub use style::{
     Style, SurfelColors, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
 };
 pub use view_text::ParseViewError;
-pub use visible_points::{ScreenStats, VisiblePoints, VisibleSurfels};
+pub use visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};

@@ -7,7 +7,7 @@
 //!
 //! Pictures of more than 2²³ pixels are looked at in coarser steps.
 
-use super::visible_points::{ScreenStats, VisiblePoints, VisibleSurfels};
+use super::visible_points::{PointImages, ScreenStats, VisiblePoints, VisibleSurfels};
 use super::{Content, Surfels, ViewTransform};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView};
 use crate::locks::lock;
@@ -21,6 +21,8 @@ const MOST_PIXELS: f32 = (1 << 23) as f32;
 pub(super) struct ScreenInput {
     /// The points; where errors are shown with the normals that are held to be true.
     pub(super) content: Content,
+    /// What its points were made from, if they are all there and in those colours.
+    pub(super) images: Option<PointImages>,
     pub(super) view: ViewTransform,
     pub(super) viewport_px: [u32; 2],
     pub(super) cloud: ScreenCloud,
@@ -70,7 +72,7 @@ impl ScreenSurfels {
         let view = screen_view(&from.view, from.viewport_px);
         let made = if from.is_left_to_card && !from.shows_errors {
             let estimator = Arc::clone(&self.estimator);
-            let visible = VisiblePoints::new(Arc::clone(points), view, from.cloud, estimator);
+            let visible = VisiblePoints::new(Arc::clone(points), from.images.clone(), view, from.cloud, estimator);
             Made::Left(Arc::new(visible))
         } else {
             let truth = from.content.shapes().filter(|_| from.shows_errors);
@@ -97,6 +99,7 @@ impl ScreenSurfels {
     }
 }
 
+/// Images follow from the content.
 impl PartialEq for ScreenInput {
     fn eq(&self, other: &Self) -> bool {
         self.content == other.content

@@ -76,8 +76,9 @@ fn filters_of_depth_images_are_measured_one_by_one() {
         let cells = report.rows.iter().filter_map(|row| report.value(row, key));
         cells.filter_map(Cell::number).collect()
     };
-    // The demo has no images: no decoding, five filters, and all of them. Then the sizes of the paper, and a frame.
-    let (filters, clouds) = (6, 5);
+    // The demo has no images: no decoding, five filters, all of them, and points. Then the sizes of the paper, and a
+    // frame.
+    let (filters, clouds) = (7, 5);
     assert_eq!(report.rows.len(), filters + clouds);
     for (key, rows) in [
         ("one_thread_ms_median", filters),

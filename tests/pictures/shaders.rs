@@ -6,8 +6,8 @@ mod languages;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
-    Filtering, Gathering, LampUniform, NodeBounds, PointRecord, Screening, ShapeRecord, SplatVertex, TexturePlace,
-    TriangleRecord, VertexRecord, ViewUniform,
+    DepthImaging, Filtering, Gathering, LampUniform, NodeBounds, PointRecord, Screening, ShapeRecord, SplatVertex,
+    TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
 };
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
@@ -80,7 +80,7 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather | Permutation::Filter | Permutation::Visible => true,
+        Permutation::Gather | Permutation::Filter | Permutation::Visible | Permutation::DepthImages => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);
@@ -178,9 +178,30 @@ fn rust_and_wgsl_agree_on_every_layout() {
         first,
         count,
         level,
+        has_holes,
         unused_a,
-        unused_b,
-        unused_c
+        unused_b
+    );
+    assert_layout!(
+        DepthImaging,
+        "DepthImaging",
+        size_px,
+        near_m,
+        far_m,
+        origin,
+        is_coded,
+        exponent_per_px2,
+        sigma_m,
+        noise_factor,
+        flying_m,
+        flying_share,
+        least_neighbours,
+        newest_share,
+        same_m,
+        fill_frames,
+        has_colors,
+        one_color,
+        unused
     );
     assert_layout!(LampUniform, "Lamp", place, color);
     assert_layout!(SplatVertex, "SplatVertex", clip, color, normal, light, weight);

@@ -3,16 +3,20 @@
 
 use crate::common::{camera_at, context, cost, difference, draw_with};
 use crate::data::shared;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
+use pointreel::rgbd::{self, DepthFrame, DepthSamples, DepthTable, Distortion, Filters, RayTable};
 use pointreel::scene::{
-    BackFaces, Background, Camera, Content, NormalSource, Primitive, Scene, ScenePacket, Strategy, Style, pick,
+    BackFaces, Background, Camera, Clip, ClipShape, Content, NormalSource, PointImages, Primitive, Scene, ScenePacket,
+    Strategy, Style, pick,
 };
-use pointreel::sequence::{ColorSource, OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, prepare};
+use pointreel::sequence::{
+    ColorSource, HeightAxis, OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, prepare,
+};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [320, 240];
@@ -118,6 +122,168 @@ fn a_recording_of_a_depth_camera_is_drawn_alike() {
             "{azimuth_deg} degrees: {differing} of {pixels}"
         );
     }
+}
+
+/// A frame of a depth camera: a ball before a wall, with noise and holes, and a colour for each pixel.
+fn of_images(filters: Filters) -> PreparedFrame {
+    let size_px = [160, 121];
+    let camera = rgbd::Camera::new(size_px, DVec2::splat(150.0), DVec2::new(79.5, 60.0), Distortion::None).unwrap();
+    let rays = Arc::new(RayTable::of(&camera));
+    let millimetres: Vec<u16> = rays
+        .rays()
+        .iter()
+        .zip(0_u32..)
+        .map(|(&[x, y], at)| {
+            let (square, noise) = (x * x + y * y + 1.0, (at.wrapping_mul(2_654_435_761) >> 20) % 5);
+            // The ball has its middle 1.2 m away and a radius of 0.35 m.
+            let under_root = 1.44 - square * (1.44 - 0.1225);
+            let depth = if under_root > 0.0 {
+                (1.2 - under_root.sqrt()) / square
+            } else {
+                1.8
+            };
+            if at % 13 == 5 {
+                0
+            } else {
+                (1000.0 * depth) as u16 + noise as u16
+            }
+        })
+        .collect();
+    let colors: Vec<[u8; 3]> = (0..160 * 121).map(|at: u32| [200, at as u8, 90]).collect();
+    let table = DepthTable::new(|number| f32::from(number) / 1000.0);
+    let samples = Arc::new(DepthSamples::coded(millimetres, table));
+    let images = DepthFrame::new((Vec::new(), samples), rays, Some(colors.clone()), filters).unwrap();
+    let opaque = colors
+        .iter()
+        .map(|&[red, green, blue]| [red, green, blue, 255])
+        .collect();
+    let mut raw = rgbd::cloud(&images.filtered().unwrap(), images.rays(), Some(opaque));
+    raw.made_from = Some(images.into_made_from());
+    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+    let needs = Scene::needs(&style_of_images());
+    prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
+}
+
+fn style_of_images() -> Style {
+    style().with(|style| style.colors.source = ColorSource::File)
+}
+
+/// Pictures from where the camera stood and from the side.
+fn packets_of_images(frame: &PreparedFrame, style: &Style) -> Vec<ScenePacket> {
+    let packet = |azimuth_deg| {
+        let camera = Camera {
+            target_in_world: DVec3::new(0.0, 0.0, 1.2),
+            azimuth_deg,
+            ..camera_at(1.5)
+        };
+        Scene::default().packet(frame, DVec3::ZERO, &camera, style, SIZE)
+    };
+    [0.0, 140.0, 200.0].map(packet).to_vec()
+}
+
+fn images_of(packet: &ScenePacket) -> Option<&PointImages> {
+    match &packet.content {
+        Content::Visible(visible) => visible.images.as_ref(),
+        _ => None,
+    }
+}
+
+#[test]
+fn images_are_uploaded_in_place_of_points_and_drawn_alike() {
+    let frame = of_images(Filters::USUAL);
+    let pixels = 160 * 121;
+    for &strategy in Strategy::ALL {
+        let style = style_of_images().with(|style| style.drawing.strategy = strategy);
+        let mut renderer = making(context());
+        for (place, packet) in packets_of_images(&frame, &style).iter().enumerate() {
+            assert_eq!(images_of(packet).unwrap().one_color, None);
+            let before = renderer.stats().uploaded_bytes;
+            let made = draw_with(&mut renderer, packet);
+            let uploaded = renderer.stats().uploaded_bytes - before;
+            // Two bytes of depth and three of colour; once eight of rays, and metres of all numbers.
+            let expected = if place == 0 { 13 * pixels + 4 * 65536 } else { 0 };
+            assert_eq!(uploaded, expected, "{strategy}");
+            let mut of_processor = GpuRenderer::new(context()).unwrap();
+            let uploaded = draw_with(&mut of_processor, packet);
+            let differing = differing(&made, &uploaded);
+            let lit = uploaded.pixels().filter(|pixel| pixel.0[..3] != [0; 3]).count();
+            assert!(
+                lit > 1000 && differing * 100 <= lit,
+                "{strategy}, {place}: {differing} of {lit}"
+            );
+        }
+    }
+}
+
+#[test]
+fn images_are_not_taken_where_points_are_others() {
+    let frame = of_images(Filters::NONE);
+    let images = |frame: &PreparedFrame, style: &Style| {
+        let packets = packets_of_images(frame, style);
+        images_of(&packets[0]).map(|images| images.one_color)
+    };
+    assert_eq!(images(&frame, &style_of_images()), Some(None));
+    let uniform = prepare(
+        0,
+        Arc::clone(&frame.frame),
+        0.0,
+        &Scene::needs(&style()),
+        &PrepareCounters::default(),
+    );
+    assert!(images(&uniform, &style()).is_some_and(|color| color.is_some()));
+    let by_height = style().with(|style| style.colors.source = ColorSource::Height(HeightAxis::Axis(1, false)));
+    let painted = prepare(
+        0,
+        Arc::clone(&frame.frame),
+        0.0,
+        &Scene::needs(&by_height),
+        &PrepareCounters::default(),
+    );
+    assert_eq!(images(&painted, &by_height), None, "in other colours");
+    let (sample, _) = frame.frame.sample(1000).unwrap();
+    assert!(sample.made_from().is_none(), "some of the points");
+    let clipped = style_of_images().with(|style| {
+        let around = ClipShape::around(&frame.frame.bounds(), DVec3::ZERO);
+        style.of_sequence.clip = Some(Clip::to(around));
+    });
+    assert_eq!(images(&frame, &clipped), None, "cut");
+}
+
+#[test]
+fn the_number_of_visible_points_is_read_back() {
+    let frame = of_images(Filters::USUAL);
+    let packets = packets_of_images(&frame, &style_of_images());
+    let mut renderer = making(context());
+    assert_eq!(renderer.stats().screen, None);
+    for packet in &packets {
+        renderer.prepare(packet).unwrap();
+        renderer.render().unwrap();
+        renderer.wait_gpu_ms();
+        let found = renderer.stats().screen.unwrap();
+        let surfels = packet.content.gathered().unwrap();
+        assert_eq!(found.points, frame.points.len());
+        let off = found.visible.abs_diff(surfels.points.len());
+        assert!(
+            off * 200 <= surfels.points.len(),
+            "{} and {}",
+            found.visible,
+            surfels.points.len()
+        );
+        // Adapters with a clock tell what it took.
+        if renderer.context().has_timestamps {
+            assert!(found.cull_ms.is_some() && found.normals_ms.is_some());
+        }
+    }
+    if renderer.context().has_timestamps {
+        let passes = renderer.stats().image_passes;
+        let passes: Vec<&str> = passes.iter().map(|time| time.pass).collect();
+        assert_eq!(passes, ["near", "median", "bilateral", "flying", "reproject"]);
+    }
+    let points = style_of_images().with(|style| style.primitive = Primitive::Point);
+    let packet = &packets_of_images(&frame, &points)[0];
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    assert_eq!(renderer.stats().screen, None, "of points nothing is culled");
 }
 
 #[test]

@@ -186,6 +186,12 @@ fn picture_times(ui: &mut Ui, state: &State) {
                 row(ui, &format!("  {}", time.pass), milliseconds(gpu_ms), "This pass of it");
             }
         }
+        for time in render.image_passes.iter() {
+            if let Some(gpu_ms) = time.gpu_ms {
+                let tooltip = "This pass over the images of a depth camera, once a frame";
+                row(ui, &format!("  {}", time.pass), milliseconds(gpu_ms), tooltip);
+            }
+        }
     });
 }
 
@@ -322,18 +328,22 @@ fn screen_rows(ui: &mut Ui, screen: &ScreenStats) {
         grouped(screen.visible as u64),
         "Points that no other one hides in the picture",
     );
-    row(
-        ui,
-        "Culling",
-        milliseconds(screen.cull_ms),
-        "Telling visible points from hidden ones, for each view",
-    );
-    row(
-        ui,
-        "Planes",
-        milliseconds(screen.normals_ms),
-        "Normals and radii of the visible points, for each view",
-    );
+    if let Some(cull_ms) = screen.cull_ms {
+        row(
+            ui,
+            "Culling",
+            milliseconds(cull_ms),
+            "Telling visible points from hidden ones, for each view",
+        );
+    }
+    if let Some(normals_ms) = screen.normals_ms {
+        row(
+            ui,
+            "Planes",
+            milliseconds(normals_ms),
+            "Normals and radii of the visible points, for each view",
+        );
+    }
 }
 
 /// The tree, and what was last drawn of it.

@@ -240,7 +240,7 @@ impl State {
 
     /// What was done for normals of the screen, if the last picture has such.
     pub fn screen_stats(&self) -> Option<ScreenStats> {
-        self.main.drawing.screen_stats()
+        self.main.drawing.screen_stats().or(self.graphics.render.screen)
     }
 
     /// The unit of lengths in the open sequence, where its files say it.

@@ -178,7 +178,11 @@ mod tests {
             let (pass, reads) = match permutation {
                 Permutation::Geometry(strategy, _, pass) => (pass.name, Some(strategy)),
                 Permutation::Screen(pass) => (pass.name, None),
-                Permutation::Amplify(_) | Permutation::Gather | Permutation::Filter | Permutation::Visible => continue,
+                Permutation::Amplify(_)
+                | Permutation::Gather
+                | Permutation::Filter
+                | Permutation::Visible
+                | Permutation::DepthImages => continue,
             };
             let counted = of_pass(pass, permutation).unwrap();
             assert!(counted.vertex.operations > 0, "{}", permutation.label());

@@ -16,6 +16,7 @@ use crate::render::constants::{
     PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII,
     UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
+use crate::rgbd::filter_constants as filter;
 use crate::scene::{
     AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, PhotoStyle,
     PhotoViews, Shadow, SplatFilter,
@@ -38,6 +39,19 @@ pub(super) const GATHER_GROUP: u32 = 0;
 
 /// Of the passes that make surfels of the screen: all that they read and write.
 pub(super) const SCREENING_GROUP: u32 = 0;
+
+/// Of the passes that filter depth images: all that they read and write.
+pub(super) const DEPTH_GROUP: u32 = 0;
+
+/// Edge of the pixels of a workgroup, and how many it holds with those around them that the widest window reads.
+pub(super) const DEPTH_TILE_PX: u32 = 16;
+const DEPTH_TILE_VALUES: u32 = {
+    let edge = DEPTH_TILE_PX + 2 * filter::BILATERAL_REACH as u32;
+    edge * edge
+};
+
+/// Slopes from which on a ray is none.
+pub(super) const NO_RAY: f32 = 1e9;
 
 /// The radius of what is not drawn, which was not told before its record was written.
 const RADIUS_OF_NOTHING: f32 = -1.0;
@@ -226,6 +240,30 @@ pub(super) fn of_screen_normals() -> String {
         declaration("RADIUS_SPACINGS", screen::RADIUS_SPACINGS),
         declaration("SCREENING_GROUP", SCREENING_GROUP),
         declaration("WIDE_WINDOW", screen::WIDE_WINDOW as u32),
+    ]
+    .join("\n")
+}
+
+/// Those of the passes that filter depth images and make points of them.
+pub(super) fn of_depth_images() -> String {
+    /// More than any depth.
+    const NO_DEPTH: f32 = f32::MAX;
+    /// Points farther away are none: what is multiplied by a ray stays a number.
+    const FARTHEST_POINT_M: f32 = 1e28;
+    [
+        declaration("BILATERAL_REACH", filter::BILATERAL_REACH as u32),
+        declaration("DEPTH_GROUP", DEPTH_GROUP),
+        declaration("DEPTH_TILE_PX", DEPTH_TILE_PX),
+        declaration("DEPTH_TILE_VALUES", DEPTH_TILE_VALUES),
+        declaration("FARTHEST_POINT_M", FARTHEST_POINT_M),
+        declaration("LEAST_EXPONENT", filter::LEAST_EXPONENT),
+        declaration("LOG2_E", std::f32::consts::LOG2_E),
+        declaration("MEDIAN_REACH", filter::MEDIAN_REACH as u32),
+        declaration("NO_DEPTH", NO_DEPTH),
+        declaration("NO_RAY", NO_RAY),
+        declaration("SENSOR_BEST_M", filter::SENSOR_BEST_M),
+        declaration("SENSOR_NOISE_M", filter::SENSOR_NOISE_M),
+        declaration("SENSOR_NOISE_PER_M", filter::SENSOR_NOISE_PER_M),
     ]
     .join("\n")
 }

@@ -8,12 +8,14 @@ use crate::analysis::screen::{RADIUS_SPACINGS, ScreenCloud, ScreenView};
 use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
 use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
+use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
 use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
     Shadow, SplatFilter, Style,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use std::f32::consts::LOG2_E;
 use std::ops::Range;
 
 /// [`ViewUniform::lighting`] of surfaces that are lit; WGSL gets these numbers from here (`constants.rs`).
@@ -133,9 +135,9 @@ pub struct Screening {
     pub first: u32,
     pub count: u32,
     pub level: u32,
+    pub has_holes: u32,
     pub unused_a: u32,
     pub unused_b: u32,
-    pub unused_c: u32,
 }
 
 impl Screening {
@@ -159,6 +161,55 @@ impl Screening {
             px_per_slope: view.px_per_slope,
             middle_px: view.middle_px,
             size_px: view.size_px,
+            ..Self::zeroed()
+        }
+    }
+}
+
+/// Twin of `DepthImaging` in `depth_images/image.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct DepthImaging {
+    pub size_px: [u32; 2],
+    pub near_m: f32,
+    pub far_m: f32,
+    pub origin: [f32; 3],
+    pub is_coded: u32,
+    pub exponent_per_px2: f32,
+    pub sigma_m: f32,
+    pub noise_factor: f32,
+    pub flying_m: f32,
+    pub flying_share: f32,
+    pub least_neighbours: f32,
+    pub newest_share: f32,
+    pub same_m: f32,
+    pub fill_frames: u32,
+    pub has_colors: u32,
+    pub one_color: u32,
+    pub unused: u32,
+}
+
+impl DepthImaging {
+    /// Of an image of this size; what filters that are off would be told says nothing.
+    pub fn of(size_px: [u32; 2], filters: &Filters) -> Self {
+        let (near_m, far_m) = filters.near.map_or((0.0, f32::MAX), |near| (near.near_m, near.far_m));
+        let bilateral = filters.bilateral.unwrap_or(Bilateral::USUAL);
+        let flying = filters.flying.unwrap_or(FlyingPixels::USUAL);
+        let temporal = filters.temporal.unwrap_or(Temporal::USUAL);
+        Self {
+            size_px,
+            near_m,
+            far_m,
+            exponent_per_px2: -LOG2_E / (2.0 * bilateral.space_px * bilateral.space_px),
+            sigma_m: bilateral.depth_m.unwrap_or(0.0),
+            noise_factor: bilateral.noise_factor,
+            flying_m: flying.most_m,
+            flying_share: flying.most_share,
+            least_neighbours: flying.least_neighbours.into(),
+            newest_share: temporal.share,
+            same_m: temporal.most_m,
+            fill_frames: temporal.fill_frames.into(),
             ..Self::zeroed()
         }
     }

@@ -5,8 +5,10 @@
 //! targets and blending; neither knows the other. A primitive (`primitives`) says which passes draw it.
 
 pub mod complexity;
+mod compute;
 mod constants;
 mod context;
+mod depth_images;
 mod gather;
 mod gather_program;
 #[cfg(test)]

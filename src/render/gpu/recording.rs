@@ -42,6 +42,11 @@ impl<'a> Recording<'a> {
         self.encoder.clear_buffer(buffer, 0, Some(bytes));
     }
 
+    /// For what is neither pass nor copy to a texture.
+    pub(super) fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.encoder
+    }
+
     /// Begins a compute pass.
     pub(super) fn begin_compute(&mut self, label: &'static str) -> wgpu::ComputePass<'_> {
         let stamps = self.timer.as_deref_mut().and_then(|timer| timer.stamps(label));

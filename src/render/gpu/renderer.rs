@@ -1,9 +1,10 @@
 //! [`GpuRenderer`]: keeps what pictures share, and makes the next one from a packet.
 
 use super::context::Context;
+use super::depth_images::DepthMaker;
 use super::gather::{Gatherer, Selected};
 use super::gpu_data::ViewUniform;
-use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing, Stream};
+use super::instancing::{self, Chunk, Draw, Indexed, Instancing, RECORD_BYTES, RecordInstancing, Stream};
 use super::passes::Pipelines;
 use super::photographs::PhotoTextures;
 use super::picture::Recorder;
@@ -14,10 +15,12 @@ use super::recording::Recording;
 use super::residency::{RecordSource, Residency, StreamContents};
 use super::targets::{Precision, SizesPx, Targets};
 use super::timer::{GpuTimes, Timer};
-use super::visible::{VisibleMaker, Wanted};
+use super::visible::{CULL_PASS, NORMALS_PASS, VisibleMaker, Wanted};
 use crate::render::gathered::Gathered;
-use crate::render::{RenderError, RenderStats, Renderer};
-use crate::scene::{Antialiasing, Content, ScenePacket, Strategy, Style};
+use crate::render::{PassTimes, RenderError, RenderStats, Renderer};
+use crate::rgbd::DepthFrame;
+use crate::scene::{Antialiasing, Content, PointImages, ScenePacket, ScreenStats, Strategy, Style};
+use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,6 +38,9 @@ pub struct GpuRenderer {
     residency: Residency,
     gatherer: Gatherer,
     visible: VisibleMaker,
+    depth_images: DepthMaker,
+    /// What culling and normals of a picture took last.
+    screen_ms: [Option<f64>; 2],
     makes_surfels: bool,
     gathered: Gathered,
     targets: Option<Targets>,
@@ -90,6 +96,8 @@ impl GpuRenderer {
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             gatherer: Gatherer::new(&context),
             visible: VisibleMaker::default(),
+            depth_images: DepthMaker::default(),
+            screen_ms: [None; 2],
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
@@ -126,7 +134,60 @@ impl GpuRenderer {
     /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
-        self.timer.as_mut()?.wait(&context)?.total_ms
+        // Without timestamps, there is still the number of visible points to wait for.
+        self.depth_images.wait_times(&context).ok()?;
+        let times = self.timer.as_mut()?.wait(&context)?;
+        self.note_screen_times();
+        times.total_ms
+    }
+
+    /// What the passes over the images of a frame take, once they are uploaded: of its filters and of its points.
+    /// `None` where the adapter has no clock, or the processor makes these points.
+    pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
+        self.context.check_alive()?;
+        let is_here = self.makes_surfels && DepthMaker::can_hold(&self.context, frame);
+        if !is_here || !self.context.has_timestamps {
+            return Ok(None);
+        }
+        let Self {
+            context, depth_images, ..
+        } = self;
+        let images = PointImages {
+            frame: Arc::clone(frame),
+            origin: Vec3::ZERO,
+            one_color: None,
+        };
+        context.catching_out_of_memory("the depth image", || depth_images.make(context, &images))?;
+        depth_images.wait_times(context).map(Some)
+    }
+
+    /// Takes notice of the times of culling and normals, if the last picture that was measured has them: one that is
+    /// drawn again has not.
+    fn note_screen_times(&mut self) {
+        let passes = self.timer.as_ref().map(|timer| timer.last().passes).unwrap_or_default();
+        let time_of = |name| {
+            passes
+                .iter()
+                .find(|time| time.pass == name)
+                .and_then(|time| time.gpu_ms)
+        };
+        if let Some(cull_ms) = time_of(CULL_PASS) {
+            self.screen_ms = [Some(cull_ms), time_of(NORMALS_PASS)];
+        }
+    }
+
+    /// What was found for normals of the screen, if the last picture has such and they were made here.
+    fn screen_stats(&self) -> Option<ScreenStats> {
+        let drawn = &self.prepared.as_ref()?.drawn.content;
+        let count = self.visible.count().filter(|_| matches!(drawn, Content::Visible(_)))?;
+        let [cull_ms, normals_ms] = self.screen_ms;
+        Some(ScreenStats {
+            points: count.points,
+            visible: count.visible,
+            cull_ms,
+            normals_ms,
+            errors: None,
+        })
     }
 
     /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
@@ -192,6 +253,7 @@ impl GpuRenderer {
         if let Some(timer) = &mut self.timer {
             timer.begin(&self.context);
         }
+        self.note_screen_times();
         if plan.drawable.selection.is_some() {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.gatherer.record(&mut recording, &self.residency);
@@ -307,19 +369,31 @@ impl GpuRenderer {
             residency,
             gatherer,
             visible: maker,
+            depth_images,
             stats,
             ..
         } = self;
         let chunked_for = plan.drawable.chunked_for;
         context.catching_out_of_memory("the cloud", || {
             for records in &plan.drawable.streams {
-                let uploaded_bytes = residency.ensure(records, |contents| match contents {
+                let mut of_images = None;
+                let resident_bytes = residency.ensure(records, |contents| match contents {
                     StreamContents::Records(bytes) => {
                         instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
                     }
                     StreamContents::Nodes(bytes) => Gatherer::upload_nodes(context, bytes),
                     StreamContents::Mesh(mesh) => indexed.upload(context, chunked_for, mesh),
+                    StreamContents::Images(images) => {
+                        let made = of_images.insert(depth_images.make(context, images));
+                        Stream {
+                            byte_size: u64::from(made.count) * RECORD_BYTES as u64,
+                            chunks: vec![Chunk::to_gather_from(made.count, made.buffer.clone())],
+                        }
+                    }
                 });
+                // Images are fewer bytes than the points that are made of them.
+                let uploaded_bytes = of_images.as_ref().map_or(resident_bytes, |made| made.uploaded_bytes);
+                stats.passes += of_images.map_or(0, |made| made.passes);
                 stats.uploads += u64::from(uploaded_bytes > 0);
                 stats.uploaded_bytes += uploaded_bytes;
             }
@@ -433,6 +507,8 @@ impl Renderer for GpuRenderer {
         RenderStats {
             gpu_ms: total_ms,
             gpu_passes: passes,
+            image_passes: self.depth_images.times(),
+            screen: self.screen_stats(),
             ..self.stats
         }
     }

@@ -6,7 +6,8 @@
 //! not drawn for longest, down to the budget.
 
 use super::instancing::Stream;
-use crate::cloud::MeshRecords;
+use crate::cloud::{MeshRecords, PointRecord};
+use crate::scene::PointImages;
 use bytemuck::NoUninit;
 use std::any::Any;
 use std::collections::HashMap;
@@ -42,6 +43,8 @@ enum StreamUse {
     Drawn,
     /// Some of them are gathered.
     Gathered,
+    /// They are points of images, in one colour or in those of these.
+    OfImages(Option<[u8; 4]>),
 }
 
 impl StreamKey {
@@ -70,6 +73,8 @@ pub(super) enum StreamContents<'a> {
     Nodes(&'a [u8]),
     /// Triangles and their vertices.
     Mesh(&'a MeshRecords),
+    /// A point of every pixel.
+    Images(&'a PointImages),
 }
 
 impl<'a> RecordSource<'a> {
@@ -97,11 +102,24 @@ impl<'a> RecordSource<'a> {
         match self.contents {
             StreamContents::Records(bytes) | StreamContents::Nodes(bytes) => bytes.len(),
             StreamContents::Mesh(_) => 0,
+            StreamContents::Images(images) => images.frame.pixels() * size_of::<PointRecord>(),
         }
     }
 
     pub(super) fn of_mesh(mesh: &'a Arc<MeshRecords>) -> Self {
         Self::owned_by(mesh, StreamContents::Mesh(mesh))
+    }
+
+    /// The points of images, of which some are drawn.
+    pub(super) fn of_images(images: &'a PointImages) -> Self {
+        let source = Self::owned_by(&images.frame, StreamContents::Images(images));
+        Self {
+            key: StreamKey {
+                use_of: StreamUse::OfImages(images.one_color),
+                ..source.key
+            },
+            ..source
+        }
     }
 
     fn owned_by<T: Send + Sync + 'static>(owner: &Arc<T>, contents: StreamContents<'a>) -> Self {

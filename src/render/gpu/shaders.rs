@@ -5,7 +5,7 @@
 pub use super::passes::{GeometryPass, SCREEN_PASSES, ScreenPass};
 pub use super::primitives::{AMPLIFICATIONS, Amplification};
 
-use super::{gather, instancing, visible, wgsl};
+use super::{depth_images, gather, instancing, visible, wgsl};
 use crate::scene::Strategy;
 
 /// One shader module.
@@ -21,6 +21,8 @@ pub enum Permutation {
     Filter,
     /// The passes that make surfels of the screen.
     Visible,
+    /// The passes that filter depth images and make points of them.
+    DepthImages,
     /// A pass over the screen.
     Screen(&'static ScreenPass),
 }
@@ -29,7 +31,7 @@ impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
-        all.extend([Self::Gather, Self::Filter, Self::Visible]);
+        all.extend([Self::Gather, Self::Filter, Self::Visible, Self::DepthImages]);
         for amplification in AMPLIFICATIONS {
             if amplification.compute_amplifies {
                 all.push(Self::Amplify(amplification));
@@ -55,6 +57,7 @@ impl Permutation {
             Self::Gather => "gather".to_owned(),
             Self::Filter => "filter".to_owned(),
             Self::Visible => "visible".to_owned(),
+            Self::DepthImages => "depth images".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
         }
     }
@@ -82,6 +85,7 @@ impl Permutation {
             Self::Gather => gather::source(),
             Self::Filter => gather::filter_source(),
             Self::Visible => visible::source(),
+            Self::DepthImages => depth_images::source(),
             Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
         }
     }

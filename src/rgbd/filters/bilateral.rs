@@ -10,13 +10,11 @@
 //! one depth comes back exactly. What was not measured is so far away that its weight is 2⁻¹²⁶, which no sum that holds
 //! the 1 of the middle notices; so nothing is tested for it. Eight pixels of a row are worked out at once.
 
+use super::constants::{BILATERAL_REACH as REACH, LEAST_EXPONENT, SENSOR_BEST_M, SENSOR_NOISE_M, SENSOR_NOISE_PER_M};
 use super::padded::{LANES, Padded, by_blocks, load};
 use crate::rgbd::DepthImage;
 use fearless_simd::{Bytes, Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, i32x8};
 use std::f32::consts::LOG2_E;
-
-/// Pixels of a window to each side of its middle.
-const REACH: usize = 4;
 
 /// Pixels of a row that the windows of eight neighbours have.
 const SPAN: usize = LANES + 2 * REACH;
@@ -46,8 +44,8 @@ impl Bilateral {
     /// `σ_d` of a pixel at `depth_m`: usually three times the noise 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al. 2012).
     pub fn sigma_depth_m(&self, depth_m: f32) -> f32 {
         self.depth_m.unwrap_or_else(|| {
-            let beyond = depth_m - 0.4;
-            self.noise_factor * (0.0012 + 0.0019 * beyond * beyond)
+            let beyond = depth_m - SENSOR_BEST_M;
+            self.noise_factor * (SENSOR_NOISE_M + SENSOR_NOISE_PER_M * beyond * beyond)
         })
     }
 
@@ -81,8 +79,8 @@ impl Bilateral {
         let sigma = if let Some(sigma) = self.depth_m {
             splat(sigma)
         } else {
-            let beyond = middle - 0.4;
-            (beyond * beyond * 0.0019 + 0.0012) * self.noise_factor
+            let beyond = middle - SENSOR_BEST_M;
+            (beyond * beyond * SENSOR_NOISE_PER_M + SENSOR_NOISE_M) * self.noise_factor
         };
         let by_square = splat(-0.5 * LOG2_E) / (sigma * sigma);
         let (mut weights, mut sum) = (splat(0.0), splat(0.0));
@@ -104,7 +102,7 @@ impl Bilateral {
 fn exp2<S: Simd>(simd: S, exponent: f32x8<S>) -> f32x8<S> {
     /// Beside it, single precision has whole numbers alone: 1.5 · 2²³.
     const WHOLE: f32 = 12_582_912.0;
-    let exponent = exponent.max(f32x8::splat(simd, -126.0));
+    let exponent = exponent.max(f32x8::splat(simd, LEAST_EXPONENT));
     let shifted = exponent + WHOLE;
     let rest = exponent - (shifted - WHOLE);
     let [c0, c1, c2] = SQUARE.map(|coefficient| f32x8::splat(simd, coefficient));

@@ -5,21 +5,16 @@
 //! branches, so eight pixels are sorted at once. What was not measured counts in turn as less and as more than
 //! everything, less first: then the middle of 25 is the lower middle of those that were measured.
 
+use super::constants::{MEDIAN_KEPT as KEPT, MEDIAN_REACH as REACH};
 use super::padded::{LANES, Padded, by_blocks, load};
 use crate::rgbd::DepthImage;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x8};
-
-/// Pixels of a window to each side of its middle.
-const REACH: usize = 2;
 
 /// Pixels along a window.
 const WIDTH: usize = 2 * REACH + 1;
 
 /// Pixels of a row that the windows of eight neighbours have.
 const SPAN: usize = LANES + 2 * REACH;
-
-/// So many values have a smallest and a largest that are not the median of all: half of them, and two more.
-const KEPT: usize = 14;
 
 /// Each pixel of `depth` as the median of the measured ones in the 5 × 5 around it, of an even number the lower one.
 pub fn median(depth: &DepthImage) -> DepthImage {

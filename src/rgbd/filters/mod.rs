@@ -5,6 +5,7 @@
 //! threads, so the result does not depend on how many there are. What was not measured stays not measured.
 
 mod bilateral;
+pub(crate) mod constants;
 mod flying;
 mod median;
 mod padded;

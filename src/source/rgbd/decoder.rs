@@ -5,6 +5,7 @@ use super::depth_code::DepthCode;
 use super::error::RgbdError;
 use super::folder::has_extension;
 use super::folder::name_of;
+use super::frames_before::{DepthInTime, FilteredDepth, FramesBefore};
 use super::layouts::{FoundRecording, FrameImages};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
@@ -15,21 +16,22 @@ use crate::io::raster::{Raster, Samples};
 use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
-use crate::rgbd::{ColorImage, DepthImage, Filters, RayTable, Rig, Sensor, Temporal, TemporalFilter, cloud};
+use crate::rgbd::{
+    ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, Filters, RayTable, Rig, Sensor, cloud,
+};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
 use crate::wire::RawImages;
 use glam::DAffine3;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
-
-/// Frames that are decoded one after the other where each is filtered with those before it.
-pub(in crate::source) const GROUP_FRAMES: usize = 32;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A recording as its decoders share it.
 #[derive(Debug)]
 pub(super) struct Recorded {
     frames: Vec<FrameImages>,
     pub(super) code: DepthCode,
+    /// What numbers of 16 bits are in metres, once it was asked for.
+    table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
     pub(super) read: ReadOptions,
@@ -54,6 +56,7 @@ impl Recorded {
         Self {
             frames: found.frames,
             code: found.code,
+            table: OnceLock::new(),
             sizes,
             filters: options.rgbd.filters,
             read: options.read,
@@ -67,6 +70,7 @@ impl Recorded {
         Self {
             frames: Vec::new(),
             code,
+            table: OnceLock::new(),
             sizes: Sizes::UNKNOWN,
             filters,
             read,
@@ -80,6 +84,7 @@ impl Recorded {
         Self {
             frames: self.frames.clone(),
             code: self.code,
+            table: self.table.clone(),
             sizes: self.sizes,
             filters,
             read: self.read,
@@ -179,14 +184,30 @@ impl Recorded {
     }
 
     /// The depth image of a frame after the filters that look at it alone.
-    pub(super) fn depth(&self, frame: &FrameImages) -> Result<(DepthImage, Arc<RayTable>), RgbdError> {
+    pub(super) fn depth(&self, frame: &FrameImages) -> Result<(FilteredDepth, Arc<RayTable>), RgbdError> {
         let path = frame.depth.path();
         let raster = self.depth_raster(frame)?;
         let prepared = self
             .prepared(&frame.calibration, raster.size_px, None)
             .map_err(|error| no_camera(error, path, raster.size_px, &frame.calibration))?;
+        let numbers = match &raster.samples {
+            Samples::Gray16(numbers) => self.table().map(|table| (numbers.clone(), table)),
+            _ => None,
+        };
         let depth = self.code.depth_image(path, raster, &prepared.rays)?;
-        Ok((self.filters.apply(depth), Arc::clone(&prepared.rays)))
+        let samples = match numbers {
+            Some((numbers, table)) => DepthSamples::coded(numbers, table),
+            None => DepthSamples::metres(depth.metres().to_vec()),
+        };
+        let filtered = FilteredDepth {
+            image: self.filters.apply(depth),
+            samples: Arc::new(samples),
+        };
+        Ok((filtered, Arc::clone(&prepared.rays)))
+    }
+
+    fn table(&self) -> Option<DepthTable> {
+        self.table.get_or_init(|| self.code.table()).clone()
     }
 
     /// The images of frame `index` as they were recorded, unless their depths are in a code of their own: those become
@@ -280,7 +301,7 @@ impl Recorded {
     pub(super) fn frame_cloud(
         &self,
         frame: &FrameImages,
-        with_frames_before: impl FnOnce(DepthImage) -> DepthImage,
+        with_frames_before: impl FnOnce(FilteredDepth) -> DepthInTime,
     ) -> Result<RawCloud, RgbdError> {
         let (depth, color) = rayon::join(
             || self.depth(frame),
@@ -293,19 +314,26 @@ impl Recorded {
         );
         let (depth, rays) = depth?;
         let depth = with_frames_before(depth);
-        Ok(self.cloud(frame, &depth, &rays, color))
+        Ok(self.cloud(frame, depth, &rays, color))
     }
 
     /// The cloud of a frame of this depth image. Broken colours are a warning: the points are there.
-    fn cloud(&self, frame: &FrameImages, depth: &DepthImage, rays: &RayTable, color: Color<'_>) -> RawCloud {
+    fn cloud(&self, frame: &FrameImages, depth: DepthInTime, rays: &Arc<RayTable>, color: Color<'_>) -> RawCloud {
         let mut warnings = Vec::new();
         let colors = color.and_then(|(path, image)| {
-            let colors = image.and_then(|image| self.colors(frame, path, (depth, rays), &image));
+            let colors = image.and_then(|image| self.colors(frame, path, (&depth.image, rays), &image));
             colors
                 .map_err(|error| warnings.push(format!("{error}; the points of this frame have no colours")))
                 .ok()
         });
-        let mut cloud = cloud(depth, rays, colors);
+        let of_pixels = colors.as_ref().map(|colors| {
+            let colors = colors.iter().map(|&[red, green, blue, _]| [red, green, blue]);
+            colors.collect::<Vec<_>>()
+        });
+        let mut cloud = cloud(&depth.image, rays, colors);
+        let images = (depth.before, depth.samples);
+        let made_from = DepthFrame::new(images, Arc::clone(rays), of_pixels, self.filters);
+        cloud.made_from = made_from.map(DepthFrame::into_made_from);
         cloud.warnings = warnings;
         if frame.calibration.is_assumed {
             cloud.assumption = Some(frame.calibration.because.clone());
@@ -362,50 +390,6 @@ fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, R
     })
 }
 
-/// The temporal filter of one thread: after which frame, and its state.
-#[derive(Debug, Default)]
-pub(in crate::source) struct FramesBefore {
-    /// The filter after the frame of this index.
-    last: Option<(usize, TemporalFilter)>,
-}
-
-impl FramesBefore {
-    /// `depth`, which is that of frame `index`, with the frames before it, which `before` gives. Broken ones among
-    /// these, and those that are gone, are passed over.
-    pub(super) fn filtered(
-        &mut self,
-        temporal: Option<Temporal>,
-        (index, depth): (usize, DepthImage),
-        before: impl Fn(usize) -> Option<DepthImage>,
-        progress: &Progress,
-    ) -> DepthImage {
-        let Some(temporal) = temporal else {
-            return depth;
-        };
-        let begin = temporal_begin(temporal, index);
-        // The frames of a group go on from each other; each group has a beginning of its own.
-        let known = self
-            .last
-            .take()
-            .filter(|(last, _)| *last < index && temporal_begin(temporal, *last) == begin);
-        let (first, mut filter) = known.map_or_else(
-            || (begin, TemporalFilter::new(temporal)),
-            |(last, filter)| (last + 1, filter),
-        );
-        for index in first..index {
-            if progress.is_cancelled() {
-                return depth;
-            }
-            if let Some(before) = before(index) {
-                filter.next(before);
-            }
-        }
-        let filtered = filter.next(depth);
-        self.last = Some((index, filter));
-        filtered
-    }
-}
-
 /// Decodes frames of a recording. It keeps the state of the temporal filter, if there is one.
 pub(super) struct ImageDecoder {
     recorded: Arc<Recorded>,
@@ -439,10 +423,4 @@ impl Decoder for ImageDecoder {
             .frame_cloud(&recorded.frames[index], with_frames_before)?
             .into())
     }
-}
-
-/// The frame from which the filter of frame `index` begins: so far before its group that what is still before it makes
-/// no difference.
-fn temporal_begin(temporal: Temporal, index: usize) -> usize {
-    (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(temporal.lead_frames())
 }

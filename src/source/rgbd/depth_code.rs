@@ -2,7 +2,7 @@
 
 use super::error::RgbdError;
 use crate::io::raster::{Raster, Samples};
-use crate::rgbd::{DepthImage, RayTable};
+use crate::rgbd::{DepthImage, DepthTable, RayTable};
 use std::path::Path;
 
 /// What the numbers of a depth image mean. 0 and 65535 are no measurements in any of them.
@@ -121,6 +121,11 @@ impl DepthCode {
             path: path.to_owned(),
             reason: "it has not as many pixels as it claims".to_owned(),
         })
+    }
+
+    /// What each number of 16 bits means, where that does not depend on its pixel.
+    pub(super) fn table(&self) -> Option<DepthTable> {
+        (!self.is_ray_length).then(|| DepthTable::new(|sample| self.metres(sample)))
     }
 
     fn metres(&self, sample: u16) -> f32 {

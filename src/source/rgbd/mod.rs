@@ -11,6 +11,7 @@ mod decoder;
 mod depth_code;
 mod error;
 mod folder;
+mod frames_before;
 mod kinect;
 mod layouts;
 mod merged;
@@ -25,8 +26,8 @@ mod text;
 mod topics;
 mod trajectory;
 
-pub(super) use decoder::{FramesBefore, GROUP_FRAMES};
 pub use error::RgbdError;
+pub(super) use frames_before::{FramesBefore, GROUP_FRAMES};
 pub use merged::MergedFrames;
 pub use options::RgbdOptions;
 pub(super) use received::ReceivedFrames;

@@ -1,16 +1,17 @@
 //! Images of live streams become clouds by what decodes those of files: the same filters, registration and cameras.
 
 use super::calibration::Calibration;
-use super::decoder::{FramesBefore, Recorded};
+use super::decoder::Recorded;
 use super::depth_code::DepthCode;
 use super::error::RgbdError;
+use super::frames_before::{FilteredDepth, FramesBefore};
 use super::layouts::FrameImages;
 use super::stored_image::{ReceivedImage, StoredImage};
 use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
 use crate::locks::lock;
 use crate::progress::Progress;
-use crate::rgbd::{DepthImage, Filters};
+use crate::rgbd::Filters;
 use crate::source::OpenOptions;
 use crate::wire::{PackedImage, ReceivedImages};
 use std::path::Path;
@@ -64,7 +65,7 @@ impl ReceivedFrames {
         recorded.frame_cloud(&self.frame(images), with_frames_before)
     }
 
-    fn depth(&self, images: &ReceivedImages) -> Option<DepthImage> {
+    fn depth(&self, images: &ReceivedImages) -> Option<FilteredDepth> {
         let recorded = self.recorded(images.units_per_metre);
         Some(recorded.depth(&self.frame(images)).ok()?.0)
     }

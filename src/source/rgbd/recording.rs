@@ -1,9 +1,10 @@
 //! The frames of a recording of depth images: a folder, a file of messages, or a film of an Azure Kinect.
 
 use super::calibration::Calibration;
-use super::decoder::{GROUP_FRAMES, ImageDecoder, Recorded};
+use super::decoder::{ImageDecoder, Recorded};
 use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
+use super::frames_before::GROUP_FRAMES;
 use super::kinect;
 use super::layouts::{self, FoundRecording};
 use super::sizes::Sizes;

@@ -7,7 +7,7 @@ use crate::rgbd::{Camera, DepthImage, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// Size of an image: that of most depth cameras.
-const MADE_PX: [u32; 2] = [640, 480];
+pub(super) const MADE_PX: [u32; 2] = [640, 480];
 
 const FOCAL_PX: f64 = 525.0;
 const PRINCIPAL_PX: [f64; 2] = [319.5, 239.5];
@@ -23,9 +23,9 @@ pub(super) fn made() -> Option<DepthImage> {
     DepthImage::new(MADE_PX, metres.map(|z| z as f32).collect())
 }
 
-/// Its camera.
-pub(super) fn pinhole() -> Result<Camera, BenchError> {
-    let camera = Camera::new(MADE_PX, DVec2::splat(FOCAL_PX), PRINCIPAL_PX.into(), Distortion::None);
+/// Its camera, or one with another number of pixels.
+pub(super) fn pinhole(size_px: [u32; 2]) -> Result<Camera, BenchError> {
+    let camera = Camera::new(size_px, DVec2::splat(FOCAL_PX), PRINCIPAL_PX.into(), Distortion::None);
     camera.map_err(|error| BenchError::Nothing(error.to_string()))
 }
 

@@ -1,9 +1,10 @@
-//! Depth images: decoding and each filter, on one thread and on all; then what becomes of their points in a picture
-//! (`screen.rs`).
+//! Depth images: decoding and each filter, on one thread, on all, and on a graphics card; then what becomes of their
+//! points in a picture (`screen.rs`).
 //!
 //! How it works: the frames of a recording are decoded as they are played, without filters. Each filter is then applied
 //! to the image that those before it made, as often as asked for; the two numbers of threads take turns, so that what
-//! slows the machine down slows both. Sequences that are no depth images are measured by an image that is made here: a
+//! slows the machine down slows both. Where a card makes points of depth images, all of its passes over the image are
+//! timed by its own clock, as often. Sequences that are no depth images are measured by an image that is made here: a
 //! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor (`made.rs`).
 
 mod made;
@@ -15,11 +16,13 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::RawCloud;
-use crate::rgbd::{DepthImage, Filters, TemporalFilter};
+use crate::render::PassTimes;
+use crate::rgbd::{DepthFrame, DepthImage, DepthSamples, Filters, RayTable, Temporal, TemporalFilter, cloud};
 use crate::stopwatch::milliseconds_since;
-use made::made;
+use made::{made, pinhole};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// In the order in which [`Stage::row`] and `screen.rs` fill them.
@@ -36,6 +39,8 @@ const COLUMNS: &[Column] = &[
     Column::number("all_threads_ms_median", "ms, all threads", 3),
     Column::number("all_threads_ms_q3", "75 %", 3).hidden(),
     Column::number("mpixels_per_s", "M pixels/s, 1 thread", 1),
+    Column::number("card_ms_median", "ms, card", 3),
+    Column::text("card", "card").hidden(),
     Column::number("threads", "threads", 0).hidden(),
     Column::number("points", "points", 0),
     Column::number("visible", "visible", 0),
@@ -44,6 +49,8 @@ const COLUMNS: &[Column] = &[
     Column::number("draw_ms_median", "draw ms", 2),
     Column::number("total_ms", "all ms", 2),
     Column::number("bisected_ms_median", "normals by bisection ms", 2),
+    Column::number("card_cull_ms_median", "cull ms, card", 3),
+    Column::number("card_normals_ms_median", "normals ms, card", 3),
     Column::number("paper_ms", "paper, all ms", 2),
 ];
 
@@ -51,7 +58,7 @@ const COLUMNS: &[Column] = &[
 const FILTER_TABLE: &str = "Depth images";
 
 /// Columns after the number of threads, which filters leave empty.
-const SCREEN_COLUMNS: usize = 8;
+const SCREEN_COLUMNS: usize = 10;
 
 /// Decoding and filters of depth images.
 pub const RGBD: &Suite = &Suite {
@@ -62,8 +69,8 @@ pub const RGBD: &Suite = &Suite {
     description: "decoding recordings of depth images, their filters, and pictures with normals of the screen",
     measured: "files in the cache of the system to a cloud (decode); each filter of the image that those before it \
         made, from memory to memory; visible points, their normals and radii, and the picture of them on all threads; \
-        medians",
-    not_measured: "disks, Morton order, showing; the paper's times are those of its graphics card",
+        passes of a graphics card by its own clock, where it makes points and normals; medians",
+    not_measured: "disks, Morton order, uploads, showing; the paper's times are those of its graphics card",
     covered_by: "points",
     defaults: Defaults {
         viewport_px: [1920, 1080],
@@ -79,8 +86,15 @@ pub const RGBD: &Suite = &Suite {
     bar_labels: 3,
 };
 
-/// Decoding, each filter, and the usual filters together.
-const STEPS_PER_FRAME: usize = 2 + Filters::COUNT;
+/// Decoding, each filter, the usual filters together, and points.
+const STEPS_PER_FRAME: usize = 3 + Filters::COUNT;
+
+/// The filters that look at one image alone: what they are called together, and as what they are known apart.
+const USUAL_STAGE: &str = "usual filters";
+const USUAL: [&str; 4] = ["near", "median", "bilateral", "flying"];
+
+/// Points of the pixels.
+const POINTS_STAGE: &str = "reproject";
 
 /// The first frame of a sequence is drawn, too.
 const STEPS_PER_SEQUENCE: usize = 1;
@@ -94,6 +108,7 @@ struct Stage {
     valid_after: usize,
     one_thread_ms: Vec<f64>,
     all_threads_ms: Vec<f64>,
+    card_ms: Vec<f64>,
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -115,9 +130,23 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
                 continue;
             };
             pixels.push(image.metres().len() as f64);
-            filter(run, image, &label, &one_thread, &mut stages)?;
+            let sensor = subject.sequence.source().sensor(index);
+            let rays = match sensor.filter(|sensor| sensor.rig.depth.size_px() == image.size_px()) {
+                Some(sensor) => RayTable::of(&sensor.rig.depth),
+                None => RayTable::of(&pinhole(image.size_px())?),
+            };
+            let rays = Arc::new(rays);
+            let on_card = on_card(run, &image, &rays)?;
+            filter(run, (image, rays), &label, &one_thread, &mut stages)?;
+            for stage in &mut stages {
+                stage
+                    .card_ms
+                    .extend(on_card.iter().filter_map(|times| times.of(stage.name)));
+            }
         }
-        let mut rows: Vec<Row> = stages.iter().map(|stage| stage.row(subject.name, image_kind)).collect();
+        let card = run.runner.summary();
+        let row = |stage: &Stage| stage.row(subject.name, image_kind, &card);
+        let mut rows: Vec<Row> = stages.iter().map(row).collect();
         if let Some(&index) = subject.chosen.first() {
             rows.extend(screen::measure_frame(run, &subject, index)?);
         }
@@ -151,10 +180,10 @@ fn decode(
     })
 }
 
-/// Each filter after those before it, then all of them together.
+/// Each filter after those before it, then all of them together, and points.
 fn filter(
     run: &mut Run<'_>,
-    mut image: DepthImage,
+    (mut image, rays): (DepthImage, Arc<RayTable>),
     label: &dyn Fn(&str) -> String,
     one_thread: &ThreadPool,
     stages: &mut Vec<Stage>,
@@ -178,12 +207,58 @@ fn filter(
         time(run, stage, one_thread, || drop(black_box(apply(&image))))?;
         image = filtered;
     }
-    let all = "usual filters";
-    run.begin_step(label(all))?;
+    run.begin_step(label(USUAL_STAGE))?;
     let apply = || Filters::USUAL.apply(raw.clone());
-    let stage = stage_of(stages, all, &raw);
+    let stage = stage_of(stages, USUAL_STAGE, &raw);
     stage.valid_after += apply().valid_count();
-    time(run, stage, one_thread, || drop(black_box(apply())))
+    time(run, stage, one_thread, || drop(black_box(apply())))?;
+    run.begin_step(label(POINTS_STAGE))?;
+    let stage = stage_of(stages, POINTS_STAGE, &image);
+    stage.valid_after += image.valid_count();
+    time(run, stage, one_thread, || drop(black_box(cloud(&image, &rays, None))))
+}
+
+/// What a card took for its passes over one image.
+struct CardTimes(PassTimes);
+
+impl CardTimes {
+    fn of(&self, stage: &str) -> Option<f64> {
+        let sum = |names: &[&str]| {
+            let times = self.0.iter().filter(|time| names.contains(&time.pass));
+            let times: Option<Vec<f64>> = times.map(|time| time.gpu_ms).collect();
+            times.filter(|times| !times.is_empty()).map(|times| times.iter().sum())
+        };
+        if stage == USUAL_STAGE {
+            sum(&USUAL)
+        } else {
+            sum(&[stage])
+        }
+    }
+}
+
+/// All filters and the points of an image by a card, as often as asked for; nothing where no card makes points.
+fn on_card(run: &mut Run<'_>, image: &DepthImage, rays: &Arc<RayTable>) -> Result<Vec<CardTimes>, BenchError> {
+    let filters = Filters {
+        temporal: Some(Temporal::USUAL),
+        ..Filters::USUAL
+    };
+    let mut all = Vec::new();
+    for round in 0..run.options.warmup + run.options.repeat {
+        run.check_cancelled()?;
+        let samples = || Arc::new(DepthSamples::metres(image.metres().to_vec()));
+        // The second of two images, as the processor's.
+        let images = (vec![samples()], samples());
+        let Some(frame) = DepthFrame::new(images, Arc::clone(rays), None, filters) else {
+            break;
+        };
+        let Some(times) = run.runner.depth_image_times(&Arc::new(frame))? else {
+            break;
+        };
+        if round >= run.options.warmup {
+            all.push(CardTimes(times));
+        }
+    }
+    Ok(all)
 }
 
 /// The stage of this name, to which `image` is given.
@@ -197,6 +272,7 @@ fn stage_of<'a>(stages: &'a mut Vec<Stage>, name: &'static str, image: &DepthIma
             valid_after: 0,
             one_thread_ms: Vec::new(),
             all_threads_ms: Vec::new(),
+            card_ms: Vec::new(),
         });
         stages.len() - 1
     });
@@ -230,9 +306,10 @@ fn time(
 }
 
 impl Stage {
-    fn row(&self, sequence: &str, image: &str) -> Row {
+    fn row(&self, sequence: &str, image: &str, card: &str) -> Row {
         let one = Quantiles::of(&self.one_thread_ms);
         let all = Quantiles::of(&self.all_threads_ms);
+        let on_card = Quantiles::of(&self.card_ms);
         // Frames add up in counts; a time is that of one.
         let frames = self.frames.max(1) as f64;
         let pixels = self.pixels as f64 / frames;
@@ -249,6 +326,8 @@ impl Stage {
             Cell::maybe(all.map(|times| times.median)),
             Cell::maybe(all.map(|times| times.q3)),
             Cell::maybe(one.map(|times| pixels / (1e3 * times.median))),
+            Cell::maybe(on_card.map(|times| times.median)),
+            on_card.map_or(Cell::Missing, |_| Cell::Text(card.to_owned())),
             Cell::Number(rayon::current_num_threads() as f64),
         ];
         cells.extend((0..SCREEN_COLUMNS).map(|_| Cell::Missing));

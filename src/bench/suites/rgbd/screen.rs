@@ -3,15 +3,17 @@
 //! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
 //! another place and with noise of its own: more and more points of the same surface, of which a picture shows what it
 //! can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible
-//! points.
+//! points. Where a graphics card makes these surfels, a picture of a new view is drawn besides, whose passes are timed
+//! by its own clock.
 
-use super::made::{SCENE_MIDDLE, made_cloud, pinhole};
+use super::made::{MADE_PX, SCENE_MIDDLE, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::subject::Subject;
 use crate::bench::{BenchError, Quantiles};
 use crate::cloud::Frame;
+use crate::render::PassTimes;
 use crate::scene::{Camera, FirstLook, NormalSource, Primitive, Scene, Style, UpAxis, screen_view};
 use crate::sequence::{PrepareCounters, PreparedFrame, prepare};
 use crate::stopwatch::milliseconds_since;
@@ -28,7 +30,7 @@ pub(super) const CLOUDS: usize = PAPER.len();
 const TABLE: &str = "Visible points, their normals and their picture";
 
 /// Columns between the name of a stage and the number of threads, which are of filters.
-const FILTER_COLUMNS: usize = 8;
+const FILTER_COLUMNS: usize = 9;
 
 /// What was measured of one cloud.
 #[expect(clippy::struct_field_names, reason = "names have their unit")]
@@ -38,6 +40,8 @@ struct Samples {
     normals_ms: Vec<f64>,
     bisected_ms: Vec<f64>,
     draw_ms: Vec<f64>,
+    card_cull_ms: Vec<f64>,
+    card_normals_ms: Vec<f64>,
 }
 
 /// A cloud, and where it is seen from.
@@ -62,7 +66,7 @@ pub(super) fn measure_made(run: &mut Run<'_>) -> Result<Vec<Row>, BenchError> {
         // As the sensor that the first of the views is from.
         let camera = Camera {
             target_in_world: SCENE_MIDDLE,
-            ..Camera::of_pinhole(&pinhole()?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
+            ..Camera::of_pinhole(&pinhole(MADE_PX)?, DAffine3::IDENTITY, SCENE_MIDDLE.z, UpAxis::NegY)
         };
         rows.push(measure(
             run,
@@ -123,7 +127,9 @@ fn style() -> Style {
 
 fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError> {
     let viewport_px = run.options.viewport_px;
-    let packet = Scene::default().packet(seen.frame, seen.origin, &seen.camera, &style(), viewport_px);
+    let style = style().drawn_by(run.runner.is_processor());
+    let new_packet = || Scene::default().packet(seen.frame, seen.origin, &seen.camera, &style, viewport_px);
+    let packet = new_packet();
     let view = screen_view(&packet.view, packet.viewport_px);
     let cloud = ScreenCloud {
         spacing: packet.style.of_sequence.point_spacing,
@@ -145,6 +151,16 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
         let start = Instant::now();
         estimator.surface(&visible, &cloud, Search::Bisected);
         let bisected_ms = milliseconds_since(start);
+        let mut passes = PassTimes::default();
+        if !run.runner.is_processor() {
+            // Surfels of a packet are made once, so those of an equal one are made anew.
+            passes = run.runner.draw(&new_packet())?.gpu_passes;
+            run.runner.draw(&packet)?;
+        }
+        let on_card = |name| {
+            let time = passes.iter().find(|time| time.pass == name);
+            time.and_then(|time| time.gpu_ms)
+        };
         let draw_ms = run.runner.draw(&packet)?.wall_ms;
         visible_count = visible.len();
         if round >= run.options.warmup {
@@ -152,13 +168,17 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
             samples.normals_ms.push(normals_ms);
             samples.bisected_ms.push(bisected_ms);
             samples.draw_ms.push(draw_ms);
+            samples.card_cull_ms.extend(on_card("cull"));
+            samples.card_normals_ms.extend(on_card("normals"));
         }
     }
-    Ok(row(seen, visible_count, &samples))
+    let has_card = !samples.card_cull_ms.is_empty();
+    let card = has_card.then(|| run.runner.summary());
+    Ok(row(seen, (visible_count, card), &samples))
 }
 
 /// In the order of the suite's columns: what is of filters alone is missing.
-fn row(seen: &ViewedCloud<'_>, visible: usize, samples: &Samples) -> Row {
+fn row(seen: &ViewedCloud<'_>, (visible, card): (usize, Option<String>), samples: &Samples) -> Row {
     let median = |times: &[f64]| Quantiles::of(times).map(|times| times.median);
     let stages = [&samples.cull_ms, &samples.normals_ms, &samples.draw_ms].map(|times| median(times));
     let total = stages.iter().copied().sum::<Option<f64>>();
@@ -170,9 +190,24 @@ fn row(seen: &ViewedCloud<'_>, visible: usize, samples: &Samples) -> Row {
         Cell::Text("visible points to picture".to_owned()),
     ];
     cells.extend((0..FILTER_COLUMNS).map(|_| Cell::Missing));
+    cells.push(card.map_or(Cell::Missing, Cell::Text));
     cells.push(Cell::Number(rayon::current_num_threads() as f64));
     cells.push(Cell::Number(seen.frame.points.len() as f64));
     cells.push(Cell::Number(visible as f64));
-    cells.extend([cull, normals, draw, total, median(&samples.bisected_ms), seen.paper_ms].map(Cell::maybe));
+    let bisected = median(&samples.bisected_ms);
+    let [card_cull, card_normals] = [&samples.card_cull_ms, &samples.card_normals_ms].map(|times| median(times));
+    cells.extend(
+        [
+            cull,
+            normals,
+            draw,
+            total,
+            bisected,
+            card_cull,
+            card_normals,
+            seen.paper_ms,
+        ]
+        .map(Cell::maybe),
+    );
     Row::new(cells)
 }

@@ -48,10 +48,14 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// The same of visible points, with all points as its stream.
+    /// The same of visible points, with all points as its stream, or those that images are made into.
     pub(super) fn of_visible(self, visible: &'a Arc<VisiblePoints>) -> Self {
+        let points = match &visible.images {
+            Some(images) => RecordSource::of_images(images),
+            None => RecordSource::of(&visible.points).into_nodes(),
+        };
         Self {
-            streams: vec![RecordSource::of(&visible.points).into_nodes()],
+            streams: vec![points],
             visible: Some(visible),
             ..self
         }

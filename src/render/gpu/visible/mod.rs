@@ -1,12 +1,13 @@
 //! Surfels of the screen: compute passes find the points that a picture shows, with their normals and radii.
 //!
-//! **How it works.** The card keeps all points of the frame. A view uploads uniforms alone; passes of the stages of
+//! **How it works.** The card keeps all points of the frame, which were uploaded or made of images (`depth_images`). A view uploads uniforms alone; passes of the stages of
 //! [`crate::analysis::screen`] (`shaders/screen_normals`) write records of surfels to where the strategy has its own: a
 //! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
 //! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
 //!
-//! How many points are visible, the processor is not told: it would have to wait for that. So there is room for all,
-//! and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw nothing.
+//! How many points are visible, the processor is not told in time: it would have to wait for that. So there is room for
+//! all, and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw
+//! nothing. For statistics the number is read back later (`count.rs`).
 //!
 //! **When it wins.** A real card makes the records in a fraction of the time of the processor, and nothing is uploaded.
 //! A software adapter is the processor, which does better with code that was written for it: there the renderer takes
@@ -14,15 +15,19 @@
 //!
 //! Paper 003 §3.4 and §3.5.
 
+mod count;
 mod passes;
 mod record;
 mod scratch;
 #[cfg(test)]
 mod tests;
 
+pub(super) use count::VisibleCount;
 pub(super) use passes::source;
+pub(super) use record::{CULL_PASS, NORMALS_PASS};
 
 use super::context::Context;
+use super::depth_images::DepthMaker;
 use super::gpu_data::Screening;
 use super::instancing::{RecordInstancing, Room, Stream};
 use super::primitives::Amplification;
@@ -32,7 +37,8 @@ use super::rooms::stream_in;
 use crate::analysis::screen::constants::MOST_LEVELS;
 use crate::analysis::screen::with_margin_of_splats;
 use crate::scene::VisiblePoints;
-use passes::Programs;
+use count::CountReader;
+use passes::{FOUND, Programs};
 use record::{STREAMS, Screened, find_visible, write_surfels};
 use scratch::{Scratch, Sizes};
 use std::sync::Arc;
@@ -43,6 +49,7 @@ pub(super) struct VisibleMaker {
     programs: Option<Programs>,
     scratch: Option<Scratch>,
     made: Option<Made>,
+    count: Option<CountReader>,
 }
 
 /// Surfels, or room for them.
@@ -69,7 +76,9 @@ pub(super) struct Wanted<'a> {
 impl VisibleMaker {
     /// Whether the adapter has bindings that are long enough.
     pub(super) fn can_hold(context: &Context, visible: &VisiblePoints) -> bool {
-        sizes_of(visible, &screening(visible)).fit(context)
+        let images = visible.images.as_ref();
+        images.is_none_or(|images| DepthMaker::can_hold(context, &images.frame))
+            && sizes_of(visible, &screening(visible)).fit(context)
     }
 
     /// Forgets what was made: another strategy lays records out otherwise.
@@ -85,11 +94,12 @@ impl VisibleMaker {
             return;
         }
         self.programs.get_or_insert_with(|| Programs::new(context));
+        self.count.get_or_insert_with(|| CountReader::new(context));
         let screening = screening(visible);
         let sizes = sizes_of(visible, &screening);
         let mut rooms = self.made.take().map_or_else(Vec::new, |made| made.rooms);
         rooms.resize_with(STREAMS, Vec::new);
-        let size = (visible.points.len(), wanted.chunked_for);
+        let size = (visible.record_count(), wanted.chunked_for);
         let streams: Vec<Stream> = rooms
             .iter_mut()
             .map(|rooms| stream_in(context, instancing, size, rooms))
@@ -145,19 +155,30 @@ impl VisibleMaker {
         for room in made.rooms.iter().flatten() {
             room.copy_to_texture(recording);
         }
+        if let Some(count) = &self.count {
+            count.ask(recording.encoder(), scratch.buffer(FOUND), made.of.points.len());
+        }
         2
+    }
+
+    /// How many points a view shows, the last that is known of.
+    pub(super) fn count(&self) -> Option<VisibleCount> {
+        self.count.as_ref()?.last()
     }
 }
 
 /// What all passes are told.
 fn screening(visible: &VisiblePoints) -> Screening {
     let view = with_margin_of_splats(&visible.view, &visible.points, visible.cloud.spacing);
-    Screening::of(&view, &visible.cloud, visible.points.len() as u32)
+    Screening {
+        has_holes: visible.images.is_some().into(),
+        ..Screening::of(&view, &visible.cloud, visible.record_count() as u32)
+    }
 }
 
 fn sizes_of(visible: &VisiblePoints, screening: &Screening) -> Sizes {
     Sizes {
-        points: visible.points.len() as u32,
+        points: visible.record_count() as u32,
         size_px: screening.size_px,
     }
 }

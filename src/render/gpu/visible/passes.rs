@@ -1,11 +1,11 @@
 //! The programs that make surfels of the screen: entry points of one shader, each with what it binds.
 
+use crate::render::gpu::compute::{ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, GROUP_RECORDS, SCREENING_GROUP};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::gpu_data::Screening;
 
 /// Bindings of `screen_normals/view.wgsl`.
-pub(super) const UNIFORM: u32 = 0;
 pub(super) const POINTS: u32 = 1;
 pub(super) const FOUND: u32 = 2;
 pub(super) const NEAREST: u32 = 3;
@@ -37,44 +37,37 @@ pub(super) enum Pass {
     Lend,
 }
 
-/// Its name, and what it binds beside the uniform: eight buffers at most, which every adapter has.
-#[derive(Debug)]
-struct PassRow {
-    entry: &'static str,
-    buffers: &'static [u32],
-}
-
 /// In the order of [`Pass`].
-const ROWS: [PassRow; 9] = [
-    PassRow {
+const ROWS: [EntryRow; 9] = [
+    EntryRow {
         entry: "draw",
         buffers: &[POINTS, FOUND, NEAREST, PLACES],
     },
-    PassRow {
+    EntryRow {
         entry: "frame",
         buffers: &[NEAREST_DRAWN, DEPTHS],
     },
-    PassRow {
+    EntryRow {
         entry: "cull",
         buffers: &[POINTS, FOUND, DEPTHS, PLACES],
     },
-    PassRow {
+    EntryRow {
         entry: "scan",
         buffers: &[FOUND, PLACES],
     },
-    PassRow {
+    EntryRow {
         entry: "compact",
         buffers: &[POINTS, FOUND, PLACES, SEEN_POINTS, CELL_KEYS],
     },
-    PassRow {
+    EntryRow {
         entry: "choose",
         buffers: &[FOUND, PLACES, SEEN_POINTS, CELL_KEYS],
     },
-    PassRow {
+    EntryRow {
         entry: "coarsen",
         buffers: &[FOUND, SEEN_POINTS, CELL_KEYS_FOUND, CELLS],
     },
-    PassRow {
+    EntryRow {
         entry: "surface",
         buffers: &[
             POINTS,
@@ -87,7 +80,7 @@ const ROWS: [PassRow; 9] = [
             NORMALS,
         ],
     },
-    PassRow {
+    EntryRow {
         entry: "lend",
         buffers: &[FOUND, SEEN_POINTS, CELL_KEYS_FOUND, CELLS, DRAWN_SHAPES, NORMALS],
     },
@@ -113,15 +106,7 @@ pub(in crate::render::gpu) fn source() -> String {
 
 /// All programs, in the order of [`Pass`].
 #[derive(Debug)]
-pub(super) struct Programs {
-    programs: Vec<Program>,
-}
-
-#[derive(Debug)]
-struct Program {
-    layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
-}
+pub(super) struct Programs(ComputePrograms);
 
 /// What is dispatched.
 #[derive(Debug, Clone, Copy)]
@@ -134,14 +119,15 @@ pub(super) struct Work {
 
 impl Programs {
     pub(super) fn new(context: &Context) -> Self {
-        let module = context.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("screen normals"),
-            source: wgpu::ShaderSource::Wgsl(source().into()),
-        });
-        let program = |row: &PassRow| Program::new(context, &module, row);
-        Self {
-            programs: ROWS.iter().map(program).collect(),
-        }
+        let shader = ComputeShader {
+            label: "screen normals",
+            source,
+            rows: &ROWS,
+            read_only: &READ_ONLY,
+            uniform_bytes: size_of::<Screening>() as u64,
+            group: SCREENING_GROUP,
+        };
+        Self(ComputePrograms::new(context, shader))
     }
 
     /// What a pass reads and writes; `buffer` knows what is bound to each binding.
@@ -151,76 +137,13 @@ impl Programs {
         which: Pass,
         buffer: impl Fn(u32) -> &'a wgpu::Buffer,
     ) -> wgpu::BindGroup {
-        let row = &ROWS[which as usize];
-        let uniform = wgpu::BindGroupEntry {
-            binding: UNIFORM,
-            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: buffer(UNIFORM),
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of::<Screening>() as u64),
-            }),
-        };
-        let others = row.buffers.iter().map(|&binding| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer(binding).as_entire_binding(),
-        });
-        let entries: Vec<_> = std::iter::once(uniform).chain(others).collect();
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(row.entry),
-            layout: &self.programs[which as usize].layout,
-            entries: &entries,
-        })
+        self.0.group(context, which as usize, buffer)
     }
 
     /// Precondition: so many workgroups are one dispatch of the adapter ([`Sizes::fit`](super::scratch::Sizes::fit)).
     pub(super) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, which: Pass, group: &wgpu::BindGroup, work: Work) {
-        pass.set_pipeline(&self.programs[which as usize].pipeline);
-        pass.set_bind_group(SCREENING_GROUP, group, &[work.uniform_offset]);
-        pass.dispatch_workgroups(work.invocations.div_ceil(GROUP_RECORDS), 1, 1);
-    }
-}
-
-impl Program {
-    fn new(context: &Context, module: &wgpu::ShaderModule, row: &PassRow) -> Self {
-        let entry = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match binding {
-                    UNIFORM => wgpu::BufferBindingType::Uniform,
-                    _ => wgpu::BufferBindingType::Storage {
-                        read_only: READ_ONLY.contains(&binding),
-                    },
-                },
-                has_dynamic_offset: binding == UNIFORM,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let bindings = std::iter::once(UNIFORM).chain(row.buffers.iter().copied());
-        let entries: Vec<_> = bindings.map(entry).collect();
-        let label = Some(row.entry);
-        let layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label,
-                entries: &entries,
-            });
-        let pipeline_layout = context.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = context
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label,
-                layout: Some(&pipeline_layout),
-                module,
-                entry_point: Some(row.entry),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
-        Self { layout, pipeline }
+        let groups = [work.invocations.div_ceil(GROUP_RECORDS), 1];
+        let bound = (group, work.uniform_offset);
+        self.0.dispatch(pass, which as usize, bound, groups);
     }
 }

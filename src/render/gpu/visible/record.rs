@@ -5,6 +5,10 @@ use super::scratch::{Scratch, Sizes};
 use crate::analysis::screen::constants::MOST_LEVELS;
 use crate::render::gpu::recording::Recording;
 
+/// What the passes are called where times are shown.
+pub(in crate::render::gpu) const CULL_PASS: &str = "cull";
+pub(in crate::render::gpu) const NORMALS_PASS: &str = "normals";
+
 /// Points, and their shapes.
 pub(super) const STREAMS: usize = 2;
 
@@ -28,7 +32,7 @@ pub(super) fn find_visible(recording: &mut Recording<'_>, screened: &Screened<'_
     } = *screened;
     scratch.clear(recording, sizes);
     let context = recording.context;
-    let mut pass = recording.begin_compute("cull");
+    let mut pass = recording.begin_compute(CULL_PASS);
     let works = [
         (Pass::Draw, sizes.points),
         (Pass::Frame, sizes.bordered()),
@@ -64,7 +68,7 @@ pub(super) fn write_surfels(
         sizes,
     } = *screened;
     let context = recording.context;
-    let mut pass = recording.begin_compute("normals");
+    let mut pass = recording.begin_compute(NORMALS_PASS);
     let choose = programs.group(context, Pass::Choose, |binding| scratch.buffer(binding));
     let work = Work {
         uniform_offset: 0,

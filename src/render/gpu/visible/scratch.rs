@@ -11,7 +11,7 @@ use crate::render::gpu::recording::Recording;
 use crate::render::gpu::rooms::MOST_ROOM;
 
 /// Bytes of `Found` in `screen_normals/view.wgsl`.
-const FOUND_BYTES: u64 = 24;
+pub(super) const FOUND_BYTES: u64 = 24;
 
 /// Of a number, of a key of a cell, and of four numbers.
 const WORD_BYTES: u64 = 4;
@@ -96,7 +96,7 @@ impl Scratch {
             let fits = |buffer: &wgpu::Buffer| (needed..=MOST_ROOM as u64 * needed).contains(&buffer.size());
             own.next()
                 .filter(fits)
-                .unwrap_or_else(|| buffer(context, needed, wgpu::BufferUsages::STORAGE))
+                .unwrap_or_else(|| buffer(context, needed, usage_of(binding)))
         });
         Self {
             own: buffers.collect(),
@@ -140,6 +140,16 @@ impl Scratch {
             recording.clear(self.buffer(binding), sizes.bytes(binding));
         }
     }
+}
+
+/// What is found is read back.
+fn usage_of(binding: u32) -> wgpu::BufferUsages {
+    let read_back = if binding == FOUND {
+        wgpu::BufferUsages::COPY_SRC
+    } else {
+        wgpu::BufferUsages::empty()
+    };
+    wgpu::BufferUsages::STORAGE | read_back
 }
 
 fn uniform_buffer(context: &Context, bytes: u64) -> wgpu::Buffer {

@@ -1,0 +1,51 @@
+// Pixels between a surface and what is behind it. Twin of rgbd/filters/flying.rs.
+
+// How many of the eight pixels around one are at its depth. Precondition: something was measured there.
+fn near_neighbours(corner: u32, edge: u32) -> f32 {
+    let middle = tile[corner + edge + 1u];
+    let most = max(middle * imaging.flying_share, imaging.flying_m);
+    // The middle itself is one too many.
+    var count = -1.0;
+    for (var row = 0u; row < 3u; row++) {
+        for (var column = 0u; column < 3u; column++) {
+            let depth = tile[corner + row * edge + column];
+            count += select(0.0, 1.0, depth != 0.0 && abs(depth - middle) <= most);
+        }
+    }
+    return count;
+}
+
+fn keep_flying(least: f32, pixel: vec2u, local: vec2u) {
+    let edge = tile_edge(1u);
+    let corner = local.y * edge + local.x;
+    let depth = tile[corner + edge + 1u];
+    let is_kept = depth != 0.0 && near_neighbours(corner, edge) >= least;
+    after[index_of(pixel)] = select(0.0, depth, is_kept);
+}
+
+@compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
+fn flying(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(local_invocation_id) local: vec3u,
+    @builtin(local_invocation_index) local_index: u32,
+    @builtin(workgroup_id) group: vec3u,
+) {
+    read_tile(1u, group.xy, local_index);
+    if (is_in_image(id.xy)) {
+        keep_flying(imaging.least_neighbours, id.xy, local.xy);
+    }
+}
+
+// The same of pixels that are not among eight at their depth: one more along every edge.
+@compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
+fn erode(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(local_invocation_id) local: vec3u,
+    @builtin(local_invocation_index) local_index: u32,
+    @builtin(workgroup_id) group: vec3u,
+) {
+    read_tile(1u, group.xy, local_index);
+    if (is_in_image(id.xy)) {
+        keep_flying(8.0, id.xy, local.xy);
+    }
+}

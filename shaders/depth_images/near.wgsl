@@ -1,0 +1,17 @@
+// Numbers of a camera → metres that are neither too near nor too far. Twin of rgbd/filters/range.rs.
+
+@compute @workgroup_size(DEPTH_TILE_PX, DEPTH_TILE_PX)
+fn near(@builtin(global_invocation_id) id: vec3u) {
+    if (!is_in_image(id.xy)) {
+        return;
+    }
+    let index = index_of(id.xy);
+    var depth = 0.0;
+    if (imaging.is_coded != 0u) {
+        depth = table[(samples[index / 2u] >> (16u * (index % 2u))) & 0xffffu];
+    } else {
+        depth = bitcast<f32>(samples[index]);
+    }
+    let is_kept = depth >= imaging.near_m && depth <= imaging.far_m;
+    after[index] = select(0.0, depth, is_kept);
+}

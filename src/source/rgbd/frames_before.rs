@@ -1,0 +1,94 @@
+//! The temporal filter of depth images: frames are filtered with those before them, from the beginning of their group.
+
+use crate::progress::Progress;
+use crate::rgbd::{DepthImage, DepthSamples, Temporal, TemporalFilter};
+use std::sync::Arc;
+
+/// Frames that are decoded one after the other where each is filtered with those before it.
+pub(in crate::source) const GROUP_FRAMES: usize = 32;
+
+/// A depth image after the filters that look at it alone, and before them.
+#[derive(Debug)]
+pub(in crate::source) struct FilteredDepth {
+    pub(super) image: DepthImage,
+    pub(super) samples: Arc<DepthSamples>,
+}
+
+/// A depth image after all filters, and the images that the last of them began with.
+#[derive(Debug)]
+pub(super) struct DepthInTime {
+    pub(super) image: DepthImage,
+    pub(super) samples: Arc<DepthSamples>,
+    pub(super) before: Vec<Arc<DepthSamples>>,
+}
+
+/// The temporal filter of one thread: after which frame, and its state.
+#[derive(Debug, Default)]
+pub(in crate::source) struct FramesBefore {
+    last: Option<AfterFrame>,
+}
+
+/// The filter after the frame of this index.
+#[derive(Debug)]
+struct AfterFrame {
+    index: usize,
+    filter: TemporalFilter,
+    /// What it has seen.
+    images: Vec<Arc<DepthSamples>>,
+}
+
+impl FramesBefore {
+    /// `depth`, which is that of frame `index`, with the frames before it, which `before` gives. Broken ones among
+    /// these, and those that are gone, are passed over.
+    pub(super) fn filtered(
+        &mut self,
+        temporal: Option<Temporal>,
+        (index, depth): (usize, FilteredDepth),
+        before: impl Fn(usize) -> Option<FilteredDepth>,
+        progress: &Progress,
+    ) -> DepthInTime {
+        let FilteredDepth { image, samples } = depth;
+        let alone = |image, samples| DepthInTime {
+            image,
+            samples,
+            before: Vec::new(),
+        };
+        let Some(temporal) = temporal else {
+            return alone(image, samples);
+        };
+        let begin = temporal_begin(temporal, index);
+        // The frames of a group go on from each other; each group has a beginning of its own.
+        let known = self
+            .last
+            .take()
+            .filter(|last| last.index < index && temporal_begin(temporal, last.index) == begin);
+        let (first, mut filter, mut images) = known.map_or_else(
+            || (begin, TemporalFilter::new(temporal), Vec::new()),
+            |last| (last.index + 1, last.filter, last.images),
+        );
+        for index in first..index {
+            if progress.is_cancelled() {
+                return alone(image, samples);
+            }
+            if let Some(before) = before(index) {
+                filter.next(before.image);
+                images.push(before.samples);
+            }
+        }
+        let filtered = filter.next(image);
+        let before = images.clone();
+        images.push(Arc::clone(&samples));
+        self.last = Some(AfterFrame { index, filter, images });
+        DepthInTime {
+            image: filtered,
+            samples,
+            before,
+        }
+    }
+}
+
+/// The frame from which the filter of frame `index` begins: so far before its group that what is still before it makes
+/// no difference.
+fn temporal_begin(temporal: Temporal, index: usize) -> usize {
+    (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(temporal.lead_frames())
+}
