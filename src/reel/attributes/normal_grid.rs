@@ -58,8 +58,8 @@ impl NormalGrid {
         grid
     }
 
-    /// The number of the triangle at a place: half cells along the first axis, four for each along half the square, then
-    /// cells along the second one.
+    /// The number of the triangle at a place: half cells along the first axis, four times those of half the square, for
+    /// each cell along the second one.
     pub(in crate::reel) fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
         // From the corner of the square on: numbers without a sign are divided faster.
         let [x, y] = [x, y].map(|along| (i32::from(along) + 3 * self.half) as u32);

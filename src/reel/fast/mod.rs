@@ -1,13 +1,14 @@
 //! The fast coding: for weak machines, and for more points than there is time for.
 //!
 //! How it works: a mask is one symbol, in the context of the mask above it ([`masks`]). A value is foretold by its
-//! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]); what it is off by is one symbol
-//! of the one table of its stream, which says in which range each number is, and bits that stand for themselves
-//! ([`ranges`]). So there is no context to be found, no neighbour, no branch that nobody can guess, and all work but the
+//! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]). What it is off by is one
+//! symbol of the one table of its stream, which says in which range each number is, and bits that stand for themselves
+//! ([`ranges`]). So there is no context to be found, no neighbour, no branch that nobody can guess. All work but the
 //! symbols goes on in lanes: the eight children that a node may have are written at once, and those that it has not are
 //! overwritten by the next. What is read goes from step to step in [`blocks`] that stay in the cache of a core.
 //!
-//! When it wins: in time, by three to four times. What it costs: a fifth to a half more bits than the compact coding.
+//! When it wins: in time, by six times, geometry alone by twelve. What it costs: up to a half more bits than the
+//! compact coding.
 
 mod blocks;
 mod colors;

@@ -1,4 +1,4 @@
-//! The nodes of a level as the fast coding has them, as a cloud: no more than their positions is worked out, colours are
+//! The nodes of a level as the fast coding has them, as a cloud: positions and unit vectors are worked out, colours
 //! handed over.
 
 use super::flat::cell_of;
