@@ -28,7 +28,7 @@ pub(in crate::reel) struct Upwards<'a> {
 /// What is told of a level before all nodes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Scale {
-    /// So many bits of numbers are told as they are.
+    /// Which ranges numbers are in: the larger, the more bits of each are told as they are.
     pub(super) shift: u32,
     /// Whether children are expected along slopes.
     has_slopes: bool,
@@ -38,8 +38,8 @@ pub(super) struct Scale {
 pub(super) trait Kind {
     type Value: Copy;
 
-    /// Numbers of that many bits are symbols of their own, about.
-    const EXACT_BITS: u32;
+    /// The shift for levels of such a mean distance.
+    fn shift(mean: u32) -> u32;
 
     /// Ranges of numbers for the shift of a level.
     fn ranges(&self, shift: u32) -> Ranges;
@@ -60,7 +60,7 @@ pub(super) trait Kind {
     /// What is to be told of a value: the symbol, and the numbers that it has ranges of.
     fn symbol(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value, shift: u32) -> (u8, [i32; NUMBERS]);
 
-    /// The largest number that is to be told of a value, were there no shift.
+    /// How much is to be told of a value.
     fn distance(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value) -> u32;
 
     /// The slopes of parents, if there are any of this kind.
@@ -159,9 +159,8 @@ fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], value
     }
     let has_slopes = sloped < flat;
     let mean = (if has_slopes { sloped } else { flat }) / told.max(1);
-    let bits = u64::BITS - mean.leading_zeros();
     Scale {
-        shift: bits.saturating_sub(K::EXACT_BITS).min(MOST_SHIFT),
+        shift: K::shift(mean as u32).min(MOST_SHIFT),
         has_slopes,
     }
 }

@@ -9,9 +9,38 @@ use super::ranges::{NUMBERS, Range, Ranges};
 use super::slopes::{OfParents, Slopes};
 use crate::reel::coder::SymbolCoder;
 
-/// Ranges of a number of steps: the least, and bits; the last is for all others.
-const RANGES: [(i32, u32); 6] = [(0, 0), (1, 1), (-2, 1), (3, 3), (-10, 3), (-512, 10)];
-const OTHERS: usize = RANGES.len() - 1;
+/// Ranges of a number of steps: the least, and bits; the last is for all others. Those for levels of which hardly
+/// anything is to be told, and those for others, which have a shift.
+const NARROW: [(i32, u32); 6] = [(0, 0), (1, 0), (-1, 0), (2, 2), (-5, 2), (-512, 10)];
+const WIDE: [(i32, u32); 6] = [(0, 0), (1, 1), (-2, 1), (3, 3), (-10, 3), (-512, 10)];
+const COUNT: usize = WIDE.len();
+const OTHERS: usize = COUNT - 1;
+
+/// Levels of a larger mean distance have wide ranges.
+const MOST_NARROW: u32 = 2;
+
+/// The range that a number of steps is in.
+#[inline(always)]
+fn range_of(steps: i32, shift: u32) -> usize {
+    let Some(shift) = shift.checked_sub(1) else {
+        return match steps {
+            0 => 0,
+            1 => 1,
+            -1 => 2,
+            2..=5 => 3,
+            -5..=-2 => 4,
+            _ => OTHERS,
+        };
+    };
+    match (steps + (1 << shift >> 1)) >> shift {
+        0 => 0,
+        1..=2 => 1,
+        -2..=-1 => 2,
+        3..=10 => 3,
+        -10..=-3 => 4,
+        _ => OTHERS,
+    }
+}
 
 /// One in each lane of a word.
 const LANES: u64 = 0x0001_0001_0001_0001;
@@ -58,19 +87,25 @@ impl Colors {
 impl Kind for Colors {
     type Value = [u8; 4];
 
-    const EXACT_BITS: u32 = 2;
+    fn shift(mean: u32) -> u32 {
+        if mean <= MOST_NARROW {
+            0
+        } else {
+            u32::BITS - mean.leading_zeros() - 1
+        }
+    }
 
     fn ranges(&self, shift: u32) -> Ranges {
-        let range = |place: usize| match (place, RANGES[place]) {
+        let (ranges, shift) = shift.checked_sub(1).map_or((NARROW, 0), |shift| (WIDE, shift));
+        let range = |place: usize| match (place, ranges[place]) {
             (OTHERS, (least, bits)) => Range { least, bits },
             (_, (least, bits)) => Range {
                 least: (least << shift) - (1 << shift >> 1),
-                bits: (bits + shift).min(10),
+                bits: bits + shift,
             },
         };
-        let count = RANGES.len();
-        let of = (0..count * count * count)
-            .map(move |symbol| [symbol % count, symbol / count % count, symbol / (count * count)].map(range));
+        let of = (0..COUNT * COUNT * COUNT)
+            .map(move |symbol| [symbol % COUNT, symbol / COUNT % COUNT, symbol / (COUNT * COUNT)].map(range));
         Ranges::new(MOVED.map(|lanes| lanes * u64::from(self.step)), LANES << 15, of)
     }
 
@@ -107,16 +142,8 @@ impl Kind for Colors {
     #[inline(always)]
     fn symbol(&self, parent: [u8; 4], slope: [i16; 4], value: [u8; 4], shift: u32) -> (u8, [i32; NUMBERS]) {
         let steps = self.steps(parent, slope, value);
-        let kinds = steps.map(|steps| match (steps + (1 << shift >> 1)) >> shift {
-            0 => 0,
-            1..=2 => 1,
-            -2..=-1 => 2,
-            3..=10 => 3,
-            -10..=-3 => 4,
-            _ => OTHERS as u8,
-        });
-        let count = RANGES.len() as u8;
-        (kinds[0] + count * kinds[1] + count * count * kinds[2], steps)
+        let [green, red, blue] = steps.map(|steps| range_of(steps, shift));
+        ((green + COUNT * red + COUNT * COUNT * blue) as u8, steps)
     }
 
     #[inline(always)]

@@ -65,7 +65,9 @@ impl Normals {
 impl Kind for Normals {
     type Value = u32;
 
-    const EXACT_BITS: u32 = 3;
+    fn shift(mean: u32) -> u32 {
+        (u32::BITS - mean.leading_zeros()).saturating_sub(3)
+    }
 
     fn ranges(&self, shift: u32) -> Ranges {
         let near = (0..STEPS * STEPS).map(move |symbol| {

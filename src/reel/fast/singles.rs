@@ -34,7 +34,9 @@ struct Singles {
 impl Kind for Singles {
     type Value = [u16; 1];
 
-    const EXACT_BITS: u32 = 5;
+    fn shift(mean: u32) -> u32 {
+        (u32::BITS - mean.leading_zeros()).saturating_sub(5)
+    }
 
     fn ranges(&self, shift: u32) -> Ranges {
         let one = |range: Range| [range, Range::default(), Range::default()];

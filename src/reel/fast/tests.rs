@@ -206,7 +206,7 @@ proptest! {
     }
 }
 
-/// What changes as the siblings do takes fewer bits than what is told by the parent alone would.
+/// Where values change within families as they do between them.
 #[test]
 fn slopes_are_taken_where_they_pay() {
     let tree = Tree {
@@ -215,17 +215,22 @@ fn slopes_are_taken_where_they_pay() {
         outside: 0,
         has_points: false,
     };
-    // A ramp along x within each family of 64 cells.
-    let color = |along: usize| [40 + 24 * along as u8, 200, 9, 255];
-    let parents: Vec<[u8; 4]> = (0..512).map(|parent| color(2 * (parent & 1) + 1)).collect();
-    let mut values: Vec<[u8; 4]> = (0..4096).map(|node| color(2 * (node >> 3 & 1) + (node & 1))).collect();
-    let mut encoder = SymbolEncoder::new(1);
-    values.resize(values.len() + SLACK, [0; 4]);
-    code_colors(&mut encoder, tree.upwards(), &parents, &mut values, 1);
-    let bytes = encoder.finish();
-    let mut decoder = SymbolDecoder::new(&bytes, 1).unwrap();
-    decoder.raw(3, 0);
-    assert_eq!(decoder.raw(1, 0), 1);
-    // An eighth of the way to the sibling, of 48, is 6 of the 12 steps.
-    assert!(bytes.len() < 3 * 4096 / 2, "{}", bytes.len());
+    let has_slopes = |change: i32| {
+        let color = |along: i32| [along as u8, 200, 9, 255];
+        let side = |node: usize, axis: usize| if node >> axis & 1 == 0 { -1 } else { 1 };
+        let parents: Vec<[u8; 4]> = (0..512).map(|parent| color(128 + 24 * side(parent, 0))).collect();
+        let mut values: Vec<[u8; 4]> = (0..4096)
+            .map(|node| color(128 + 24 * side(node, 3) + change * side(node, 0)))
+            .collect();
+        values.resize(values.len() + SLACK, [0; 4]);
+        let mut encoder = SymbolEncoder::new(1);
+        code_colors(&mut encoder, tree.upwards(), &parents, &mut values, 1);
+        let bytes = encoder.finish();
+        let mut decoder = SymbolDecoder::new(&bytes, 1).unwrap();
+        decoder.raw(3, 0);
+        decoder.raw(1, 0) != 0
+    };
+    assert!(has_slopes(12));
+    assert!(!has_slopes(-12));
+    assert!(!has_slopes(0));
 }
