@@ -119,7 +119,7 @@ fn check<V: Copy + Default + PartialEq + std::fmt::Debug>(
     assert_eq!(read[..given.len()], values[..given.len()]);
     for (place, value) in changes {
         if !bytes.is_empty() {
-            bytes[place.index(bytes.len())] = *value;
+            *place.get_mut(&mut bytes) = *value;
         }
     }
     if let Ok(mut decoder) = SymbolDecoder::new(&bytes, 1) {

