@@ -4,7 +4,7 @@
 use super::ranges::{NUMBERS, Ranges};
 use super::slopes::{FLAT, OfParents, Slopes};
 use crate::reel::above::Families;
-use crate::reel::coder::SymbolCoder;
+use crate::reel::coder::{Counts, LOG_BITS, SymbolCoder};
 use crate::reel::tree::OCTANTS;
 
 /// Entries behind the nodes of a level: the eight children that a node may have are written at once.
@@ -12,6 +12,9 @@ pub(in crate::reel) const SLACK: usize = 8;
 
 /// Parents of a block, and those without parents of one.
 const PARENTS: usize = 512;
+
+/// Families that tell how the others are.
+const SAMPLES: usize = 1024;
 
 /// Bits of the shift of a level.
 const SHIFT_BITS: u32 = 3;
@@ -38,9 +41,6 @@ pub(super) struct Scale {
 pub(super) trait Kind {
     type Value: Copy;
 
-    /// The shift for levels of such a mean distance.
-    fn shift(mean: u32) -> u32;
-
     /// Ranges of numbers for the shift of a level.
     fn ranges(&self, shift: u32) -> Ranges;
 
@@ -59,9 +59,6 @@ pub(super) trait Kind {
 
     /// What is to be told of a value: the symbol, and the numbers that it has ranges of.
     fn symbol(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value, shift: u32) -> (u8, [i32; NUMBERS]);
-
-    /// How much is to be told of a value.
-    fn distance(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value) -> u32;
 
     /// The slopes of parents, if there are any of this kind.
     fn slopes<'a>(slopes: &'a mut OfParents<'_>, parents: &[Self::Value]) -> Option<&'a Slopes>;
@@ -124,45 +121,64 @@ pub(super) fn code_level<C: SymbolCoder, K: Kind>(
     *coder = own;
 }
 
-/// What takes the fewest bits, about.
+/// What takes the fewest bits, by some families of a level.
 fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Scale {
-    let (mut flat, mut sloped, mut told) = (0u64, 0u64, 0u64);
-    let mut add = |parent: K::Value, slope: [i16; 4], value: K::Value| {
-        flat += u64::from(kind.distance(parent, [0; 4], value));
-        sloped += u64::from(kind.distance(parent, slope, value));
-        told += 1;
-    };
-    let mut next = 0;
+    let samples = samples_of::<K>(upwards, parents, values);
+    let can_slope = samples.iter().any(|&(_, slope, _)| slope != [0; 4]);
+    let mut best = (u64::MAX, Scale::default());
+    for shift in 0..=MOST_SHIFT {
+        let ranges = kind.ranges(shift);
+        for has_slopes in [false, true] {
+            if has_slopes && !can_slope {
+                continue;
+            }
+            let (mut counts, mut bits) = (Counts::default(), 0);
+            for &(parent, slope, value) in &samples {
+                let slope = if has_slopes { slope } else { [0; 4] };
+                let (symbol, _) = kind.symbol(parent, slope, value, shift);
+                counts.see(symbol);
+                bits += ranges.bits(symbol);
+            }
+            let cost = counts.cost() + (bits << LOG_BITS);
+            if cost < best.0 {
+                best = (cost, Scale { shift, has_slopes });
+            }
+        }
+    }
+    best.1
+}
+
+/// A parent, the slope where its child is, and the child.
+type Sample<V> = (V, [i16; 4], V);
+
+/// What is told of about [`SAMPLES`] families, evenly spread.
+fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Vec<Sample<K::Value>> {
+    let every = (parents.len() / SAMPLES).max(1);
+    let (mut samples, mut next) = (Vec::new(), 0);
     match upwards.families {
         Families::Masks(masks) => {
             let mut of_parents = OfParents::below(upwards.masks);
             for (place, (&mask, &parent)) in masks.iter().zip(parents).enumerate() {
                 let slopes = K::slopes(&mut of_parents, parents).unwrap_or(&FLAT);
                 let count = mask.count_ones() as usize;
-                // A quarter of the families is enough.
-                if count > 1 && (place & 3 == 0 || masks.len() < PARENTS) {
-                    for (&octant, &value) in OCTANTS[usize::from(mask)][..count].iter().zip(&values[next..]) {
-                        add(parent, slopes[usize::from(octant & 7)], value);
-                    }
+                if count > 1 && place.is_multiple_of(every) {
+                    let children = OCTANTS[usize::from(mask)].iter().zip(&values[next..next + count]);
+                    samples.extend(children.map(|(&octant, &value)| (parent, slopes[usize::from(octant & 7)], value)));
                 }
                 next += count;
             }
         }
         Families::Counts(counts, _) => {
-            for (&count, &parent) in counts.iter().zip(parents) {
-                for &value in values[next..].iter().take(told_of(count as usize)) {
-                    add(parent, [0; 4], value);
+            for (place, (&count, &parent)) in counts.iter().zip(parents).enumerate() {
+                let children = &values[next..next + count as usize];
+                if children.len() > 1 && place.is_multiple_of(every) {
+                    samples.extend(children.iter().take(SAMPLES).map(|&value| (parent, [0; 4], value)));
                 }
-                next += count as usize;
+                next += children.len();
             }
         }
     }
-    let has_slopes = sloped < flat;
-    let mean = (if has_slopes { sloped } else { flat }) / told.max(1);
-    Scale {
-        shift: K::shift(mean as u32).min(MOST_SHIFT),
-        has_slopes,
-    }
+    samples
 }
 
 /// A level while it is coded.
@@ -227,13 +243,7 @@ impl<K: Kind> Level<'_, K> {
             } else {
                 None
             };
-            let of_octants;
-            let slopes = if let Some(slopes) = slopes {
-                of_octants = OCTANTS[usize::from(mask)].map(|octant| slopes[usize::from(octant & 7)]);
-                Some(&of_octants)
-            } else {
-                None
-            };
+            let slopes = slopes.map(|of| OCTANTS[usize::from(mask)].map(|octant| of[usize::from(octant & 7)]));
             let count = mask.count_ones() as usize;
             // Eight at a time, however many there are: nobody can guess that.
             let (Some(words), Some(below)) = (
@@ -242,7 +252,7 @@ impl<K: Kind> Level<'_, K> {
             ) else {
                 break;
             };
-            self.kind.eight_below(parent, count > 1, slopes, words, below);
+            self.kind.eight_below(parent, count > 1, slopes.as_ref(), words, below);
             next += count;
             told += told_of(count);
         }

@@ -16,9 +16,6 @@ const WIDE: [(i32, u32); 6] = [(0, 0), (1, 1), (-2, 1), (3, 3), (-10, 3), (-512,
 const COUNT: usize = WIDE.len();
 const OTHERS: usize = COUNT - 1;
 
-/// Levels of a larger mean distance have wide ranges.
-const MOST_NARROW: u32 = 2;
-
 /// The range that a number of steps is in.
 #[inline(always)]
 fn range_of(steps: i32, shift: u32) -> usize {
@@ -87,14 +84,6 @@ impl Colors {
 impl Kind for Colors {
     type Value = [u8; 4];
 
-    fn shift(mean: u32) -> u32 {
-        if mean <= MOST_NARROW {
-            0
-        } else {
-            u32::BITS - mean.leading_zeros() - 1
-        }
-    }
-
     fn ranges(&self, shift: u32) -> Ranges {
         let (ranges, shift) = shift.checked_sub(1).map_or((NARROW, 0), |shift| (WIDE, shift));
         let range = |place: usize| match (place, ranges[place]) {
@@ -144,12 +133,6 @@ impl Kind for Colors {
         let steps = self.steps(parent, slope, value);
         let [green, red, blue] = steps.map(|steps| range_of(steps, shift));
         ((green + COUNT * red + COUNT * COUNT * blue) as u8, steps)
-    }
-
-    #[inline(always)]
-    fn distance(&self, parent: [u8; 4], slope: [i16; 4], value: [u8; 4]) -> u32 {
-        let steps = self.steps(parent, slope, value);
-        steps.iter().map(|steps| steps.unsigned_abs()).sum::<u32>()
     }
 
     #[inline(always)]

@@ -65,10 +65,6 @@ impl Normals {
 impl Kind for Normals {
     type Value = u32;
 
-    fn shift(mean: u32) -> u32 {
-        (u32::BITS - mean.leading_zeros()).saturating_sub(3)
-    }
-
     fn ranges(&self, shift: u32) -> Ranges {
         let near = (0..STEPS * STEPS).map(move |symbol| {
             let along = |step: i32, axis: usize| Range {
@@ -118,15 +114,6 @@ impl Kind for Normals {
         }
         let symbol = (first + MOST_STEP) + STEPS * (second + MOST_STEP);
         (symbol as u8, [along, across, 0])
-    }
-
-    #[inline(always)]
-    fn distance(&self, parent: u32, _: [i16; 4], normal: u32) -> u32 {
-        if normal & NO_NORMAL != 0 {
-            return 0;
-        }
-        let [first, second] = self.steps(parent, normal).map(i32::unsigned_abs);
-        first.max(second)
     }
 
     #[inline(always)]

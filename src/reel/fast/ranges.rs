@@ -11,7 +11,7 @@ use crate::reel::coder::SymbolCoder;
 /// Numbers that a symbol may have ranges of.
 pub(super) const NUMBERS: usize = 3;
 
-/// The range of a number: its least one, and how many bits tell those in it.
+/// The range of a number: its least one, and how many bits tell those in it, of the first two numbers at most 16.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Range {
     pub(super) least: i32,
@@ -63,6 +63,11 @@ impl Ranges {
             flipped,
             least,
         }
+    }
+
+    /// How many bits follow a symbol.
+    pub(super) fn bits(&self, symbol: u8) -> u64 {
+        u64::from(self.symbols[usize::from(symbol)].bits)
     }
 
     /// The word of a symbol that was read.

@@ -34,19 +34,16 @@ struct Singles {
 impl Kind for Singles {
     type Value = [u16; 1];
 
-    fn shift(mean: u32) -> u32 {
-        (u32::BITS - mean.leading_zeros()).saturating_sub(5)
-    }
-
     fn ranges(&self, shift: u32) -> Ranges {
-        let one = |range: Range| [range, Range::default(), Range::default()];
+        // The third number may have more bits than the others.
+        let one = |range: Range| [Range::default(), Range::default(), range];
         let near = (-MOST..=MOST).map(move |difference| {
             one(Range {
                 least: (difference << shift) - (1 << shift >> 1),
                 bits: shift,
             })
         });
-        Ranges::new([1, 0, 0], 0, near.chain(std::iter::once(one(FAR_RANGE))))
+        Ranges::new([0, 0, 1], 0, near.chain(std::iter::once(one(FAR_RANGE))))
     }
 
     #[inline(always)]
@@ -77,12 +74,7 @@ impl Kind for Singles {
         let difference = i32::from(value) - i32::from(parent);
         let near = (difference + (1 << shift >> 1)) >> shift;
         let symbol = if near.abs() <= MOST { (near + MOST) as u8 } else { FAR };
-        (symbol, [difference, 0, 0])
-    }
-
-    #[inline(always)]
-    fn distance(&self, [parent]: [u16; 1], _: [i16; 4], [value]: [u16; 1]) -> u32 {
-        u32::from(value.abs_diff(parent))
+        (symbol, [0, 0, difference])
     }
 
     #[inline(always)]
