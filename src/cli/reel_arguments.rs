@@ -36,7 +36,7 @@ pub(super) struct ReelArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     keyframes: Option<u32>,
 
-    /// Few bits, or fast to decode, for weak machines: twice as fast or more at 1.05 to 1.4 times the bits [default:
+    /// Few bits, or fast to decode, for weak machines: six times as fast or more at 1.1 to 1.5 times the bits [default:
     /// compact]
     #[arg(long, value_name = "WHAT")]
     coding: Option<ReelCoding>,

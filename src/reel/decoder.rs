@@ -139,17 +139,17 @@ impl Reading<'_> {
             last.group == self.group.index && last.sections == sections && (key..=place).contains(&last.place)
         });
         if key == place {
-            let mut pose = self.pose(place)?;
             let is_followed = frames.get(place + 1).is_some_and(|next| next.is_moved);
+            let mut pose = self.pose(place, is_followed)?;
             let followed = is_followed.then(|| Followed::of(schema, grid, &pose)).flatten();
             *last = followed.map(|followed| self.last(place, followed));
-            pose.levels.truncate(levels);
-            return Ok(cloud_of(schema, grid, grid.depth, &pose, &frame.scalar_offsets));
+            pose.truncate(levels);
+            return Ok(cloud_of(schema, grid, pose, &frame.scalar_offsets));
         }
         let (mut followed, from) = if let Some(last) = known {
             (last.followed, last.place)
         } else {
-            let followed = Followed::of(schema, grid, &self.pose(key)?);
+            let followed = Followed::of(schema, grid, &self.pose(key, true)?);
             let unfollowed = || self.fault(place, Fault::new("it moves a frame that keeps every bit"));
             (followed.ok_or_else(unfollowed)?, key)
         };
@@ -167,8 +167,8 @@ impl Reading<'_> {
         Ok(cloud)
     }
 
-    /// A frame that stands alone, as whole numbers.
-    fn pose(&self, place: usize) -> Result<Pose, ReelError> {
+    /// A frame that stands alone, as whole numbers; with the values of all levels, or at least of the last one.
+    fn pose(&self, place: usize, keeps_levels: bool) -> Result<Pose, ReelError> {
         let sections = self.sections(place)?;
         let frame = &self.group.directory.frames[place];
         let wanted = Wanted {
@@ -176,6 +176,7 @@ impl Reading<'_> {
             grid: &self.group.directory.grid,
             counts: &frame.counts,
             points: frame.points,
+            keeps_levels,
         };
         decode_pose(&wanted, &sections).map_err(|fault| self.fault(place, fault))
     }

@@ -7,8 +7,8 @@
 //! coarser frame. Where it is asked for, coordinates follow below the cells, to any precision or to the last bit.
 //! Values are foretold by the level above, and coded as symbols by tables that stand ahead. The masks are coded by an
 //! adaptive binary range coder; what a bit is expected to be comes from the nodes around that are known already
-//! ([`Coding::Compact`]). Or by tables as well, which takes a fraction of the time ([`Coding::Fast`]). Frames that are
-//! told by the one before are coded bit by bit.
+//! ([`Coding::Compact`]). Or by tables as well, with values that are foretold by their parents alone, which takes a
+//! fraction of the time ([`Coding::Fast`]). Frames that are told by the one before are coded bit by bit.
 //!
 //! ```text
 //! clouds ── frame::prepare ─► levels of whole numbers ── tree, attributes ─► streams ── file ─► chunks

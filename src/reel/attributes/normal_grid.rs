@@ -19,7 +19,8 @@ pub(in crate::reel) struct NormalGrid {
     half: i32,
     /// The place of each index, in thirds of a cell from the middle.
     places: Vec<[i16; 2]>,
-    /// The unit vector of each place, cells row by row and their halves; and the same in 1024ths.
+    /// The place of each triangle, cells row by row and their halves; its unit vector, and that in 1024ths.
+    by_cell: Vec<[i16; 2]>,
     units: Vec<glam::Vec3>,
     directions: Vec<[i16; 3]>,
     /// Of the largest angle between a unit vector and what its place stands for.
@@ -40,6 +41,7 @@ impl NormalGrid {
         let mut grid = Self {
             half,
             places: Vec::with_capacity(1 << bits),
+            by_cell: vec![MISSING; 8 * (half * half) as usize],
             units: vec![glam::Vec3::ZERO; 8 * (half * half) as usize],
             directions: Vec::new(),
             least_cosine: least_cosine(bits),
@@ -48,6 +50,7 @@ impl NormalGrid {
             let place = place_of(index, level);
             let cell = grid.cell_of(place);
             grid.places.push(place);
+            grid.by_cell[cell] = place;
             grid.units[cell] = quantised_normals(bits)[index as usize];
         }
         let in_1024ths = |unit: &glam::Vec3| unit.to_array().map(|along| (along * 1024.0).round() as i16);
@@ -55,8 +58,9 @@ impl NormalGrid {
         grid
     }
 
-    /// Which of [`NormalGrid::units`] is at a place.
-    fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
+    /// The number of the triangle at a place: half cells along the first axis, four times those of half the square, for
+    /// each cell along the second one.
+    pub(in crate::reel) fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
         // From the corner of the square on: numbers without a sign are divided faster.
         let [x, y] = [x, y].map(|along| (i32::from(along) + 3 * self.half) as u32);
         2 * ((y / 3) as usize * 2 * self.half as usize + (x / 3) as usize) + usize::from(x % 3 == 2)
@@ -70,6 +74,16 @@ impl NormalGrid {
     /// The direction at a place, in 1024ths.
     pub(in crate::reel) fn direction(&self, place: [i16; 2]) -> [i16; 3] {
         self.directions[self.cell_of(place)]
+    }
+
+    /// The place of a triangle. Precondition: the number is below 8 · half².
+    pub(in crate::reel) fn place_of_cell(&self, cell: usize) -> [i16; 2] {
+        self.by_cell[cell]
+    }
+
+    /// The unit vectors of all triangles, by their number.
+    pub(in crate::reel) fn units(&self) -> &[glam::Vec3] {
+        &self.units
     }
 
     /// The unit vector at a place.
@@ -134,6 +148,7 @@ mod tests {
             assert_eq!(cells.len(), 1 << bits);
             for (index, &unit) in (0..).zip(quantised_normals(u32::from(bits))) {
                 assert_eq!(grid.unit(grid.place(index)), unit);
+                assert_eq!(grid.place_of_cell(grid.cell_of(grid.place(index))), grid.place(index));
             }
         }
     }

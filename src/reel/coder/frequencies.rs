@@ -17,7 +17,7 @@ pub(in crate::reel) const SCALE: u32 = 1 << SCALE_BITS;
 const MOST_FREQUENT: u32 = SCALE - 8;
 
 /// Bits of a logarithm behind the point.
-const LOG_BITS: u32 = 16;
+pub(in crate::reel) const LOG_BITS: u32 = 16;
 
 /// What a symbol of a table takes in a file, and a table beside its symbols, about, in 2⁻¹⁶ bits.
 const SYMBOL_COST: u64 = 5 << LOG_BITS;

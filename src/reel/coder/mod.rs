@@ -16,6 +16,7 @@ mod reciprocal;
 mod symbols;
 
 pub(super) use bit_model::BitModel;
+pub(super) use frequencies::{Counts, LOG_BITS};
 pub(super) use mixer::Mixer;
 pub(super) use number::{MagnitudeModel, RestModels};
 pub(super) use range::{BitCoder, RangeDecoder, RangeEncoder};

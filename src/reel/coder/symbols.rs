@@ -40,6 +40,9 @@ pub(in crate::reel) trait SymbolCoder: Default {
     /// Codes symbols of which all contexts are known, the states in turns.
     fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]);
 
+    /// Codes symbols of the first context, the states in turns.
+    fn plain(&mut self, symbols: &mut [u8]);
+
     /// Codes the lowest bits of a number, at most 32, as they are.
     fn raw(&mut self, bits: u32, value: u32) -> u32;
 }
@@ -152,6 +155,12 @@ impl SymbolCoder for SymbolEncoder {
     fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]) {
         for (place, (&context, &mut symbol)) in contexts.iter().zip(symbols).enumerate() {
             self.symbol(place % LANES, usize::from(context), symbol);
+        }
+    }
+
+    fn plain(&mut self, symbols: &mut [u8]) {
+        for (place, &mut symbol) in symbols.iter_mut().enumerate() {
+            self.symbol(place % LANES, 0, symbol);
         }
     }
 
@@ -296,6 +305,34 @@ impl SymbolCoder for SymbolDecoder<'_> {
     }
 
     #[inline(always)]
+    fn plain(&mut self, symbols: &mut [u8]) {
+        let start = self.tables[0] as usize;
+        let Some(Ok(slots)) = self.slots.get(start..start + SCALE as usize).map(TryInto::try_into) else {
+            return;
+        };
+        let slots: &[u32; SCALE as usize] = slots;
+        let [mut a, mut b, mut c, mut d] = self.states;
+        let (mut next, words) = (self.next, self.words);
+        let mut one = |state: &mut u32, symbol: &mut u8| {
+            let count;
+            (*symbol, *state, count) = step(slots, 0, *state, words.get(next));
+            next += count;
+        };
+        let (symbols, last_symbols) = symbols.as_chunks_mut::<LANES>();
+        for symbols in symbols {
+            one(&mut a, &mut symbols[0]);
+            one(&mut b, &mut symbols[1]);
+            one(&mut c, &mut symbols[2]);
+            one(&mut d, &mut symbols[3]);
+        }
+        for (state, symbol) in [&mut a, &mut b, &mut c].into_iter().zip(last_symbols) {
+            one(state, symbol);
+        }
+        self.states = [a, b, c, d];
+        self.next = next;
+    }
+
+    #[inline(always)]
     fn raw(&mut self, bits: u32, _: u32) -> u32 {
         self.raw.read(bits)
     }
@@ -308,7 +345,8 @@ mod tests {
 
     const CONTEXTS: usize = 30;
 
-    /// What is coded: a symbol by a context; several, of this context and those behind it; or so many bits.
+    /// What is coded: a symbol by a context; several, of this context and those behind it; several of the first one; or
+    /// so many bits.
     type Coded = (u8, usize, u32);
 
     /// What a decoder has to find.
@@ -324,6 +362,16 @@ mod tests {
                     symbols.fill(0);
                 }
                 coder.symbols(&contexts, &mut symbols);
+                symbols.into_iter().map(u32::from).collect()
+            }
+            3 => {
+                let mut symbols: Vec<u8> = (0..context as u8)
+                    .map(|place| place.wrapping_mul(value as u8))
+                    .collect();
+                if C::DECODES {
+                    symbols.fill(0);
+                }
+                coder.plain(&mut symbols);
                 symbols.into_iter().map(u32::from).collect()
             }
             _ => vec![coder.raw(context as u32, value & ((1 << context) - 1))],
@@ -342,6 +390,7 @@ mod tests {
             6 => (Just(0), 0..3usize, 0..3u32),
             3 => (Just(1), 0..CONTEXTS, 0..256u32),
             3 => (Just(2), 0..CONTEXTS, any::<u32>()),
+            3 => (Just(3), 0..CONTEXTS, 0..256u32),
         ]
     }
 

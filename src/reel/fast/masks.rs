@@ -1,7 +1,7 @@
 //! The masks of a level as symbols, each in the context of its parent's mask as it is seen from it.
 
-use super::views::{SEEN, UNSEEN, VIEW, VIEWS};
-use crate::reel::coder::{LANES, SymbolCoder};
+use super::views::{BELOW, SEEN, UNSEEN, VIEWS};
+use crate::reel::coder::SymbolCoder;
 
 /// Contexts of masks.
 pub(in crate::reel) const MASK_CONTEXTS: usize = VIEWS;
@@ -13,25 +13,33 @@ pub(in crate::reel) const ABOVE_ROOT: u8 = 1;
 /// have octants.
 #[inline(always)]
 pub(in crate::reel) fn code_masks<C: SymbolCoder>(coder: &mut C, above: &[u8], masks: &mut [u8]) {
-    // Not behind a reference: what it keeps stays in registers.
-    let mut own = std::mem::take(coder);
-    let mut masks = masks.iter_mut().enumerate();
+    // Eight at a time, however many there are: nobody can guess that.
+    let mut contexts = vec![0; masks.len() + 8];
+    let mut symmetries = vec![0; masks.len() + 8];
+    let mut next = 0;
     for &parent in above {
-        let views = &VIEW[usize::from(parent)];
-        let mut octants = parent;
-        while octants != 0
-            && let Some((node, mask)) = masks.next()
-        {
-            let view = views[octants.trailing_zeros() as usize];
-            octants &= octants - 1;
-            let symmetry = usize::from(view.symmetry);
-            let seen = own.symbol(
-                node % LANES,
-                usize::from(view.context),
-                SEEN[symmetry][usize::from(*mask)],
-            );
-            *mask = UNSEEN[symmetry][usize::from(seen)];
+        let (Some(context), Some(symmetry)) = (
+            contexts.get_mut(next..).and_then(<[u8]>::first_chunk_mut),
+            symmetries.get_mut(next..).and_then(<[u8]>::first_chunk_mut),
+        ) else {
+            break;
+        };
+        [*context, *symmetry] = BELOW[usize::from(parent)];
+        next += parent.count_ones() as usize;
+    }
+    // No symmetry is behind the last one.
+    let symmetry = |of: &u8| usize::from(*of) % SEEN.len();
+    if !C::DECODES {
+        for (mask, of) in masks.iter_mut().zip(&symmetries) {
+            *mask = SEEN[symmetry(of)][usize::from(*mask)];
         }
     }
+    contexts.truncate(masks.len());
+    // Not behind a reference: what it keeps stays in registers.
+    let mut own = std::mem::take(coder);
+    own.symbols(&contexts, masks);
     *coder = own;
+    for (mask, of) in masks.iter_mut().zip(&symmetries) {
+        *mask = UNSEEN[symmetry(of)][usize::from(*mask)];
+    }
 }

@@ -1,10 +1,30 @@
-//! The geometry of the fast coding: a mask is one symbol, in the context of the mask above it ([`masks`]), by tables
-//! ahead of them ([`super::coder::SymbolCoder`]).
+//! The fast coding: for weak machines, and for more points than there is time for.
 //!
-//! When it wins: playing on weak machines. There is no chain from bit to bit, and no neighbour is searched. What it
-//! costs: an eighth more bits than the compact coding for what is sampled evenly, up to a half for others.
+//! How it works: a mask is one symbol, in the context of the mask above it ([`masks`]). A value is foretold by its
+//! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]). What it is off by is one
+//! symbol of the one table of its stream, which says in which range each number is, and bits that stand for themselves
+//! ([`ranges`]). So there is no context to be found, no neighbour, no branch that nobody can guess. All work but the
+//! symbols goes on in lanes: the eight children that a node may have are written at once, and those that it has not are
+//! overwritten by the next. What is read goes from step to step in [`blocks`] that stay in the cache of a core.
+//!
+//! When it wins: in time, by six times, geometry alone by twelve. What it costs: up to a half more bits than the
+//! compact coding.
 
+mod blocks;
+mod colors;
 mod masks;
+mod normals;
+mod offsets;
+mod ranges;
+mod singles;
+mod slopes;
+#[cfg(test)]
+mod tests;
 mod views;
 
+pub(super) use blocks::{SLACK, Upwards};
+pub(super) use colors::code_colors;
 pub(super) use masks::{ABOVE_ROOT, MASK_CONTEXTS, code_masks};
+pub(super) use normals::{NO_NORMAL, code_normals};
+pub(super) use offsets::code_offsets;
+pub(super) use singles::code_singles;

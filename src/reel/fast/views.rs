@@ -15,11 +15,11 @@ const SYMMETRIES: usize = 48;
 
 /// How a mask is seen from an octant.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct View {
+struct View {
     /// Which of the masks that are the least of their kind.
-    pub(super) context: u8,
+    context: u8,
     /// The symmetry that makes it that.
-    pub(super) symmetry: u8,
+    symmetry: u8,
 }
 
 /// Where a symmetry brings an octant: mirrored by the lowest three bits, the axes ordered by the others.
@@ -53,7 +53,28 @@ const BOTH: ([[u8; 256]; SYMMETRIES], [[u8; 256]; SYMMETRIES]) = {
 };
 
 /// `VIEW[m][o]`: how a mask is seen from an octant in it.
-pub(super) static VIEW: [[View; 8]; 256] = views();
+const VIEW: [[View; 8]; 256] = views();
+
+/// `BELOW[m]`: the contexts of the nodes in the octants of a mask, one after the other, and their symmetries.
+pub(super) static BELOW: [[[u8; 8]; 2]; 256] = below();
+
+const fn below() -> [[[u8; 8]; 2]; 256] {
+    let mut table = [[[0; 8]; 2]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let mut octants: usize = mask;
+        let mut place = 0;
+        while octants != 0 {
+            let view = VIEW[mask][octants.trailing_zeros() as usize];
+            table[mask][0][place] = view.context;
+            table[mask][1][place] = view.symmetry;
+            octants &= octants - 1;
+            place += 1;
+        }
+        mask += 1;
+    }
+    table
+}
 
 const fn views() -> [[View; 8]; 256] {
     let mut least = [[(0u8, 0u8); 8]; 256];

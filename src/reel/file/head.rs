@@ -4,7 +4,7 @@ use super::bytes::{ByteReader, ByteWriter};
 use crate::reel::error::Fault;
 
 /// Versions with another first number cannot be read; a higher second one adds what may be passed over.
-pub(in crate::reel) const VERSION: [u16; 2] = [3, 0];
+pub(in crate::reel) const VERSION: [u16; 2] = [3, 1];
 
 /// Bytes before the first chunk.
 pub(in crate::reel) const MAGIC_AND_VERSION_BYTES: usize = 12;

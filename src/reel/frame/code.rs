@@ -28,7 +28,8 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
     sections
 }
 
-/// A pose from its first sections.
+/// A pose from its first sections. Of the fast coding the values of fine levels are there if `keeps_levels`, and else
+/// as [`Pose::flat`] those of the last one.
 pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection]) -> Result<Pose, Fault> {
     let levels = sections.iter().map(|section| section.levels.end).max().unwrap_or(0);
     let counts = wanted
@@ -37,41 +38,46 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
         .ok_or_else(|| Fault::new("a section of levels that there are not"))?;
     let ranges = ranges_of(sections);
     let has_points = ranges.len() < sections.len();
-    let mut pose = blank(wanted, counts, has_points);
     let sizes = Sizes {
         counts,
         ranges: &ranges,
     };
+    let is_kept = |level: usize| !wanted.schema.is_flat || wanted.keeps_levels || sizes.section_of(level) == 0;
+    let mut pose = blank(wanted, counts, has_points, is_kept);
     streams::decode(wanted, &mut pose, sizes, sections)?;
     Ok(pose)
 }
 
 /// A pose with room for what will be decoded.
-fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool) -> Pose {
+fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_kept: impl Fn(usize) -> bool) -> Pose {
     let schema = wanted.schema;
     let deepest = wanted.counts.len().saturating_sub(1);
-    let values = |count: usize, is_deepest: bool| LevelValues {
+    let values = |count: usize, offsets: usize| LevelValues {
         colors: vec![[0; 3]; if schema.color_step > 0 { count } else { 0 }],
         normals: vec![[1; 2]; if schema.normal_bits > 0 { count } else { 0 }],
-        offsets: vec![0; if schema.offset_bits > 0 && is_deepest { count } else { 0 }],
+        offsets: vec![0; if schema.offset_bits > 0 { offsets } else { 0 }],
         singles: vec![vec![[0]; count]; schema.singles()],
     };
     let levels = counts.iter().enumerate().map(|(level, &count)| Level {
         masks: vec![0; if level + 1 < counts.len() { count } else { 0 }],
         cells: Vec::new(),
-        values: values(count, level == deepest),
+        values: values(
+            if is_kept(level) { count } else { 0 },
+            if level == deepest { count } else { 0 },
+        ),
     });
     let [placed, outside] = wanted.points;
     let points = has_points.then(|| PosePoints {
         counts: vec![0; wanted.counts.last().copied().unwrap_or(0)],
         below: vec![[0; 3]; placed],
         outside: vec![[0; 3]; outside],
-        values: values(placed + outside, false),
+        values: values(placed + outside, 0),
         columns: vec![vec![0; placed + outside]; columns_of(schema).map(|(_, count)| count).sum()],
         order: vec![0; if schema.has_order { placed + outside } else { 0 }],
     });
     Pose {
         levels: levels.collect(),
         points,
+        flat: None,
     }
 }

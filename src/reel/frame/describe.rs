@@ -3,7 +3,7 @@
 use super::floats::Lattice;
 use super::schema::{Kept, ScalarSchema, Schema, Values};
 use crate::cloud::{Positions, RawCloud};
-use crate::reel::options::{Precision, ReelOptions};
+use crate::reel::options::{Coding, Precision, ReelOptions};
 use glam::Vec3;
 
 /// The schema of a cloud of a group, of which scalars share their steps.
@@ -33,6 +33,7 @@ pub(super) fn schema(
     let is_sampled = options.precision == Precision::SamplingDensity;
     Schema {
         coding: options.coding,
+        is_flat: options.coding == Coding::Fast,
         is_double: matches!(cloud.positions, Positions::F64(_)),
         kept,
         lattice,

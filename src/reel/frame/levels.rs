@@ -23,6 +23,17 @@ pub(in crate::reel) struct LevelValues {
     pub(in crate::reel) singles: Vec<Vec<[u16; 1]>>,
 }
 
+/// Attributes of the last nodes of a frame, or of its points.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(in crate::reel) struct FlatValues {
+    /// Red, green, blue and 255.
+    pub(super) colors: Vec<[u8; 4]>,
+    /// Triangles, each of half cells and, from bit 16 on, of cells; or [`NO_NORMAL`](crate::reel::fast::NO_NORMAL).
+    pub(super) normals: Vec<u32>,
+    /// Alpha, radius, scalars: those that there are.
+    pub(super) singles: Vec<Vec<[u16; 1]>>,
+}
+
 /// Points that are kept one by one, in the order of their cells.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::reel) struct PosePoints {
@@ -51,4 +62,16 @@ pub(in crate::reel) struct Pose {
     /// From the root down.
     pub(in crate::reel) levels: Vec<Level>,
     pub(in crate::reel) points: Option<PosePoints>,
+    /// Attributes of the last level, or of the points, if they were read by the fast coding.
+    pub(in crate::reel) flat: Option<FlatValues>,
+}
+
+impl Pose {
+    /// Leaves the first levels alone.
+    pub(in crate::reel) fn truncate(&mut self, levels: usize) {
+        if levels < self.levels.len() {
+            self.levels.truncate(levels);
+            self.flat = None;
+        }
+    }
 }

@@ -3,7 +3,9 @@
 mod code;
 mod columns;
 mod describe;
+mod drawn;
 mod exact;
+mod flat;
 mod floats;
 mod geometry;
 mod grid;

@@ -1,5 +1,6 @@
 //! Levels of whole numbers as a cloud.
 
+use super::drawn::DrawnNodes;
 use super::grid::Grid;
 use super::levels::{LevelValues, Pose};
 use super::schema::{Kept, Schema, StreamKind, Values};
@@ -14,10 +15,39 @@ const CLOSING: f64 = 0.87;
 
 /// The cloud of a pose: of its points if they are there, or else of the nodes of its last level. Scalars have the
 /// offsets given.
-pub(in crate::reel) fn cloud_of(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets: &[f64]) -> RawCloud {
-    match &pose.points {
-        Some(_) => cloud_of_points(schema, grid, pose, offsets),
-        None => cloud_of_nodes(schema, grid, depth, pose, offsets),
+pub(in crate::reel) fn cloud_of(schema: &Schema, grid: &Grid, mut pose: Pose, offsets: &[f64]) -> RawCloud {
+    match (&pose.points, pose.flat.take(), pose.levels.last()) {
+        (Some(_), ..) => cloud_of_points(schema, grid, &pose, offsets),
+        (None, Some(flat), Some(last)) => {
+            let level = pose.levels.len() as u32 - 1;
+            let mut cloud = RawCloud::from_positions(Positions::F32(Vec::new()));
+            fill_singles(schema, grid, &flat.singles, &mut cloud, offsets);
+            let nodes = DrawnNodes {
+                schema,
+                grid,
+                level,
+                cells: &last.cells,
+                offsets: &last.values.offsets,
+            };
+            nodes.fill(flat, &mut cloud);
+            close(&mut cloud, closing_edge(schema, grid, level));
+            cloud
+        }
+        _ => cloud_of_nodes(schema, grid, &pose, offsets),
+    }
+}
+
+/// Edge of the cells that the disks of a level have to close, where points have none of their own. The cells of a whole
+/// frame are as fine as its densest part: disks of their size would leave gaps in others.
+fn closing_edge(schema: &Schema, grid: &Grid, level: u32) -> Option<f64> {
+    let needs_closing = level < grid.depth || schema.kept != Kept::Merged;
+    needs_closing.then_some(grid.edge(level))
+}
+
+/// Gives points disks that close cells.
+fn close(cloud: &mut RawCloud, edge: Option<f64>) {
+    if let Some(edge) = edge {
+        cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; cloud.positions.len()]);
     }
 }
 
@@ -38,13 +68,11 @@ pub(super) fn cloud_of_places(
 ) -> RawCloud {
     let mut cloud = RawCloud::from_positions(positions(schema, points.at));
     fill(schema, grid, points.values, &mut cloud, offsets);
-    if let Some(edge) = points.closing_edge {
-        cloud.attributes.radii = Some(vec![(CLOSING * edge) as f32; cloud.positions.len()]);
-    }
+    close(&mut cloud, points.closing_edge);
     cloud
 }
 
-fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets: &[f64]) -> RawCloud {
+fn cloud_of_nodes(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -> RawCloud {
     let level = pose.levels.len().saturating_sub(1) as u32;
     let Some(of_level) = pose.levels.last() else {
         return RawCloud::from_positions(positions(schema, std::iter::empty()));
@@ -63,12 +91,10 @@ fn cloud_of_nodes(schema: &Schema, grid: &Grid, depth: u32, pose: &Pose, offsets
         .cells
         .iter()
         .map(|&cell| grid.middle(level, morton::decode(cell)));
-    // The cells of a whole frame are as fine as its densest part: disks of their size would leave gaps in others.
-    let needs_closing = level < depth || schema.kept != Kept::Merged;
     let places = Places {
         values,
         at: middles.enumerate().map(|(node, middle)| middle + lifted(node)),
-        closing_edge: needs_closing.then_some(edge),
+        closing_edge: closing_edge(schema, grid, level),
     };
     cloud_of_places(schema, grid, places, offsets)
 }
@@ -110,8 +136,14 @@ fn fill(schema: &Schema, grid: &Grid, values: &LevelValues, cloud: &mut RawCloud
         };
         attributes.normals = Some(values.normals.iter().map(unit).collect());
     }
+    fill_singles(schema, grid, &values.singles, cloud, offsets);
+}
+
+/// Radii and scalars.
+fn fill_singles(schema: &Schema, grid: &Grid, singles: &[Vec<[u16; 1]>], cloud: &mut RawCloud, offsets: &[f64]) {
+    let attributes = &mut cloud.attributes;
     let first_scalar = schema.singles() - schema.scalars.len();
-    for (single, codes) in values.singles.iter().enumerate() {
+    for (single, codes) in singles.iter().enumerate() {
         match schema.stream_of_single(single) {
             StreamKind::Radius => {
                 let radius = |code: &[u16; 1]| (radius_edges(code[0]) * grid.cell) as f32;

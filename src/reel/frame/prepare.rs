@@ -311,5 +311,9 @@ pub(in crate::reel) fn prepare(plan: &GroupPlan, frame: usize, cloud: &RawCloud)
             order: if schema.has_order { all } else { Vec::new() },
         }
     });
-    Pose { levels, points }
+    Pose {
+        levels,
+        points,
+        flat: None,
+    }
 }

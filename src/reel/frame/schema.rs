@@ -139,7 +139,10 @@ impl ScalarSchema {
 #[expect(clippy::struct_excessive_bools, reason = "each is a bit of the file")]
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct Schema {
+    /// How geometry is coded.
     pub(in crate::reel) coding: Coding,
+    /// Whether values are foretold by their parents alone: those of the fast coding, but in files of version 3.0.
+    pub(in crate::reel) is_flat: bool,
     /// Whether coordinates are of double precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) kept: Kept,
@@ -175,6 +178,7 @@ impl Schema {
             self.has_exact_scalars,
             self.coding == Coding::Fast,
             self.lattice.is_some(),
+            self.is_flat,
         ];
         let bits = flags
             .iter()
@@ -204,8 +208,10 @@ impl Schema {
 
     pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
         let bits = reader.number()?;
-        if bits >= 1 << 11 {
-            return Err(Fault::new(format!("attributes of unknown kinds ({bits:#b})")));
+        if bits >= 1 << 12 {
+            return Err(Fault::new(format!(
+                "attributes of kinds that only a later version of pointreel knows ({bits:#b}): update it"
+            )));
         }
         let flag = |bit: u32| bits >> bit & 1 != 0;
         let kept = match reader.byte()? {
@@ -239,6 +245,7 @@ impl Schema {
         }
         Ok(Self {
             coding: if flag(9) { Coding::Fast } else { Coding::Compact },
+            is_flat: flag(11),
             is_double: flag(0),
             kept,
             lattice,

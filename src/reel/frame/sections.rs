@@ -60,6 +60,8 @@ pub(in crate::reel) struct Wanted<'a> {
     pub(in crate::reel) counts: &'a [usize],
     /// Points that are kept one by one, in cells and outside.
     pub(in crate::reel) points: [usize; 2],
+    /// Whether the values of all levels are, and not those of the last one alone.
+    pub(in crate::reel) keeps_levels: bool,
 }
 
 /// How many nodes each level has, and which levels each section adds.

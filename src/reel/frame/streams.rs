@@ -6,6 +6,7 @@
 
 use super::columns::code_order;
 use super::exact::{code_columns, code_positions, columns_by_kind, columns_of};
+use super::flat::code_flat;
 use super::geometry;
 use super::grid::Grid;
 use super::levels::{Level, Pose};
@@ -30,13 +31,15 @@ struct SymbolPart {
 
 /// Parts of symbols that a frame has.
 fn symbol_parts(schema: &Schema) -> Vec<SymbolPart> {
+    let of_values = |contexts: usize| if schema.is_flat { 1 } else { contexts };
     let others = [
         (schema.coding == Coding::Fast, StreamKind::Geometry, MASK_CONTEXTS),
-        (schema.color_step > 0, StreamKind::Color, CHANNEL_CONTEXTS),
-        (schema.normal_bits > 0, StreamKind::Normal, NORMAL_CONTEXTS),
-        (schema.offset_bits > 0, StreamKind::Offset, OFFSET_CONTEXTS),
+        (schema.color_step > 0, StreamKind::Color, of_values(CHANNEL_CONTEXTS)),
+        (schema.normal_bits > 0, StreamKind::Normal, of_values(NORMAL_CONTEXTS)),
+        (schema.offset_bits > 0, StreamKind::Offset, of_values(OFFSET_CONTEXTS)),
     ];
-    let singles = (0..schema.singles()).map(|single| (true, schema.stream_of_single(single), CHANNEL_CONTEXTS));
+    let of_singles = of_values(CHANNEL_CONTEXTS);
+    let singles = (0..schema.singles()).map(|single| (true, schema.stream_of_single(single), of_singles));
     let all = others.into_iter().chain(singles).filter(|(is_there, ..)| *is_there);
     all.map(|(_, kind, contexts)| SymbolPart { kind, contexts }).collect()
 }
@@ -232,7 +235,13 @@ fn code<D: Direction, B: BitCoder>(
         }
     }
     let first_part = coded.len();
-    coded.extend(code_values(direction, first_part, schema, pose, sizes)?);
+    if schema.is_flat {
+        let (written, flat) = code_flat(direction, first_part, schema, pose, sizes)?;
+        coded.extend(written);
+        pose.flat = Some(flat);
+    } else {
+        coded.extend(code_values(direction, first_part, schema, pose, sizes)?);
+    }
     Ok(coded)
 }
 

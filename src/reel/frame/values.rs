@@ -11,7 +11,7 @@ use crate::reel::tree::{Faces, NO_FACES, faces_below, first_children};
 use fearless_simd::{Level as SimdLevel, dispatch};
 
 /// What each section of a part wrote.
-type Written = Vec<Vec<u8>>;
+pub(super) type Written = Vec<Vec<u8>>;
 
 /// A level, or the points: whose children its nodes are, and the section that it is in.
 #[derive(Debug, Clone, Copy)]
@@ -21,16 +21,16 @@ struct Place<'a> {
 }
 
 /// What each level has of every kind.
-struct Kinds<'a> {
-    colors: Vec<&'a mut [[u16; 3]]>,
-    normals: Vec<&'a mut [[i16; 2]]>,
-    offsets: Vec<&'a mut [u8]>,
-    singles: Vec<Vec<&'a mut [[u16; 1]]>>,
+pub(super) struct Kinds<'a> {
+    pub(super) colors: Vec<&'a mut [[u16; 3]]>,
+    pub(super) normals: Vec<&'a mut [[i16; 2]]>,
+    pub(super) offsets: Vec<&'a mut [u8]>,
+    pub(super) singles: Vec<Vec<&'a mut [[u16; 1]]>>,
 }
 
 impl<'a> Kinds<'a> {
     /// With so many single numbers.
-    fn of(levels: Vec<&'a mut LevelValues>, singles: usize) -> Self {
+    pub(super) fn of(levels: Vec<&'a mut LevelValues>, singles: usize) -> Self {
         let mut kinds = Self {
             colors: Vec::new(),
             normals: Vec::new(),

@@ -94,6 +94,24 @@ fn colors_of_fast_files_are_within_their_bound() {
     }
 }
 
+proptest! {
+    /// Colours of any cloud, on every level that can be drawn.
+    #[test]
+    fn colors_of_any_fast_file_are_within_their_bound(cloud in clouds(), precision in precision(), error in 1u8..40) {
+        let exact = fast(&options(precision));
+        let rounded = ReelOptions { color_error: error, ..exact.clone() };
+        let [exact, rounded] = [exact, rounded].map(|options| file_of(std::slice::from_ref(&cloud), &options));
+        let levels = open(&exact).unwrap().frame(0).unwrap().level_points.to_vec();
+        for most in levels.into_iter().chain([usize::MAX]) {
+            let [exact, rounded] = [&exact, &rounded].map(|bytes| decoded(bytes, 0, most).cloud);
+            prop_assert_eq!(exact.positions.len(), rounded.positions.len());
+            let [exact, rounded] = [exact, rounded].map(|cloud| cloud.attributes.colors.unwrap_or_default());
+            let off = exact.iter().flatten().zip(rounded.iter().flatten());
+            prop_assert!(off.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0) <= error);
+        }
+    }
+}
+
 /// A solid of one colour takes hardly a bit, and is no bomb.
 #[test]
 fn what_is_all_alike_is_read_back() {

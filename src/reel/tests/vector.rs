@@ -9,6 +9,9 @@ const VECTORS: [(Coding, &[u8]); 2] = [
     (Coding::Fast, include_bytes!("vector_fast.reel")),
 ];
 
+/// As the fast coding was written before version 3.1.
+const FAST_3_0: &[u8] = include_bytes!("vector_fast_3_0.reel");
+
 /// Seven corners of a cube, and its middle.
 fn cloud() -> RawCloud {
     let corner = |corner: u8| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { 0.0 } else { 7.0 });
@@ -33,6 +36,7 @@ fn the_examples_are_read() {
     for (_, bytes) in VECTORS {
         is_read(bytes);
     }
+    is_read(FAST_3_0);
 }
 
 fn is_read(bytes: &[u8]) {

@@ -28,7 +28,7 @@ pub(in crate::reel) fn masks_of_cells(cells: &[u64], depth: u32) -> Vec<Vec<u8>>
 }
 
 /// `OCTANTS[m]`: the octants of a mask, one after the other, then any.
-static OCTANTS: [[u8; 8]; 256] = octants();
+pub(in crate::reel) static OCTANTS: [[u8; 8]; 256] = octants();
 
 const fn octants() -> [[u8; 8]; 256] {
     let mut table = [[0; 8]; 256];

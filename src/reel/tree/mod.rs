@@ -7,7 +7,7 @@ mod occupancy;
 mod plan;
 mod window;
 
-pub(super) use build::{cells_below, first_children, masks_of_cells};
+pub(super) use build::{OCTANTS, cells_below, first_children, masks_of_cells};
 pub(super) use faces::{Faces, NO_FACES, faces_below};
 pub(super) use links::{ALONE, Links, NONE, Neighbours, neighbours_below};
 pub(super) use occupancy::{OccupancyModels, code_masks, coders_of};

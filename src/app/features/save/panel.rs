@@ -158,7 +158,7 @@ fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {
         (
             "Fast",
             Coding::Fast,
-            "For weak machines: decoded twice as fast or more, at 1.05 to 1.4 times the bits",
+            "For weak machines: decoded six times as fast or more, at 1.1 to 1.5 times the bits",
         ),
     ];
     choice(ui, "Coding", tooltip, &mut save.coding, &codings);

@@ -1,0 +1,372 @@
+//! The nodes of a level by their parents, some parents at a time: so what is read of them stays in the cache of a core
+//! from the symbols to the values.
+
+use super::ranges::{NUMBERS, Ranges};
+use super::slopes::{FLAT, OfParents, Slopes};
+use crate::reel::above::Families;
+use crate::reel::coder::{Counts, LOG_BITS, SymbolCoder};
+use crate::reel::tree::OCTANTS;
+
+/// Entries behind the nodes of a level: the eight children that a node may have are written at once.
+pub(in crate::reel) const SLACK: usize = 8;
+
+/// Parents of a block, and those without parents of one.
+const PARENTS: usize = 512;
+
+/// Families that tell how the others are.
+const SAMPLES: usize = 1024;
+
+/// Bits of the shift of a level.
+const SHIFT_BITS: u32 = 3;
+const MOST_SHIFT: u32 = (1 << SHIFT_BITS) - 1;
+
+/// What is above a level.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::reel) struct Upwards<'a> {
+    pub(in crate::reel) families: Families<'a>,
+    /// The masks of the level above the parents; none of the root and of points.
+    pub(in crate::reel) masks: &'a [u8],
+}
+
+/// What is told of a level before all nodes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Scale {
+    /// Which ranges numbers are in: the larger, the more bits of each are told as they are.
+    pub(super) shift: u32,
+    /// Whether children are expected along slopes.
+    has_slopes: bool,
+}
+
+/// Values of a kind.
+pub(super) trait Kind {
+    type Value: Copy;
+
+    /// Ranges of numbers for the shift of a level.
+    fn ranges(&self, shift: u32) -> Ranges;
+
+    /// A value by its parent, the slope there, and the word of what is told.
+    fn below(&self, parent: Self::Value, slope: [i16; 4], word: u64) -> Self::Value;
+
+    /// The same of eight, or the parent if nothing is told.
+    fn eight_below(
+        &self,
+        parent: Self::Value,
+        is_told: bool,
+        slopes: Option<&Slopes>,
+        words: &[u64; 8],
+        below: &mut [Self::Value; 8],
+    );
+
+    /// What is to be told of a value: the symbol, and the numbers that it has ranges of.
+    fn symbol(&self, parent: Self::Value, slope: [i16; 4], value: Self::Value, shift: u32) -> (u8, [i32; NUMBERS]);
+
+    /// The slopes of parents, if there are any of this kind.
+    fn slopes<'a>(slopes: &'a mut OfParents<'_>, parents: &[Self::Value]) -> Option<&'a Slopes>;
+}
+
+/// How many children of a parent are told: an only child has what its parent has.
+#[inline(always)]
+fn told_of(count: usize) -> usize {
+    if count == 1 { 0 } else { count }
+}
+
+/// How many nodes of a level are told.
+fn told_of_families(families: Families<'_>) -> usize {
+    match families {
+        Families::Masks(masks) => masks.iter().map(|mask| told_of(mask.count_ones() as usize)).sum(),
+        Families::Counts(counts, outside) => {
+            counts.iter().map(|&count| told_of(count as usize)).sum::<usize>() + outside
+        }
+    }
+}
+
+/// Codes the values of a level, which has [`SLACK`] entries behind them, and leaves them as a decoder has them. Those
+/// of the level above are `parents`, as they are decoded; of those without parents, the first is what the first one
+/// follows.
+#[inline(always)]
+pub(super) fn code_level<C: SymbolCoder, K: Kind>(
+    kind: &K,
+    coder: &mut C,
+    upwards: Upwards<'_>,
+    parents: &[K::Value],
+    values: &mut [K::Value],
+) {
+    // Not behind a reference: what it keeps stays in registers.
+    let mut own = std::mem::take(coder);
+    let scale = if told_of_families(upwards.families) == 0 {
+        Scale::default()
+    } else if C::DECODES {
+        Scale {
+            shift: own.raw(SHIFT_BITS, 0),
+            has_slopes: own.raw(1, 0) != 0,
+        }
+    } else {
+        let scale = scale_of(kind, upwards, parents, values);
+        own.raw(SHIFT_BITS, scale.shift);
+        own.raw(1, u32::from(scale.has_slopes));
+        scale
+    };
+    let mut level = Level {
+        kind,
+        ranges: kind.ranges(scale.shift),
+        scale,
+        symbols: Vec::new(),
+        words: Vec::new(),
+    };
+    match upwards.families {
+        Families::Masks(masks) if C::DECODES => level.read(&mut own, masks, upwards.masks, parents, values),
+        Families::Masks(masks) => level.write(&mut own, masks, upwards.masks, parents, values),
+        Families::Counts(counts, outside) => level.code_counts(&mut own, counts, outside, parents, values),
+    }
+    *coder = own;
+}
+
+/// What takes the fewest bits, by some families of a level.
+fn scale_of<K: Kind>(kind: &K, upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Scale {
+    let samples = samples_of::<K>(upwards, parents, values);
+    let can_slope = samples.iter().any(|&(_, slope, _)| slope != [0; 4]);
+    let mut best = (u64::MAX, Scale::default());
+    for shift in 0..=MOST_SHIFT {
+        let ranges = kind.ranges(shift);
+        for has_slopes in [false, true] {
+            if has_slopes && !can_slope {
+                continue;
+            }
+            let (mut counts, mut bits) = (Counts::default(), 0);
+            for &(parent, slope, value) in &samples {
+                let slope = if has_slopes { slope } else { [0; 4] };
+                let (symbol, _) = kind.symbol(parent, slope, value, shift);
+                counts.see(symbol);
+                bits += ranges.bits(symbol);
+            }
+            let cost = counts.cost() + (bits << LOG_BITS);
+            if cost < best.0 {
+                best = (cost, Scale { shift, has_slopes });
+            }
+        }
+    }
+    best.1
+}
+
+/// A parent, the slope where its child is, and the child.
+type Sample<V> = (V, [i16; 4], V);
+
+/// What is told of about [`SAMPLES`] families, evenly spread.
+fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Vec<Sample<K::Value>> {
+    let every = (parents.len() / SAMPLES).max(1);
+    let (mut samples, mut next) = (Vec::new(), 0);
+    match upwards.families {
+        Families::Masks(masks) => {
+            let mut of_parents = OfParents::below(upwards.masks);
+            for (place, (&mask, &parent)) in masks.iter().zip(parents).enumerate() {
+                let slopes = K::slopes(&mut of_parents, parents).unwrap_or(&FLAT);
+                let count = mask.count_ones() as usize;
+                if count > 1 && place.is_multiple_of(every) {
+                    let children = OCTANTS[usize::from(mask)].iter().zip(&values[next..next + count]);
+                    samples.extend(children.map(|(&octant, &value)| (parent, slopes[usize::from(octant & 7)], value)));
+                }
+                next += count;
+            }
+        }
+        Families::Counts(counts, _) => {
+            for (place, (&count, &parent)) in counts.iter().zip(parents).enumerate() {
+                let children = &values[next..next + count as usize];
+                if children.len() > 1 && place.is_multiple_of(every) {
+                    samples.extend(children.iter().take(SAMPLES).map(|&value| (parent, [0; 4], value)));
+                }
+                next += children.len();
+            }
+        }
+    }
+    samples
+}
+
+/// A level while it is coded.
+struct Level<'a, K> {
+    kind: &'a K,
+    ranges: Ranges,
+    scale: Scale,
+    /// Of a block.
+    symbols: Vec<u8>,
+    words: Vec<u64>,
+}
+
+impl<K: Kind> Level<'_, K> {
+    /// Reads so many symbols, and the words of what they tell.
+    #[inline(always)]
+    fn read_words<C: SymbolCoder>(&mut self, coder: &mut C, told: usize) {
+        self.symbols.resize(told, 0);
+        coder.plain(&mut self.symbols);
+        self.words.resize(told + SLACK, 0);
+        for (word, &symbol) in self.words.iter_mut().zip(&self.symbols) {
+            *word = self.ranges.read(coder, symbol);
+        }
+    }
+
+    #[inline(always)]
+    fn read<C: SymbolCoder>(
+        &mut self,
+        coder: &mut C,
+        masks: &[u8],
+        above: &[u8],
+        parents: &[K::Value],
+        values: &mut [K::Value],
+    ) {
+        let mut of_parents = OfParents::below(above);
+        let mut left = values;
+        for (masks, of_block) in masks.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
+            let told = masks.iter().map(|mask| told_of(mask.count_ones() as usize)).sum();
+            self.read_words(coder, told);
+            let count = if self.scale.has_slopes {
+                self.spread::<true>(&mut of_parents, masks, of_block, parents, left)
+            } else {
+                self.spread::<false>(&mut of_parents, masks, of_block, parents, left)
+            };
+            left = left.get_mut(count..).unwrap_or_default();
+        }
+    }
+
+    /// The values below the parents of a block by the words that were read; how many there are.
+    #[inline(always)]
+    fn spread<const HAS_SLOPES: bool>(
+        &self,
+        of_parents: &mut OfParents<'_>,
+        masks: &[u8],
+        of_block: &[K::Value],
+        parents: &[K::Value],
+        values: &mut [K::Value],
+    ) -> usize {
+        let (mut next, mut told) = (0, 0);
+        for (&mask, &parent) in masks.iter().zip(of_block) {
+            let slopes = if HAS_SLOPES {
+                K::slopes(of_parents, parents)
+            } else {
+                None
+            };
+            let slopes = slopes.map(|of| OCTANTS[usize::from(mask)].map(|octant| of[usize::from(octant & 7)]));
+            let count = mask.count_ones() as usize;
+            // Eight at a time, however many there are: nobody can guess that.
+            let (Some(words), Some(below)) = (
+                self.words.get(told..).and_then(<[u64]>::first_chunk),
+                values.get_mut(next..).and_then(<[K::Value]>::first_chunk_mut),
+            ) else {
+                break;
+            };
+            self.kind.eight_below(parent, count > 1, slopes.as_ref(), words, below);
+            next += count;
+            told += told_of(count);
+        }
+        next
+    }
+
+    #[inline(always)]
+    fn write<C: SymbolCoder>(
+        &mut self,
+        coder: &mut C,
+        masks: &[u8],
+        above: &[u8],
+        parents: &[K::Value],
+        values: &mut [K::Value],
+    ) {
+        let mut of_parents = OfParents::below(above);
+        let mut next = 0;
+        for (masks, of_block) in masks.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
+            self.symbols.clear();
+            for (&mask, &parent) in masks.iter().zip(of_block) {
+                let slopes = if self.scale.has_slopes {
+                    K::slopes(&mut of_parents, parents)
+                } else {
+                    None
+                };
+                let slopes = slopes.unwrap_or(&FLAT);
+                let count = mask.count_ones() as usize;
+                let children = &mut values[next..next + count];
+                next += count;
+                if let [only] = children {
+                    *only = parent;
+                    continue;
+                }
+                for (child, &octant) in children.iter_mut().zip(&OCTANTS[usize::from(mask)]) {
+                    *child = self.tell(coder, parent, slopes[usize::from(octant & 7)], *child);
+                }
+            }
+            coder.plain(&mut self.symbols);
+        }
+    }
+
+    /// Writes the bits of a value and notes its symbol; what a decoder has of it.
+    #[inline(always)]
+    fn tell<C: SymbolCoder>(&mut self, coder: &mut C, parent: K::Value, slope: [i16; 4], value: K::Value) -> K::Value {
+        let (symbol, numbers) = self.kind.symbol(parent, slope, value, self.scale.shift);
+        self.symbols.push(symbol);
+        let word = self.ranges.write(coder, symbol, numbers);
+        self.kind.below(parent, slope, word)
+    }
+
+    /// Codes points by their cells, and those without parents, each as the one before it.
+    #[inline(always)]
+    fn code_counts<C: SymbolCoder>(
+        &mut self,
+        coder: &mut C,
+        counts: &[u32],
+        outside: usize,
+        parents: &[K::Value],
+        values: &mut [K::Value],
+    ) {
+        let mut left = values;
+        for (counts, parents) in counts.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
+            let told = counts.iter().map(|&count| told_of(count as usize)).sum();
+            self.begin(coder, told);
+            let mut place = 0;
+            for (&count, &parent) in counts.iter().zip(parents) {
+                let count = (count as usize).min(left.len());
+                let children;
+                (children, left) = left.split_at_mut(count);
+                if let [only] = children {
+                    *only = parent;
+                    continue;
+                }
+                for child in children {
+                    *child = self.one(coder, place, parent, *child);
+                    place += 1;
+                }
+            }
+            self.end(coder);
+        }
+        let count = outside.min(left.len());
+        let Some(&first) = parents.first() else { return };
+        let mut last = first;
+        for of_block in left[..count].chunks_mut(PARENTS) {
+            self.begin(coder, of_block.len());
+            for (place, value) in of_block.iter_mut().enumerate() {
+                *value = self.one(coder, place, last, *value);
+                last = *value;
+            }
+            self.end(coder);
+        }
+    }
+
+    #[inline(always)]
+    fn begin<C: SymbolCoder>(&mut self, coder: &mut C, told: usize) {
+        self.symbols.clear();
+        if C::DECODES {
+            self.read_words(coder, told);
+        }
+    }
+
+    #[inline(always)]
+    fn one<C: SymbolCoder>(&mut self, coder: &mut C, place: usize, parent: K::Value, value: K::Value) -> K::Value {
+        if C::DECODES {
+            let word = self.words.get(place).copied().unwrap_or(0);
+            return self.kind.below(parent, [0; 4], word);
+        }
+        self.tell(coder, parent, [0; 4], value)
+    }
+
+    #[inline(always)]
+    fn end<C: SymbolCoder>(&mut self, coder: &mut C) {
+        if !C::DECODES {
+            coder.plain(&mut self.symbols);
+        }
+    }
+}
