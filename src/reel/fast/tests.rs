@@ -133,7 +133,7 @@ fn changes() -> impl Strategy<Value = Vec<(prop::sample::Index, u8)>> {
 
 /// A normal of a grid of 13, 15 or 17 bits; few are missing.
 fn normal(number: u64, bits: u8) -> u32 {
-    if number % 13 == 0 {
+    if number.is_multiple_of(13) {
         return NO_NORMAL;
     }
     let first = u32::from(bits - 3) / 2 + 2;
@@ -194,7 +194,9 @@ proptest! {
 
     #[test]
     fn offsets_come_back(mut offsets in prop::collection::vec(0u8..16, 0..70), bits in 1u8..=4) {
-        offsets.iter_mut().for_each(|offset| *offset &= (1 << bits) - 1);
+        for offset in &mut offsets {
+            *offset &= (1 << bits) - 1;
+        }
         let mut encoder = SymbolEncoder::new(1);
         code_offsets(&mut encoder, bits, &mut offsets);
         let bytes = encoder.finish();
