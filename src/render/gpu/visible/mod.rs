@@ -1,9 +1,10 @@
 //! Surfels of the screen: compute passes find the points that a picture shows, with their normals and radii.
 //!
-//! **How it works.** The card keeps all points of the frame, which were uploaded or made of images (`depth_images`). A view uploads uniforms alone; passes of the stages of
-//! [`crate::analysis::screen`] (`shaders/screen_normals`) write records of surfels to where the strategy has its own: a
-//! storage, uniform or vertex buffer, or one that becomes a texture. So shaders and draw calls are those of any other
-//! cloud, whatever the strategy, as for nodes that are gathered (`gather.rs`).
+//! **How it works.** The card keeps all points of the frame, which were uploaded or made of images (`depth_images`). A
+//! view uploads uniforms alone; passes of the stages of [`crate::analysis::screen`] (`shaders/screen_normals`) write
+//! records of surfels to where the strategy has its own: a storage, uniform or vertex buffer, or one that becomes a
+//! texture. So shaders and draw calls are those of any other cloud, whatever the strategy, as for nodes that are
+//! gathered (`gather.rs`).
 //!
 //! How many points are visible, the processor is not told in time: it would have to wait for that. So there is room for
 //! all, and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw
