@@ -159,7 +159,8 @@ impl Quadric {
         let most = largest(found.as_vec3());
         let turn = most * disk.radius;
         let off = ((squares - found.dot(right)).max(0.0) / (count - 3.0)).sqrt();
-        if !(turn > TURNS[0]) || off > f64::from(OF_ONE_MIND * most) {
+        let is_bent = turn > TURNS[0] && off <= f64::from(OF_ONE_MIND * most);
+        if !is_bent {
             return None;
         }
         let scale = (TURNS[2] / turn).min(1.0);
@@ -193,4 +194,150 @@ impl Quadric {
 fn largest(curvatures: Vec3) -> f32 {
     let [a, b, c] = curvatures.to_array();
     (0.5 * (a + c)).abs() + (0.5 * (a - c)).hypot(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f32::consts::{PI, TAU};
+
+    const SPACING: f32 = 0.1;
+
+    fn disk(position: Vec3, normal: Vec3) -> Disk {
+        Disk {
+            position,
+            normal,
+            radius: SPACING,
+        }
+    }
+
+    /// A tube of radius 0.3 along z, about [`SPACING`] apart, longer than what is looked at.
+    fn tube() -> Vec<Disk> {
+        (0..40 * 19)
+            .map(|at| {
+                let turn = TAU * ((at % 19) as f32 + 0.5 * (at / 19 % 2) as f32) / 19.0;
+                let normal = Vec3::new(turn.cos(), turn.sin(), 0.0);
+                disk(0.3 * normal + SPACING * (at / 19) as f32 * Vec3::Z, normal)
+            })
+            .collect()
+    }
+
+    fn ball(radius: f32, count: usize) -> Vec<Disk> {
+        let golden = PI * (3.0 - 5.0_f32.sqrt());
+        (0..count)
+            .map(|at| {
+                let z = 1.0 - (2.0 * at as f32 + 1.0) / count as f32;
+                let (sin, cos) = (golden * at as f32).sin_cos();
+                let across = (1.0 - z * z).sqrt();
+                let normal = Vec3::new(across * cos, across * sin, z);
+                disk(radius * normal, normal)
+            })
+            .collect()
+    }
+
+    fn plane() -> Vec<Disk> {
+        (0..400)
+            .map(|at| disk(SPACING * Vec3::new((at % 20) as f32, (at / 20) as f32, 0.0), Vec3::Z))
+            .collect()
+    }
+
+    /// Rims of disks, which are what shows beyond outlines.
+    fn rim(disk: &Disk) -> [Vec3; 8] {
+        let across = disk.normal.any_orthonormal_vector();
+        let axes = [across, disk.normal.cross(across)];
+        std::array::from_fn(|at| {
+            let (sin, cos) = (TAU * at as f32 / 8.0).sin_cos();
+            disk.position + disk.radius * (cos * axes[0] + sin * axes[1])
+        })
+    }
+
+    #[test]
+    fn disks_of_a_tube_lie_on_it_and_reach_a_quarter_as_far_beyond() {
+        let flat = tube();
+        let bent = bent_disks(&flat, |_| true).unwrap();
+        let beyond = |disk: &Disk| {
+            let reach = rim(disk).map(|place| place.truncate().length() - 0.3);
+            reach.into_iter().fold(0.0, f32::max)
+        };
+        let inside = |disk: &Disk| disk.position.z > 0.5 && disk.position.z < 3.4;
+        let most =
+            |disks: &mut dyn Iterator<Item = Disk>| disks.filter(inside).map(|disk| beyond(&disk)).fold(0.0, f32::max);
+        let before = most(&mut flat.iter().copied());
+        let after = most(&mut bent.iter().map(|&(_, disk)| disk));
+        assert!(before > 0.015 && after < 0.25 * before, "{before} {after}");
+        for (_, disk) in bent.iter().filter(|(_, disk)| inside(disk)) {
+            let upright = disk.position.with_z(0.0).normalize();
+            assert!((disk.position.truncate().length() - 0.3).abs() < 2e-3, "{disk:?}");
+            assert!(
+                disk.normal.dot(upright) > 0.998 && disk.normal.is_normalized(),
+                "{disk:?}"
+            );
+        }
+    }
+
+    /// Seen from outside, nothing of a ball that was covered is open.
+    #[test]
+    fn bent_disks_leave_no_hole() {
+        let flat = ball(0.8, 800);
+        let bent = bent_disks(&flat, |_| true).unwrap();
+        assert_eq!(bent.len(), 7 * flat.len(), "each is bent a little");
+        for at in ball(0.8, 5000) {
+            let is_covered = bent.iter().any(|(_, disk)| {
+                let way = at.position - disk.position;
+                (way - way.dot(disk.normal) * disk.normal).length() <= disk.radius && way.length() < 0.2
+            });
+            assert!(is_covered, "{at:?}");
+        }
+    }
+
+    #[test]
+    fn planes_and_what_is_of_no_mind_stay_as_they_are() {
+        assert_eq!(bent_disks(&plane(), |_| true), None);
+        assert_eq!(bent_disks(&[], |_| true), None);
+        assert_eq!(bent_disks(&tube()[..1], |_| true), None);
+        assert_eq!(bent_disks(&tube(), |_| false), None);
+        // Disks in a line do not say what is across it.
+        let line: Vec<Disk> = (0..30).map(|at| disk(SPACING * at as f32 * Vec3::X, Vec3::Z)).collect();
+        assert_eq!(bent_disks(&line, |_| true), None);
+        // Normals that are turned at random.
+        let mut noisy = plane();
+        for (at, disk) in noisy.iter_mut().enumerate() {
+            let (sin, cos) = (2.4 * (at * at) as f32).sin_cos();
+            disk.normal = Vec3::new(0.3 * cos, 0.3 * sin, 1.0).normalize();
+        }
+        let bent = bent_disks(&noisy, |_| true).map_or(0, |bent| bent.len() - noisy.len());
+        assert!(bent < 6 * noisy.len() / 4, "{bent}");
+    }
+
+    #[test]
+    fn those_that_are_left_out_stay_and_bend_nothing() {
+        let mut disks = tube();
+        disks.push(disk(Vec3::new(0.5, 0.0, 2.0), Vec3::X));
+        let last = disks.len() - 1;
+        let with = bent_disks(&disks, |at| at != last).unwrap();
+        let without = bent_disks(&disks[..last], |_| true).unwrap();
+        assert_eq!(with.last(), Some(&(last, disks[last])));
+        assert_eq!(with[..with.len() - 1], without[..]);
+    }
+
+    proptest! {
+        /// Whatever the disks are, theirs are finite, no larger, and not farther from them than they reach.
+        #[test]
+        fn what_disks_become_is_where_they_are(
+            disks in prop::collection::vec(
+                (prop::array::uniform3(-1.0_f32..1.0), prop::array::uniform3(-1.0_f32..1.0), 0.0_f32..0.5), 0..60),
+        ) {
+            let disks: Vec<Disk> = disks.into_iter().map(|(position, normal, radius)| Disk {
+                position: position.into(),
+                normal: Vec3::from(normal).normalize_or(Vec3::Z),
+                radius,
+            }).collect();
+            for (of, disk) in bent_disks(&disks, |_| true).unwrap_or_default() {
+                prop_assert!(disk.position.is_finite() && disk.normal.is_normalized());
+                prop_assert!(disk.radius <= disks[of].radius);
+                prop_assert!(disk.position.distance(disks[of].position) <= disks[of].radius);
+            }
+        }
+    }
 }

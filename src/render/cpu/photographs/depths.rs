@@ -78,9 +78,10 @@ impl DepthMap {
     }
 }
 
-/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of nothing: a little beside
-/// there, a photograph shows something else. Least and largest are found along lines, then across them.
+/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of a hole that is no small one:
+/// a little beside there, a photograph shows something else. Least and largest are found along lines, then across them.
 fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
+    let closed = without_small_holes(distances, width, tolerance);
     let height = distances.len() / width.max(1);
     let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
     let both = |values: &mut dyn Iterator<Item = [f32; 2]>| {
@@ -92,7 +93,7 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
         .into_par_iter()
         .map(|at| {
             let (row, column) = (at / width, at % width);
-            let line = &distances[width * row..width * (row + 1)];
+            let line = &closed[width * row..width * (row + 1)];
             both(&mut line[window(column, width)].iter().map(|&distance| [distance; 2]))
         })
         .collect();
@@ -103,6 +104,45 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
             *distance = -*distance;
         }
     });
+}
+
+/// The same where holes in one surface are closed: places of nothing that have about the same distance on both sides,
+/// along their line or across it. Cameras for depth miss single pixels of a wall, and disks leave some open.
+fn without_small_holes(distances: &[f32], width: usize, tolerance: f32) -> Vec<f32> {
+    let between = |sides: [Option<f32>; 2]| match sides {
+        [Some(one), Some(other)] if (one - other).abs() <= tolerance => Some(0.5 * (one + other)),
+        _ => None,
+    };
+    let height = distances.len() / width.max(1);
+    let closed = |(at, &distance): (usize, &f32)| {
+        if distance != 0.0 {
+            return distance;
+        }
+        let (row, column) = (at / width, at % width);
+        let known = |at: usize| Some(distances[at]).filter(|&distance| distance != 0.0);
+        let steps = 1..=STEP_TEXELS;
+        let along = [
+            steps
+                .clone()
+                .take_while(|&step| step <= column)
+                .find_map(|step| known(at - step)),
+            steps
+                .clone()
+                .take_while(|&step| column + step < width)
+                .find_map(|step| known(at + step)),
+        ];
+        let across = [
+            steps
+                .clone()
+                .take_while(|&step| step <= row)
+                .find_map(|step| known(at - step * width)),
+            steps
+                .take_while(|&step| row + step < height)
+                .find_map(|step| known(at + step * width)),
+        ];
+        between(along).or_else(|| between(across)).unwrap_or(0.0)
+    };
+    distances.par_iter().enumerate().map(closed).collect()
 }
 
 /// From the nearest to the farthest of some distances, without a fiftieth of them at both ends.
