@@ -153,6 +153,44 @@ mod tests {
         assert!(Arc::ptr_eq(&frame.points, &photographed.points));
     }
 
+    /// A tube of 20 points around, 0.3 apart, and its normals.
+    fn tube() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+        let at = |at: usize| {
+            let (sin, cos) = (std::f32::consts::TAU * (at % 20) as f32 / 20.0).sin_cos();
+            ([cos, sin, 0.3 * (at / 20) as f32], [cos, sin, 0.0])
+        };
+        (0..600).map(at).unzip()
+    }
+
+    #[test]
+    fn disks_of_a_round_thing_are_bent_and_its_points_stay() {
+        let (places, normals) = tube();
+        let with_normals = Attributes {
+            normals: Some(normals),
+            colors: Some((0..600).map(|at| [at as u8, 1, 2, 255]).collect()),
+            ..Attributes::default()
+        };
+        let frame = prepared(places.clone(), with_normals.clone());
+        assert!(frame.bent.is_none());
+        let with = photographed(&frame);
+        let bent = with.bent.as_ref().unwrap();
+        assert!(bent.points.len() > 6 * with.points.len() && bent.points.len() == bent.shapes.len());
+        assert!(with.byte_size() > frame.byte_size());
+        assert!(Arc::ptr_eq(&frame.points, &with.points));
+        let radius = |at: usize| bent.shapes[at].radius;
+        assert!((0..bent.shapes.len()).all(|at| radius(at) < frame.shapes.as_ref().unwrap()[0].radius));
+        for point in bent.points.iter() {
+            let [x, y, _] = point.position;
+            assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
+        }
+        // Radii of a file are what somebody chose.
+        let with_radii = Attributes {
+            radii: Some(vec![0.3; 600]),
+            ..with_normals
+        };
+        assert!(photographed(&prepared(places, with_radii)).bent.is_none());
+    }
+
     #[test]
     fn a_surface_without_stray_points_stays_the_same_allocation() {
         let frame = prepared(wall(), Attributes::default());

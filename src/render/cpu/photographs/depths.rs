@@ -196,10 +196,21 @@ mod tests {
         let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
         assert_eq!(near, [2, 3, 4, 5, 6, 7]);
         assert_eq!(map.seen([0.5, 0.35], 10.9).0, DepthRelation::There);
-        let mut hole = vec![1.0; 100];
-        hole[44] = 0.0;
-        let around = DepthMap::new([10, 10], hole, 30.0, false);
-        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 48);
+        // A hole as wide as what is around it is a step, one that a surface goes on beyond is not.
+        let around = |holes: &dyn Fn(usize) -> bool| {
+            let distances = (0..100).map(|at| if holes(at) { 0.0 } else { 1.0 }).collect();
+            let map = DepthMap::new([10, 10], distances, 30.0, false);
+            map.distances.iter().filter(|&&distance| distance < 0.0).count()
+        };
+        assert_eq!(around(&|at| at == 44), 0);
+        assert_eq!(around(&|at| at % 10 == 4), 0);
+        assert_eq!(around(&|at| at % 10 == 0), 30);
+        // What is behind a step is not what is before it.
+        let mut behind = [[10.0; 50], [30.0; 50]].concat();
+        behind[50..60].fill(0.0);
+        let map = DepthMap::new([10, 10], behind, 30.0, true);
+        let near = map.distances.iter().filter(|&&distance| distance < 0.0).count();
+        assert_eq!(near, 50, "three rows before it and two behind");
         // A wall far behind the surface does not widen the tolerance.
         let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
         assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, DepthRelation::Hidden);
