@@ -210,7 +210,7 @@ mod tests {
         behind[50..60].fill(0.0);
         let map = DepthMap::new([10, 10], behind, 30.0, true);
         let near = map.distances.iter().filter(|&&distance| distance < 0.0).count();
-        assert_eq!(near, 50, "three rows before it and two behind");
+        assert_eq!(near, 60, "three rows before it and three behind");
         // A wall far behind the surface does not widen the tolerance.
         let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
         assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, DepthRelation::Hidden);
