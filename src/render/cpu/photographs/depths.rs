@@ -78,10 +78,9 @@ impl DepthMap {
     }
 }
 
-/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of a hole that is no small one:
-/// a little beside there, a photograph shows something else. Least and largest are found along lines, then across them.
+/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of nothing: a little beside
+/// there, a photograph shows something else. Least and largest are found along lines, then across them.
 fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
-    let closed = without_small_holes(distances, width, tolerance);
     let height = distances.len() / width.max(1);
     let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
     let both = |values: &mut dyn Iterator<Item = [f32; 2]>| {
@@ -93,7 +92,7 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
         .into_par_iter()
         .map(|at| {
             let (row, column) = (at / width, at % width);
-            let line = &closed[width * row..width * (row + 1)];
+            let line = &distances[width * row..width * (row + 1)];
             both(&mut line[window(column, width)].iter().map(|&distance| [distance; 2]))
         })
         .collect();
@@ -104,45 +103,6 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
             *distance = -*distance;
         }
     });
-}
-
-/// The same where holes in one surface are closed: places of nothing that have about the same distance on both sides,
-/// along their line or across it. Cameras for depth miss single pixels of a wall, and disks leave some open.
-fn without_small_holes(distances: &[f32], width: usize, tolerance: f32) -> Vec<f32> {
-    let between = |sides: [Option<f32>; 2]| match sides {
-        [Some(one), Some(other)] if (one - other).abs() <= tolerance => Some(0.5 * (one + other)),
-        _ => None,
-    };
-    let height = distances.len() / width.max(1);
-    let closed = |(at, &distance): (usize, &f32)| {
-        if distance != 0.0 {
-            return distance;
-        }
-        let (row, column) = (at / width, at % width);
-        let known = |at: usize| Some(distances[at]).filter(|&distance| distance != 0.0);
-        let steps = 1..=STEP_TEXELS;
-        let along = [
-            steps
-                .clone()
-                .take_while(|&step| step <= column)
-                .find_map(|step| known(at - step)),
-            steps
-                .clone()
-                .take_while(|&step| column + step < width)
-                .find_map(|step| known(at + step)),
-        ];
-        let across = [
-            steps
-                .clone()
-                .take_while(|&step| step <= row)
-                .find_map(|step| known(at - step * width)),
-            steps
-                .take_while(|&step| row + step < height)
-                .find_map(|step| known(at + step * width)),
-        ];
-        between(along).or_else(|| between(across)).unwrap_or(0.0)
-    };
-    distances.par_iter().enumerate().map(closed).collect()
 }
 
 /// From the nearest to the farthest of some distances, without a fiftieth of them at both ends.
@@ -196,21 +156,10 @@ mod tests {
         let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
         assert_eq!(near, [2, 3, 4, 5, 6, 7]);
         assert_eq!(map.seen([0.5, 0.35], 10.9).0, DepthRelation::There);
-        // A hole as wide as what is around it is a step, one that a surface goes on beyond is not.
-        let around = |holes: &dyn Fn(usize) -> bool| {
-            let distances = (0..100).map(|at| if holes(at) { 0.0 } else { 1.0 }).collect();
-            let map = DepthMap::new([10, 10], distances, 30.0, false);
-            map.distances.iter().filter(|&&distance| distance < 0.0).count()
-        };
-        assert_eq!(around(&|at| at == 44), 0);
-        assert_eq!(around(&|at| at % 10 == 4), 0);
-        assert_eq!(around(&|at| at % 10 == 0), 30);
-        // What is behind a step is not what is before it.
-        let mut behind = [[10.0; 50], [30.0; 50]].concat();
-        behind[50..60].fill(0.0);
-        let map = DepthMap::new([10, 10], behind, 30.0, true);
-        let near = map.distances.iter().filter(|&&distance| distance < 0.0).count();
-        assert_eq!(near, 60, "three rows before it and three behind");
+        let mut hole = vec![1.0; 100];
+        hole[44] = 0.0;
+        let around = DepthMap::new([10, 10], hole, 30.0, false);
+        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 48);
         // A wall far behind the surface does not widen the tolerance.
         let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
         assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, DepthRelation::Hidden);
