@@ -2,6 +2,7 @@
 //!
 //! Nothing here depends on timing or on the number of threads in rayon's pool: the same points give the same bits.
 
+mod bent_disks;
 #[cfg(test)]
 mod block_tests;
 mod blocks;
@@ -36,6 +37,7 @@ pub(crate) mod test_shapes;
 #[cfg(test)]
 mod tests;
 
+pub use bent_disks::{Disk, bent_disks};
 pub use classes::{class_color, class_name, class_of};
 pub use color_maps::ColorMap;
 pub(crate) use color_places::{NO_PLACE, Placer};

@@ -119,6 +119,23 @@ struct Clipped {
     kept: Content,
 }
 
+/// The disks of the points of a frame, if it has shapes.
+fn of_points(frame: &PreparedFrame) -> Option<Surfels> {
+    Some(Surfels {
+        points: Arc::clone(&frame.points),
+        shapes: Arc::clone(frame.shapes.as_ref()?),
+    })
+}
+
+/// Those that photographs are put on, where these are others.
+fn bent(frame: &PreparedFrame) -> Option<Surfels> {
+    let bent = frame.bent.as_ref()?;
+    Some(Surfels {
+        points: Arc::clone(&bent.points),
+        shapes: Arc::clone(&bent.shapes),
+    })
+}
+
 impl Scene {
     /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a
     /// little. What it draws depends on what it drew before; that of [`Scene::default`] does not.
@@ -169,10 +186,7 @@ impl Scene {
         let photographs = photographs.map(|photographs| PhotographsInFrame {
             photographs: Arc::clone(photographs),
             origin,
-            surface: frame.shapes.as_ref().map(|shapes| Surfels {
-                points: Arc::clone(&frame.points),
-                shapes: Arc::clone(shapes),
-            }),
+            surface: bent(frame).or_else(|| of_points(frame)),
         });
         if photographs.is_some() {
             style = style.of_photographs();
@@ -231,11 +245,8 @@ impl Scene {
         }
         let points = || Arc::clone(&frame.points);
         let surfels = || {
-            let shapes = Arc::clone(frame.shapes.as_ref()?);
-            Some(Content::Surfels(Surfels {
-                points: points(),
-                shapes,
-            }))
+            let bent = bent(frame).filter(|_| style.draws_photographs());
+            bent.or_else(|| of_points(frame)).map(Content::Surfels)
         };
         let whole = match style.primitive {
             _ if is_of_screen && !style.shows_normal_errors() => Content::Points(points()),

@@ -82,10 +82,9 @@ fn views_between_photographs_show_what_is_there() {
             foreground_psnr_db(&picture, &truth)
         };
         let [vdts, colored, single] = [PhotoMode::Vdts, PhotoMode::Colored, PhotoMode::Single].map(by);
-        // View 0 has the long outline of the ring before the ball, where disks reach beyond it by a pixel.
-        let least = if at == 0 { 28.0 } else { 30.0 };
+        // View 0 has the long outline of the ring before the ball: flat disks, which reach beyond it, have 28.5 dB.
         assert!(
-            vdts >= least && vdts >= colored + 3.5,
+            vdts >= 35.0 && vdts >= colored + 8.0,
             "view {at}: {vdts} dB beside {colored} dB"
         );
         assert!(vdts > single, "view {at}: {vdts} dB beside {single} dB");

@@ -76,6 +76,7 @@ impl Build<'_> {
             orientation,
             mesh,
             photographs: None,
+            bent: None,
             levels,
             timings: self.timings,
             asked: (needs.colors, needs.hints),

@@ -2,7 +2,7 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
-use super::photographed::without_stray_points;
+use super::photographed::{bent_surface, is_stray, without_stray_points};
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
@@ -10,6 +10,16 @@ use crate::photos::Photographs;
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Disks of a surface, as many records of both kinds: of a few points, whose own disks were too large and flat for its
+/// outlines.
+#[derive(Debug, Clone)]
+pub struct BentSurface {
+    /// Positions, and the colours of the points that they stand for.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
 
 /// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
 #[derive(Debug, Clone)]
@@ -33,6 +43,8 @@ pub struct PreparedFrame {
     pub mesh: Option<PreparedMesh>,
     /// Photographs of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
     pub photographs: Option<Arc<Photographs>>,
+    /// What photographs are put on, if that is finer than one disk a point.
+    pub bent: Option<BentSurface>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
     /// What the last completion took; decoding included if it happened then.
@@ -117,22 +129,31 @@ impl PreparedFrame {
             points,
             // Its vertices are not these points, so that nobody knows their colours.
             mesh: None,
+            // Its disks have the colours of before.
+            bent: None,
             levels,
             paint,
             ..self.clone()
         }
     }
 
-    /// The same with photographs, which are put on it where it is drawn: stray points hide nothing of them.
+    /// The same with photographs, which are put on it where it is drawn: stray points hide nothing of them, and disks
+    /// are [bent](Self::bent).
     #[must_use]
     pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
         let mut photographed = Self {
             photographs: Some(photographs),
+            bent: None,
             ..self.clone()
         };
-        let shapes = self.shapes.as_ref().filter(|_| !self.has_ellipses);
-        let shapes = shapes.and_then(|shapes| without_stray_points(&self.frame, shapes));
-        if let Some(shapes) = shapes.map(Arc::new) {
+        let Some(shapes) = self.shapes.as_ref().filter(|_| !self.has_ellipses) else {
+            return photographed;
+        };
+        let is_stray = is_stray(&self.frame);
+        let shrunk = without_stray_points(&self.frame, shapes, &is_stray).map(Arc::new);
+        let of_points = shrunk.as_ref().unwrap_or(shapes);
+        photographed.bent = bent_surface(&self.frame, &self.points, of_points, &is_stray);
+        if let Some(shapes) = shrunk {
             photographed.levels = self.levels.made_of(&CloudRecords {
                 positions: self.frame.positions(),
                 colors: self.frame.colors().filter(|_| self.paint == Paint::File),
@@ -158,7 +179,14 @@ impl PreparedFrame {
             + size_of_val(self.points.as_slice())
             + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
             + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)
+            + self.bent.as_ref().map_or(0, BentSurface::byte_size)
             + self.levels.byte_size()
+    }
+}
+
+impl BentSurface {
+    fn byte_size(&self) -> usize {
+        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
     }
 }
 

@@ -26,7 +26,7 @@ mod mesh;
 mod photographed;
 
 pub use counters::{PrepareCounters, Timings};
-pub use frame::PreparedFrame;
+pub use frame::{BentSurface, PreparedFrame};
 pub use mesh::PreparedMesh;
 
 use super::Needs;

@@ -6,32 +6,47 @@
 //! radii are estimated without them, for they had turned the disks around them.
 //!
 //! The points of the frame stay: they are what the file has, and without photographs they are drawn.
+//!
+//! A disk of few points reaches beyond an outline, and takes the photographs from what is behind it. So [disks are
+//! bent](bent_disks): smaller ones on the curved surface are drawn, and photographs are hidden by these.
 
-use crate::analysis::{Surface, estimate_surface, splat_radii, stray_points};
-use crate::cloud::{Frame, ShapeRecord, oct_decode, oct_encode};
+use super::frame::BentSurface;
+use crate::analysis::{Disk, Surface, bent_disks, estimate_surface, splat_radii, stray_points};
+use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Clouds of more points are dense: the disks of stray ones are small there.
 const MOST_POINTS: usize = 1 << 18;
 
+/// Disks of more points are too small to be seen as such; what they become would be up to 19 times as many.
+const MOST_BENT: usize = 1 << 15;
+
 /// The disk of a stray point, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
 
-/// The shapes of a frame without its stray points; `None` where these are to stay as they are: there are none, the file
-/// says how large disks are, or it has too many points. Precondition: a shape for each point.
-pub(super) fn without_stray_points(frame: &Frame, shapes: &[ShapeRecord]) -> Option<Vec<ShapeRecord>> {
+/// Which points are stray: none where the file says how large disks are, or there are too many points.
+pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
     if frame.len() > MOST_POINTS || frame.radii().is_some() {
-        return None;
+        return vec![false; frame.len()];
     }
-    let positions = frame.positions();
-    let is_stray = stray_points(positions);
-    let kept: Vec<usize> = (0..positions.len()).filter(|&at| !is_stray[at]).collect();
-    if kept.len() == positions.len() {
+    stray_points(frame.positions())
+}
+
+/// The shapes of a frame without its stray points; `None` where there are none of these. Precondition: a shape for each
+/// point.
+pub(super) fn without_stray_points(
+    frame: &Frame,
+    shapes: &[ShapeRecord],
+    is_stray: &[bool],
+) -> Option<Vec<ShapeRecord>> {
+    let kept: Vec<usize> = (0..is_stray.len()).filter(|&at| !is_stray[at]).collect();
+    if kept.len() == is_stray.len() {
         return None;
     }
     let surface = surface_of(frame, shapes, &kept);
     let mut shapes = shapes.to_vec();
-    for (shape, _) in shapes.iter_mut().zip(is_stray).filter(|(_, is_stray)| *is_stray) {
+    for (shape, _) in shapes.iter_mut().zip(is_stray).filter(|(_, is_stray)| **is_stray) {
         shape.radius *= SHRUNK;
     }
     for (&at, (normal, radius)) in kept.iter().zip(surface) {
@@ -39,6 +54,38 @@ pub(super) fn without_stray_points(frame: &Frame, shapes: &[ShapeRecord]) -> Opt
         shapes[at].radius = radius;
     }
     Some(shapes)
+}
+
+/// The disks of a frame, bent with the surface; `None` where all are flat, the file says how large they are, or they
+/// are many. Precondition: a record of each kind for each point.
+pub(super) fn bent_surface(
+    frame: &Frame,
+    points: &[PointRecord],
+    shapes: &[ShapeRecord],
+    is_stray: &[bool],
+) -> Option<BentSurface> {
+    if points.len() > MOST_BENT || frame.radii().is_some() {
+        return None;
+    }
+    let disks = points.iter().zip(shapes).map(|(point, shape)| Disk {
+        position: point.position.into(),
+        normal: oct_decode(shape.normal),
+        radius: shape.radius,
+    });
+    let bent = bent_disks(&disks.collect::<Vec<_>>(), |at| !is_stray[at])?;
+    let point = |&(at, disk): &(usize, Disk)| PointRecord {
+        position: disk.position.to_array(),
+        ..points[at]
+    };
+    let shape = |&(at, disk): &(usize, Disk)| ShapeRecord {
+        normal: oct_encode(disk.normal),
+        radius: disk.radius,
+        ..shapes[at]
+    };
+    Some(BentSurface {
+        points: Arc::new(bent.iter().map(point).collect()),
+        shapes: Arc::new(bent.iter().map(shape).collect()),
+    })
 }
 
 /// Normals, as records have them, and radii of some points alone. Normals of the file stay.
@@ -104,6 +151,44 @@ mod tests {
             }
         }
         assert!(Arc::ptr_eq(&frame.points, &photographed.points));
+    }
+
+    /// A tube of 20 points around, 0.3 apart, and its normals.
+    fn tube() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+        let at = |at: usize| {
+            let (sin, cos) = (std::f32::consts::TAU * (at % 20) as f32 / 20.0).sin_cos();
+            ([cos, sin, 0.3 * (at / 20) as f32], [cos, sin, 0.0])
+        };
+        (0..600).map(at).unzip()
+    }
+
+    #[test]
+    fn disks_of_a_round_thing_are_bent_and_its_points_stay() {
+        let (places, normals) = tube();
+        let with_normals = Attributes {
+            normals: Some(normals),
+            colors: Some((0..600).map(|at| [at as u8, 1, 2, 255]).collect()),
+            ..Attributes::default()
+        };
+        let frame = prepared(places.clone(), with_normals.clone());
+        assert!(frame.bent.is_none());
+        let with = photographed(&frame);
+        let bent = with.bent.as_ref().unwrap();
+        assert!(bent.points.len() > 6 * with.points.len() && bent.points.len() == bent.shapes.len());
+        assert!(with.byte_size() > frame.byte_size());
+        assert!(Arc::ptr_eq(&frame.points, &with.points));
+        let radius = |at: usize| bent.shapes[at].radius;
+        assert!((0..bent.shapes.len()).all(|at| radius(at) < frame.shapes.as_ref().unwrap()[0].radius));
+        for point in bent.points.iter() {
+            let [x, y, _] = point.position;
+            assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
+        }
+        // Radii of a file are what somebody chose.
+        let with_radii = Attributes {
+            radii: Some(vec![0.3; 600]),
+            ..with_normals
+        };
+        assert!(photographed(&prepared(places, with_radii)).bent.is_none());
     }
 
     #[test]
