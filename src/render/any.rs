@@ -95,8 +95,8 @@ impl AnyRenderer {
         }
     }
 
-    /// What a graphics card takes to filter the images of a frame and to make points of them; `None` where the processor
-    /// does that, or the card has no clock.
+    /// What a graphics card takes to filter the images of a frame and to make points of them; `None` where the
+    /// processor does that, or the card has no clock.
     pub fn depth_image_times(&mut self, frame: &Arc<DepthFrame>) -> Result<Option<PassTimes>, RenderError> {
         match self {
             Self::Gpu(renderer) => renderer.depth_image_times(frame),
