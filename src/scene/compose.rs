@@ -127,9 +127,10 @@ fn of_points(frame: &PreparedFrame) -> Option<Surfels> {
     })
 }
 
-/// Those that photographs are put on, where these are others.
+/// Those that photographs are put on, where there are some and these disks are others.
 fn bent(frame: &PreparedFrame) -> Option<Surfels> {
-    let bent = frame.bent.as_ref()?;
+    let photographs = frame.photographs.as_ref()?;
+    let bent = frame.bent.as_ref().filter(|_| !photographs.all().is_empty())?;
     Some(Surfels {
         points: Arc::clone(&bent.points),
         shapes: Arc::clone(&bent.shapes),

@@ -225,8 +225,12 @@ fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
     assert_eq!(front.all().len(), 3);
     let frame = FRAME.with_photographs(Arc::new(front));
     let back = camera_at(&pose(180.0, 5.0));
+    // The colours of the points, on the disks that photographs are put on.
+    let bent = frame.bent.clone().expect("its points are few");
+    let mut on_bent = frame.clone();
+    (on_bent.points, on_bent.shapes) = (bent.points, Some(bent.shapes));
     let colored = draw_on_cpu(&packet(
-        &frame,
+        &on_bent,
         &back,
         &style().with(|style| style.photos.mode = PhotoMode::Colored),
     ));

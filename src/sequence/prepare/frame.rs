@@ -2,7 +2,7 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
-use super::photographed::{bent_surface, is_stray, without_stray_points};
+use super::photographed::{BentSurface, bent_surface, is_stray, without_stray_points};
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
@@ -10,16 +10,6 @@ use crate::photos::Photographs;
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Disks of a surface, as many records of both kinds: of a few points, whose own disks were too large and flat for its
-/// outlines.
-#[derive(Debug, Clone)]
-pub struct BentSurface {
-    /// Positions, and the colours of the points that they stand for.
-    pub points: Arc<Vec<PointRecord>>,
-    /// Normals and radii.
-    pub shapes: Arc<Vec<ShapeRecord>>,
-}
 
 /// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
 #[derive(Debug, Clone)]
@@ -181,12 +171,6 @@ impl PreparedFrame {
             + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)
             + self.bent.as_ref().map_or(0, BentSurface::byte_size)
             + self.levels.byte_size()
-    }
-}
-
-impl BentSurface {
-    fn byte_size(&self) -> usize {
-        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
     }
 }
 

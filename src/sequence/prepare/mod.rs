@@ -26,8 +26,9 @@ mod mesh;
 mod photographed;
 
 pub use counters::{PrepareCounters, Timings};
-pub use frame::{BentSurface, PreparedFrame};
+pub use frame::PreparedFrame;
 pub use mesh::PreparedMesh;
+pub use photographed::BentSurface;
 
 use super::Needs;
 use crate::analysis::estimate_surface_fast;

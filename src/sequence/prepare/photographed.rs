@@ -10,7 +10,6 @@
 //! A disk of few points reaches beyond an outline, and takes the photographs from what is behind it. So [disks are
 //! bent](bent_disks): smaller ones on the curved surface are drawn, and photographs are hidden by these.
 
-use super::frame::BentSurface;
 use crate::analysis::{Disk, Surface, bent_disks, estimate_surface, splat_radii, stray_points};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
 use glam::Vec3;
@@ -24,6 +23,22 @@ const MOST_BENT: usize = 1 << 15;
 
 /// The disk of a stray point, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
+
+/// Disks of a surface, as many records of both kinds: of a few points, whose own disks were too large and flat for its
+/// outlines.
+#[derive(Debug, Clone)]
+pub struct BentSurface {
+    /// Positions, and the colours of the points that they stand for.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl BentSurface {
+    pub(super) fn byte_size(&self) -> usize {
+        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
+    }
+}
 
 /// Which points are stray: none where the file says how large disks are, or there are too many points.
 pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
