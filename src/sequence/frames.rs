@@ -236,7 +236,7 @@ impl Sequence {
         }
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         progress.set(0, 0);
-        let mut decoder = take_idle(idle, index, &self.source.group(index)).unwrap_or_else(decoder);
+        let mut decoder = take_idle(idle, index, |frame| self.source.group(frame)).unwrap_or_else(decoder);
         let decoded = catch_panic(index, &path, || {
             let decoded = decoder.decode(index, &entry, detail.most_points(), progress);
             // One that has panicked is not used again.
@@ -384,15 +384,27 @@ fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Fra
 }
 
 /// A decoder that nobody uses: the one that is nearest before `index` in its group, as it may know what that frame is
-/// made from. One that is on another group is taken only where there are as many as there are processors.
-fn take_idle(idle: &Mutex<IdleDecoders>, index: usize, group: &Range<usize>) -> Option<Box<dyn Decoder>> {
+/// made from. One that is on another group is taken only where there are as many as there are processors: one that has
+/// ended its group, for who makes the next frame of a group comes back for its decoder; any where they are twice as
+/// many.
+fn take_idle(
+    idle: &Mutex<IdleDecoders>,
+    index: usize,
+    group_of: impl Fn(usize) -> Range<usize>,
+) -> Option<Box<dyn Decoder>> {
     let mut idle = lock(idle);
+    let group = group_of(index);
     // Frames of files have no groups, but one may begin where the one before ends.
     let knows = |last: usize| (group.start..=index).contains(&last) || last + 1 == index;
     let nearest = (0..idle.len()).filter(|&place| knows(idle[place].0));
     let nearest = nearest.max_by_key(|&place| idle[place].0);
     let most = thread::available_parallelism().map_or(1, NonZero::get);
-    let oldest = || (idle.len() >= most).then_some(0);
+    let has_ended = |&(last, _): &(usize, Box<dyn Decoder>)| last + 1 >= group_of(last).end;
+    let oldest = || match idle.len() {
+        count if count >= 2 * most => Some(0),
+        count if count >= most => idle.iter().position(has_ended),
+        _ => None,
+    };
     let place = nearest.or_else(oldest)?;
     Some(idle.remove(place).1)
 }
