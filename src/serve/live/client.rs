@@ -35,13 +35,13 @@ pub(super) fn send(
             match client.mailbox.next(HEARTBEAT) {
                 Next::Frame(frame) => {
                     let whole_bytes = frame.byte_size() as u64;
-                    client.whole_bytes.fetch_add(whole_bytes, Ordering::Relaxed);
                     let seen = client.view().and_then(|view| frame.seen_by(&view, &mut estimator));
                     let frame = seen.unwrap_or(frame);
                     stream.write_all(&frame.head)?;
                     stream.write_all(&frame.body.bytes)?;
                     client.sent_frames.fetch_add(1, Ordering::Relaxed);
                     client.sent_bytes.fetch_add(frame.byte_size() as u64, Ordering::Relaxed);
+                    client.whole_bytes.fetch_add(whole_bytes, Ordering::Relaxed);
                 }
                 Next::Answer(mut answer) => {
                     stamp(&mut answer.payload, answer.kind, clock_ns());
