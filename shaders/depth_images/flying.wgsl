@@ -15,7 +15,12 @@ fn near_neighbours(corner: u32, edge: u32) -> f32 {
     return count;
 }
 
-fn keep_flying(least: f32, pixel: vec2u, local: vec2u) {
+// Keeps the pixels of a workgroup that are among at least so many at their depth.
+fn keep_flying(least: f32, pixel: vec2u, local: vec2u, local_index: u32, group: vec2u) {
+    read_tile(1u, group, local_index);
+    if (!is_in_image(pixel)) {
+        return;
+    }
     let edge = tile_edge(1u);
     let corner = local.y * edge + local.x;
     let depth = tile[corner + edge + 1u];
@@ -30,10 +35,7 @@ fn flying(
     @builtin(local_invocation_index) local_index: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
-    read_tile(1u, group.xy, local_index);
-    if (is_in_image(id.xy)) {
-        keep_flying(imaging.least_neighbours, id.xy, local.xy);
-    }
+    keep_flying(imaging.least_neighbours, id.xy, local.xy, local_index, group.xy);
 }
 
 // The same of pixels that are not among eight at their depth: one more along every edge.
@@ -44,8 +46,5 @@ fn erode(
     @builtin(local_invocation_index) local_index: u32,
     @builtin(workgroup_id) group: vec3u,
 ) {
-    read_tile(1u, group.xy, local_index);
-    if (is_in_image(id.xy)) {
-        keep_flying(8.0, id.xy, local.xy);
-    }
+    keep_flying(8.0, id.xy, local.xy, local_index, group.xy);
 }

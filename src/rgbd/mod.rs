@@ -21,6 +21,8 @@ pub use cloud::cloud;
 pub use depth_frame::{DepthFrame, DepthSamples, DepthTable};
 pub use distortion::Distortion;
 pub(crate) use filters::constants as filter_constants;
+#[cfg(test)]
+pub(crate) use filters::test_images;
 pub use filters::{
     Bilateral, DepthRange, FilterKind, FilterParameter, Filters, FlyingPixels, ParseFiltersError, Temporal,
     TemporalFilter, median,

@@ -15,6 +15,7 @@ mod gather_program;
 mod gather_tests;
 pub mod gpu_data;
 mod instancing;
+mod late_read;
 mod passes;
 mod photographs;
 mod picture;

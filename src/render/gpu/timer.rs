@@ -4,23 +4,17 @@
 //! waits for them: a measurement that is still under way when the next picture starts is left alone.
 
 use super::context::Context;
+use super::late_read::LateRead;
 use crate::render::{PassTime, PassTimes};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
 
 const QUERY_COUNT: u32 = 2 * PassTimes::MOST as u32;
 const QUERY_BYTES: u64 = wgpu::QUERY_SIZE as u64;
-
-const IDLE: u8 = 0;
-const IN_FLIGHT: u8 = 1;
-const MAPPED: u8 = 2;
 
 #[derive(Debug)]
 pub(super) struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    readable: wgpu::Buffer,
-    state: Arc<AtomicU8>,
+    late: LateRead,
     recorded: bool,
     /// The passes of the picture that is timed.
     passes: Vec<&'static str>,
@@ -48,23 +42,20 @@ impl Timer {
         if !context.has_timestamps {
             return None;
         }
-        let buffer = |usage| {
-            context.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("timestamps"),
-                size: QUERY_BYTES * u64::from(QUERY_COUNT),
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let bytes = QUERY_BYTES * u64::from(QUERY_COUNT);
         Some(Self {
             queries: context.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("timestamps"),
                 ty: wgpu::QueryType::Timestamp,
                 count: QUERY_COUNT,
             }),
-            resolved: buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
-            readable: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
-            state: Arc::new(AtomicU8::new(IDLE)),
+            resolved: context.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: bytes,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            late: LateRead::new(context, "timestamps", bytes),
             recorded: false,
             passes: Vec::new(),
             last: GpuTimes::default(),
@@ -74,7 +65,7 @@ impl Timer {
     /// A picture begins.
     pub(super) fn begin(&mut self, context: &Context) {
         self.collect(context);
-        self.recorded = self.state.load(Ordering::Acquire) == IDLE;
+        self.recorded = self.late.is_idle();
         if self.recorded {
             self.passes.clear();
         }
@@ -101,29 +92,17 @@ impl Timer {
         }
         let bytes = QUERY_BYTES * u64::from(count);
         encoder.resolve_query_set(&self.queries, 0..count, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, bytes);
-        self.state.store(IN_FLIGHT, Ordering::Release);
-        let state = Arc::clone(&self.state);
-        encoder.map_buffer_on_submit(&self.readable, wgpu::MapMode::Read, .., move |result| {
-            state.store(if result.is_ok() { MAPPED } else { IDLE }, Ordering::Release);
-        });
+        self.late.ask(encoder, &self.resolved, bytes);
     }
 
     /// Takes a result that has arrived.
     fn collect(&mut self, context: &Context) {
         // Lets callbacks run. A lost device is reported elsewhere.
         let _ = context.device.poll(wgpu::PollType::Poll);
-        if self.state.load(Ordering::Acquire) == MAPPED {
-            let ticks = self.readable.slice(..).get_mapped_range();
-            let period_ns = context.queue.get_timestamp_period();
-            let of_ticks = |ticks: &[u64]| GpuTimes::of(&self.passes, ticks, period_ns);
-            self.last = ticks.map_or_else(
-                |_| GpuTimes::default(),
-                |ticks| of_ticks(&bytemuck::pod_collect_to_vec::<u8, u64>(&ticks)),
-            );
-            self.readable.unmap();
-            self.state.store(IDLE, Ordering::Release);
-        }
+        let period_ns = context.queue.get_timestamp_period();
+        let of_ticks = |ticks: Vec<u64>| GpuTimes::of(&self.passes, &ticks, period_ns);
+        let come = self.late.take(|ticks| ticks.map_or_else(GpuTimes::default, of_ticks));
+        self.last = come.unwrap_or(self.last);
     }
 
     /// The last times that arrived, without waiting.

@@ -118,43 +118,7 @@ const SQUARE: [f32; 3] = [1.000_443_1, 0.703_448, 0.238_428_9];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rgbd::filters::test_images::{noise, plane_with_holes, random};
-
-    /// The definition, in double precision.
-    fn brute_force(depth: &DepthImage, bilateral: &Bilateral) -> Vec<f64> {
-        let (width, height) = (depth.width() as isize, depth.height() as isize);
-        let pixel = |x: isize, y: isize| {
-            let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
-            let z = f64::from(if is_inside {
-                depth.metres()[(y * width + x) as usize]
-            } else {
-                0.0
-            });
-            (z > 0.0).then_some(z)
-        };
-        let space = f64::from(bilateral.space_px);
-        let mean = |x: isize, y: isize| {
-            let Some(middle) = pixel(x, y) else { return 0.0 };
-            let sigma = match bilateral.depth_m {
-                Some(sigma) => f64::from(sigma),
-                None => f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (middle - 0.4).powi(2)),
-            };
-            let (mut weights, mut sum) = (0.0, 0.0);
-            for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
-                let Some(z) = pixel(x + dx, y + dy) else { continue };
-                let by_depth = -(z - middle).powi(2) / (2.0 * sigma * sigma);
-                let by_space = -((dx * dx + dy * dy) as f64) / (2.0 * space * space);
-                let weight = by_depth.exp() * by_space.exp();
-                weights += weight;
-                sum += weight * z;
-            }
-            sum / weights
-        };
-        (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| mean(x, y))
-            .collect()
-    }
+    use crate::rgbd::filters::test_images::{bilateral_by_definition, noise, plane_with_holes, random};
 
     #[test]
     fn it_is_what_its_definition_says() {
@@ -179,7 +143,7 @@ mod tests {
         ] {
             let image = noise([61, 33], hole_share);
             let filtered = bilateral.apply(&image);
-            let expected = brute_force(&image, &bilateral);
+            let expected = bilateral_by_definition(&image, &bilateral);
             for (at, (&found, expected)) in filtered.metres().iter().zip(expected).enumerate() {
                 let error = (f64::from(found) - expected).abs();
                 assert!(error <= 1e-4 * expected, "{bilateral:?} at {at}: {found}, {expected}");

@@ -13,7 +13,7 @@ mod parameters;
 mod range;
 mod temporal;
 #[cfg(test)]
-mod test_images;
+pub(crate) mod test_images;
 mod text;
 
 pub use bilateral::Bilateral;

@@ -1,9 +1,9 @@
-//! Images for the tests of filters.
+//! Images for the tests of filters, here and on the graphics card.
 
-use crate::rgbd::DepthImage;
+use crate::rgbd::{Bilateral, DepthImage};
 
 /// Numbers from 0 to 1 without any order, the same every time.
-pub(super) fn random(at: u32) -> f32 {
+pub(crate) fn random(at: u32) -> f32 {
     let mut bits = at.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
     for shift in [15, 13, 16] {
         bits = (bits ^ bits >> shift).wrapping_mul(0x2C1B_3C6D);
@@ -31,4 +31,40 @@ pub(super) fn plane_with_holes([width, height]: [u32; 2], depth_m: f32) -> Depth
     };
     let metres = (0..height).flat_map(|y| (0..width).map(move |x| if is_hole(x, y) { 0.0 } else { depth_m }));
     DepthImage::new([width, height], metres.collect()).unwrap()
+}
+
+/// What [`Bilateral`] is by its definition (paper 003, Eq. 3), in double precision.
+pub(crate) fn bilateral_by_definition(depth: &DepthImage, bilateral: &Bilateral) -> Vec<f64> {
+    let (width, height) = (depth.width() as isize, depth.height() as isize);
+    let pixel = |x: isize, y: isize| {
+        let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+        let z = f64::from(if is_inside {
+            depth.metres()[(y * width + x) as usize]
+        } else {
+            0.0
+        });
+        (z > 0.0).then_some(z)
+    };
+    let space = f64::from(bilateral.space_px);
+    let mean = |x: isize, y: isize| {
+        let Some(middle) = pixel(x, y) else { return 0.0 };
+        let sigma = match bilateral.depth_m {
+            Some(sigma) => f64::from(sigma),
+            None => f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (middle - 0.4).powi(2)),
+        };
+        let (mut weights, mut sum) = (0.0, 0.0);
+        for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
+            let Some(z) = pixel(x + dx, y + dy) else { continue };
+            let by_depth = -(z - middle).powi(2) / (2.0 * sigma * sigma);
+            let by_space = -((dx * dx + dy * dy) as f64) / (2.0 * space * space);
+            let weight = by_depth.exp() * by_space.exp();
+            weights += weight;
+            sum += weight * z;
+        }
+        sum / weights
+    };
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| mean(x, y))
+        .collect()
 }

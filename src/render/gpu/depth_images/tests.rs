@@ -4,7 +4,8 @@ use super::*;
 use crate::render::gpu::GpuRenderer;
 use crate::render::gpu::context::ContextOptions;
 use crate::render::gpu::readback::map_and_read;
-use crate::rgbd::{Bilateral, Camera, DepthImage, DepthRange, DepthTable, Distortion, FlyingPixels, RayTable};
+use crate::rgbd::test_images::{bilateral_by_definition, random};
+use crate::rgbd::{Bilateral, Camera, DepthRange, DepthTable, Distortion, FlyingPixels, RayTable};
 use glam::{DVec2, Vec3};
 use std::sync::LazyLock;
 use wgpu::BufferUsages as Usages;
@@ -18,15 +19,6 @@ fn context() -> Arc<Context> {
         ..ContextOptions::default()
     };
     Context::headless(&options).unwrap()
-}
-
-/// Numbers from 0 to 1 without any order.
-fn random(at: u32) -> f32 {
-    let mut bits = at.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
-    for shift in [15, 13, 16] {
-        bits = (bits ^ bits >> shift).wrapping_mul(0x2C1B_3C6D);
-    }
-    (bits >> 8) as f32 / (1 << 24) as f32
 }
 
 /// Surfaces with steps between them, noise, outliers and holes, in tenths of millimetres; 65535 among them.
@@ -181,40 +173,6 @@ fn range_median_and_flying_pixels_are_those_of_the_processor_to_the_bit() {
             }
         }
     }
-}
-
-/// The definition (paper 003, Eq. 3) in double precision.
-fn bilateral_by_definition(depth: &DepthImage, bilateral: &Bilateral) -> Vec<f64> {
-    let [width, height] = depth.size_px().map(|edge| edge as isize);
-    let pixel = |x: isize, y: isize| {
-        let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
-        let z = if is_inside {
-            depth.metres()[(y * width + x) as usize]
-        } else {
-            0.0
-        };
-        (z > 0.0).then_some(f64::from(z))
-    };
-    let space = f64::from(bilateral.space_px);
-    let mean = |x: isize, y: isize| {
-        let Some(middle) = pixel(x, y) else { return 0.0 };
-        let noise = f64::from(bilateral.noise_factor) * (0.0012 + 0.0019 * (middle - 0.4).powi(2));
-        let sigma = bilateral.depth_m.map_or(noise, f64::from);
-        let (mut weights, mut sum) = (0.0, 0.0);
-        for (dx, dy) in (-4..=4).flat_map(|dy| (-4..=4).map(move |dx| (dx, dy))) {
-            let Some(z) = pixel(x + dx, y + dy) else { continue };
-            let by_depth = -(z - middle).powi(2) / (2.0 * sigma * sigma);
-            let by_space = -((dx * dx + dy * dy) as f64) / (2.0 * space * space);
-            let weight = by_depth.exp() * by_space.exp();
-            weights += weight;
-            sum += weight * z;
-        }
-        sum / weights
-    };
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| mean(x, y))
-        .collect()
 }
 
 #[test]

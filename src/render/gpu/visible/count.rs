@@ -6,13 +6,8 @@
 use super::scratch::FOUND_BYTES;
 use crate::locks::lock;
 use crate::render::gpu::context::Context;
-use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Arc, Mutex};
-
-const IDLE: u8 = 0;
-const IN_FLIGHT: u8 = 1;
-const MAPPED: u8 = 2;
-const READING: u8 = 3;
+use crate::render::gpu::late_read::LateRead;
+use std::sync::Mutex;
 
 /// Where the number is in `Found`, words.
 const VISIBLE_WORD: usize = 3;
@@ -20,8 +15,7 @@ const VISIBLE_WORD: usize = 3;
 /// Reads `Found` of `screen_normals/view.wgsl` back.
 #[derive(Debug)]
 pub(super) struct CountReader {
-    readable: wgpu::Buffer,
-    state: Arc<AtomicU8>,
+    late: LateRead,
     /// What is under way, and what has come.
     counts: Mutex<Counts>,
 }
@@ -44,13 +38,7 @@ pub(in crate::render::gpu) struct VisibleCount {
 impl CountReader {
     pub(super) fn new(context: &Context) -> Self {
         Self {
-            readable: context.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("visible points"),
-                size: FOUND_BYTES,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }),
-            state: Arc::new(AtomicU8::new(IDLE)),
+            late: LateRead::new(context, "visible points", FOUND_BYTES),
             counts: Mutex::default(),
         }
     }
@@ -59,38 +47,21 @@ impl CountReader {
     /// known.
     pub(super) fn ask(&self, encoder: &mut wgpu::CommandEncoder, found: &wgpu::Buffer, points: usize) {
         self.last();
-        let is_idle = self
-            .state
-            .compare_exchange(IDLE, IN_FLIGHT, Ordering::AcqRel, Ordering::Acquire);
-        if is_idle.is_err() {
-            return;
+        if self.late.ask(encoder, found, FOUND_BYTES) {
+            lock(&self.counts).points_asked = points;
         }
-        lock(&self.counts).points_asked = points;
-        encoder.copy_buffer_to_buffer(found, 0, &self.readable, 0, FOUND_BYTES);
-        let state = Arc::clone(&self.state);
-        encoder.map_buffer_on_submit(&self.readable, wgpu::MapMode::Read, .., move |result| {
-            state.store(if result.is_ok() { MAPPED } else { IDLE }, Ordering::Release);
-        });
     }
 
     /// The last number that has come.
     pub(super) fn last(&self) -> Option<VisibleCount> {
         let mut counts = lock(&self.counts);
-        let has_come = self
-            .state
-            .compare_exchange(MAPPED, READING, Ordering::AcqRel, Ordering::Acquire);
-        if has_come.is_ok() {
-            let words = self.readable.slice(..).get_mapped_range();
-            let words = words.map(|bytes| bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
-            counts.last = words.ok().and_then(|words| {
-                Some(VisibleCount {
-                    points: counts.points_asked,
-                    visible: *words.get(VISIBLE_WORD)? as usize,
-                })
-            });
-            self.readable.unmap();
-            self.state.store(IDLE, Ordering::Release);
-        }
+        let points = counts.points_asked;
+        let of_words = |words: Vec<u32>| {
+            let visible = *words.get(VISIBLE_WORD)? as usize;
+            Some(VisibleCount { points, visible })
+        };
+        let come = self.late.take(|words| words.and_then(of_words));
+        counts.last = come.unwrap_or(counts.last);
         counts.last
     }
 }
