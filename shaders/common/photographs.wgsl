@@ -1,9 +1,6 @@
 // Surfaces have their colours from photographs (paper 004 §3.2-3.4), and, where they are lit anew, normals from depths
 // of these (§4.1): scene/photographs.rs, render/cpu/photographs.
 
-// Row 0: number of photographs, how many are blended, 1/σ², and what becomes of what they do not show. Then a row for
-// each photograph.
-@group(SOURCE_GROUP) @binding(6) var photo_table: texture_2d<f32>;
 @group(SOURCE_GROUP) @binding(7) var photo_texels: texture_2d_array<f32>;
 @group(SOURCE_GROUP) @binding(8) var photo_depths: texture_2d_array<f32>;
 
@@ -279,19 +276,20 @@ fn photo_agreed(colors: array<vec3f, PHOTO_MOST_BLENDED>, shares: array<f32, PHO
     return mean;
 }
 
-// The colour and the normal of a place in view space. `normal` has length 1 and is turned to the eye, or is zero.
-fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
+// What they say of the blended surface.
+fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
+    let place = blended.place;
+    let to_eye = blended.to_eye;
+    let normal = blended.normal;
     let header = textureLoad(photo_table, vec2u(0u, 0u), 0);
     let photos = u32(header.x);
-    let blended = u32(header.y);
+    let most = u32(header.y);
     let per_sigma2 = header.z;
-    let flags = u32(header.w);
-    let leaves_holes = (flags & PHOTO_LEAVES_HOLES) != 0u;
+    let flags = photo_flags();
     let clips_by_vote = (flags & PHOTO_CLIPS_BY_VOTE) != 0u;
     let clips_by_any = (flags & PHOTO_CLIPS_BY_ANY) != 0u;
     let relights = (flags & PHOTO_RELIGHTS) != 0u;
     let is_white = (flags & PHOTO_IS_WHITE) != 0u;
-    let to_eye = -normalize(place);
     // The nearest to the eye's direction, nearest first.
     var nearest: array<u32, PHOTO_MOST_ASKED>;
     var cosines: array<f32, PHOTO_MOST_ASKED>;
@@ -319,7 +317,7 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     var through = 0.0;
     var seen = 0.0;
     var least = 0.0;
-    for (var at = 0u; at < count && found <= blended; at++) {
+    for (var at = 0u; at < count && found <= most; at++) {
         let angle = acos(clamp(cosines[at], -1.0, 1.0));
         if (at == 0u) {
             least = angle * angle;
@@ -338,15 +336,15 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
             found++;
         }
     }
-    let clipped = Surface(vec3f(0.0), 0.0, normal);
+    let clipped = PhotoAnswer(vec3f(0.0), ANSWER_CLIPPED, vec3f(0.0));
     if (clips_by_vote && through > seen || clips_by_any && through > 0.0) {
         return clipped;
     }
-    let unseen = Surface(select(own, vec3f(1.0), is_white), select(1.0, 0.0, leaves_holes), normal);
+    let unseen = PhotoAnswer(vec3f(0.0), ANSWER_UNSEEN, vec3f(0.0));
     if (found == 0u) {
         return unseen;
     }
-    var beyond = select(0.0, weights[blended] / weights[0], found > blended);
+    var beyond = select(0.0, weights[most] / weights[0], found > most);
     // Where that is as near as the nearest, all count alike.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
@@ -356,7 +354,7 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     var sum = 0.0;
     var object = 0.0;
     var background = 0.0;
-    for (var which = 0u; which < min(found, blended); which++) {
+    for (var which = 0u; which < min(found, most); which++) {
         let photo = seeing[which];
         let at = in_photo(photo, place, to_eye, normal);
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
@@ -379,13 +377,8 @@ fn surface_at(own: vec3f, place: vec3f, normal: vec3f) -> Surface {
     if (sum <= 0.0) {
         return unseen;
     }
-    let agreed = photo_agreed(colors, shares, min(found, blended));
+    let agreed = photo_agreed(colors, shares, min(found, most));
     let shown = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
     let length2 = dot(normals, normals);
-    if (length2 == 0.0) {
-        return Surface(shown, PHOTO_OPACITY, normal);
-    }
-    let lit_normal = normals / sqrt(length2);
-    // Surfaces have two sides.
-    return Surface(shown, PHOTO_OPACITY, select(lit_normal, -lit_normal, dot(lit_normal, to_eye) < 0.0));
+    return PhotoAnswer(shown, ANSWER_SHOWN, select(normals / sqrt(length2), vec3f(0.0), length2 == 0.0));
 }

@@ -59,6 +59,11 @@ impl PhotoViews {
     /// The longest edge of a depth map that is drawn.
     const MOST_DEPTH_EDGE_PX: u32 = 512;
 
+    /// Whether what none of them sees is filled from around.
+    pub fn fills_holes(&self) -> bool {
+        self.holes == PhotoHoles::Filled
+    }
+
     /// Those of a packet; `None` where surfaces have other colours.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let shown = packet.photographs.as_ref()?;

@@ -4,7 +4,10 @@ use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
     LIGHTING_PER_VERTEX,
 };
-use super::photographs::{PHOTO_CLIPS_BY_ANY, PHOTO_CLIPS_BY_VOTE, PHOTO_IS_WHITE, PHOTO_LEAVES_HOLES, PHOTO_RELIGHTS};
+use super::photographs::{
+    ANSWER_CLIPPED, ANSWER_SHOWN, ANSWER_UNSEEN, PHOTO_CLIPS_BY_ANY, PHOTO_CLIPS_BY_VOTE, PHOTO_IS_WHITE,
+    PHOTO_LEAVES_HOLES, PHOTO_RELIGHTS,
+};
 use crate::analysis::screen::constants as screen;
 use crate::cloud::{ELLIPSE_STEPS, VertexRecord};
 use crate::render::constants::{
@@ -124,6 +127,9 @@ pub(super) fn shared() -> String {
     }
     declared![
         ALBEDO_ENTRIES,
+        ANSWER_CLIPPED,
+        ANSWER_SHOWN,
+        ANSWER_UNSEEN,
         BACK_FACES_CULLED,
         BACK_FACES_DARKER,
         BACK_SIDE,

@@ -17,6 +17,11 @@ pub(super) const PHOTO_CLIPS_BY_ANY: u32 = 4;
 pub(super) const PHOTO_RELIGHTS: u32 = 8;
 pub(super) const PHOTO_IS_WHITE: u32 = 16;
 
+/// What they read of answers of photographs (`PhotoAnswer` of the software renderer).
+pub(super) const ANSWER_CLIPPED: f32 = -1.0;
+pub(super) const ANSWER_UNSEEN: f32 = 0.0;
+pub(super) const ANSWER_SHOWN: f32 = 1.0;
+
 /// Entries of a row of the table.
 const COLUMNS: usize = 8;
 
@@ -65,6 +70,11 @@ impl PhotoTextures {
     /// In the order of their bindings.
     pub(super) fn views(&self) -> [&wgpu::TextureView; 3] {
         [&self.table, &self.texels, &self.depths]
+    }
+
+    /// Where they are in the picture, and what becomes of what they do not show.
+    pub(super) fn table(&self) -> &wgpu::TextureView {
+        &self.table
     }
 }
 
@@ -133,7 +143,7 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
     };
     flags |= match views.holes {
         PhotoHoles::Left => PHOTO_LEAVES_HOLES,
-        // What looks beyond a pixel is the processor's: here holes have the colours of points.
+        // What no photograph sees of the whole picture cannot be filled either.
         PhotoHoles::Points | PhotoHoles::Filled => 0,
     };
     flags |= match views.relight {

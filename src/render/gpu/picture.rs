@@ -3,6 +3,7 @@
 use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
 use super::instancing::{Draw, Instancing, ViewBinding};
+use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH};
 use super::passes::{DepthUse, GeometryKey, Pipelines, ScreenPass};
 use super::plan::{LAMP_VIEW, Plan};
 use super::recording::Recording;
@@ -50,8 +51,23 @@ impl<'a> Recorder<'a> {
         for (index, key) in (0..).zip(plan.geometry_keys()) {
             self.geometry(index, key, instancing, draw);
         }
+        if plan.fills_photo_holes() {
+            self.answers_of_photographs(plan);
+        }
         for pass in &plan.finish {
-            self.screen(pass, plan);
+            self.screen(pass, plan, 0);
+        }
+    }
+
+    /// What photographs say of all pixels, with what they do not show filled from around.
+    fn answers_of_photographs(&mut self, plan: &Plan<'_>) {
+        let coarsest = self.targets.coarsest_photo_level();
+        self.screen(&PHOTO_ANSWERS, plan, 0);
+        for level in 1..=coarsest {
+            self.screen(&PULL, plan, level);
+        }
+        for level in (0..coarsest).rev() {
+            self.screen(&PUSH, plan, level);
         }
     }
 
@@ -64,7 +80,7 @@ impl<'a> Recorder<'a> {
             b: blue,
             a: 1.0,
         });
-        let onto = (self.targets.views(Target::Picture), clear);
+        let onto = (self.targets.views(Target::Picture, 0), clear);
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), "background", onto, None);
         self.stats.passes += 1;
         if let Some(pipeline) = plan
@@ -120,13 +136,13 @@ impl<'a> Recorder<'a> {
         self.amplify(view, instancing, draw);
         let targets = &*self.targets;
         let load = |target| match target {
-            Target::Picture | Target::Shown => wgpu::LoadOp::Load,
             Target::Sums | Target::Surfaces => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            Target::Picture | Target::PhotoAnswers | Target::PhotoLevel | Target::Shown => wgpu::LoadOp::Load,
         };
         let onto = key
             .pass
             .color
-            .map(|color| (targets.views(color.target), load(color.target)));
+            .map(|color| (targets.views(color.target, 0), load(color.target)));
         let color = onto.unwrap_or_else(|| (Vec::new(), wgpu::LoadOp::Load));
         let depth = key.pass.depth.map(|depth| match depth {
             DepthUse::TestAndWrite => (&targets.depth_view, Some(wgpu::LoadOp::Clear(FAR))),
@@ -136,20 +152,20 @@ impl<'a> Recorder<'a> {
         draw_records(self.pipelines, self.stats, pass, (key, view), instancing, draw);
     }
 
-    /// A pass over the screen.
-    fn screen(&mut self, screen: &'static ScreenPass, plan: &Plan<'_>) {
+    /// A pass over the screen, or over a level of a pyramid.
+    fn screen(&mut self, screen: &'static ScreenPass, plan: &Plan<'_>, level: usize) {
         let Some(pipeline) = self.pipelines.screen(screen, plan.precision) else {
             return;
         };
         let targets = &*self.targets;
         let source = screen.source.map(|source| {
             let layout = self.pipelines.source_layout(source);
-            source_group(self.context, layout, &targets.sources(source))
+            source_group(self.context, layout, &targets.sources(source, level))
         });
         // What is drawn without depth hides nothing.
         let cleared = (!plan.leaves_depths()).then_some(wgpu::LoadOp::Clear(FAR));
         let depth = screen.depth.map(|_| (&targets.depth_view, cleared));
-        let color = (targets.views(screen.color.target), wgpu::LoadOp::Load);
+        let color = (targets.views(screen.color.target, level), wgpu::LoadOp::Load);
         let mut pass = begin(self.encoder, self.timer.as_deref_mut(), screen.name, color, depth);
         self.stats.passes += 1;
         pass.set_pipeline(pipeline);

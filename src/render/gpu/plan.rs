@@ -8,8 +8,8 @@
 
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{
-    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, SHADE, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL,
-    SHADE_PHYSICAL, SUPERSAMPLE,
+    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, PHOTO_ANSWERS, PULL, PUSH, SHADE, SHADE_PHOTO_ANSWERS,
+    SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL, SUPERSAMPLE,
 };
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
@@ -48,11 +48,14 @@ impl<'a> Plan<'a> {
         let drawable = primitives::drawable(packet);
         let physical = PhysicalLight::of(packet);
         let photographs = PhotoViews::of(packet);
-        let shade = match (&photographs, &physical) {
+        let fills_holes = photographs.as_ref().map(PhotoViews::fills_holes);
+        let shade = match (fills_holes, &physical) {
             (None, None) => &SHADE,
             (None, Some(_)) => &SHADE_PHYSICAL,
-            (Some(_), None) => &SHADE_PHOTOGRAPHS,
-            (Some(_), Some(_)) => &SHADE_PHOTOGRAPHS_PHYSICAL,
+            (Some(false), None) => &SHADE_PHOTOGRAPHS,
+            (Some(false), Some(_)) => &SHADE_PHOTOGRAPHS_PHYSICAL,
+            (Some(true), None) => &SHADE_PHOTO_ANSWERS,
+            (Some(true), Some(_)) => &SHADE_PHOTO_ANSWERS_PHYSICAL,
         };
         let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
@@ -134,7 +137,18 @@ impl<'a> Plan<'a> {
     }
 
     pub(super) fn screen_passes(&self) -> impl Iterator<Item = &'static ScreenPass> {
-        self.background.into_iter().chain(self.finish.iter().copied())
+        let of_answers: &[_] = if self.fills_photo_holes() {
+            &[&PHOTO_ANSWERS, &PULL, &PUSH]
+        } else {
+            &[]
+        };
+        let finish = of_answers.iter().chain(&self.finish);
+        self.background.into_iter().chain(finish.copied())
+    }
+
+    /// Whether what photographs do not show is filled from around.
+    pub(super) fn fills_photo_holes(&self) -> bool {
+        self.defers_shading() && self.photographs.as_ref().is_some_and(PhotoViews::fills_holes)
     }
 
     /// Whether light falls on the blended surface.

@@ -320,6 +320,9 @@ impl GpuRenderer {
                     if let Some(physical) = &plan.physical {
                         targets.ensure_environment(&self.context, &physical.tables);
                     }
+                    if plan.fills_photo_holes() {
+                        targets.ensure_photo_answers(&self.context);
+                    }
                 })
             }
             _ => Ok(()),

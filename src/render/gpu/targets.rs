@@ -1,7 +1,9 @@
 //! What is drawn into: colour (the picture), accumulation (weighted sums) and depth, all of the viewport's size.
 
 use super::context::Context;
+use super::photo_answers::{self, PhotoAnswers};
 use super::photographs::PhotoTextures;
+use super::textures::{self, texture, view};
 use crate::scene::{PhysicalTables, ScenePacket, Shadow};
 use std::sync::Arc;
 
@@ -32,6 +34,10 @@ pub(super) enum Target {
     Sums,
     /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
     Surfaces,
+    /// Two textures: what photographs say of each pixel, as colours and as normals.
+    PhotoAnswers,
+    /// A level of the pyramid over these colours.
+    PhotoLevel,
     /// What antialiasing makes of the picture.
     Shown,
 }
@@ -46,6 +52,12 @@ pub(super) enum Source {
     Surfaces,
     /// The same, and photographs.
     Photographed,
+    /// The same as for surfaces, the table of photographs, and what these say of each pixel.
+    PhotoAnswers,
+    /// The next finer level of the pyramid over what they say than the one that is drawn into.
+    FinerLevel,
+    /// The next coarser one.
+    CoarserLevel,
 }
 
 /// Of the picture that is drawn, and of the one that is shown where that is another.
@@ -57,6 +69,8 @@ impl Target {
         use wgpu::TextureFormat::{R16Float, R32Float, Rgba16Float, Rgba32Float};
         match (self, precision) {
             (Self::Picture | Self::Shown, _) => &[COLOR_FORMAT],
+            (Self::PhotoAnswers, _) => &[photo_answers::FORMAT; 2],
+            (Self::PhotoLevel, _) => &[photo_answers::FORMAT],
             (Self::Sums, Precision::Half) => &[Rgba16Float],
             (Self::Sums, Precision::Single) => &[Rgba32Float],
             // Reversed distances are in the unit of `Lights::usual_distance`, less 1.
@@ -89,6 +103,8 @@ pub(super) struct Targets {
     environment_of: Option<Arc<PhysicalTables>>,
     /// What surfaces have their colours from, once they had.
     pub(super) photographs: Option<PhotoTextures>,
+    /// What these say of each pixel, once what they do not show was filled.
+    answers: Option<PhotoAnswers>,
 }
 
 impl Targets {
@@ -98,7 +114,7 @@ impl Targets {
         let none = wgpu::TextureUsages::empty();
         let color = texture("color", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
         let shown = shown_px.map(|shown_px| {
-            let shown = self::texture(context, shown_px, "shown", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
+            let shown = textures::texture(context, shown_px, "shown", COLOR_FORMAT, wgpu::TextureUsages::COPY_SRC);
             let view = view(&shown);
             (shown, view)
         });
@@ -115,9 +131,9 @@ impl Targets {
             accumulation_view: view(&texture("accumulation", *of_sums, none)),
             depth_view: view(&texture("depth", DEPTH_FORMAT, none)),
             surfaces: None,
-            shadow_map: view(&self::texture(context, [1; 2], "no shadow map", DEPTH_FORMAT, none)),
+            shadow_map: view(&textures::texture(context, [1; 2], "no shadow map", DEPTH_FORMAT, none)),
             shadow_of: None,
-            environment: view(&self::texture(
+            environment: view(&textures::texture(
                 context,
                 [1; 2],
                 "no environment",
@@ -126,6 +142,7 @@ impl Targets {
             )),
             environment_of: None,
             photographs: None,
+            answers: None,
         }
     }
 
@@ -174,7 +191,7 @@ impl Targets {
         let texture = self.shadow_map.texture();
         if [texture.width(), texture.height()] != size_px {
             let none = wgpu::TextureUsages::empty();
-            self.shadow_map = view(&self::texture(context, size_px, "shadow map", DEPTH_FORMAT, none));
+            self.shadow_map = view(&textures::texture(context, size_px, "shadow map", DEPTH_FORMAT, none));
         }
     }
 
@@ -202,18 +219,32 @@ impl Targets {
         });
     }
 
-    /// What a pass draws into. Precondition for surfaces: [`Targets::ensure_surfaces`].
-    pub(super) fn views(&self, target: Target) -> Vec<&wgpu::TextureView> {
+    /// Makes the textures of what photographs say of each pixel unless they are there.
+    pub(super) fn ensure_photo_answers(&mut self, context: &Context) {
+        self.answers
+            .get_or_insert_with(|| PhotoAnswers::new(context, self.size_px));
+    }
+
+    /// The coarsest level of the pyramid over what photographs say; 0 until it is there.
+    pub(super) fn coarsest_photo_level(&self) -> usize {
+        self.answers.as_ref().map_or(0, PhotoAnswers::coarsest)
+    }
+
+    /// What a pass draws into; of a pyramid, `level`. Precondition for surfaces: [`Targets::ensure_surfaces`], for what
+    /// photographs say: [`Targets::ensure_photo_answers`].
+    pub(super) fn views(&self, target: Target, level: usize) -> Vec<&wgpu::TextureView> {
         match target {
             Target::Picture => vec![&self.color_view],
             Target::Sums => vec![&self.accumulation_view],
             Target::Surfaces => self.surfaces.iter().flatten().collect(),
+            Target::PhotoAnswers => self.answers.iter().flat_map(PhotoAnswers::finest).collect(),
+            Target::PhotoLevel => self.photo_level(level),
             Target::Shown => self.shown.iter().map(|(_, view)| view).collect(),
         }
     }
 
-    /// What a pass over the screen reads, with the same precondition.
-    pub(super) fn sources(&self, source: Source) -> Vec<&wgpu::TextureView> {
+    /// What a pass over the screen reads that draws into `level`, with the same preconditions.
+    pub(super) fn sources(&self, source: Source, level: usize) -> Vec<&wgpu::TextureView> {
         match source {
             Source::Picture => vec![&self.color_view],
             Source::Sums => vec![&self.accumulation_view],
@@ -223,38 +254,22 @@ impl Targets {
                 let photographs = self.photographs.iter().flat_map(PhotoTextures::views);
                 self.surface_sources().chain(photographs).collect()
             }
+            Source::PhotoAnswers => {
+                let table = self.photographs.iter().map(PhotoTextures::table);
+                let answers = self.answers.iter().flat_map(PhotoAnswers::finest);
+                self.surface_sources().chain(table).chain(answers).collect()
+            }
+            Source::FinerLevel => self.photo_level(level - 1),
+            Source::CoarserLevel => self.photo_level(level + 1),
         }
+    }
+
+    fn photo_level(&self, level: usize) -> Vec<&wgpu::TextureView> {
+        self.answers.iter().map(|answers| answers.level(level)).collect()
     }
 
     fn surface_sources(&self) -> impl Iterator<Item = &wgpu::TextureView> {
         let others = [&self.depth_view, &self.shadow_map, &self.environment];
         self.surfaces.iter().flatten().chain(others)
     }
-}
-
-fn texture(
-    context: &Context,
-    [width, height]: [u32; 2],
-    label: &str,
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    context.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | usage,
-        view_formats: &[],
-    })
-}
-
-fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }

@@ -28,9 +28,8 @@ choices! {
     PhotoHoles, "way to fill holes" {
         Points = "point-color", "Colours of points", "Have the points' own colours";
         Left = "discard", "Nothing", "Are not drawn";
-        /// Gortler et al. 1996. The processor alone does it: a graphics card draws [`PhotoHoles::Points`].
-        Filled = "push-pull", "Filled from around",
-            "Have the colours of what is around them, where the processor draws";
+        /// Gortler et al. 1996.
+        Filled = "push-pull", "Filled from around", "Have the colours of what is around them";
     }
 }
 

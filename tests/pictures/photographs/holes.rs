@@ -1,7 +1,9 @@
 //! What no photograph sees, filled from what is around it.
 
 use super::*;
+use crate::common::{draw_with, renderer};
 use pointreel::cloud::Frame;
+use pointreel::scene::{Lighting, PhotoRelight};
 use pointreel::sequence::{PrepareCounters, prepare};
 
 /// The scene in blue points, with photographs of its front in which all is red.
@@ -71,12 +73,66 @@ fn filled_pictures_do_not_depend_on_the_number_of_threads() {
     assert_eq!(drawn_by(1), drawn_by(3));
 }
 
-/// What looks beyond a pixel is the processor's.
+fn copy(photograph: &Arc<Photograph>) -> Photograph {
+    Photograph {
+        name: photograph.name.clone(),
+        pinhole: photograph.pinhole.clone(),
+        texture: photograph.texture.clone(),
+        depth: photograph.depth.clone(),
+        ..**photograph
+    }
+}
+
+/// Share of the channels that are clearly apart: near steps of depth, photographs are believed or not by a rounding.
+fn share_apart(one: &RgbaImage, other: &RgbaImage) -> f64 {
+    let channels = one.as_raw().iter().zip(other.as_raw());
+    let apart = channels.filter(|(one, other)| one.abs_diff(**other) > 8).count();
+    apart as f64 / one.as_raw().len() as f64
+}
+
+/// From the side, where a third of the surface is unseen by the photographs of its front; by a renderer that has drawn
+/// other sizes and other holes before.
 #[test]
-fn a_graphics_card_draws_the_colours_of_points_where_the_processor_fills() {
-    let frame = red_on_blue();
+fn both_renderers_fill_the_same_holes() {
+    let of_front = PHOTOGRAPHS
+        .all()
+        .iter()
+        .filter(|photograph| photograph.number.is_multiple_of(12));
+    let of_front = Arc::new(Photographs::new(of_front.map(copy).collect(), Some(0.5)));
+    let frame = FRAME.with_photographs(of_front);
     let camera = camera_at(&pose(100.0, 5.0));
-    let [filled, own] =
-        [PhotoHoles::Filled, PhotoHoles::Points].map(|kind| draw(&packet(&frame, &camera, &holes(kind))));
-    assert_eq!(filled, own);
+    let mut card = renderer();
+    for (size_px, relight, lighting) in [
+        ([321, 203], PhotoRelight::Off, Lighting::Unlit),
+        ([96, 257], PhotoRelight::Off, Lighting::Unlit),
+        ([320, 240], PhotoRelight::Photos, Lighting::Lambert),
+        ([320, 240], PhotoRelight::DepthOnly, Lighting::Physical),
+    ] {
+        let of_kind = |kind| {
+            let style = holes(kind).with(|style| {
+                style.photos.relight = relight;
+                style.light.lighting = lighting;
+            });
+            Scene::default().packet(&frame, DVec3::ZERO, &camera, &style, size_px)
+        };
+        let left = draw_with(&mut card, &of_kind(PhotoHoles::Left));
+        let filled = of_kind(PhotoHoles::Filled);
+        let (of_card, of_processor) = (draw_with(&mut card, &filled), draw_on_cpu(&filled));
+        keep(&of_card, &format!("filled_{relight}_gpu.png"));
+        keep(&of_processor, &format!("filled_{relight}_cpu.png"));
+        assert!(share_apart(&left, &of_card) > 0.03, "{relight}: few holes");
+        let apart = share_apart(&of_processor, &of_card);
+        assert!(apart < 0.01, "{size_px:?}, {relight}: {apart} of the channels differ");
+    }
+}
+
+/// What is filled is not black, white or the points' own: all of the surface is red, seen or not.
+#[test]
+fn a_graphics_card_fills_holes_with_what_is_around_them() {
+    let frame = red_on_blue();
+    let filled = packet(&frame, &camera_at(&pose(100.0, 5.0)), &holes(PhotoHoles::Filled));
+    let drawn = draw(&filled);
+    assert_eq!(count(&drawn, 2), 0, "blue is left");
+    assert!(count(&drawn, 0) > 15_000);
+    assert!(share_apart(&drawn, &draw_on_cpu(&filled)) < 0.01);
 }

@@ -94,7 +94,7 @@ impl<'a> Projected<'a> {
 
     /// Whether holes are filled from around: then [`Projected::look`] comes first.
     pub(super) fn fills_holes(&self) -> bool {
-        self.views.holes == PhotoHoles::Filled
+        self.views.fills_holes()
     }
 
     /// The same where it is known what they say of each pixel of the picture.

@@ -48,6 +48,7 @@ pub(crate) struct Pipelines {
     depth_source_layout: wgpu::BindGroupLayout,
     surface_source_layout: wgpu::BindGroupLayout,
     photographed_source_layout: wgpu::BindGroupLayout,
+    photo_answer_source_layout: wgpu::BindGroupLayout,
 }
 
 impl Pipelines {
@@ -98,16 +99,22 @@ impl Pipelines {
                 of_fragments,
                 &[&surface[..], &[color, colors, colors]].concat(),
             ),
+            photo_answer_source_layout: layout(
+                "photo answer source",
+                of_fragments,
+                &[&surface[..], &[color; 3]].concat(),
+            ),
         }
     }
 
     /// Layout of the textures that a screen pass reads.
     pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
         match source {
-            Source::Sums | Source::Picture => &self.color_source_layout,
+            Source::Sums | Source::Picture | Source::FinerLevel | Source::CoarserLevel => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
             Source::Photographed => &self.photographed_source_layout,
+            Source::PhotoAnswers => &self.photo_answer_source_layout,
         }
     }
 

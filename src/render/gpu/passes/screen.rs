@@ -1,15 +1,20 @@
 //! Passes over the whole target.
 
-use super::state::{ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
+use super::state::{COMPLETED, ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 12] = [
+pub const SCREEN_PASSES: [&ScreenPass; 17] = [
     &BACKGROUND,
     &SHADE,
     &SHADE_PHYSICAL,
     &SHADE_PHOTOGRAPHS,
     &SHADE_PHOTOGRAPHS_PHYSICAL,
+    &PHOTO_ANSWERS,
+    &PULL,
+    &PUSH,
+    &SHADE_PHOTO_ANSWERS,
+    &SHADE_PHOTO_ANSWERS_PHYSICAL,
     &RESOLVE,
     &DEPTH_VIEW,
     &EYE_DOME,
@@ -41,6 +46,7 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/blinn_phong.wgsl"),
         include_str!("../../../../shaders/common/own_colors.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Surfaces),
@@ -60,6 +66,7 @@ pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/physical.wgsl"),
         include_str!("../../../../shaders/common/own_colors.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     ..SHADE
@@ -73,7 +80,10 @@ pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/blinn_phong.wgsl"),
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
         include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/common/photographed.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     source: Some(Source::Photographed),
@@ -88,10 +98,89 @@ pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = Screen
         include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
         include_str!("../../../../shaders/common/shadow.wgsl"),
         include_str!("../../../../shaders/common/physical.wgsl"),
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
         include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/common/photographed.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
         include_str!("../../../../shaders/passes/shade.wgsl")
     ),
     ..SHADE_PHOTOGRAPHS
+};
+
+/// What photographs say of each pixel, where what they do not show is filled from around.
+pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
+    name: "photo answers",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
+        include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
+        include_str!("../../../../shaders/passes/photo_answers.wgsl")
+    ),
+    source: Some(Source::Photographed),
+    color: ColorUse {
+        target: Target::PhotoAnswers,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// A coarser level of these.
+pub(in crate::render::gpu) const PULL: ScreenPass = ScreenPass {
+    name: "pull",
+    wgsl: include_str!("../../../../shaders/passes/pull.wgsl"),
+    source: Some(Source::FinerLevel),
+    color: ColorUse {
+        target: Target::PhotoLevel,
+        blend: None,
+    },
+    depth: None,
+};
+
+/// What a level lacks is taken from the next coarser one.
+pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
+    name: "push",
+    wgsl: include_str!("../../../../shaders/passes/push.wgsl"),
+    source: Some(Source::CoarserLevel),
+    color: ColorUse {
+        target: Target::PhotoLevel,
+        blend: Some(COMPLETED),
+    },
+    depth: None,
+};
+
+/// Light falls on what photographs said.
+pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
+    name: "shade photo answers",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
+        include_str!("../../../../shaders/common/photo_answers.wgsl"),
+        include_str!("../../../../shaders/common/photographed.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    source: Some(Source::PhotoAnswers),
+    ..SHADE
+};
+
+/// The same with a material, in an environment.
+pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = ScreenPass {
+    name: "shade photo answers physically",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/linear.wgsl"),
+        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+        include_str!("../../../../shaders/common/shadow.wgsl"),
+        include_str!("../../../../shaders/common/physical.wgsl"),
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
+        include_str!("../../../../shaders/common/photo_answers.wgsl"),
+        include_str!("../../../../shaders/common/photographed.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
+        include_str!("../../../../shaders/passes/shade.wgsl")
+    ),
+    ..SHADE_PHOTO_ANSWERS
 };
 
 /// Normalises what the attribute pass summed up, and lays it over the background.

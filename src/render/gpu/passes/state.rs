@@ -98,6 +98,19 @@ pub(super) const ADDED: wgpu::BlendState = {
     wgpu::BlendState { color: add, alpha: add }
 };
 
+/// Adds as much as is missing to make the fourth channel 1.
+pub(super) const COMPLETED: wgpu::BlendState = {
+    let complete = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState {
+        color: complete,
+        alpha: complete,
+    }
+};
+
 /// The fourth channel stays: the picture's opacity, or the sum of weights.
 const KEPT: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Zero,

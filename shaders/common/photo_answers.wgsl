@@ -1,0 +1,19 @@
+// What photographs have said of each pixel (`passes/photo_answers.wgsl`), where what they do not show is filled from
+// around (`passes/push.wgsl`).
+
+// Colours times how sure they are, and that.
+@group(SOURCE_GROUP) @binding(7) var answered_colors: texture_2d<f32>;
+// Normals, and ANSWER_*.
+@group(SOURCE_GROUP) @binding(8) var answered_normals: texture_2d<f32>;
+
+fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
+    let color = textureLoad(answered_colors, pixel, 0);
+    let normal = textureLoad(answered_normals, pixel, 0);
+    let is_filled = normal.w == ANSWER_UNSEEN && color.a > 0.0;
+    let length2 = dot(normal.xyz, normal.xyz);
+    return PhotoAnswer(
+        min(color.rgb / max(color.a, 1e-6), vec3f(1.0)),
+        select(normal.w, ANSWER_SHOWN, is_filled),
+        select(normal.xyz / sqrt(length2), vec3f(0.0), length2 == 0.0)
+    );
+}

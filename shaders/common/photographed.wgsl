@@ -1,0 +1,20 @@
+// Surfaces have the colours that photographs show, and, where these tell them, the normals of their depths. What
+// photographs say: `photographs.wgsl`, `photo_answers.wgsl`.
+
+fn surface_at(blended: BlendedSurface, pixel: vec2u) -> Surface {
+    let answer = photo_answer(blended, pixel);
+    if (answer.kind == ANSWER_CLIPPED) {
+        return Surface(vec3f(0.0), 0.0, blended.normal);
+    }
+    if (answer.kind == ANSWER_UNSEEN) {
+        let flags = photo_flags();
+        let color = select(blended.color, vec3f(1.0), (flags & PHOTO_IS_WHITE) != 0u);
+        return Surface(color, select(1.0, 0.0, (flags & PHOTO_LEAVES_HOLES) != 0u), blended.normal);
+    }
+    if (all(answer.normal == vec3f(0.0))) {
+        return Surface(answer.color, PHOTO_OPACITY, blended.normal);
+    }
+    // Surfaces have two sides.
+    let is_turned = dot(answer.normal, blended.to_eye) < 0.0;
+    return Surface(answer.color, PHOTO_OPACITY, select(answer.normal, -answer.normal, is_turned));
+}

@@ -1,0 +1,18 @@
+// What photographs say of each pixel, for the passes that look beyond it: colours with how sure they are, all or
+// nothing, and normals with what is known. As `fill_holes` has it: render/cpu/photographs/push_pull.rs.
+
+struct Answers {
+    @location(0) color: vec4f,
+    @location(1) normal: vec4f,
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> Answers {
+    let blended = blended_surface(position.xy);
+    if (blended.weight == 0.0) {
+        return Answers(vec4f(0.0), vec4f(vec3f(0.0), ANSWER_CLIPPED));
+    }
+    let answer = photo_answer(blended, vec2u(position.xy));
+    let color = select(vec4f(0.0), vec4f(answer.color, 1.0), answer.kind == ANSWER_SHOWN);
+    return Answers(color, vec4f(answer.normal, answer.kind));
+}

@@ -1,0 +1,17 @@
+// What is not quite sure takes the rest from between the pixels of the next coarser level (Gortler et al. 1996, §3.5):
+// blending leaves as much of this as is missing. The middle of a pixel lies a quarter of a coarser one from the middle
+// of the one that it is in, towards one on each axis.
+
+@group(SOURCE_GROUP) @binding(0) var coarser: texture_2d<f32>;
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2i(position.xy);
+    let last = vec2i(textureDimensions(coarser)) - 1;
+    let own = pixel / 2;
+    let beside = clamp(own + 2 * (pixel & vec2i(1)) - 1, vec2i(0), last);
+    let across = 0.75 * textureLoad(coarser, own, 0) + 0.25 * textureLoad(coarser, vec2i(beside.x, own.y), 0);
+    let across_beside = 0.75 * textureLoad(coarser, vec2i(own.x, beside.y), 0)
+        + 0.25 * textureLoad(coarser, beside, 0);
+    return 0.75 * across + 0.25 * across_beside;
+}
