@@ -5,7 +5,7 @@
 //! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
 //! like, and nobody has to know how far away things are.
 
-use super::{Consistency, Matching, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair};
+use super::{Consistency, Matching, OnProcessor, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair};
 use crate::cloud::RawCloud;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
 use crate::progress::Progress;
@@ -198,7 +198,7 @@ fn of_pair(small: &[Small], views: &[View<'_>]) -> Result<Option<RawCloud>, Ster
     let ([first, _], &[view, other]) = (small, views) else {
         return Ok(None);
     };
-    let Ok(found) = depths_of_pair([view, other], &Matching::default(), None) else {
+    let Ok(found) = depths_of_pair([view, other], (&OnProcessor, &Matching::default()), None) else {
         return Ok(None);
     };
     let Some(map) = DepthImage::new(first.image.size_px(), first.masked(&found)) else {

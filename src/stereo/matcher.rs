@@ -8,6 +8,7 @@ use super::refine::refine;
 use super::semi_global::{Penalties, semi_global};
 use super::winner::{Between, Choice};
 use super::{DisparityMap, DisparityRange, GrayImage, StereoError};
+use std::fmt::Debug;
 
 /// By how much the disparities of neighbours on one surface differ at most.
 const SPECK_STEP_PX: f32 = 1.0;
@@ -101,6 +102,37 @@ impl Matching {
             (a - b).abs() <= SPECK_STEP_PX
         });
         Ok(DisparityMap::new(size, disparities))
+    }
+}
+
+/// Who matches rectified pairs: this processor, or a graphics card.
+pub trait PairMatcher: Debug + Send + Sync {
+    /// Disparities of the pixels of `left`, as [`Matching::disparities`] has them.
+    ///
+    /// # Errors
+    /// The same.
+    fn disparities(
+        &self,
+        matching: &Matching,
+        left: &GrayImage,
+        right: &GrayImage,
+        range: DisparityRange,
+    ) -> Result<DisparityMap, StereoError>;
+}
+
+/// The processor.
+#[derive(Debug, Clone, Copy)]
+pub struct OnProcessor;
+
+impl PairMatcher for OnProcessor {
+    fn disparities(
+        &self,
+        matching: &Matching,
+        left: &GrayImage,
+        right: &GrayImage,
+        range: DisparityRange,
+    ) -> Result<DisparityMap, StereoError> {
+        matching.disparities(left, right, range)
     }
 }
 

@@ -42,7 +42,7 @@ pub use dense::{Dense, DenseError};
 pub use disparity::DisparityMap;
 pub use error::StereoError;
 pub use image::GrayImage;
-pub use matcher::{Gathering, Matching};
+pub use matcher::{Gathering, Matching, OnProcessor, PairMatcher};
 pub use pair::depths_of_pair;
 pub use places::Places;
 pub use plane_sweep::PlaneSweep;

@@ -1,16 +1,17 @@
 //! From two photographs to the depths of the first.
 
-use super::{DisparityRange, GrayImage, Matching, Rectified, StereoError, View};
+use super::{DisparityRange, GrayImage, Matching, PairMatcher, Rectified, StereoError, View};
 use crate::rgbd::DepthImage;
 
 /// Depths of the pixels of the first view, along the axis of its camera, in the unit of the poses; 0 where none was
-/// found. The range of disparities is found if `range` is none; it is one of the rectified images.
+/// found. The range of disparities is found if `range` is none; it is one of the rectified images. `matcher` does what
+/// takes longest.
 ///
 /// # Errors
 /// [`StereoError`].
 pub fn depths_of_pair(
     views: [View<'_>; 2],
-    matching: &Matching,
+    (matcher, matching): (&dyn PairMatcher, &Matching),
     range: Option<DisparityRange>,
 ) -> Result<DepthImage, StereoError> {
     for (index, view) in views.iter().enumerate() {
@@ -23,7 +24,7 @@ pub fn depths_of_pair(
         Some(range) => range,
         None => matching.range(&left, &right)?,
     };
-    let mut map = matching.disparities(&left, &right, range)?;
+    let mut map = matcher.disparities(matching, &left, &right, range)?;
     rectified.keep_seen(&mut map);
     Ok(rectified.depths_of_first(&map))
 }

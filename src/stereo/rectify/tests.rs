@@ -1,7 +1,7 @@
 //! Pairs of many kinds, and one drawn by rays.
 
 use super::*;
-use crate::stereo::{Matching, View, depths_of_pair};
+use crate::stereo::{Matching, OnProcessor, View, depths_of_pair};
 use glam::DQuat;
 use proptest::prelude::*;
 
@@ -123,7 +123,7 @@ fn depths_of_a_wall_are_found_by_pairs_beside_and_above_each_other() {
             camera: &cameras[index],
             camera_from_world: poses[index],
         });
-        let depths = depths_of_pair(views, &Matching::default(), None).unwrap();
+        let depths = depths_of_pair(views, (&OnProcessor, &Matching::default()), None).unwrap();
         let [width, height] = cameras[0].size_px();
         let mut errors = Vec::new();
         for (at, &depth) in depths.metres().iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
