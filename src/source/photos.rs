@@ -65,8 +65,8 @@ impl Source for PhotoScene {
     }
 }
 
-/// The sparse points of a set, or of the file that it names; where there are none, and where dense ones are wanted, those
-/// that are found `by_stereo`.
+/// The sparse points of a set, or of the file that it names; where there are none, and where dense ones are wanted,
+/// those that are found `by_stereo`.
 pub(super) fn cloud_of_set(
     set: &ViewSet,
     options: &OpenOptions,

@@ -1,5 +1,5 @@
-//! Points of photographs soon enough for a film: each photograph is matched with one beside it (paper 004, §5 and Figs. 11
-//! and 12, has 128 × 128 pixels of a pair).
+//! Points of photographs soon enough for a film: each photograph is matched with one beside it (paper 004, §5 and Figs.
+//! 11 and 12, has 128 × 128 pixels of a pair).
 //!
 //! *How it works.* Photographs are made small. Each gets the neighbour whose angle tells most, both are rectified, and
 //! what lies between the nearest and the farthest depth is matched semi-globally. Depths that no other view shares are
@@ -105,8 +105,8 @@ impl Pairwise {
         Ok(cloud)
     }
 
-    /// Depths of the first of a pair; `None` of two that cannot be rectified or matched. Where nobody knows between which
-    /// depths the surface is, that is found.
+    /// Depths of the first of a pair; `None` of two that cannot be rectified or matched. Where nobody knows between
+    /// which depths the surface is, that is found.
     fn depths(&self, pair: [View<'_>; 2], depths: Option<[f64; 2]>) -> Option<DepthImage> {
         let range = match depths {
             Some(depths) => Some(range_of(&pair, depths)?),
@@ -137,8 +137,8 @@ fn pairs(count: usize, doubt: impl Fn(usize, usize) -> Option<f64>) -> Vec<[usiz
     pairs
 }
 
-/// How little two photographs tell of depths: by their angle, or, where nobody knows at what they look, by their distance.
-/// `None` where they tell nothing.
+/// How little two photographs tell of depths: by their angle, or, where nobody knows at what they look, by their
+/// distance. `None` where they tell nothing.
 fn doubt([first, second]: [DVec3; 2], crossing: Option<DVec3>) -> Option<f64> {
     match crossing {
         Some(crossing) => {

@@ -16,8 +16,8 @@ use crate::rgbd::{self, DepthImage, Distortion};
 use crate::scene::{Camera, FirstLook};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
-/// Photographs that are made, and their width and height. Without every eighth there are 50, as many as the paper has of
-/// the Buddha, and as large.
+/// Photographs that are made, and their width and height. Without every eighth there are 50, as many as the paper has
+/// of the Buddha, and as large.
 const COUNT: usize = 58;
 const EDGE_PX: u32 = 512;
 
