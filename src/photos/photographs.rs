@@ -2,6 +2,7 @@
 
 use super::photo::center_of;
 use super::texture::Texture;
+use crate::cloud::{PointRecord, ShapeRecord};
 use crate::rgbd::{Camera, DepthImage};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
@@ -11,6 +12,24 @@ use std::sync::Arc;
 pub struct Photographs {
     photographs: Vec<Arc<Photograph>>,
     neighbour_angle: f32,
+    surface: Option<PhotoSurface>,
+}
+
+/// A surface that was made of photographs themselves, to put them on in place of points: disks, as many records of both
+/// kinds.
+#[derive(Debug, Clone)]
+pub struct PhotoSurface {
+    /// Positions, relative to the origin of the sequence, and colours.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl PhotoSurface {
+    /// Bytes of its records.
+    pub fn byte_size(&self) -> usize {
+        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
+    }
 }
 
 /// One photograph, and where it was taken.
@@ -51,7 +70,23 @@ impl Photographs {
         Self {
             photographs: photographs.into_iter().map(Arc::new).collect(),
             neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
+            surface: None,
         }
+    }
+
+    /// The same with a surface of their own, if they have one.
+    #[must_use]
+    pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
+        Self {
+            photographs: self.photographs.clone(),
+            surface,
+            ..*self
+        }
+    }
+
+    /// The surface that was made of them; [`Self::without`] leaves it as it is.
+    pub fn surface(&self) -> Option<&PhotoSurface> {
+        self.surface.as_ref()
     }
 
     /// The one of this number in its set.
@@ -76,6 +111,7 @@ impl Photographs {
             .filter(|photograph| !left_out.contains(&photograph.number));
         Self {
             photographs: kept.cloned().collect(),
+            surface: self.surface.clone(),
             ..*self
         }
     }
@@ -85,10 +121,11 @@ impl Photographs {
         self.neighbour_angle
     }
 
-    /// Bytes of their texels.
+    /// Bytes of their texels and of their surface.
     pub fn byte_size(&self) -> usize {
         let textures = self.photographs.iter().map(|photograph| &photograph.texture);
-        textures.map(Texture::byte_size).sum()
+        let surface = self.surface.as_ref().map_or(0, PhotoSurface::byte_size);
+        textures.map(Texture::byte_size).sum::<usize>() + surface
     }
 }
 
@@ -117,5 +154,12 @@ mod tests {
         assert_eq!(all.byte_size(), 4 * (16 + 4 + 1));
         assert!(all.neighbour_angle() > 0.0);
         assert!(all.without(&[0]).all().is_empty() && all.without(&[1]).all().len() == 1);
+        let surface = PhotoSurface {
+            points: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+            shapes: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+        };
+        let with_surface = all.with_surface(Some(surface));
+        assert_eq!(with_surface.byte_size(), all.byte_size() + 2 * (16 + 16));
+        assert!(all.surface().is_none() && with_surface.without(&[0]).surface().is_some());
     }
 }
