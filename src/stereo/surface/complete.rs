@@ -92,3 +92,61 @@ fn pulled(inverse: &[f32], width: usize, height: usize) -> Vec<f32> {
     });
     filled.collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 40;
+
+    /// Inverse depths of a plane that is seen from the side.
+    fn plane(at: usize) -> f32 {
+        0.5 + 0.004 * (at % WIDTH) as f32 + 0.002 * (at / WIDTH) as f32
+    }
+
+    fn is_in_hole(at: usize) -> bool {
+        (12..28).contains(&(at % WIDTH)) && (10..22).contains(&(at / WIDTH))
+    }
+
+    #[test]
+    fn a_hole_in_a_plane_is_on_the_plane() {
+        let all: Vec<f32> = (0..WIDTH * 30).map(plane).collect();
+        let mut inverse = all.clone();
+        (0..inverse.len())
+            .filter(|&at| is_in_hole(at))
+            .for_each(|at| inverse[at] = 0.0);
+        complete(&mut inverse, &vec![[90; 3]; all.len()], WIDTH);
+        for (at, (found, expected)) in inverse.iter().zip(&all).enumerate() {
+            assert!((found - expected).abs() < 1e-3, "{at}: {found}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn a_step_in_a_hole_is_where_colours_have_one() {
+        // Known at both sides, unknown from 4 to 35; the colour changes at 30.
+        let color = |at: usize| if at % WIDTH < 30 { [200, 60, 60] } else { [60, 60, 200] };
+        let known = |at: usize| match at % WIDTH {
+            0..4 => 1.0,
+            36.. => 0.5,
+            _ => 0.0,
+        };
+        let mut inverse: Vec<f32> = (0..WIDTH * 20).map(known).collect();
+        let colors: Vec<[u8; 3]> = (0..WIDTH * 20).map(color).collect();
+        complete(&mut inverse, &colors, WIDTH);
+        for (at, found) in inverse.iter().enumerate() {
+            let expected = if at % WIDTH < 30 { 1.0 } else { 0.5 };
+            assert!((found - expected).abs() < 0.03, "{}: {found}", at % WIDTH);
+        }
+    }
+
+    #[test]
+    fn nothing_is_made_of_nothing() {
+        let mut nothing = vec![0.0; 12];
+        complete(&mut nothing, &[[0; 3]; 12], 4);
+        assert_eq!(nothing, [0.0; 12]);
+        complete(&mut [], &[], 0);
+        let mut one = vec![0.0, 0.0, 2.0];
+        complete(&mut one, &[[0; 3], [250; 3], [0; 3]], 3);
+        assert!(one.iter().all(|&value| (value - 2.0).abs() < 1e-3), "{one:?}");
+    }
+}

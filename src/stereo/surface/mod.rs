@@ -10,6 +10,8 @@
 
 mod complete;
 mod fuse;
+#[cfg(test)]
+mod tests;
 
 use super::dense::{ANGLES_DEG, depth_range};
 use super::{Consistency, PlaneSweep, StereoError, View, consistent};
