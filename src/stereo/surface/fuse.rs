@@ -4,10 +4,10 @@
 //! has measured something behind it: that one looks through it. What an earlier photograph shows as well, and not much
 //! coarser, is left to that one. A disk is as large as its pixel is there, and lies in the plane of the depths around.
 
-use super::Map;
+use super::map::Map;
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::photos::PhotoSurface;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -23,9 +23,6 @@ const COARSER: f64 = 1.3;
 /// Radius of a disk in pixels, and the least cosine it is stretched by.
 const RADIUS_PX: f64 = 0.9;
 const LEAST_COSINE: f64 = 0.3;
-
-/// Neighbours of one surface differ by less, as a part of the depth, for each pixel.
-const SLOPE: f64 = 0.03;
 
 /// The disks of all maps, relative to `origin`.
 pub(super) fn fuse(maps: &[Map<'_>], origin: DVec3) -> PhotoSurface {
@@ -92,55 +89,4 @@ fn disk(maps: &[Map<'_>], index: usize, at: usize, origin: DVec3) -> Option<(Poi
         scalar: 0.0,
     };
     Some((point, shape))
-}
-
-impl Map<'_> {
-    fn width(&self) -> usize {
-        self.view.image.size_px()[0] as usize
-    }
-
-    fn focal(&self) -> f64 {
-        self.view.camera.focal_px().x
-    }
-
-    fn center(&self) -> DVec3 {
-        self.view.camera_from_world.inverse().translation
-    }
-
-    /// Where a pixel with a depth is in the world.
-    fn place(&self, at: usize) -> Option<DVec3> {
-        let depth = f64::from(self.depths[at]);
-        let pixel = DVec2::new((at % self.width()) as f64, (at / self.width()) as f64);
-        let ray = self.view.camera.ray(pixel).filter(|_| depth > 0.0)?;
-        Some(self.view.camera_from_world.inverse().transform_point3(ray * depth))
-    }
-
-    /// The pixel that a place is in, and how far away it is.
-    pub(super) fn at_place(&self, place: DVec3) -> Option<(usize, f64)> {
-        let in_camera = self.view.camera_from_world.transform_point3(place);
-        let pixel = self.view.camera.pixel(in_camera)?;
-        let is_inside = self.view.camera.contains(pixel);
-        let [column, row] = pixel.round().max(DVec2::ZERO).to_array().map(|at| at as usize);
-        let at = (self.width() * row + column).min(self.depths.len().saturating_sub(1));
-        is_inside.then_some((at, in_camera.z))
-    }
-
-    /// Of the depths around a pixel, of length 1; `None` at steps.
-    fn normal(&self, at: usize) -> Option<DVec3> {
-        const STEP: usize = 2;
-        let (width, height) = (self.width(), self.depths.len() / self.width());
-        let (row, column) = (at / width, at % width);
-        let depth = f64::from(self.depths[at]);
-        let is_near = |other: usize| {
-            (f64::from(self.depths[other]) - depth).abs() <= SLOPE * depth * STEP as f64 && self.depths[other] > 0.0
-        };
-        let or_own = |other: Option<usize>| other.filter(|&other| is_near(other)).unwrap_or(at);
-        let left = or_own((column >= STEP).then(|| at - STEP));
-        let right = or_own((column + STEP < width).then_some(at + STEP));
-        let up = or_own((row >= STEP).then(|| at - STEP * width));
-        let down = or_own((row + STEP < height).then_some(at + STEP * width));
-        let across = self.place(right)? - self.place(left)?;
-        let along = self.place(down)? - self.place(up)?;
-        Some(across.cross(along).normalize_or_zero()).filter(|normal| *normal != DVec3::ZERO)
-    }
 }

@@ -3,13 +3,14 @@
 //! Points of a reconstruction are where photographs have corners: thousands on one poster, none on a wall. Their disks
 //! are as large as their gaps, reach across outlines, and leave the rest of the picture empty. So where a set has
 //! photographs with cameras and no depths, planes are swept before small copies of them ([`PlaneSweep`]), what three
-//! views agree on is kept, the rest is [filled in](complete) from there and from the sparse points, and all of it
+//! views agree on is kept, the rest is [filled in](Map::complete) from there and from the sparse points, and all of it
 //! becomes [disks](fuse) of the size of a pixel.
 //!
 //! It wins on what fills photographs: rooms, streets. A ball of thousands of even points has a better surface in these.
 
 mod complete;
 mod fuse;
+mod map;
 #[cfg(test)]
 mod tests;
 
@@ -18,9 +19,9 @@ use super::{Consistency, PlaneSweep, StereoError, View, consistent};
 use crate::photos::{Observation, PhotoSurface, Photograph, Photographs, ViewSet, resized};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, ColorImage, DepthImage};
-use complete::complete;
 use fuse::fuse;
 use glam::{DAffine3, DVec3};
+use map::Map;
 use rayon::prelude::*;
 
 /// Photographs are halved until no side is longer: a set of 25 takes some 20 s of one core.
@@ -52,16 +53,6 @@ struct Small {
     image: ColorImage,
     /// Whether a pixel is of the scene.
     is_scene: Vec<bool>,
-}
-
-/// Depths of a view.
-struct Map<'a> {
-    view: View<'a>,
-    /// Of its photograph in the set.
-    number: usize,
-    /// 0 where there is none.
-    depths: Vec<f32>,
-    is_measured: Vec<bool>,
 }
 
 /// The surface that `photographs` of `set` show, relative to `origin`; `None` where they have depths or a cloud already,
@@ -195,26 +186,6 @@ fn is_sound(set: &ViewSet, position: DVec3, track: &[Observation]) -> bool {
         return false;
     };
     ways.iter().any(|way| way.dot(*first) < LEAST_ANGLE.cos())
-}
-
-impl Map<'_> {
-    /// Fills in what has no depth, but for pixels that show nothing of the scene.
-    fn complete(&mut self, is_scene: &[bool]) {
-        let inverse = |&depth: &f32| if depth > 0.0 { depth.recip() } else { 0.0 };
-        let mut inverse: Vec<f32> = self.depths.iter().map(inverse).collect();
-        complete(
-            &mut inverse,
-            self.view.image.pixels(),
-            self.view.image.size_px()[0] as usize,
-        );
-        for ((depth, inverse), &is_scene) in self.depths.iter_mut().zip(inverse).zip(is_scene) {
-            *depth = if inverse > 0.0 && is_scene {
-                inverse.recip()
-            } else {
-                0.0
-            };
-        }
-    }
 }
 
 impl Small {
