@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Photographs of one scene, ready to be put on its surface (paper 004 §3). Immutable; shared by packets.
 #[derive(Debug)]
 pub struct Photographs {
-    photographs: Vec<Arc<Photograph>>,
+    all: Vec<Arc<Photograph>>,
     neighbour_angle: f32,
     surface: Option<PhotoSurface>,
 }
@@ -68,7 +68,7 @@ impl Photographs {
     /// ([`ViewSet::median_neighbour_angle`](super::ViewSet::median_neighbour_angle)).
     pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
         Self {
-            photographs: photographs.into_iter().map(Arc::new).collect(),
+            all: photographs.into_iter().map(Arc::new).collect(),
             neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
             surface: None,
         }
@@ -78,7 +78,7 @@ impl Photographs {
     #[must_use]
     pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
         Self {
-            photographs: self.photographs.clone(),
+            all: self.all.clone(),
             surface,
             ..*self
         }
@@ -91,26 +91,24 @@ impl Photographs {
 
     /// The one of this number in its set.
     pub fn numbered(&self, number: usize) -> Option<&Photograph> {
-        let found = self
-            .photographs
-            .binary_search_by_key(&number, |photograph| photograph.number);
-        found.ok().map(|at| &*self.photographs[at])
+        let found = self.all.binary_search_by_key(&number, |photograph| photograph.number);
+        found.ok().map(|at| &*self.all[at])
     }
 
     /// All of them, by their numbers.
     pub fn all(&self) -> &[Arc<Photograph>] {
-        &self.photographs
+        &self.all
     }
 
     /// The same without some, by their numbers in the set. How far apart views are stays as it is.
     #[must_use]
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = self
-            .photographs
+            .all
             .iter()
             .filter(|photograph| !left_out.contains(&photograph.number));
         Self {
-            photographs: kept.cloned().collect(),
+            all: kept.cloned().collect(),
             surface: self.surface.clone(),
             ..*self
         }
@@ -123,7 +121,7 @@ impl Photographs {
 
     /// Bytes of their texels and of their surface.
     pub fn byte_size(&self) -> usize {
-        let textures = self.photographs.iter().map(|photograph| &photograph.texture);
+        let textures = self.all.iter().map(|photograph| &photograph.texture);
         let surface = self.surface.as_ref().map_or(0, PhotoSurface::byte_size);
         textures.map(Texture::byte_size).sum::<usize>() + surface
     }
