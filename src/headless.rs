@@ -3,7 +3,7 @@
 use crate::levels::LevelsSize;
 use crate::locks::lock;
 use crate::math::Aabb;
-use crate::photos::{LoadedPhotographs, ViewSet};
+use crate::photos::{LoadedPhotographs, Photographs, ViewSet};
 use crate::progress::Progress;
 use crate::render::{AnyRenderer, RenderError, RenderStats, Renderer, scaled_to};
 use crate::scene::{
@@ -11,6 +11,7 @@ use crate::scene::{
     Style, UpAxis, labels_on_picture,
 };
 use crate::sequence::{ColorSource, FrameError, Loader, Needs, PreparedFrame, Sequence};
+use crate::stereo::photo_surface;
 use crate::timeline::Direction;
 use glam::DVec3;
 use image::RgbaImage;
@@ -159,6 +160,16 @@ pub struct Headless {
     labels: Arc<Vec<Label>>,
     /// The photographs that were loaded last.
     photographs: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotographs>)>>,
+    /// Those of one scene that have a surface of their own.
+    surfaced: Mutex<Option<Surfaced>>,
+}
+
+/// Photographs of one scene with the surface that was made of them.
+#[derive(Debug)]
+struct Surfaced {
+    of: Arc<LoadedPhotographs>,
+    left_out: Vec<usize>,
+    used: Arc<Photographs>,
 }
 
 impl Headless {
@@ -172,6 +183,7 @@ impl Headless {
             look: OnceLock::new(),
             labels: Arc::default(),
             photographs: Mutex::default(),
+            surfaced: Mutex::default(),
         }
     }
 
@@ -266,6 +278,36 @@ impl Headless {
         let loaded = Arc::new(LoadedPhotographs::of(&set, PHOTOGRAPH_BYTES, &Progress::default()));
         *known = Some((set, Arc::clone(&loaded)));
         Some(loaded)
+    }
+
+    /// Those that are not left out, on the surface that is made of them if they are of one scene.
+    pub fn photographs_without(&self, index: usize, left_out: &[usize]) -> Option<Arc<Photographs>> {
+        let loaded = self.photographs(index)?;
+        let set = self.sequence.source().photographs(index)?;
+        // Of what was filmed, each frame has a cloud of its own.
+        if self.sequence.len() > 1 {
+            return Some(if left_out.is_empty() {
+                Arc::clone(&loaded.photographs)
+            } else {
+                Arc::new(loaded.photographs.without(left_out))
+            });
+        }
+        let mut known = lock(&self.surfaced);
+        if let Some(surfaced) = &*known
+            && Arc::ptr_eq(&surfaced.of, &loaded)
+            && surfaced.left_out == left_out
+        {
+            return Some(Arc::clone(&surfaced.used));
+        }
+        let used = loaded.photographs.without(left_out);
+        let surface = photo_surface(&set, &used, self.sequence.origin(), &Progress::default());
+        let used = Arc::new(used.with_surface(surface));
+        *known = Some(Surfaced {
+            of: loaded,
+            left_out: left_out.to_vec(),
+            used: Arc::clone(&used),
+        });
+        Some(used)
     }
 
     /// What a frame must have to be drawn here with these settings.

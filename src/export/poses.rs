@@ -141,10 +141,8 @@ impl Dressed {
             return;
         };
         self.problems.extend_from_slice(&loaded.notes);
-        let photographs = if left_out.is_empty() {
-            Arc::clone(&loaded.photographs)
-        } else {
-            Arc::new(loaded.photographs.without(left_out))
+        let Some(photographs) = headless.photographs_without(self.frame.index, left_out) else {
+            return;
         };
         if !photographs.all().is_empty() {
             self.frame = Arc::new(self.frame.with_photographs(photographs));

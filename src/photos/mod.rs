@@ -60,7 +60,7 @@ pub use loading::LoadedPhotographs;
 pub use mips::{halved, mips};
 pub use photo::{Photo, center_of, resized};
 pub use photo_image::PhotoImage;
-pub use photographs::{Photograph, Photographs};
+pub use photographs::{PhotoSurface, Photograph, Photographs};
 pub use points::{Observation, SparsePoints};
 pub use prepared::PreparedPhoto;
 pub use rig::Rig;

@@ -2,6 +2,7 @@
 
 use super::photo::center_of;
 use super::texture::Texture;
+use crate::cloud::{PointRecord, ShapeRecord};
 use crate::rgbd::{Camera, DepthImage};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
@@ -9,8 +10,26 @@ use std::sync::Arc;
 /// Photographs of one scene, ready to be put on its surface (paper 004 §3). Immutable; shared by packets.
 #[derive(Debug)]
 pub struct Photographs {
-    photographs: Vec<Arc<Photograph>>,
+    all: Vec<Arc<Photograph>>,
     neighbour_angle: f32,
+    surface: Option<PhotoSurface>,
+}
+
+/// A surface that was made of photographs themselves, to put them on in place of points: disks, as many records of both
+/// kinds.
+#[derive(Debug, Clone)]
+pub struct PhotoSurface {
+    /// Positions, relative to the origin of the sequence, and colours.
+    pub points: Arc<Vec<PointRecord>>,
+    /// Normals and radii.
+    pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl PhotoSurface {
+    /// Bytes of its records.
+    pub fn byte_size(&self) -> usize {
+        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
+    }
 }
 
 /// One photograph, and where it was taken.
@@ -49,33 +68,48 @@ impl Photographs {
     /// ([`ViewSet::median_neighbour_angle`](super::ViewSet::median_neighbour_angle)).
     pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
         Self {
-            photographs: photographs.into_iter().map(Arc::new).collect(),
+            all: photographs.into_iter().map(Arc::new).collect(),
             neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
+            surface: None,
         }
+    }
+
+    /// The same with a surface of their own, if they have one.
+    #[must_use]
+    pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
+        Self {
+            all: self.all.clone(),
+            surface,
+            ..*self
+        }
+    }
+
+    /// The surface that was made of them; [`Self::without`] leaves it as it is.
+    pub fn surface(&self) -> Option<&PhotoSurface> {
+        self.surface.as_ref()
     }
 
     /// The one of this number in its set.
     pub fn numbered(&self, number: usize) -> Option<&Photograph> {
-        let found = self
-            .photographs
-            .binary_search_by_key(&number, |photograph| photograph.number);
-        found.ok().map(|at| &*self.photographs[at])
+        let found = self.all.binary_search_by_key(&number, |photograph| photograph.number);
+        found.ok().map(|at| &*self.all[at])
     }
 
     /// All of them, by their numbers.
     pub fn all(&self) -> &[Arc<Photograph>] {
-        &self.photographs
+        &self.all
     }
 
     /// The same without some, by their numbers in the set. How far apart views are stays as it is.
     #[must_use]
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = self
-            .photographs
+            .all
             .iter()
             .filter(|photograph| !left_out.contains(&photograph.number));
         Self {
-            photographs: kept.cloned().collect(),
+            all: kept.cloned().collect(),
+            surface: self.surface.clone(),
             ..*self
         }
     }
@@ -85,10 +119,11 @@ impl Photographs {
         self.neighbour_angle
     }
 
-    /// Bytes of their texels.
+    /// Bytes of their texels and of their surface.
     pub fn byte_size(&self) -> usize {
-        let textures = self.photographs.iter().map(|photograph| &photograph.texture);
-        textures.map(Texture::byte_size).sum()
+        let textures = self.all.iter().map(|photograph| &photograph.texture);
+        let surface = self.surface.as_ref().map_or(0, PhotoSurface::byte_size);
+        textures.map(Texture::byte_size).sum::<usize>() + surface
     }
 }
 
@@ -117,5 +152,12 @@ mod tests {
         assert_eq!(all.byte_size(), 4 * (16 + 4 + 1));
         assert!(all.neighbour_angle() > 0.0);
         assert!(all.without(&[0]).all().is_empty() && all.without(&[1]).all().len() == 1);
+        let surface = PhotoSurface {
+            points: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+            shapes: Arc::new(vec![bytemuck::Zeroable::zeroed(); 2]),
+        };
+        let with_surface = all.with_surface(Some(surface));
+        assert_eq!(with_surface.byte_size(), all.byte_size() + 2 * (16 + 16));
+        assert!(all.surface().is_none() && with_surface.without(&[0]).surface().is_some());
     }
 }

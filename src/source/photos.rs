@@ -15,6 +15,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// So many photographs are matched in their whole size, up to 640 pixels.
+const MOST_OF_WHOLE_SIZE: usize = 8;
+
 /// Photographs of one scene.
 #[derive(Debug)]
 pub struct PhotoScene {
@@ -47,8 +50,9 @@ impl Source for PhotoScene {
 
     fn decoder(&self) -> Box<dyn Decoder> {
         let (set, options) = (Arc::clone(&self.set), self.options.clone());
+        let dense = dense_of(&set, &options);
         Box::new(move |_: &FrameEntry, progress: &Progress| {
-            cloud_of_set(&set, &options, |set| Dense::default().cloud(set, progress), progress)
+            cloud_of_set(&set, &options, |set| dense.cloud(set, progress), progress)
         })
     }
 
@@ -62,6 +66,18 @@ impl Source for PhotoScene {
 
     fn notes(&self) -> &[String] {
         &self.set.notes
+    }
+}
+
+/// Photographs of many are halved once more where nobody asked for dense points: 47 of 640×480 would take minutes.
+fn dense_of(set: &ViewSet, options: &OpenOptions) -> Dense {
+    let usual = Dense::default();
+    if options.dense || set.photos.len() <= MOST_OF_WHOLE_SIZE {
+        return usual;
+    }
+    Dense {
+        most_side_px: usual.most_side_px / 2,
+        ..usual
     }
 }
 

@@ -62,7 +62,7 @@ pub enum DenseError {
 }
 
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
-const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
+pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// How much nearer and farther than its sparse points the surface may be.
 const BEYOND_POINTS: f64 = 1.3;
@@ -219,7 +219,7 @@ pub(super) fn of_pair(
 }
 
 /// Between which depths the surface before a photograph is.
-fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> {
+pub(super) fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> {
     let photo = set.photos.get(number)?;
     let points = set.points.positions().iter().enumerate();
     let is_seen = |point: usize, position| {

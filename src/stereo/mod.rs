@@ -34,6 +34,7 @@ mod range;
 mod rectify;
 mod refine;
 mod semi_global;
+mod surface;
 mod view;
 mod winner;
 
@@ -51,5 +52,6 @@ pub use plane_sweep::PlaneSweep;
 pub use range::DisparityRange;
 pub use rectify::Rectified;
 pub use semi_global::Penalties;
+pub use surface::photo_surface;
 pub use view::View;
 pub use winner::Between;

@@ -127,8 +127,8 @@ impl PreparedFrame {
         }
     }
 
-    /// The same with photographs, which are put on it where it is drawn: stray points hide nothing of them, and disks
-    /// are [bent](Self::bent).
+    /// The same with photographs, which are put on it where it is drawn: on the surface that was made of them, if there
+    /// is one. Else stray points hide nothing of them, and disks are [bent](Self::bent).
     #[must_use]
     pub fn with_photographs(&self, photographs: Arc<Photographs>) -> Self {
         let mut photographed = Self {
@@ -139,6 +139,10 @@ impl PreparedFrame {
         let Some(shapes) = self.shapes.as_ref().filter(|_| !self.has_ellipses) else {
             return photographed;
         };
+        if let Some(surface) = photographed.photographs.as_ref().and_then(|set| set.surface()) {
+            photographed.bent = Some(BentSurface::from(surface));
+            return photographed;
+        }
         let is_stray = is_stray(&self.frame);
         let shrunk = without_stray_points(&self.frame, shapes, &is_stray).map(Arc::new);
         let of_points = shrunk.as_ref().unwrap_or(shapes);

@@ -12,6 +12,7 @@
 
 use crate::analysis::{Disk, Surface, bent_disks, estimate_surface, splat_radii, stray_points};
 use crate::cloud::{Frame, PointRecord, ShapeRecord, oct_decode, oct_encode};
+use crate::photos::PhotoSurface;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -25,13 +26,22 @@ const MOST_BENT: usize = 1 << 15;
 const SHRUNK: f32 = 1e-3;
 
 /// Disks of a surface, as many records of both kinds: of a few points, whose own disks were too large and flat for its
-/// outlines.
+/// outlines, or made of the photographs (`stereo/surface`).
 #[derive(Debug, Clone)]
 pub struct BentSurface {
     /// Positions, and the colours of the points that they stand for.
     pub points: Arc<Vec<PointRecord>>,
     /// Normals and radii.
     pub shapes: Arc<Vec<ShapeRecord>>,
+}
+
+impl From<&PhotoSurface> for BentSurface {
+    fn from(surface: &PhotoSurface) -> Self {
+        Self {
+            points: Arc::clone(&surface.points),
+            shapes: Arc::clone(&surface.shapes),
+        }
+    }
 }
 
 impl BentSurface {
@@ -204,6 +214,23 @@ mod tests {
             ..with_normals
         };
         assert!(photographed(&prepared(places, with_radii)).bent.is_none());
+    }
+
+    #[test]
+    fn photographs_are_put_on_their_own_surface_and_the_points_stay() {
+        let frame = prepared(wall(), Attributes::default());
+        let surface = PhotoSurface {
+            points: Arc::new(frame.points[..3].to_vec()),
+            shapes: Arc::new(frame.shapes.as_ref().unwrap()[..3].to_vec()),
+        };
+        let photographs = Photographs::new(Vec::new(), None).with_surface(Some(surface.clone()));
+        let with = frame.with_photographs(Arc::new(photographs));
+        assert!(Arc::ptr_eq(&with.bent.as_ref().unwrap().points, &surface.points));
+        assert!(Arc::ptr_eq(&with.points, &frame.points));
+        assert!(Arc::ptr_eq(
+            with.shapes.as_ref().unwrap(),
+            frame.shapes.as_ref().unwrap()
+        ));
     }
 
     #[test]

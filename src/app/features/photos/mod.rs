@@ -16,6 +16,7 @@ use crate::progress::Progress;
 use crate::scene::Style;
 use crate::sequence::PreparedFrame;
 use crate::source::Source;
+use crate::stereo::photo_surface;
 use crate::timeline::Direction;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
@@ -157,8 +158,15 @@ impl Photos {
         };
         let progress = Progress::default();
         self.running = Some((Arc::clone(&set), progress.clone()));
+        // Of what was filmed, each frame has a cloud of its own.
+        let sequence = player.sequence();
+        let origin = (sequence.len() == 1).then(|| sequence.origin());
         tasks.start("photographs", move || {
-            let loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
+            let mut loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
+            if let Some(origin) = origin {
+                let surface = photo_surface(&set, &loaded.photographs, origin, &progress);
+                loaded.photographs = Arc::new(loaded.photographs.with_surface(surface));
+            }
             let errors = set.reprojection_errors();
             let used = Arc::clone(&loaded.photographs);
             let loaded = LoadedSet {
@@ -212,11 +220,11 @@ impl Photos {
         Arc::clone(&self.dressed.insert(dressed).frame)
     }
 
-    /// How many of the shown frame are loaded of how many, while they are.
+    /// How much of those of the shown frame is done of how much, while they are loaded and their surface is made.
     pub(in crate::app) fn loading(&self) -> Option<(usize, usize)> {
         let is_shown = |set: &Arc<ViewSet>| self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, set));
         let (set, progress) = self.running.as_ref().filter(|(set, _)| is_shown(set))?;
-        Some((progress.done(), set.photos.len()))
+        Some((progress.done(), progress.of().unwrap_or(set.photos.len())))
     }
 
     fn shown_set(&self) -> Option<&LoadedSet> {

@@ -2,7 +2,8 @@
 //!
 //! How it works: some photographs of each set are left out, all at once, and drawn from where they were taken by the
 //! others. What they show there is the truth. It is compared where something was drawn: a hole says nothing of colours,
-//! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`).
+//! and its share is told apart. Points of depth images that are left out are left out as well (`--leave-out`), and the
+//! surface of photographs without depths is made of those that are used.
 //!
 //! Sequences without photographs are photographed (`made.rs`), and a tree is beside them (`tree.rs`). Of these the
 //! truth is known, and so there are tables of what the paper shows: bytes beside errors (`sizes.rs`), clipping
@@ -30,6 +31,7 @@ use crate::photos::{LoadedPhotographs, Photograph, Photographs};
 use crate::render::AnyRenderer;
 use crate::scene::{Background, Camera, EyeDome, FirstLook, Lighting, PhotoMode, Primitive, Scene, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
+use crate::stereo::photo_surface;
 use backgrounds::is_covered;
 use columns::{COLUMNS, LEFT_OUT};
 use filmed::{Filmed, TrueView};
@@ -130,13 +132,12 @@ fn measure_sequence(
         for note in &loaded.notes {
             run.note(format!("{}: {note}", subject.name));
         }
-        let rows = leave_out(
-            run,
-            runner,
-            (subject, origin),
-            (&frame, &look, &style),
-            &loaded.photographs,
-        )?;
+        let all = &loaded.photographs;
+        let used = all.without(&left_out(run, all));
+        // What is left out is not to tell where the surface is.
+        let used = used.with_surface(photo_surface(&set, &used, origin, run.progress()));
+        let seen = (&frame, &look, &style);
+        let rows = leave_out(run, runner, (subject, origin), seen, (all, &Arc::new(used)))?;
         run.finish(subject, &[frame.frame.len() as f64], &[], rows);
         return Ok(false);
     }
@@ -152,7 +153,9 @@ fn measure_sequence(
     };
     let few = filmed.few(few_points)?;
     let photographs = made::without_depths(&with_depths);
-    let mut rows = leave_out(run, runner, (subject, origin), (&few, &look, &style), &photographs)?;
+    let used = Arc::new(photographs.without(&left_out(run, &photographs)));
+    let seen = (&few, &look, &style);
+    let mut rows = leave_out(run, runner, (subject, origin), seen, (&photographs, &used))?;
     rows.extend(tables_of_paper(run, runner, &filmed, &few, &with_depths)?);
     run.finish(subject, &[few.frame.len() as f64], &[], rows);
     Ok(true)
@@ -164,16 +167,15 @@ fn left_out(run: &Run<'_>, photographs: &Photographs) -> Vec<usize> {
     run.options.leave_out.of(numbers.max().unwrap_or(0))
 }
 
-/// Pictures from where photographs were taken that are left out, by the others.
+/// Pictures from where photographs were taken that are left out, by those that are used.
 fn leave_out(
     run: &mut Run<'_>,
     runner: &mut Runner,
     (subject, origin): (&Subject<'_>, DVec3),
     (frame, look, style): (&PreparedFrame, &FirstLook, &Style),
-    photographs: &Photographs,
+    (photographs, used): (&Photographs, &Arc<Photographs>),
 ) -> Result<Vec<Row>, BenchError> {
     let left_out = left_out(run, photographs);
-    let used = Arc::new(photographs.without(&left_out));
     let mut rows = Vec::new();
     run.add_steps(left_out.len());
     let all = photographs.all().iter();
@@ -183,7 +185,7 @@ fn leave_out(
         let camera = look.camera_of_pinhole(&photograph.pinhole, world_from_camera, origin);
         for mode in MODES {
             let style = style.with(|style| style.photos.mode = mode);
-            let compared = compare(run, runner, (photograph, &used), frame, (&camera, &style), subject)?;
+            let compared = compare(run, runner, (photograph, used), frame, (&camera, &style), subject)?;
             rows.push(compared.row(subject.name, frame.frame.len(), used.all().len()));
         }
     }

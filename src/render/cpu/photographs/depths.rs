@@ -36,6 +36,9 @@ impl DepthMap {
     /// The same of how large the surface is, at least: a wall has no depth.
     const LEAST_TOLERANCE: f32 = 0.01;
 
+    /// The same of how far away what is seen is, at most: stray points make any surface large.
+    const MOST_OF_DISTANCE: f32 = 0.03;
+
     /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
     /// `most_extent` is how large the whole surface is.
     pub(in crate::render) fn new(size: [u32; 2], mut distances: Vec<f32>, most_extent: f32, is_measured: bool) -> Self {
@@ -45,8 +48,10 @@ impl DepthMap {
                 *distance = 0.0;
             }
         }
-        let of_depths = Self::TOLERANCE * extent(&distances).min(most_extent);
-        let tolerance = of_depths.max(Self::LEAST_TOLERANCE * most_extent);
+        let (extent, middle) = extent(&distances);
+        let of_depths = Self::TOLERANCE * extent.min(most_extent);
+        let of_surface = Self::LEAST_TOLERANCE * most_extent;
+        let tolerance = of_depths.max(of_surface.min(Self::MOST_OF_DISTANCE * middle));
         mark_steps(&mut distances, size[0] as usize, tolerance);
         Self {
             size,
@@ -105,8 +110,8 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
     });
 }
 
-/// From the nearest to the farthest of some distances, without a fiftieth of them at both ends.
-fn extent(distances: &[f32]) -> f32 {
+/// From the nearest to the farthest of some distances, without a fiftieth of them at both ends; and their median.
+fn extent(distances: &[f32]) -> (f32, f32) {
     /// That many are looked at: every one of a small map.
     const SAMPLES: usize = 1 << 14;
     let step = distances.len().div_ceil(SAMPLES).max(1);
@@ -114,10 +119,10 @@ fn extent(distances: &[f32]) -> f32 {
     let mut known: Vec<f32> = known.filter(|&distance| distance > 0.0).collect();
     known.sort_unstable_by(f32::total_cmp);
     let Some(last) = known.len().checked_sub(1) else {
-        return 0.0;
+        return (0.0, 0.0);
     };
     let aside = known.len() / 50;
-    known[last - aside] - known[aside]
+    (known[last - aside] - known[aside], known[known.len() / 2])
 }
 
 /// The depth maps of all photographs of a frame, and what they were drawn of.
@@ -178,7 +183,11 @@ mod tests {
         let mut distances = vec![1.0; 1000];
         distances[..500].fill(2.0);
         distances[3] = 1e6;
-        assert_eq!(extent(&distances), 1.0);
-        assert_eq!(extent(&[]), 0.0);
+        assert_eq!(extent(&distances), (1.0, 2.0));
+        assert_eq!(extent(&[]), (0.0, 0.0));
+        // Points in the air far away make the whole surface large.
+        let map = DepthMap::new([50, 20], vec![2.0; 1000], 1e4, false);
+        assert_eq!(map.seen([0.5, 0.5], 2.05).0, DepthRelation::There);
+        assert_eq!(map.seen([0.5, 0.5], 2.07).0, DepthRelation::Hidden);
     }
 }

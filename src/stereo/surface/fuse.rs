@@ -1,0 +1,92 @@
+//! Depth maps of all photographs as disks of one surface, each place once.
+//!
+//! How it works: a depth that was measured is believed. One that was filled in is left out where another photograph
+//! has measured something behind it: that one looks through it. What an earlier photograph shows as well, and not much
+//! coarser, is left to that one. A disk is as large as its pixel is there, and lies in the plane of the depths around.
+
+use super::map::Map;
+use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
+use crate::photos::PhotoSurface;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Depths are of one place if they differ by less, as a part.
+const SAME: f64 = 0.01;
+
+/// What is so much nearer than what was measured, as a part, is looked through.
+const BEFORE: f64 = 0.02;
+
+/// By how much coarser pixels of an earlier photograph may be.
+const COARSER: f64 = 1.3;
+
+/// Radius of a disk in pixels, and the least cosine it is stretched by.
+const RADIUS_PX: f64 = 0.9;
+const LEAST_COSINE: f64 = 0.3;
+
+/// The disks of all maps, relative to `origin`.
+pub(super) fn fuse(maps: &[Map<'_>], origin: DVec3) -> PhotoSurface {
+    let of_map = |index: usize| -> Vec<(PointRecord, ShapeRecord)> {
+        let pixels = 0..maps[index].depths.len();
+        pixels.filter_map(|at| disk(maps, index, at, origin)).collect()
+    };
+    let disks: Vec<Vec<(PointRecord, ShapeRecord)>> = (0..maps.len()).into_par_iter().map(of_map).collect();
+    let (points, shapes) = disks.into_iter().flatten().unzip();
+    PhotoSurface {
+        points: Arc::new(points),
+        shapes: Arc::new(shapes),
+    }
+}
+
+/// The disk of a pixel, unless another photograph has it or looks through it.
+fn disk(maps: &[Map<'_>], index: usize, at: usize, origin: DVec3) -> Option<(PointRecord, ShapeRecord)> {
+    let map = &maps[index];
+    let place = map.place(at)?;
+    let depth = f64::from(map.depths[at]);
+    let is_measured = map.is_measured[at];
+    let per_px = depth / map.focal();
+    let (mut for_it, mut against) = (0, 0);
+    for (other_index, other) in maps.iter().enumerate().filter(|(other, _)| *other != index) {
+        let Some((there, distance)) = other.at_place(place) else {
+            continue;
+        };
+        let seen = f64::from(other.depths[there]);
+        if seen == 0.0 {
+            continue;
+        }
+        let is_same = (distance - seen).abs() <= SAME * seen;
+        // What is at a step has the other side of it in the next pixel.
+        let is_before = distance < seen * (1.0 - BEFORE);
+        if is_same {
+            for_it += 1;
+            let is_as_good = other.is_measured[there] || !is_measured;
+            if other_index < index && is_as_good && distance / other.focal() <= COARSER * per_px {
+                return None;
+            }
+        } else if is_before {
+            if other.is_measured[there] && !is_measured {
+                return None;
+            }
+            against += 1;
+        }
+    }
+    if !is_measured && against > for_it {
+        return None;
+    }
+    let normal = map.normal(at);
+    let to_eye = (map.center() - place).normalize_or_zero();
+    let normal = normal.map_or(to_eye, |normal| normal * normal.dot(to_eye).signum());
+    let cosine = normal.dot(to_eye).max(LEAST_COSINE);
+    let [red, green, blue] = map.view.image.pixels()[at];
+    let point = PointRecord {
+        position: (place - origin).as_vec3().to_array(),
+        color: [red, green, blue, u8::MAX],
+    };
+    let shape = ShapeRecord {
+        normal: oct_encode(normal.as_vec3()),
+        radius: (RADIUS_PX * per_px / cosine) as f32,
+        ellipse: 0,
+        scalar: 0.0,
+    };
+    Some((point, shape))
+}
