@@ -1,7 +1,7 @@
 //! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
 //!
 //! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
-//! points or, without any, around the place that all cameras look at; depths that views do not agree on are dropped,
+//! points or, without any, between those that its format tells, or else around the place that all cameras look at; depths that views do not agree on are dropped,
 //! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
 //! like, and nobody has to know how far away things are.
 
@@ -64,6 +64,10 @@ const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// How much nearer and farther than its sparse points the surface may be.
 const BEYOND_POINTS: f64 = 1.3;
+
+/// How much nearer and farther than the depths that a format tells the surface may be: those of LLFF leave out a
+/// thousandth of the points at each end.
+const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
 const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
@@ -232,6 +236,9 @@ fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> 
             depths[aside] / BEYOND_POINTS,
             depths[depths.len() - 1 - aside] * BEYOND_POINTS,
         ]);
+    }
+    if let Some([near, far]) = photo.depth_range {
+        return Some([near / BEYOND_TOLD, far * BEYOND_TOLD]);
     }
     let depth = photo.depth_of(middle);
     (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
