@@ -185,7 +185,7 @@ fn in_folder(folder: &Path) -> Option<FoundSet> {
         .or_else(|| in_meshroom_cache(folder).map(found(Format::Meshroom)))
         .or_else(|| first(TRANSFORMS).map(found(Format::Transforms)))
         .or_else(|| first(&[llff::FILE]).map(found(Format::Llff)))
-        .or_else(|| by_ending(middlebury::SUFFIX).map(found(Format::Middlebury)))
+        .or_else(|| largest_par_file(folder, &names).map(found(Format::Middlebury)))
         .or_else(|| mvsnet::cameras_in(folder).map(found(Format::Mvsnet)))
         .or_else(|| {
             first(&[middlebury_stereo::FILE])
@@ -211,6 +211,14 @@ fn model_in(folder: &Path) -> Option<PathBuf> {
         .filter(|model| colmap::is_in(model))
         .collect();
     models.into_iter().rev().max_by_key(size_of)
+}
+
+/// Of several par files the longest: `temple_par.txt` has all photographs, `templeR_par.txt` those of a ring.
+fn largest_par_file(folder: &Path, names: &[String]) -> Option<PathBuf> {
+    let is_one = |name: &&String| name.to_lowercase().ends_with(middlebury::SUFFIX);
+    let size = |path: &PathBuf| fs::metadata(path).map_or(0, |file| file.len());
+    let files = names.iter().filter(is_one).map(|name| folder.join(name));
+    files.max_by_key(size)
 }
 
 /// The scene that was written last by a project of Meshroom.

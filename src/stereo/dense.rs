@@ -243,3 +243,39 @@ fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> 
     let depth = photo.depth_of(middle);
     (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photos::SparsePoints;
+    use crate::rgbd::{Camera, Distortion};
+    use glam::{DAffine3, DVec2};
+
+    #[test]
+    fn planes_are_between_sparse_points_or_else_between_the_depths_that_a_format_tells() {
+        let camera = Camera::new([64, 48], DVec2::splat(50.0), DVec2::new(31.5, 23.5), Distortion::None);
+        let photo = Photo {
+            name: String::new(),
+            path: "a.png".into(),
+            camera: camera.unwrap(),
+            camera_from_world: DAffine3::IDENTITY,
+            mask: None,
+            depth: None,
+            depth_range: None,
+        };
+        let mut set = ViewSet {
+            photos: vec![photo],
+            ..ViewSet::default()
+        };
+        let range = |set: &ViewSet| depth_range(set, 0, DVec3::new(0.0, 0.0, 10.0)).unwrap();
+        assert_eq!(range(&set), AROUND_MIDDLE.map(|share| 10.0 * share));
+        set.photos[0].depth_range = Some([2.0, 40.0]);
+        assert_eq!(range(&set), [2.0 / BEYOND_TOLD, 40.0 * BEYOND_TOLD]);
+        let mut points = SparsePoints::default();
+        for depth in 4..14 {
+            points.push(DVec3::new(0.0, 0.0, f64::from(depth)), [0; 3], []);
+        }
+        set.points = points;
+        assert_eq!(range(&set), [4.0 / BEYOND_POINTS, 13.0 * BEYOND_POINTS]);
+    }
+}
