@@ -151,7 +151,13 @@ impl Drafts {
             return Err(PhotosError::NoPhotos {
                 path: self.path,
                 count: self.photos.len(),
-                reason: reason_of_nothing(&set.notes),
+                reason: if wrong.is_empty() && !missing.is_empty() {
+                    let folder = self.folders.last().map(|folder| folder.join("images"));
+                    let folder = folder.unwrap_or_default();
+                    format!("{}; put them into {}", reason_of_nothing(&set.notes), folder.display())
+                } else {
+                    reason_of_nothing(&set.notes)
+                },
             });
         }
         set.points = self.points.with_observations(|seen| {
@@ -306,6 +312,11 @@ mod tests {
             "{error}"
         );
         assert!(error.contains("0.png, 1.png, 2.png and 2 more"), "{error}");
+        let images = folder.path().join("images");
+        assert!(
+            error.ends_with(&format!("; put them into {}", images.display())),
+            "{error}"
+        );
         let error = Drafts::new(Path::new("list"), Vec::new())
             .into_view_set()
             .unwrap_err()

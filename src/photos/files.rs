@@ -28,6 +28,7 @@ const FOLDERS: &[&str] = &[
     "images_4",
     "images_8",
     "resized_images",
+    "blended_images",
 ];
 
 /// Folders of masks.
@@ -35,6 +36,9 @@ const MASK_FOLDERS: &[&str] = &["masks", "mask", "images/masks", "silhouettes"];
 
 /// What the decoder of pictures reads.
 const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm", "gif", "hdr"];
+
+/// Pictures that programs calibrate, and the decoder does not read: converted copies stand for them.
+const NOT_READ: &[&str] = &["avif", "bmp", "dng", "exr", "heic", "heif", "jxl", "tga", "tif", "tiff"];
 
 /// Entries of a folder that are looked at: a folder of more is not one of photographs alone.
 const MOST_ENTRIES: usize = 200_000;
@@ -71,7 +75,7 @@ impl Files {
         let listings = |below: &[&str]| {
             let all = folders
                 .iter()
-                .flat_map(|folder| below.iter().map(move |&below| folder.join(below)));
+                .flat_map(|folder| below.iter().map(move |&below| joined(folder, below)));
             let mut listings: Vec<Listing> = Vec::new();
             for folder in all {
                 if listings.iter().all(|listing| listing.folder != folder) {
@@ -111,16 +115,10 @@ impl Files {
             Some((stem, extension)) if !stem.is_empty() && is_extension(extension) => stem,
             _ => name,
         };
-        let stems = if stem == name { vec![name] } else { vec![name, stem] };
-        let names: Vec<String> = stems
-            .into_iter()
-            .flat_map(|stem| {
-                let both = EXTENSIONS
-                    .iter()
-                    .flat_map(|extension| [(*extension).to_owned(), extension.to_uppercase()]);
-                both.map(move |extension| format!("{stem}.{extension}"))
-            })
-            .collect();
+        let both = EXTENSIONS
+            .iter()
+            .flat_map(|extension| [(*extension).to_owned(), extension.to_uppercase()]);
+        let names: Vec<String> = both.map(|extension| format!("{stem}.{extension}")).collect();
         let mut all = self
             .photos
             .iter()
@@ -253,10 +251,19 @@ pub fn is_picture(path: &Path) -> bool {
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-/// Whether what is behind the last point of a name is an extension, and not a number.
+/// Whether what is behind the last point of a name is the extension of a picture, be it one that is read.
 fn is_extension(ending: &str) -> bool {
-    let is_word = |sign: char| sign.is_ascii_alphanumeric();
-    ending.starts_with(|first: char| first.is_ascii_alphabetic()) && ending.len() <= 5 && ending.chars().all(is_word)
+    let ending = ending.to_lowercase();
+    EXTENSIONS.iter().chain(NOT_READ).any(|&extension| extension == ending)
+}
+
+/// A folder below another, or that one itself, without a separator at its end.
+fn joined(folder: &Path, below: &str) -> PathBuf {
+    if below.is_empty() {
+        folder.to_owned()
+    } else {
+        folder.join(below)
+    }
 }
 
 /// A name with the separators of this system, relative to a folder.
@@ -356,6 +363,7 @@ mod tests {
             "test/r_0.png",
             "photos/b.heic",
             "photos/b.JPG",
+            "masked.jpg.png",
         ]);
         let names = [
             "./train/r_0",
@@ -364,6 +372,7 @@ mod tests {
             "train/r_0.jpg",
             "train/r_1",
             "b.heic",
+            "masked.jpg",
         ];
         let files = Files::around(&[folder.path().into()], names);
         let found = names.map(|name| {
@@ -377,6 +386,8 @@ mod tests {
             Some("train/r_0.png"),
             None,
             Some("photos/b.JPG"),
+            // That is a mask.
+            None,
         ];
         assert_eq!(found.each_ref().map(Option::as_deref), expected);
     }

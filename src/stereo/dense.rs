@@ -59,6 +59,10 @@ pub enum DenseError {
     Stereo(#[from] StereoError),
 }
 
+/// Pixels of all depths together: of more photographs every second, third … is swept, each with its nearest neighbours
+/// among all. Time and points grow with them, and what hundreds of photographs show is seen by dozens.
+const MOST_PIXELS: u64 = 12 << 20;
+
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
 const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
@@ -86,7 +90,7 @@ impl Dense {
     /// # Errors
     /// [`DenseError`].
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
-        let (small, reasons) = self.read(set);
+        let (small, mut reasons) = self.read(set);
         if small.len() < 2 {
             return Err(DenseError::TooFew {
                 count: small.len(),
@@ -100,9 +104,18 @@ impl Dense {
             return Ok(pair);
         }
         let middles = set.middles();
-        let mut maps = Vec::with_capacity(small.len());
-        progress.set(0, PlaneSweep::STEPS * small.len());
-        for (of_one, view) in small.iter().zip(&views) {
+        let every = every(small.iter().map(|of_one| of_one.image.pixels().len() as u64));
+        let swept: Vec<View<'_>> = views.iter().copied().step_by(every).collect();
+        if swept.len() < small.len() {
+            reasons.push(format!(
+                "depths were made of {} of {} photographs, evenly chosen: all would take long, and show the same",
+                swept.len(),
+                small.len()
+            ));
+        }
+        let mut maps = Vec::with_capacity(swept.len());
+        progress.set(0, PlaneSweep::STEPS * swept.len());
+        for (of_one, view) in small.iter().step_by(every).zip(&swept) {
             if progress.is_cancelled() {
                 return Err(StereoError::Cancelled.into());
             }
@@ -121,8 +134,8 @@ impl Dense {
             };
             maps.extend(DepthImage::new(of_one.image.size_px(), depths));
         }
-        let kept = consistent(&maps, &views, self.consistency)?;
-        let mut cloud = cloud(&kept, &views)?;
+        let kept = consistent(&maps, &swept, self.consistency)?;
+        let mut cloud = cloud(&kept, &swept)?;
         if cloud.positions.is_empty() {
             return Err(DenseError::Nothing { photos: small.len() });
         }
@@ -196,6 +209,12 @@ impl Small {
     }
 }
 
+/// Of how many photographs with so many pixels one is swept.
+fn every(pixels: impl Iterator<Item = u64>) -> usize {
+    let all: u64 = pixels.sum();
+    all.div_ceil(MOST_PIXELS).max(1) as usize
+}
+
 /// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
 /// rectified or show nothing of one another.
 fn of_pair(small: &[Small], views: &[View<'_>]) -> Result<Option<RawCloud>, StereoError> {
@@ -250,6 +269,14 @@ mod tests {
     use crate::photos::SparsePoints;
     use crate::rgbd::{Camera, Distortion};
     use glam::{DAffine3, DVec2};
+
+    #[test]
+    fn of_hundreds_of_photographs_some_are_swept() {
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 40)), 1);
+        assert_eq!(every(std::iter::repeat_n(400 * 400, 100)), 2);
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 400)), 10);
+        assert_eq!(every(std::iter::empty()), 1);
+    }
 
     #[test]
     fn planes_are_between_sparse_points_or_else_between_the_depths_that_a_format_tells() {

@@ -119,10 +119,11 @@ fn photographs_of_a_project_of_meshroom_are_found_in_it() {
 fn copies_for_pmvs_are_the_photographs_of_the_bundle_beside_them() {
     let folder = tempfile::tempdir().unwrap();
     let camera = "50 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n";
-    let bundle = format!("# Bundle file v0.3\n2 0\n{camera}{camera}");
+    let nowhere = "0 0 0\n".repeat(5);
+    let bundle = format!("# Bundle file v0.3\n3 0\n{camera}{nowhere}{camera}");
     fs::create_dir(folder.path().join("pmvs")).unwrap();
     fs::write(folder.path().join("pmvs/bundle.rd.out"), bundle).unwrap();
-    fs::write(folder.path().join("pmvs/list.rd.txt"), "b.rd.jpg\na.jpg\n").unwrap();
+    fs::write(folder.path().join("pmvs/list.rd.txt"), "b.rd.jpg\nc.rd.jpg\na.jpg\n").unwrap();
     // The photograph that the second copy was made of, with its distortion.
     save(&RgbImage::new(64, 48), &folder.path().join("a.jpg"));
     for copy in ["00000000.jpg", "00000001.jpg"] {
