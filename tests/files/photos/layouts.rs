@@ -98,12 +98,7 @@ fn photographs_of_a_project_of_meshroom_are_found_in_it() {
     let run = folder.path().join("MeshroomCache/StructureFromMotion/0f3a");
     Scene::simple().write_meshroom(&run, [1, 2, 6]);
     fs::rename(run.join("sfm.json"), run.join("cameras.sfm")).unwrap();
-    let images = folder.path().join("photos");
-    fs::create_dir(&images).unwrap();
-    for photo in 0..6 {
-        let name = Scene::name(photo);
-        fs::rename(run.join(&name), images.join(&name)).unwrap();
-    }
+    fs::rename(run.join("images"), folder.path().join("photos")).unwrap();
     for opened in [
         folder.path().to_owned(),
         folder.path().join("MeshroomCache"),
