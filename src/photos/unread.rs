@@ -126,7 +126,7 @@ pub fn is_beside_photographs(path: &Path) -> bool {
     BESIDE.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))
 }
 
-/// What to say of a folder that holds no set ([`find`](super::find)) and nothing else that can be shown.
+/// What to say of a folder that holds no set ([`find`](fn@super::find)) and nothing else that can be shown.
 pub fn unread(folder: &Path) -> Option<PhotosError> {
     let names = Names::of(folder)?;
     let row = TABLE.iter().find(|row| (row.is_there)(&names))?;
