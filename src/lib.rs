@@ -9,6 +9,7 @@
 //! | `locks` | locks that go on after a panic elsewhere |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
 //! | `messages` | which messages are of one kind |
+//! | `binary` | types of binary numbers, headers of the arrays of numpy |
 //! | [`math`] | boxes, frusta, Morton codes, eigenvectors |
 //! | [`cloud`] | [`cloud::RawCloud`] (as decoded) and [`cloud::Frame`] (validated, relative to the sequence origin) |
 //! | [`rgbd`] | depth images: cameras, points, colours, filters |
@@ -39,6 +40,7 @@
 pub mod analysis;
 pub mod app;
 pub mod bench;
+mod binary;
 pub mod check;
 pub mod cli;
 pub mod cloud;

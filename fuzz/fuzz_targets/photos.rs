@@ -8,7 +8,7 @@ use pointreel_fuzz::photos::{self, colmap_depth};
 use std::path::{Path, PathBuf};
 
 /// The files of each format.
-const FORMATS: [&[&str]; 8] = [
+const FORMATS: [&[&str]; 11] = [
     &["cameras.bin", "images.bin", "points3D.bin"],
     &["cameras.txt", "images.txt", "points3D.txt"],
     &["bundle.out", "list.txt"],
@@ -17,6 +17,9 @@ const FORMATS: [&[&str]; 8] = [
     &["a_par.txt"],
     &["transforms.json"],
     &["a.png.geometric.bin"],
+    &["poses_bounds.npy"],
+    &["a_cam.txt"],
+    &["calib.txt"],
 ];
 
 const PART: &[u8] = b"\n%%\n";

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 #[path = "../../src/analysis/mod.rs"]
 pub mod analysis;
 
+#[path = "../../src/binary/mod.rs"]
+pub mod binary;
+
 #[path = "../../src/cloud/mod.rs"]
 pub mod cloud;
 

@@ -1,7 +1,6 @@
 //! Arrays of numpy: NPY, one array, and NPZ, a ZIP archive of named ones.
 //!
-//! The header is a Python dictionary of three known keys. It is read here: the crates at hand parse any Python literal,
-//! of any depth, on the stack. Numbers stay where they are in the file, whatever their type, byte order and order of
+//! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers stay where they are in the file, whatever their type, byte order and order of
 //! rows and columns.
 //!
 //! An array of T × N × 3 in an NPZ is a sequence. One in an NPY is none: folders may have a hundred thousand of these,
@@ -16,7 +15,6 @@ mod layers;
 
 pub(super) use cloud::{decode, decode_archive};
 pub(super) use frames::{Arrays, list};
-pub(super) use header::half;
 pub(super) use layers::layer_of;
 
 /// An array of numpy.

@@ -2,7 +2,8 @@
 //!
 //! Its manual: P = R·X + t, p = −P / P.z, p′ = f·(1 + k₁|p|² + k₂|p|⁴)·p in pixels from the middle of the image, x to
 //! the right and y up. So a camera looks along −z with y up. A camera without a focal length was not placed.
-//! Photographs are named by `list.txt`, a line each.
+//! Photographs are named by `list.txt`, a line each. For PMVS they are copied without their distortion to
+//! `visualize/00000000.jpg`, in the order of the cameras that have a place, and the bundle beside that is one of the copies.
 
 use super::draft::{Draft, Drafts};
 use super::error::{PhotosError, read_file};
@@ -40,8 +41,17 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         )));
     }
     let mut drafts = Drafts::new(path, folders(path));
+    let copies = path.parent().unwrap_or(Path::new("")).join("visualize");
+    let copies = copies.is_dir().then_some(copies);
+    // Only of those that were placed there are copies.
+    let mut placed = 0;
     for name in list.names.into_iter().take(camera_count as usize) {
-        drafts.photos.push(camera(&mut text, name)?);
+        let mut photo = camera(&mut text, name)?;
+        if photo.lens.is_ok() {
+            photo.copy = copies.as_ref().map(|folder| folder.join(format!("{placed:08}.jpg")));
+            placed += 1;
+        }
+        drafts.photos.push(photo);
     }
     for _ in 0..point_count {
         let position = DVec3::from_array(text.numbers("the position of a point")?);

@@ -1,9 +1,10 @@
 //! Files of the depths of a photograph, which another camera beside it may have taken.
 
 use super::colmap::colmap_depth;
-use super::error::PhotosError;
+use super::error::{PhotosError, read_file};
+use super::npy_table::NpyTable;
 use super::picture_file::decode;
-use crate::rgbd::{Camera, DepthImage};
+use crate::rgbd::{Camera, DepthImage, is_measured};
 use glam::DAffine3;
 use image::DynamicImage;
 use std::path::{Path, PathBuf};
@@ -34,8 +35,8 @@ pub struct DepthCamera {
 pub enum DepthKind {
     /// An image of COLMAP's dense stage: `W&H&C&`, then floats in the unit of the world. See [`colmap_depth`].
     Colmap,
-    /// A grey picture whose values are depths along the axis in the unit of the world, once multiplied by this. 0 is no
-    /// depth, and of 16 bits neither is 65535.
+    /// A grey picture, or a table of numpy (`.npy`) of rows of pixels, whose values are depths along the axis in the
+    /// unit of the world, once multiplied by this. 0 is no depth, and of pictures of 16 bits neither is 65535.
     Scaled(f64),
 }
 
@@ -54,10 +55,16 @@ impl DepthFile {
 }
 
 fn scaled(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("npy"))
+    {
+        return scaled_table(path, scale);
+    }
     let picture = decode(path)?;
     let size_px = [picture.width(), picture.height()];
     let depth = |value: u16| (f64::from(value) * scale) as f32;
-    let measured = |value: u16| depth(if value == u16::MAX { 0 } else { value });
+    let measured = |value: u16| if is_measured(value) { depth(value) } else { 0.0 };
     let depths: Vec<f32> = match picture {
         DynamicImage::ImageLuma16(image) => image.into_raw().into_iter().map(measured).collect(),
         DynamicImage::ImageLuma8(image) => image.into_raw().into_iter().map(|value| depth(value.into())).collect(),
@@ -67,6 +74,16 @@ fn scaled(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
         }
     };
     DepthImage::new(size_px, depths).ok_or_else(|| PhotosError::invalid(path, "the picture", "it has no pixels"))
+}
+
+fn scaled_table(path: &Path, scale: f64) -> Result<DepthImage, PhotosError> {
+    let table = NpyTable::parse(path, &read_file(path)?)?;
+    let rows = table.numbers.len() / table.columns.max(1);
+    let depths = table.numbers.iter().map(|&number| (number * scale) as f32);
+    let size_px = Option::zip(u32::try_from(table.columns).ok(), u32::try_from(rows).ok());
+    size_px
+        .and_then(|(width, height)| DepthImage::new([width, height], depths.collect()))
+        .ok_or_else(|| PhotosError::invalid(path, "the table", "it has no pixels"))
 }
 
 #[cfg(test)]
@@ -88,6 +105,16 @@ mod tests {
         assert_eq!(file.read().unwrap().metres(), [1.5, 0.0, 0.0]);
         GrayImage::from_raw(1, 1, vec![200]).unwrap().save(&path).unwrap();
         assert_eq!(file.read().unwrap().metres(), [0.2]);
+        let table = DepthFile {
+            path: folder.path().join("depth.npy"),
+            ..file.clone()
+        };
+        let header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 3)}";
+        let numbers = [1500.0_f32, 0.0, f32::NAN].map(f32::to_le_bytes).concat();
+        let all = [b"\x93NUMPY\x01\x00", &[header.len() as u8, 0][..], header, &numbers].concat();
+        std::fs::write(&table.path, all).unwrap();
+        let read = table.read().unwrap();
+        assert_eq!((read.size_px(), read.metres()), ([3, 1], &[1.5, 0.0, 0.0][..]));
         RgbImage::new(1, 1).save(&path).unwrap();
         assert!(
             file.read()

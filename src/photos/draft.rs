@@ -27,6 +27,10 @@ pub(super) struct Draft {
     pub(super) shift: DVec3,
     pub(super) mask: Option<PathBuf>,
     pub(super) depth: Option<DepthFile>,
+    /// Depths between which all that it shows lies, in the unit of the world.
+    pub(super) depth_range: Option<[f64; 2]>,
+    /// A copy that was made for this list: it is taken before any file of the name, if it is there.
+    pub(super) copy: Option<PathBuf>,
     /// When it was taken, in whatever unit, where the format has such a thing.
     pub(super) time: Option<f64>,
 }
@@ -71,6 +75,8 @@ impl Draft {
             shift,
             mask: None,
             depth: None,
+            depth_range: None,
+            copy: None,
             time: None,
         }
     }
@@ -83,8 +89,9 @@ impl Draft {
 
     fn photo(&self, files: &Files) -> Result<Photo, Reason> {
         let (lens, camera_from_world) = self.placed().map_err(Reason::Wrong)?;
-        let path = files.photo(&self.name).ok_or(Reason::Missing)?;
-        let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.to_string()))?;
+        let copy = self.copy.clone().filter(|path| path.is_file());
+        let path = copy.or_else(|| files.photo(&self.name)).ok_or(Reason::Missing)?;
+        let image_px = size_px(&path).map_err(|error| Reason::Wrong(error.reason()))?;
         Ok(Photo {
             camera: lens.camera(image_px).map_err(Reason::Wrong)?,
             mask: self
@@ -93,6 +100,7 @@ impl Draft {
                 .or_else(|| files.mask(&self.name))
                 .or_else(|| Files::mask_beside(&path)),
             depth: self.depth.clone(),
+            depth_range: self.depth_range,
             name: self.name.clone(),
             path,
             camera_from_world,
@@ -143,7 +151,13 @@ impl Drafts {
             return Err(PhotosError::NoPhotos {
                 path: self.path,
                 count: self.photos.len(),
-                reason: reason_of_nothing(&set.notes),
+                reason: if wrong.is_empty() && !missing.is_empty() {
+                    let folder = self.folders.last().map(|folder| folder.join("images"));
+                    let folder = folder.unwrap_or_default();
+                    format!("{}; put them into {}", reason_of_nothing(&set.notes), folder.display())
+                } else {
+                    reason_of_nothing(&set.notes)
+                },
             });
         }
         set.points = self.points.with_observations(|seen| {
@@ -298,6 +312,11 @@ mod tests {
             "{error}"
         );
         assert!(error.contains("0.png, 1.png, 2.png and 2 more"), "{error}");
+        let images = folder.path().join("images");
+        assert!(
+            error.ends_with(&format!("; put them into {}", images.display())),
+            "{error}"
+        );
         let error = Drafts::new(Path::new("list"), Vec::new())
             .into_view_set()
             .unwrap_err()

@@ -56,6 +56,22 @@ pub enum PhotosError {
         /// The decoder's reason.
         source: image::ImageError,
     },
+    /// A photograph in a format that the decoder of pictures does not know.
+    #[error("{} {NOT_DECODED}", path.display())]
+    PictureFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A folder in which something else than a set of photographs was found.
+    #[error("{} holds {found}: {advice}", path.display())]
+    NoSet {
+        /// The folder.
+        path: PathBuf,
+        /// What is in it.
+        found: String,
+        /// What to do.
+        advice: String,
+    },
     /// A photograph that has changed its size.
     #[error(
         "{} has {} × {} pixels, its camera is one of {} × {}: put the photograph back that was calibrated",
@@ -71,12 +87,24 @@ pub enum PhotosError {
     },
 }
 
+/// What is said of a picture of a format that is not known.
+const NOT_DECODED: &str = "is of a format of pictures that is not read: convert it to JPEG, PNG or WebP, which is found \
+                           beside it or in its place by the same name";
+
 impl PhotosError {
     pub(super) fn invalid(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
         Self::Invalid {
             path: path.into(),
             place: place.into(),
             problem: problem.into(),
+        }
+    }
+
+    /// What is wrong with a photograph, without its path where others have the same.
+    pub(super) fn reason(&self) -> String {
+        match self {
+            Self::PictureFormat { .. } => format!("it {NOT_DECODED}"),
+            other => other.to_string(),
         }
     }
 }

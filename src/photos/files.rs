@@ -1,10 +1,11 @@
 //! Where photographs are, from the names that a reconstruction has for them.
 //!
 //! *How it works.* Names are paths of another machine, often: absolute, with the separators of another system, with
-//! another extension after undistortion, or in another case. A name is tried as it stands below each folder in which
-//! photographs usually are; then its last part alone is looked up in lists of these folders, without regard to case,
-//! and then without its extension. The last part alone has to be that of one name only: `left/1.jpg` and
-//! `right/1.jpg` are never the same photograph.
+//! another extension after undistortion or without any, or in another case. A name is tried as it stands below each
+//! folder in which photographs usually are, with its own and then with other extensions; then what is left of it
+//! without the folders in front (`cam0/1.jpg`); then its last part alone is looked up in lists of these folders,
+//! without regard to case, and then without its extension. What is left has to be that of one name only: `left/1.jpg`
+//! and `right/1.jpg` are never the same photograph.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -26,6 +27,8 @@ const FOLDERS: &[&str] = &[
     "images_2",
     "images_4",
     "images_8",
+    "resized_images",
+    "blended_images",
 ];
 
 /// Folders of masks.
@@ -33,6 +36,9 @@ const MASK_FOLDERS: &[&str] = &["masks", "mask", "images/masks", "silhouettes"];
 
 /// What the decoder of pictures reads.
 const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm", "gif", "hdr"];
+
+/// Pictures that programs calibrate, and the decoder does not read: converted copies stand for them.
+const NOT_READ: &[&str] = &["avif", "bmp", "dng", "exr", "heic", "heif", "jxl", "tga", "tif", "tiff"];
 
 /// Entries of a folder that are looked at: a folder of more is not one of photographs alone.
 const MOST_ENTRIES: usize = 200_000;
@@ -42,8 +48,8 @@ const MOST_ENTRIES: usize = 200_000;
 pub(super) struct Files {
     photos: Vec<Listing>,
     masks: Vec<Listing>,
-    /// How many names have the same last part.
-    last_parts: HashMap<String, usize>,
+    /// How many names have the same last part, and the same last two.
+    endings: HashMap<String, usize>,
 }
 
 /// The pictures in a folder.
@@ -59,14 +65,17 @@ struct Listing {
 impl Files {
     /// The pictures around `folders`, of which the first that has one wins, for photographs of these `names`.
     pub(super) fn around<'a>(folders: &[PathBuf], names: impl IntoIterator<Item = &'a str>) -> Self {
-        let mut last_parts = HashMap::new();
+        let mut endings = HashMap::new();
         for name in names {
-            *last_parts.entry(last_part(name).to_lowercase()).or_insert(0) += 1;
+            let name = relative(name).to_lowercase();
+            for ending in [Some(last_part(&name)), last_two_parts(&name)].into_iter().flatten() {
+                *endings.entry(ending.to_owned()).or_insert(0) += 1;
+            }
         }
         let listings = |below: &[&str]| {
             let all = folders
                 .iter()
-                .flat_map(|folder| below.iter().map(move |&below| folder.join(below)));
+                .flat_map(|folder| below.iter().map(move |&below| joined(folder, below)));
             let mut listings: Vec<Listing> = Vec::new();
             for folder in all {
                 if listings.iter().all(|listing| listing.folder != folder) {
@@ -78,20 +87,67 @@ impl Files {
         Self {
             photos: listings(FOLDERS),
             masks: listings(MASK_FOLDERS),
-            last_parts,
+            endings,
         }
     }
 
     /// The file of the photograph `name`.
     pub(super) fn photo(&self, name: &str) -> Option<PathBuf> {
-        let relative = name.replace('\\', "/");
-        let relative = relative.trim_start_matches("./");
-        let as_written = self.photos.iter().map(|listing| listing.folder.join(relative));
-        let is_picture = |path: &PathBuf| !relative.is_empty() && path.is_file();
-        as_written
-            .into_iter()
-            .find(is_picture)
-            .or_else(|| self.by_last_part(&self.photos, relative))
+        let name = relative(name);
+        if name.is_empty() {
+            return None;
+        }
+        let mut as_written = self.photos.iter().map(|listing| listing.folder.join(&name));
+        let as_written = as_written.find(|path| path.is_file());
+        // What cannot be decoded was converted, perhaps.
+        if as_written.as_deref().is_some_and(is_picture) {
+            return as_written;
+        }
+        self.with_extension(&name)
+            .or_else(|| self.without_folders_in_front(&name))
+            .or_else(|| self.by_last_part(&self.photos, &name))
+            .or(as_written)
+    }
+
+    /// The file of the name with another extension than it has, or with one.
+    fn with_extension(&self, name: &str) -> Option<PathBuf> {
+        let stem = match name.rsplit_once('.') {
+            Some((stem, extension)) if !stem.is_empty() && is_extension(extension) => stem,
+            _ => name,
+        };
+        let both = EXTENSIONS
+            .iter()
+            .flat_map(|extension| [(*extension).to_owned(), extension.to_uppercase()]);
+        let names: Vec<String> = both.map(|extension| format!("{stem}.{extension}")).collect();
+        let mut all = self
+            .photos
+            .iter()
+            .flat_map(|listing| names.iter().map(|name| listing.folder.join(name)));
+        all.find(|path| path.is_file())
+    }
+
+    /// The file of what is left of a name without the first of its folders, as far as no other name ends so.
+    fn without_folders_in_front(&self, name: &str) -> Option<PathBuf> {
+        let last_two = last_two_parts(name)?;
+        if self
+            .endings
+            .get(&last_two.to_lowercase())
+            .is_some_and(|&count| count > 1)
+        {
+            return None;
+        }
+        let mut rest = name;
+        while let Some((_, shorter)) = rest.split_once('/')
+            && shorter.contains('/')
+        {
+            rest = shorter;
+            let mut all = self.photos.iter().map(|listing| listing.folder.join(rest));
+            let found = all.find(|path| path.is_file()).or_else(|| self.with_extension(rest));
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
     }
 
     /// The mask of the photograph `name`: as COLMAP names them, `photo.jpg.png`, or by the same stem.
@@ -148,7 +204,7 @@ impl Files {
 
     fn by_last_part(&self, listings: &[Listing], name: &str) -> Option<PathBuf> {
         let last = last_part(name).to_lowercase();
-        if self.last_parts.get(&last).is_some_and(|&count| count > 1) {
+        if self.endings.get(&last).is_some_and(|&count| count > 1) {
             return None;
         }
         let exact = listings.iter().find_map(|listing| listing.by_name.get(&last));
@@ -193,6 +249,34 @@ pub fn is_picture(path: &Path) -> bool {
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase());
     extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+}
+
+/// Whether what is behind the last point of a name is the extension of a picture, be it one that is read.
+fn is_extension(ending: &str) -> bool {
+    let ending = ending.to_lowercase();
+    EXTENSIONS.iter().chain(NOT_READ).any(|&extension| extension == ending)
+}
+
+/// A folder below another, or that one itself, without a separator at its end.
+fn joined(folder: &Path, below: &str) -> PathBuf {
+    if below.is_empty() {
+        folder.to_owned()
+    } else {
+        folder.join(below)
+    }
+}
+
+/// A name with the separators of this system, relative to a folder.
+fn relative(name: &str) -> String {
+    let name = name.replace('\\', "/");
+    name.trim_start_matches("./").to_owned()
+}
+
+/// The last folder and the name in it, of a path with this system's separators.
+fn last_two_parts(name: &str) -> Option<&str> {
+    let (folders, _) = name.rsplit_once('/')?;
+    let start = folders.rfind('/').map_or(0, |at| at + 1);
+    Some(&name[start..])
 }
 
 /// The part of a path behind its last separator, of whichever system.
@@ -269,6 +353,55 @@ mod tests {
         assert_eq!(files.photo(names[1]), None);
         let alone = Files::around(&[folder.path().into()], [names[1]]);
         assert!(alone.photo(names[1]).unwrap().ends_with("images/1.jpg"));
+    }
+
+    #[test]
+    fn names_without_extensions_are_found_in_folders_of_their_own() {
+        let folder = folder(&[
+            "train/r_0.png",
+            "train/r_10.png",
+            "test/r_0.png",
+            "photos/b.heic",
+            "photos/b.JPG",
+            "masked.jpg.png",
+        ]);
+        let names = [
+            "./train/r_0",
+            "./train/r_10",
+            "./test/r_0",
+            "train/r_0.jpg",
+            "train/r_1",
+            "b.heic",
+            "masked.jpg",
+        ];
+        let files = Files::around(&[folder.path().into()], names);
+        let found = names.map(|name| {
+            let path = files.photo(name)?;
+            Some(path.strip_prefix(folder.path()).unwrap().to_str().unwrap().to_owned())
+        });
+        let expected = [
+            Some("train/r_0.png"),
+            Some("train/r_10.png"),
+            Some("test/r_0.png"),
+            Some("train/r_0.png"),
+            None,
+            Some("photos/b.JPG"),
+            // That is a mask.
+            None,
+        ];
+        assert_eq!(found.each_ref().map(Option::as_deref), expected);
+    }
+
+    #[test]
+    fn the_folder_of_a_camera_is_found_behind_those_of_another_machine() {
+        let folder = folder(&["images_2/left/1.jpg", "images_2/right/1.png"]);
+        let names = ["/home/them/scan/images/left/1.jpg", "C:\\scan\\images\\right\\1.jpg"];
+        let files = Files::around(&[folder.path().into()], names);
+        assert!(files.photo(names[0]).unwrap().ends_with("images_2/left/1.jpg"));
+        assert!(files.photo(names[1]).unwrap().ends_with("images_2/right/1.png"));
+        let names = ["a/left/1.jpg", "b/left/1.jpg"];
+        let files = Files::around(&[folder.path().into()], names);
+        assert_eq!(names.map(|name| files.photo(name)), [None, None]);
     }
 
     #[test]

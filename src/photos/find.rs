@@ -6,7 +6,7 @@
 use super::calibration::Calibration;
 use super::error::PhotosError;
 use super::view_set::ViewSet;
-use super::{bundler, colmap, llff, meshroom, middlebury, nvm, transforms};
+use super::{bundler, colmap, llff, meshroom, middlebury, middlebury_stereo, mvsnet, nvm, transforms};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -22,21 +22,44 @@ const COLMAP_FOLDERS: &[&str] = &[
     "dense/sparse",
     "undistorted/sparse",
     "dslr_calibration_undistorted",
+    "rig_calibration_undistorted",
+    "dslr/colmap",
+    // Lenses that are not shown, mostly: who opens the scene is told so.
+    "distorted/sparse",
+    "dslr_calibration_jpg",
+    "rig_calibration",
 ];
 
 /// Models of one scene whose numbers are tried: COLMAP makes one of each group of photographs that hangs together.
 const MOST_MODELS: u32 = 50;
 
 /// Bundles, the usual one first.
-const BUNDLES: &[&str] = &["bundle.out", "bundle/bundle.out", "bundle.rd.out", "bundler/bundle.out"];
+const BUNDLES: &[&str] = &[
+    "bundle.out",
+    "bundle/bundle.out",
+    "bundle.rd.out",
+    "bundler/bundle.out",
+    "pmvs/bundle.rd.out",
+];
 
 /// Names of scenes of Meshroom: those with points first.
 const SCENES: &[&str] = &["sfm.json", "sfm.sfm", "cameras.sfm"];
 
 /// Folders of a project of Meshroom that hold scenes, each run in a folder of its own.
-const MESHROOM_NODES: &[&str] = &["MeshroomCache/ConvertSfMFormat", "MeshroomCache/StructureFromMotion"];
+const MESHROOM_NODES: &[&str] = &[
+    "MeshroomCache/ConvertSfMFormat",
+    "MeshroomCache/StructureFromMotion",
+    "ConvertSfMFormat",
+    "StructureFromMotion",
+];
 
-const TRANSFORMS: &[&str] = &["transforms.json", "transforms_train.json"];
+/// Photographs to learn from first: others of the same scene are in files beside.
+const TRANSFORMS: &[&str] = &[
+    "transforms.json",
+    "transforms_train.json",
+    "transforms_test.json",
+    "transforms_val.json",
+];
 
 /// Entries of a folder that are listed: a folder of more is one of frames.
 const MOST_ENTRIES: usize = 10_000;
@@ -62,6 +85,10 @@ pub enum Format {
     Transforms,
     /// Poses and bounds of LLFF.
     Llff,
+    /// A camera a file, of MVSNet.
+    Mvsnet,
+    /// A rectified pair of Middlebury.
+    MiddleburyStereo,
 }
 
 /// A reconstruction that was found.
@@ -69,7 +96,7 @@ pub enum Format {
 pub struct FoundSet {
     /// Its format.
     pub format: Format,
-    /// Its file; of COLMAP the folder of its files.
+    /// Its file; of COLMAP and MVSNet the folder of its files.
     pub path: PathBuf,
 }
 
@@ -84,6 +111,8 @@ impl Format {
             Self::Middlebury => "Middlebury par",
             Self::Transforms => "transforms.json",
             Self::Llff => "LLFF (poses_bounds.npy)",
+            Self::Mvsnet => "MVSNet (cams)",
+            Self::MiddleburyStereo => "Middlebury stereo (calib.txt)",
         }
     }
 }
@@ -111,6 +140,8 @@ impl FoundSet {
             Format::Middlebury => middlebury::read(&self.path),
             Format::Transforms => transforms::read(&self.path),
             Format::Llff => llff::read(&self.path),
+            Format::Mvsnet => mvsnet::read(&self.path),
+            Format::MiddleburyStereo => middlebury_stereo::read(&self.path),
         };
         Ok(Calibration::new(drafts?))
     }
@@ -154,7 +185,13 @@ fn in_folder(folder: &Path) -> Option<FoundSet> {
         .or_else(|| in_meshroom_cache(folder).map(found(Format::Meshroom)))
         .or_else(|| first(TRANSFORMS).map(found(Format::Transforms)))
         .or_else(|| first(&[llff::FILE]).map(found(Format::Llff)))
-        .or_else(|| by_ending(middlebury::SUFFIX).map(found(Format::Middlebury)))
+        .or_else(|| largest_par_file(folder, &names).map(found(Format::Middlebury)))
+        .or_else(|| mvsnet::cameras_in(folder).map(found(Format::Mvsnet)))
+        .or_else(|| {
+            first(&[middlebury_stereo::FILE])
+                .filter(|path| begins_with(path, middlebury_stereo::MAGIC))
+                .map(found(Format::MiddleburyStereo))
+        })
 }
 
 /// The folder itself, or the largest of the models that it has by their numbers.
@@ -174,6 +211,14 @@ fn model_in(folder: &Path) -> Option<PathBuf> {
         .filter(|model| colmap::is_in(model))
         .collect();
     models.into_iter().rev().max_by_key(size_of)
+}
+
+/// Of several par files the longest: `temple_par.txt` has all photographs, `templeR_par.txt` those of a ring.
+fn largest_par_file(folder: &Path, names: &[String]) -> Option<PathBuf> {
+    let is_one = |name: &&String| name.to_lowercase().ends_with(middlebury::SUFFIX);
+    let size = |path: &PathBuf| fs::metadata(path).map_or(0, |file| file.len());
+    let files = names.iter().filter(is_one).map(|name| folder.join(name));
+    files.max_by_key(size)
 }
 
 /// The scene that was written last by a project of Meshroom.
@@ -208,6 +253,13 @@ fn of_file(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
             }))
         }
         "txt" if name.ends_with(middlebury::SUFFIX) => of(Format::Middlebury),
+        "txt" if name == middlebury_stereo::FILE && begins_with(path, middlebury_stereo::MAGIC) => {
+            of(Format::MiddleburyStereo)
+        }
+        "txt" if name.ends_with(mvsnet::SUFFIX) => Ok(path.parent().map(|folder| FoundSet {
+            format: Format::Mvsnet,
+            path: folder.into(),
+        })),
         "out" if begins_with(path, bundler::MAGIC) => of(Format::Bundler),
         "nvm" => of(Format::Nvm),
         "npy" if name == llff::FILE => of(Format::Llff),

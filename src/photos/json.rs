@@ -7,7 +7,9 @@ use std::path::Path;
 /// The value in the file `path`.
 pub(super) fn read(path: &Path) -> Result<Value, PhotosError> {
     let file = read_file(path)?;
-    serde_json::from_slice(&file).map_err(|source| PhotosError::Json {
+    // What some editors put before the first character.
+    let text = file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&file);
+    serde_json::from_slice(text).map_err(|source| PhotosError::Json {
         path: path.into(),
         source,
     })

@@ -26,6 +26,8 @@ pub(super) enum Focal {
     Pixels(DVec2),
     /// The angle that the width of the image takes, in radians.
     WidthAngle(f64),
+    /// That of its height.
+    HeightAngle(f64),
 }
 
 /// Where the pixels of a format are counted from, to the right and down.
@@ -57,6 +59,7 @@ impl Lens {
         let focal_px = match self.focal {
             Focal::Pixels(focal_px) => focal_px,
             Focal::WidthAngle(angle) => DVec2::splat(0.5 * f64::from(size_px[0]) / (0.5 * angle).tan()),
+            Focal::HeightAngle(angle) => DVec2::splat(0.5 * f64::from(size_px[1]) / (0.5 * angle).tan()),
         };
         let principal_px = self.counted_from_first(self.principal_px, size_px);
         let camera =
@@ -138,6 +141,8 @@ mod tests {
         lens.size_px = None;
         lens.focal = Focal::WidthAngle(2.0 * 0.5_f64.atan());
         assert_eq!(lens.camera([800, 600]).unwrap().focal_px().round(), DVec2::splat(800.0));
+        lens.focal = Focal::HeightAngle(2.0 * 0.5_f64.atan());
+        assert_eq!(lens.camera([800, 600]).unwrap().focal_px().round(), DVec2::splat(600.0));
         lens.focal = Focal::WidthAngle(0.0);
         assert!(lens.camera([800, 600]).unwrap_err().contains("focal lengths"));
     }

@@ -2,7 +2,8 @@
 //!
 //! Its README: a row of 17 numbers for each photograph. The first 15 are a matrix of 3 × 5 by rows: three columns are
 //! the axes of the camera in the world, *down, right, backward*; the fourth is where it stands; the fifth is height,
-//! width and focal length in pixels. Two numbers follow, the depths between which the scene lies. Rows are in the order
+//! width and focal length in pixels. Two numbers follow, the depths between which the scene lies: those that stereo
+//! tries. Rows are in the order
 //! of the names of the photographs, which the file does not hold: they are those of the first of the usual folders that
 //! has as many pictures as there are rows, `images` before copies that were made smaller. The principal point is the
 //! middle of the image.
@@ -127,5 +128,9 @@ fn draft(name: String, row: &[f64; COLUMNS]) -> Draft {
             size.x, size.y
         )),
     };
-    Draft::at(name, lens, axes, center)
+    let [near, far] = [row[COLUMNS - 2], row[COLUMNS - 1]];
+    Draft {
+        depth_range: (near > 0.0 && near < far && far.is_finite()).then_some([near, far]),
+        ..Draft::at(name, lens, axes, center)
+    }
 }

@@ -23,7 +23,10 @@ use crate::rgbd::Distortion;
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The folder of a project that holds what its nodes made.
+pub(super) const CACHE: &str = "MeshroomCache";
 
 /// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
@@ -55,8 +58,7 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         let problem = "expected `poses`, found none: open the result of StructureFromMotion, or of ConvertSfMFormat";
         return Err(invalid("the file", problem));
     }
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut drafts = Drafts::new(path, vec![folder]);
+    let mut drafts = Drafts::new(path, folders(path));
     let mut views = HashMap::new();
     let mut unplaced = 0_usize;
     for view in array_at(&scene, "views") {
@@ -74,9 +76,11 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         drafts.photos.push(Draft::at(name, lens, axes, center));
     }
     if unplaced > 0 {
-        drafts.notes.push(format!(
-            "{unplaced} photographs have no pose of their own: they were left out"
-        ));
+        drafts.notes.push(if unplaced == 1 {
+            "1 photograph has no pose of its own: it was left out".to_owned()
+        } else {
+            format!("{unplaced} photographs have no pose of their own: they were left out")
+        });
     }
     for landmark in array_at(&scene, "structure") {
         let Some(position) = numbers_at(landmark, "X") else {
@@ -96,6 +100,16 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         drafts.points.push(DVec3::from_array(position), color, track);
     }
     Ok(drafts)
+}
+
+/// The folder of the scene and, where that is in the cache of a project, the folder of the project.
+fn folders(path: &Path) -> Vec<PathBuf> {
+    let own = path.parent().unwrap_or(Path::new(""));
+    let cache = own
+        .ancestors()
+        .find(|folder| folder.file_name().is_some_and(|name| name == CACHE));
+    let project = cache.and_then(Path::parent);
+    [own].into_iter().chain(project).map(Path::to_owned).collect()
 }
 
 /// Whether a view stands where its rig does, and not where its own pose is.

@@ -1,12 +1,11 @@
-//! A table of numbers as numpy writes it, NPY format 1 to 3: what `poses_bounds.npy` is.
+//! A table of numbers as numpy writes it: what `poses_bounds.npy` and depths in `.npy` are.
 //!
-//! Only rows and columns of little-endian floats are read, in the order of C or of Fortran. (Clouds in NPY files, of
-//! any type and shape: `io/npy`, which comes after this module.) The header is a Python dictionary of three keys.
+//! Rows and columns of numbers of any type, in the order of C or of Fortran. (The header: `binary`. Clouds in NPY files:
+//! `io/npy`, which comes after this module.)
 
 use super::error::PhotosError;
+use crate::binary::{Header, Layout};
 use std::path::Path;
-
-const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Rows of numbers.
 #[derive(Debug, PartialEq)]
@@ -17,57 +16,34 @@ pub(super) struct NpyTable {
 }
 
 impl NpyTable {
-    /// The table in `bytes`, which are those of the file `path`.
+    /// The table in `bytes`, which are those of the file `path`. Dimensions of one entry behind rows and columns do not
+    /// count.
     pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, PhotosError> {
-        let wrong = |problem: &str| PhotosError::invalid(path, "the header", problem);
-        let (header, payload) = split(bytes).ok_or_else(|| {
-            wrong("expected \\x93NUMPY and a dictionary behind it, found something else: save it with numpy.save")
-        })?;
-        let header = String::from_utf8_lossy(header);
-        let value = |key: &str| {
-            let (_, rest) = header
-                .split_once(&format!("'{key}'"))
-                .or_else(|| header.split_once(&format!("\"{key}\"")))?;
-            Some(rest.trim_start().strip_prefix(':')?.trim_start())
+        let wrong = |problem: String| PhotosError::invalid(path, "the header", problem);
+        let header = Header::parse(bytes).map_err(|error| wrong(format!("{error}; save it with numpy.save")))?;
+        let Layout::Table(number) = header.layout else {
+            return Err(wrong("expected a table of numbers, found records".to_owned()));
         };
-        let kind = value("descr").and_then(|text| text.get(1..4));
-        let bytes_each = match kind {
-            Some("<f8") => 8,
-            Some("<f4") => 4,
-            _ => return Err(wrong("expected numbers of the type <f8 or <f4: save it as float64")),
+        let [rows, columns] = *without_ones(&header.shape) else {
+            let shape = &header.shape;
+            return Err(wrong(format!(
+                "expected a table of rows and columns, found the shape {shape:?}"
+            )));
         };
-        let is_fortran = value("fortran_order").is_some_and(|text| text.starts_with("True"));
-        let [rows, columns] = value("shape")
-            .and_then(shape)
-            .ok_or_else(|| wrong("expected a table of rows and columns, found another shape"))?;
+        let payload = &bytes[header.payload_at..];
         let count = rows
             .checked_mul(columns)
-            .filter(|&count| count <= payload.len() / bytes_each);
+            .filter(|&count| count <= payload.len() / number.bytes());
         let Some(count) = count else {
-            let problem = format!(
+            return Err(wrong(format!(
                 "{rows} rows of {columns} numbers are claimed, and {} bytes follow the header: the file was cut, or \
                  its header is wrong",
                 payload.len()
-            );
-            return Err(PhotosError::invalid(path, "the header", problem));
+            )));
         };
-        let stored: Vec<f64> = match bytes_each {
-            8 => payload
-                .as_chunks::<8>()
-                .0
-                .iter()
-                .map(|&bytes| f64::from_le_bytes(bytes))
-                .take(count)
-                .collect(),
-            _ => payload
-                .as_chunks::<4>()
-                .0
-                .iter()
-                .map(|&bytes| f32::from_le_bytes(bytes).into())
-                .take(count)
-                .collect(),
-        };
-        let numbers = if is_fortran {
+        let stored = payload.chunks_exact(number.bytes()).take(count);
+        let stored: Vec<f64> = stored.map(|bytes| number.read(bytes)).collect();
+        let numbers = if header.is_fortran {
             (0..count)
                 .map(|at| stored[at % columns * rows + at / columns])
                 .collect()
@@ -78,29 +54,10 @@ impl NpyTable {
     }
 }
 
-/// The dictionary and what follows it.
-fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let ([major, _], rest) = bytes.strip_prefix(MAGIC)?.split_first_chunk()?;
-    let (length, rest) = match major {
-        1 => {
-            let (length, rest) = rest.split_first_chunk()?;
-            (usize::from(u16::from_le_bytes(*length)), rest)
-        }
-        2 | 3 => {
-            let (length, rest) = rest.split_first_chunk()?;
-            (u32::from_le_bytes(*length) as usize, rest)
-        }
-        _ => return None,
-    };
-    rest.split_at_checked(length)
-}
-
-/// Rows and columns of `(20, 17)`.
-fn shape(text: &str) -> Option<[usize; 2]> {
-    let (inside, _) = text.strip_prefix('(')?.split_once(')')?;
-    let numbers = inside.split(',').map(str::trim).filter(|number| !number.is_empty());
-    let numbers: Vec<usize> = numbers.map_while(|number| number.parse().ok()).take(3).collect();
-    numbers.try_into().ok()
+/// The dimensions without those of one entry behind the second.
+fn without_ones(shape: &[usize]) -> &[usize] {
+    let ones = shape.iter().skip(2).rev().take_while(|&&length| length == 1).count();
+    &shape[..shape.len() - ones]
 }
 
 #[cfg(test)]
@@ -109,7 +66,7 @@ mod tests {
 
     fn file(header: &str, payload: &[u8]) -> Vec<u8> {
         let length = (header.len() as u16).to_le_bytes();
-        [MAGIC, &[1, 0], &length, header.as_bytes(), payload].concat()
+        [b"\x93NUMPY\x01\x00".as_slice(), &length, header.as_bytes(), payload].concat()
     }
 
     fn doubles(numbers: &[f64]) -> Vec<u8> {
@@ -133,6 +90,11 @@ mod tests {
             parse("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3)}", &floats),
             expected
         );
+        let words: Vec<u8> = rows.iter().flat_map(|&number| (number as u16).to_be_bytes()).collect();
+        assert_eq!(
+            parse("{'descr': '>u2', 'fortran_order': False, 'shape': (2, 3, 1)}", &words),
+            expected
+        );
     }
 
     #[test]
@@ -140,16 +102,16 @@ mod tests {
         let error = |bytes: &[u8]| NpyTable::parse(Path::new("a.npy"), bytes).unwrap_err().to_string();
         for (header, words) in [
             (
-                "{'descr': '<i8', 'fortran_order': False, 'shape': (1, 1)}",
-                "<f8 or <f4",
+                "{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (1,)}",
+                "found records",
             ),
             (
-                "{'descr': '<f8', 'fortran_order': False, 'shape': (8,)}",
-                "another shape",
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (1,)}",
+                "the shape [1]",
             ),
             (
                 "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3, 5)}",
-                "another shape",
+                "the shape [2, 3, 5]",
             ),
             (
                 "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 17)}",
@@ -159,8 +121,8 @@ mod tests {
                 "{'descr': '<f8', 'fortran_order': False, 'shape': (18446744073709551615, 17)}",
                 "8 bytes follow the header",
             ),
-            ("{'descr': '", "<f8 or <f4"),
-            ("", "<f8 or <f4"),
+            ("{'descr': '", "not understood"),
+            ("", "not understood"),
         ] {
             let error = error(&file(header, &[0; 8]));
             assert!(error.contains(words), "{header}: {error}");

@@ -23,6 +23,9 @@ pub struct Photo {
     pub mask: Option<PathBuf>,
     /// What is known of its depths.
     pub depth: Option<DepthFile>,
+    /// Depths between which all that it shows lies, in the unit of the world, where the format says that: the nearer
+    /// is above 0, the other one farther.
+    pub depth_range: Option<[f64; 2]>,
 }
 
 impl Photo {
@@ -97,6 +100,7 @@ mod tests {
             camera_from_world: DAffine3::from_rotation_translation(turn, DVec3::new(0.3, -0.1, 2.0)),
             mask: None,
             depth: None,
+            depth_range: None,
         }
     }
 

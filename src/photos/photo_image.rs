@@ -179,6 +179,7 @@ mod tests {
             camera_from_world: DAffine3::IDENTITY,
             mask: Some(mask),
             depth: None,
+            depth_range: None,
         };
         let image = PhotoImage::read(&photo).unwrap();
         let alphas: Vec<u8> = image.pixels().iter().map(|pixel| pixel[3]).collect();

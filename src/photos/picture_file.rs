@@ -35,9 +35,10 @@ fn open(path: &Path) -> Result<ImageReader<BufReader<File>>, PhotosError> {
 }
 
 fn no_picture(path: &Path, source: ImageError) -> PhotosError {
-    PhotosError::Picture {
-        path: path.into(),
-        source,
+    let path = path.into();
+    match source {
+        ImageError::Unsupported(_) => PhotosError::PictureFormat { path },
+        source => PhotosError::Picture { path, source },
     }
 }
 

@@ -94,6 +94,7 @@ mod tests {
             camera_from_world: DAffine3::IDENTITY,
             mask: None,
             depth: None,
+            depth_range: None,
         };
         let pixels = (0..5000).map(|at| [2 * (at % 100) as u8, 7, 9, 255]).collect();
         let image = PhotoImage::new([100, 50], pixels).unwrap();

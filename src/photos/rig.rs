@@ -39,6 +39,7 @@ struct RigCamera {
     name: String,
     lens: Lens,
     camera_from_world: DAffine3,
+    depth_range: Option<[f64; 2]>,
     /// Where it is in the list of the file.
     index: usize,
 }
@@ -53,6 +54,7 @@ impl Rig {
                     name: name_of_camera(draft),
                     lens: lens.clone(),
                     camera_from_world,
+                    depth_range: draft.depth_range,
                     index,
                 }),
                 Err(reason) => wrong.push((draft.name.as_str(), reason)),
@@ -169,6 +171,7 @@ impl Rig {
             camera_from_world: camera.camera_from_world,
             mask: Files::mask_below(&self.mask_folders, &below(2)).or_else(|| Files::mask_beside(path)),
             depth: None,
+            depth_range: camera.depth_range,
         })
     }
 
@@ -195,6 +198,7 @@ impl RigCamera {
             camera_from_world: self.camera_from_world,
             mask: None,
             depth: None,
+            depth_range: self.depth_range,
         })
     }
 }

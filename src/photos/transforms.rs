@@ -1,7 +1,8 @@
 //! `transforms.json` of instant-ngp, nerfstudio and the synthetic sets of NeRF.
 //!
 //! *How it works.* Each frame has a matrix from camera to world, whose camera has x right, y up and z backward
-//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or `camera_angle_x`) are those of the file unless a frame has its own.
+//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or an angle: `camera_angle_x` in radians, `x_fov` in degrees, or those of
+//! y) are those of the file unless a frame has its own.
 //! The corner of the image is at 0, so the middle of the first pixel is at ½: both programs send the ray of a pixel
 //! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
 //! points, but nerfstudio may name a file of them (`ply_file_path`).
@@ -18,6 +19,9 @@ use std::path::Path;
 
 /// Metres in a unit of nerfstudio's depth images, unless the file says otherwise.
 const USUAL_DEPTH_SCALE: f64 = 1e-3;
+
+/// Keys of instant-ngp by which a lens is neither a pinhole nor one of OpenCV.
+const OTHER_LENSES: &[&str] = &["ftheta_p0", "latlong", "lonlat", "equirectangular", "orthographic"];
 
 /// Whether a file that begins with `head` is one of these.
 pub(super) fn is_transforms(head: &str) -> bool {
@@ -53,7 +57,10 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
 
 fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
     let text = |key: &str| frame.get(key).and_then(Value::as_str);
-    let existing = |key: &str| text(key).map(|path| folder.join(path)).filter(|path| path.is_file());
+    let existing = |key: &str| {
+        let path = folder.join(text(key)?.replace('\\', "/"));
+        path.is_file().then_some(path)
+    };
     let name = text("file_path").unwrap_or_default().to_owned();
     let (axes, center) = pose(frame).unwrap_or((DMat3::NAN, DVec3::NAN));
     let scale = number_at(file, "depth_unit_scale_factor").or_else(|| number_at(file, "integer_depth_scale"));
@@ -90,10 +97,15 @@ fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
 fn lens(file: &Value, frame: &Value) -> Result<Lens, String> {
     let at = |key: &str| number_at(frame, key).or_else(|| number_at(file, key));
     let size_px = Option::zip(at("w").and_then(side), at("h").and_then(side)).map(|(width, height)| [width, height]);
-    let focal = match (at("fl_x").or_else(|| at("fl_y")), at("camera_angle_x")) {
-        (Some(x), _) => Focal::Pixels(DVec2::new(x, at("fl_y").unwrap_or(x))),
-        (None, Some(angle)) => Focal::WidthAngle(angle),
-        (None, None) => return Err("it has no focal length: expected fl_x or camera_angle_x".into()),
+    let angle = |radians: &str, degrees: &str| at(radians).or_else(|| at(degrees).map(f64::to_radians));
+    let focal = if let Some(x) = at("fl_x").or_else(|| at("fl_y")) {
+        Focal::Pixels(DVec2::new(x, at("fl_y").unwrap_or(x)))
+    } else if let Some(angle) = angle("camera_angle_x", "x_fov") {
+        Focal::WidthAngle(angle)
+    } else if let Some(angle) = angle("camera_angle_y", "y_fov") {
+        Focal::HeightAngle(angle)
+    } else {
+        return Err("it has no focal length: expected fl_x or camera_angle_x".into());
     };
     let principal = Option::zip(at("cx"), at("cy"));
     let (origin, principal_px) = match principal {
@@ -120,17 +132,28 @@ fn distortion(file: &Value, frame: &Value) -> Result<Distortion, String> {
     let model = frame
         .get("camera_model")
         .or_else(|| file.get("camera_model"))
-        .and_then(Value::as_str);
+        .and_then(Value::as_str)
+        .map(str::to_uppercase);
+    let model = model.as_deref();
+    // What instant-ngp calls its other lenses, each by a key of its own.
+    let other = OTHER_LENSES
+        .iter()
+        .find(|key| frame.get(key).is_some() || file.get(key).is_some());
+    let refused = |model: &str| {
+        Err(format!(
+            "its camera is of the model {model}, expected PINHOLE, OPENCV or OPENCV_FISHEYE: make pinholes of the \
+             photographs first"
+        ))
+    };
+    if let Some(other) = other {
+        return refused(other);
+    }
     if is_set("is_fisheye") || model == Some("OPENCV_FISHEYE") {
         return Ok(Distortion::Fisheye { k });
     }
     match model {
-        None | Some("OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "SIMPLE_RADIAL" | "RADIAL") => {}
-        Some(model) => {
-            return Err(format!(
-                "its camera is of the model {model}, expected OPENCV or OPENCV_FISHEYE: undistort the photographs first"
-            ));
-        }
+        None | Some("OPENCV" | "PINHOLE" | "PERSPECTIVE" | "SIMPLE_PINHOLE" | "SIMPLE_RADIAL" | "RADIAL") => {}
+        Some(model) => return refused(model),
     }
     if k[3] != 0.0 {
         return Err("its lens has a k4 and is no fisheye: undistort the photographs first".into());

@@ -1,5 +1,10 @@
 //! Images of distances and of colours.
 
+/// Whether a number of 16 bits is a measurement: in every code of depth cameras 0 and 65535 are none.
+pub fn is_measured(number: u16) -> bool {
+    !matches!(number, 0 | u16::MAX)
+}
+
 /// Distances along the axis of a camera, line by line from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthImage {

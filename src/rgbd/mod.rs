@@ -27,7 +27,7 @@ pub use filters::{
     Bilateral, DepthRange, FilterKind, FilterParameter, Filters, FlyingPixels, ParseFiltersError, Temporal,
     TemporalFilter, median,
 };
-pub use images::{ColorImage, DepthImage};
+pub use images::{ColorImage, DepthImage, is_measured};
 pub use rays::RayTable;
 pub use registration::{ColorCamera, UNSEEN_COLOR};
 pub use rig::{Rig, Sensor};

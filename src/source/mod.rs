@@ -19,6 +19,7 @@ mod http;
 mod list;
 mod live;
 mod options;
+mod photo_sets;
 mod photo_video;
 mod photos;
 mod reel;
@@ -50,7 +51,6 @@ pub(crate) use shapes::{OUTLIERS, Sampled};
 pub use spin::Spin;
 pub use traits::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameSample, Source};
 
-use crate::photos::PhotosError;
 use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -94,32 +94,17 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),
         };
     }
-    if let Some(photographs) = open_photographs(inputs, options)? {
+    if let Some(photographs) = photo_sets::open(inputs, options)? {
         return Ok(photographs);
     }
     if let Some(recording) = rgbd::open(inputs, options)? {
         return Ok(recording);
     }
+    if let [input] = inputs
+        && input.is_dir()
+        && let Some(below) = photo_sets::open_below(input, options)?
+    {
+        return Ok(below);
+    }
     Ok(Arc::new(Files::open(inputs, options, progress)?))
-}
-
-/// Calibrated photographs, if those are the one input.
-fn open_photographs(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
-    let [input] = inputs else { return Ok(None) };
-    let wrong = |error: PhotosError| SequenceError::Photos(Box::new(error));
-    let Some(found) = crate::photos::find(input).map_err(wrong)? else {
-        let sets = PhotoVideo::of_sets(inputs, options);
-        return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
-    };
-    let calibration = found.calibration().map_err(wrong)?;
-    Ok(Some(
-        match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
-            Ok(video) => Arc::new(video),
-            Err(calibration) => Arc::new(PhotoScene::of(
-                calibration.photographs().map_err(wrong)?,
-                input,
-                options,
-            )),
-        },
-    ))
 }

@@ -1,7 +1,7 @@
 //! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
 //!
 //! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
-//! points or, without any, around the place that all cameras look at; depths that views do not agree on are dropped,
+//! points or, without any, between those that its format tells, or else around the place that all cameras look at; depths that views do not agree on are dropped,
 //! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
 //! like, and nobody has to know how far away things are.
 
@@ -61,11 +61,19 @@ pub enum DenseError {
     Stereo(#[from] StereoError),
 }
 
+/// Pixels of all depths together: of more photographs every second, third … is swept, each with its nearest neighbours
+/// among all. Time and points grow with them, and what hundreds of photographs show is seen by dozens.
+const MOST_PIXELS: u64 = 12 << 20;
+
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
 pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// How much nearer and farther than its sparse points the surface may be.
 const BEYOND_POINTS: f64 = 1.3;
+
+/// How much nearer and farther than the depths that a format tells the surface may be: those of LLFF leave out a
+/// thousandth of the points at each end.
+const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
 const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
@@ -84,7 +92,7 @@ impl Dense {
     /// # Errors
     /// [`DenseError`].
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
-        let (small, reasons) = read_small(set, self.most_side_px)?;
+        let (small, mut reasons) = read_small(set, self.most_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
         if let Some(mut pair) = of_pair(&small, &views, (&OnProcessor, &Matching::default()))? {
             progress.set(2, 2);
@@ -92,9 +100,18 @@ impl Dense {
             return Ok(pair);
         }
         let middles = set.middles();
-        let mut maps = Vec::with_capacity(small.len());
-        progress.set(0, PlaneSweep::STEPS * small.len());
-        for (of_one, view) in small.iter().zip(&views) {
+        let every = every(small.iter().map(|of_one| of_one.image.pixels().len() as u64));
+        let swept: Vec<View<'_>> = views.iter().copied().step_by(every).collect();
+        if swept.len() < small.len() {
+            reasons.push(format!(
+                "depths were made of {} of {} photographs, evenly chosen: all would take long, and show the same",
+                swept.len(),
+                small.len()
+            ));
+        }
+        let mut maps = Vec::with_capacity(swept.len());
+        progress.set(0, PlaneSweep::STEPS * swept.len());
+        for (of_one, view) in small.iter().step_by(every).zip(&swept) {
             if progress.is_cancelled() {
                 return Err(StereoError::Cancelled.into());
             }
@@ -113,8 +130,8 @@ impl Dense {
             };
             maps.extend(DepthImage::new(of_one.image.size_px(), depths));
         }
-        let kept = consistent(&maps, &views, self.consistency)?;
-        let mut cloud = cloud(&kept, &views)?;
+        let kept = consistent(&maps, &swept, self.consistency)?;
+        let mut cloud = cloud(&kept, &swept)?;
         if cloud.positions.is_empty() {
             return Err(DenseError::Nothing { photos: small.len() });
         }
@@ -198,6 +215,12 @@ impl Small {
     }
 }
 
+/// Of how many photographs with so many pixels one is swept.
+fn every(pixels: impl Iterator<Item = u64>) -> usize {
+    let all: u64 = pixels.sum();
+    all.div_ceil(MOST_PIXELS).max(1) as usize
+}
+
 /// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
 /// rectified or show nothing of one another.
 pub(super) fn of_pair(
@@ -218,8 +241,16 @@ pub(super) fn of_pair(
     Ok((!pair.positions.is_empty()).then_some(pair))
 }
 
-/// Between which depths the surface before a photograph is.
+/// Between which depths the surface before a photograph is, around `middle` if nothing tells more.
 pub(super) fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> {
+    told_range(set, number).or_else(|| {
+        let depth = set.photos.get(number)?.depth_of(middle);
+        (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+    })
+}
+
+/// The same by sparse points, or as the format says.
+pub(super) fn told_range(set: &ViewSet, number: usize) -> Option<[f64; 2]> {
     let photo = set.photos.get(number)?;
     let points = set.points.positions().iter().enumerate();
     let is_seen = |point: usize, position| {
@@ -243,6 +274,50 @@ pub(super) fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option
             depths[depths.len() - 1 - aside] * BEYOND_POINTS,
         ]);
     }
-    let depth = photo.depth_of(middle);
-    (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+    let [near, far] = photo.depth_range?;
+    Some([near / BEYOND_TOLD, far * BEYOND_TOLD])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photos::SparsePoints;
+    use crate::rgbd::{Camera, Distortion};
+    use glam::{DAffine3, DVec2};
+
+    #[test]
+    fn of_hundreds_of_photographs_some_are_swept() {
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 40)), 1);
+        assert_eq!(every(std::iter::repeat_n(400 * 400, 100)), 2);
+        assert_eq!(every(std::iter::repeat_n(640 * 480, 400)), 10);
+        assert_eq!(every(std::iter::empty()), 1);
+    }
+
+    #[test]
+    fn planes_are_between_sparse_points_or_else_between_the_depths_that_a_format_tells() {
+        let camera = Camera::new([64, 48], DVec2::splat(50.0), DVec2::new(31.5, 23.5), Distortion::None);
+        let photo = Photo {
+            name: String::new(),
+            path: "a.png".into(),
+            camera: camera.unwrap(),
+            camera_from_world: DAffine3::IDENTITY,
+            mask: None,
+            depth: None,
+            depth_range: None,
+        };
+        let mut set = ViewSet {
+            photos: vec![photo],
+            ..ViewSet::default()
+        };
+        let range = |set: &ViewSet| depth_range(set, 0, DVec3::new(0.0, 0.0, 10.0)).unwrap();
+        assert_eq!(range(&set), AROUND_MIDDLE.map(|share| 10.0 * share));
+        set.photos[0].depth_range = Some([2.0, 40.0]);
+        assert_eq!(range(&set), [2.0 / BEYOND_TOLD, 40.0 * BEYOND_TOLD]);
+        let mut points = SparsePoints::default();
+        for depth in 4..14 {
+            points.push(DVec3::new(0.0, 0.0, f64::from(depth)), [0; 3], []);
+        }
+        set.points = points;
+        assert_eq!(range(&set), [4.0 / BEYOND_POINTS, 13.0 * BEYOND_POINTS]);
+    }
 }

@@ -8,7 +8,7 @@
 //! *When it wins.* Eight photographs of 160 × 120 pixels take a fiftieth of what a plane sweep of 320 × 240 takes; the
 //! sweep ([`Dense`](super::Dense)) has finer depths, and wins where there is time.
 
-use super::dense::{Small, of_pair, read_small};
+use super::dense::{Small, of_pair, read_small, told_range};
 use super::{
     Consistency, DenseError, DisparityRange, Matching, Rectified, SharedMatcher, StereoError, View, cloud, consistent,
     depths_of_pair,
@@ -88,7 +88,7 @@ impl Pairwise {
                 return Err(StereoError::Cancelled.into());
             }
             let of_one = &small[first];
-            let found = self.depths([views[first], views[second]], depths_before(of_one, crossing));
+            let found = self.depths([views[first], views[second]], depths_before(set, of_one, crossing));
             progress.advance(1);
             Ok(found.and_then(|found| DepthImage::new(of_one.image.size_px(), of_one.masked(&found))))
         };
@@ -151,9 +151,11 @@ fn doubt([first, second]: [DVec3; 2], crossing: Option<DVec3>) -> Option<f64> {
 }
 
 /// Between which depths the surface before a photograph is, as far as anybody knows.
-fn depths_before(of_one: &Small, crossing: Option<DVec3>) -> Option<[f64; 2]> {
-    let depth = of_one.view().camera_from_world.transform_point3(crossing?).z;
-    (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+fn depths_before(set: &ViewSet, of_one: &Small, crossing: Option<DVec3>) -> Option<[f64; 2]> {
+    told_range(set, of_one.number).or_else(|| {
+        let depth = set.photos.get(of_one.number)?.depth_of(crossing?);
+        (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+    })
 }
 
 /// The disparities of what is between two depths before the first view.

@@ -2,6 +2,7 @@
 
 mod broken;
 mod film;
+mod layouts;
 mod scene;
 
 use glam::{DVec2, DVec3};

@@ -8,7 +8,7 @@ use super::super::growing;
 use super::super::options::ReadOptions;
 use super::super::splats::arrays::{self as splats, SplatArray};
 use super::super::xyz;
-use super::header::{Array, ArrayLayout};
+use super::header::{Array, ArrayLayout, column_of};
 use super::layers::{MAX_COLUMNS, NamedArray, layer_of, take_layer, unroll_images};
 use crate::cloud::{ImageGrid, RawCloud};
 use std::io::{Cursor, Read as _};
@@ -270,7 +270,13 @@ fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault
         };
         for (index, name) in names.iter().enumerate().take(field.length) {
             let start = field.offset + index * number.bytes();
-            columns.push(number.column((*name).to_owned(), array.payload, start, *row_bytes, count));
+            columns.push(column_of(
+                number,
+                (*name).to_owned(),
+                array.payload,
+                [start, *row_bytes],
+                count,
+            ));
         }
     }
     if columns.is_empty() && count > 0 {

@@ -10,10 +10,10 @@
 
 use super::super::error::{Fault, Place};
 use super::super::format::{Format, Magic, Traits};
-use super::super::npy::half;
 use super::super::options::ReadOptions;
 use super::super::unpack::{Packing, unpack, unpack_unknown};
 use super::{LARGEST_OF_OTHERS, SplatShape, channel_of_harmonic, put_shapes, with_largest};
+use crate::binary::half;
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use glam::Quat;
 

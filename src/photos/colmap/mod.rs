@@ -22,6 +22,17 @@ use glam::{DMat3, DQuat};
 use records::{Cameras, Features, Image};
 use std::path::{Path, PathBuf};
 
+/// Names of folders between that of a scene and that of a model.
+const LAYOUT: &[&str] = &[
+    "sparse",
+    "colmap",
+    "colmap_sparse",
+    "colmap_text",
+    "dense",
+    "undistorted",
+    "distorted",
+];
+
 /// Whether the folder holds a model.
 pub(super) fn is_in(folder: &Path) -> bool {
     let has = |name: &str| folder.join(name).is_file();
@@ -50,7 +61,10 @@ pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     };
     let mut drafts = Drafts::new(&file("images"), folders_above(folder));
     let points = file("points3D");
-    if !points.is_file() {
+    let converted = folder.join("points3D.ply");
+    if !points.is_file() && converted.is_file() {
+        drafts.points_file = Some(converted);
+    } else if !points.is_file() {
         drafts.notes.push(format!("no points: {} is missing", points.display()));
     } else if is_binary {
         drafts.points = binary::points(&points, &features)?;
@@ -103,8 +117,9 @@ fn folders_above(model: &Path) -> Vec<PathBuf> {
     while let (Some(name), Some(parent)) = (folder.file_name(), folder.parent()) {
         let name = name.to_string_lossy();
         let is_number = name.bytes().all(|byte| byte.is_ascii_digit());
-        let is_of_layout = ["sparse", "colmap", "colmap_text", "dense", "undistorted"].contains(&name.as_ref())
-            || name.starts_with("dslr_calibration");
+        let is_of_layout = LAYOUT.contains(&name.as_ref())
+            || name.starts_with("dslr_calibration")
+            || name.starts_with("rig_calibration");
         if !(is_number || is_of_layout) {
             break;
         }

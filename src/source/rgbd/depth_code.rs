@@ -2,10 +2,10 @@
 
 use super::error::RgbdError;
 use crate::io::raster::{Raster, Samples};
-use crate::rgbd::{DepthImage, DepthTable, RayTable};
+use crate::rgbd::{DepthImage, DepthTable, RayTable, is_measured};
 use std::path::Path;
 
-/// What the numbers of a depth image mean. 0 and 65535 are no measurements in any of them.
+/// What the numbers of a depth image mean, but those that are no measurements in any code ([`is_measured`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DepthCode {
     bits: Bits,
@@ -129,7 +129,7 @@ impl DepthCode {
     }
 
     fn metres(&self, sample: u16) -> f32 {
-        if sample == 0 || sample == u16::MAX {
+        if !is_measured(sample) {
             return 0.0;
         }
         let units = match self.bits {

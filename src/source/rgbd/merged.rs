@@ -137,6 +137,7 @@ fn photo(recording: &RgbdRecording, index: usize) -> Option<Photo> {
         camera_from_world,
         mask: None,
         depth,
+        depth_range: None,
     };
     let depth = recorded.depth_file(index);
     Some(match &sensor.rig.color {

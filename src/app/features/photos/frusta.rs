@@ -81,6 +81,7 @@ mod tests {
             camera_from_world: DAffine3::from_translation(DVec3::new(0.0, 0.0, 5.0)),
             mask: None,
             depth: None,
+            depth_range: None,
         };
         let [around, right, left] = pyramid(&photo, DVec3::ZERO);
         let length = 5.0 * LENGTH;

@@ -1,0 +1,189 @@
+//! Which source a set of photographs is: one moment, or a film of several cameras.
+//!
+//! *A folder above.* `scene` may have no frames of its own and hold `scene/nerf/transforms.json`, or be a data set of
+//! one sequence. Its one sub-folder is opened in its place ([`open_below`]); of several the message names those that
+//! could be. That is asked last, and of a folder alone that has no file of a cloud; what only lies beside photographs
+//! is none.
+
+use super::photo_video::PhotoVideo;
+use super::photos::PhotoScene;
+use super::{OpenOptions, SequenceError, Source, rgbd};
+use crate::io::{Format, natural_order};
+use crate::photos::{self, PhotosError};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Entries of a folder that are looked at.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Sub-folders that are looked into: a folder of more is no data set of a few scenes.
+const MOST_FOLDERS: usize = 64;
+
+/// Sub-folders that a message names.
+const MOST_NAMES: usize = 6;
+
+/// Calibrated photographs, if those are the one input.
+///
+/// # Errors
+/// Where the files break the rules of their format, and where none of the photographs can be shown.
+pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    let [input] = inputs else { return Ok(None) };
+    let Some(found) = photos::find(input).map_err(wrong)? else {
+        let sets = PhotoVideo::of_sets(inputs, options);
+        return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
+    };
+    let calibration = found.calibration().map_err(wrong)?;
+    Ok(Some(
+        match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
+            Ok(video) => Arc::new(video),
+            Err(calibration) => Arc::new(PhotoScene::of(
+                calibration.photographs().map_err(wrong)?,
+                input,
+                options,
+            )),
+        },
+    ))
+}
+
+/// What the one sub-folder of `input` holds that can be opened; `None` where `input` has frames of its own, or nothing
+/// is known of it.
+///
+/// # Errors
+/// Where several could be opened, where the one cannot, and where the folder holds photographs that are not read.
+pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
+    let Some(folders) = folders_of_no_frames(input) else {
+        return Ok(None);
+    };
+    let holds_set = |folder: &PathBuf| matches!(photos::find(folder), Ok(Some(_))) || holds_recording(folder);
+    let found: Vec<PathBuf> = folders.into_iter().take(MOST_FOLDERS).filter(holds_set).collect();
+    match found.as_slice() {
+        [] => match photos::unread(input) {
+            Some(error) => Err(wrong(error)),
+            None => Ok(None),
+        },
+        [one] => {
+            let inputs = [one.clone()];
+            if let Some(photographs) = open(&inputs, options)? {
+                return Ok(Some(photographs));
+            }
+            rgbd::open(&inputs, options)
+        }
+        several => Err(wrong(PhotosError::NoSet {
+            path: input.to_owned(),
+            found: format!("{} folders that can be opened", several.len()),
+            advice: format!("open one of them ({})", names(several)),
+        })),
+    }
+}
+
+fn wrong(error: PhotosError) -> SequenceError {
+    SequenceError::Photos(Box::new(error))
+}
+
+/// Whether frames of depth images with their poses lie in the folder: told by the names of 7-Scenes alone, as others
+/// have lists that would have to be read.
+fn holds_recording(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut names = entries.take(MOST_ENTRIES).flatten().map(|entry| entry.file_name());
+    names.any(|name| {
+        let name = name.to_string_lossy();
+        name.starts_with("frame-") && name.ends_with(".depth.png")
+    })
+}
+
+/// The sub-folders of a folder in which no file is a cloud by its extension.
+fn folders_of_no_frames(input: &Path) -> Option<Vec<PathBuf>> {
+    let mut folders = Vec::new();
+    for entry in fs::read_dir(input).ok()?.take(MOST_ENTRIES).flatten() {
+        let path = entry.path();
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        if path.is_dir() {
+            folders.push(path);
+        } else if Format::of_extension(&path).is_some() && !photos::is_beside_photographs(&path) {
+            return None;
+        }
+    }
+    folders.sort_by(|left, right| natural_order(left, right));
+    Some(folders)
+}
+
+fn names(folders: &[PathBuf]) -> String {
+    let names = folders.iter().take(MOST_NAMES).filter_map(|folder| folder.file_name());
+    let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    let more = if folders.len() > MOST_NAMES { ", …" } else { "" };
+    format!("{}{more}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder_with(files: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let transforms = r#"{"fl_x": 10, "frames": [{"file_path": "a.png",
+            "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}"#;
+        for file in files {
+            let path = folder.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            match path.extension().and_then(|extension| extension.to_str()) {
+                Some("json") => fs::write(path, transforms).unwrap(),
+                Some("png") => image::RgbImage::new(8, 6).save(path).unwrap(),
+                _ => fs::write(path, b"sequence1").unwrap(),
+            }
+        }
+        folder
+    }
+
+    fn opened(files: &[&str]) -> Result<Option<usize>, String> {
+        let folder = folder_with(files);
+        let opened = open_below(folder.path(), &OpenOptions::default()).map_err(|error| error.to_string())?;
+        Ok(opened.map(|source| source.photographs(0).map_or(0, |set| set.photos.len())))
+    }
+
+    #[test]
+    fn the_one_set_below_is_opened() {
+        assert_eq!(
+            opened(&["scene/transforms.json", "scene/a.png", "notes/b.md"]),
+            Ok(Some(1))
+        );
+    }
+
+    #[test]
+    fn of_several_sets_the_message_names_them() {
+        let several = ["one/transforms.json", "two/transforms.json", "README.txt"];
+        let error = opened(&several).unwrap_err();
+        assert!(
+            error.contains("2 folders that can be opened: open one of them (one, two)"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_folder_of_clouds_is_none() {
+        assert_eq!(opened(&["a.ply", "scene/transforms.json", "scene/a.png"]), Ok(None));
+        assert_eq!(opened(&["notes.md"]), Ok(None));
+    }
+
+    #[test]
+    fn sequences_of_a_data_set_are_named() {
+        let two = [
+            "seq-01/frame-000000.depth.png",
+            "seq-02/frame-000000.depth.png",
+            "TestSplit.txt",
+        ];
+        let error = opened(&two).unwrap_err();
+        assert!(error.contains("(seq-01, seq-02)"), "{error}");
+    }
+
+    #[test]
+    fn photographs_without_cameras_are_called_so() {
+        let error = opened(&["images/a.png"]).unwrap_err();
+        assert!(
+            error.contains("nothing that says where they were taken from"),
+            "{error}"
+        );
+    }
+}
