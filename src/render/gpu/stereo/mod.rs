@@ -1,22 +1,22 @@
 //! Disparities of rectified pairs by a graphics card.
 //!
 //! **How it works.** Compute passes of the stages of [`crate::stereo`] (`shaders/stereo`): the census of both images;
-//! sums of costs along eight paths (a workgroup goes along a path, its invocations share the labels of a pixel), or over
-//! squares; the winners of both images; places between labels; the median. What is read back is a disparity a pixel.
-//! Specks, which are connected areas, are taken out by the processor. Costs are worked out wherever they are asked for,
-//! eight times for eight paths: bits of the census are read, which are next to each other, and nothing is written but
-//! sums, two bytes a label.
+//! sums of costs along eight paths (a workgroup goes along a path, its invocations share the labels of a pixel), or
+//! over squares; the winners of both images; places between labels; the median. What is read back is a disparity a
+//! pixel. Specks, which are connected areas, are taken out by the processor. Costs are worked out wherever they are
+//! asked for, eight times for eight paths: bits of the census are read, which are next to each other, and nothing is
+//! written but sums, two bytes a label.
 //!
 //! Whole numbers (sums, winners, labels before they are refined) are the processor's to the bit, and so are places that
 //! are quotients of them (`exact_share.wgsl`). Planes through places are sums of fractions, in an order of the
 //! adapter's: they differ by less than a thousandth of a pixel.
 //!
-//! **When it wins.** On a real card: all labels of all lines at once. A card that is a program on the processor is slower
-//! than the processor's own passes, which take 32 labels at once and sum in caches
+//! **When it wins.** On a real card: all paths of a direction at once. An adapter that is a program on the processor is
+//! slower than the processor's own code, which takes 32 labels at once and sums in caches
 //! ([`Context::is_software`](super::Context::is_software)).
 //!
-//! Whatever the card cannot do, the processor does: more than 512 labels, buffers above 512 MiB or the adapter's limits,
-//! no memory, a device that was lost. Rectification is the processor's, too.
+//! Whatever the card cannot do, the processor does: more than 512 labels, buffers above 512 MiB or the adapter's
+//! limits, no memory, a device that was lost. Rectification is the processor's, too.
 //!
 //! Paper 004 §5; Hirschmüller 2008.
 
