@@ -1,7 +1,7 @@
 // Quotients as processors have them. Adapters may divide with an error of some units in the last place; then neighbours
 // that are exactly a pixel apart would be near one another on one adapter and not on the other.
 
-// `part` of `whole`, from -1 to 1, rounded to the nearest number. Preconditions: 0 < whole < 2^30.
+// `part` of `whole`, from -1 to 1, rounded to the nearest number. Preconditions: 0 < whole < 2^24.
 fn exact_share(part: i32, whole: i32) -> f32 {
     let size = u32(abs(part));
     let divisor = u32(whole);
@@ -11,7 +11,8 @@ fn exact_share(part: i32, whole: i32) -> f32 {
     if (size >= divisor) {
         return f32(sign(part));
     }
-    // Long division until there are 24 digits and one more, which says where to round.
+    // Long division until there are 24 digits and one more, which says where to round: no quotient of such numbers is in
+    // the middle between two of 24 digits.
     var rest = size;
     var digits = 0u;
     var exponent = 0;
@@ -24,8 +25,6 @@ fn exact_share(part: i32, whole: i32) -> f32 {
             digits |= 1u;
         }
     }
-    let is_odd = (digits & 2u) != 0u;
-    let is_up = (digits & 1u) != 0u && (rest != 0u || is_odd);
-    let rounded = (digits >> 1u) + select(0u, 1u, is_up);
+    let rounded = (digits >> 1u) + (digits & 1u);
     return f32(sign(part)) * ldexp(f32(rounded), exponent + 1);
 }

@@ -358,6 +358,41 @@ fn what_is_not_for_the_card_is_told_or_matched_by_the_processor() {
 }
 
 #[test]
+fn pairs_beyond_memory_and_dispatches_are_not_for_the_card() {
+    let is_for_card = |size: [u32; 2], gathering| {
+        let image = image(size, |_, _| 0);
+        let matching = Matching {
+            gathering,
+            ..Matching::default()
+        };
+        Job::of(&CONTEXT, &matching, [&image, &image], range([0, 63])).is_some()
+    };
+    let (paths, squares) = (
+        Gathering::SemiGlobal(Penalties::default()),
+        Gathering::Local { radius_px: 3 },
+    );
+    // 2 bytes of each of 64 labels, twice for squares.
+    for (size, gathering, expected) in [
+        ([1024, 512], paths, true),
+        ([2048, 1024], squares, false),
+        ([2048, 2048], paths, false),
+        (
+            [CONTEXT.limits.max_compute_workgroups_per_dimension + 1, 1],
+            paths,
+            false,
+        ),
+        (
+            [1, CONTEXT.limits.max_compute_workgroups_per_dimension + 1],
+            squares,
+            false,
+        ),
+        ([1, 10_000], squares, true),
+    ] {
+        assert_eq!(is_for_card(size, gathering), expected, "{size:?} {gathering:?}");
+    }
+}
+
+#[test]
 fn threads_share_a_card() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let matching = Matching {
