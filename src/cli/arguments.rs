@@ -110,6 +110,7 @@ impl ReadArgs {
             live_seconds: self.live_seconds,
             live_surfels: self.stream == StreamOf::Surfels,
             rgbd: self.rgbd.options(Filters::NONE),
+            ..OpenOptions::default()
         }
     }
 }

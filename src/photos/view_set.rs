@@ -149,8 +149,9 @@ impl ViewSet {
             .collect()
     }
 
-    /// The place that the axes of all cameras come nearest to: least squares of the distances to them.
-    fn crossing_of_axes(&self) -> Option<DVec3> {
+    /// The place that the axes of all cameras come nearest to: least squares of the distances to them. `None` where they
+    /// are parallel, and where they lead apart.
+    pub fn crossing_of_axes(&self) -> Option<DVec3> {
         let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
         for photo in &self.photos {
             let axis = photo.forward();

@@ -2,6 +2,7 @@
 
 use super::rgbd::RgbdOptions;
 use crate::io::ReadOptions;
+use crate::stereo::SharedMatcher;
 use std::sync::Arc;
 
 /// How inputs are opened.
@@ -23,6 +24,8 @@ pub struct OpenOptions {
     pub live_seconds: Option<f64>,
     /// A live stream is asked for the points that are seen, with normals and radii, in place of whole frames.
     pub live_surfels: bool,
+    /// Who matches pairs of photographs.
+    pub matcher: SharedMatcher,
     /// How recordings of depth images are read.
     pub rgbd: RgbdOptions,
 }

@@ -9,7 +9,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Part};
 use crate::photos::ViewSet;
 use crate::progress::Progress;
-use crate::stereo::Dense;
+use crate::stereo::{Dense, DenseError};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,9 @@ impl Source for PhotoScene {
 
     fn decoder(&self) -> Box<dyn Decoder> {
         let (set, options) = (Arc::clone(&self.set), self.options.clone());
-        Box::new(move |_: &FrameEntry, progress: &Progress| cloud_of_set(&set, &options, &Dense::default(), progress))
+        Box::new(move |_: &FrameEntry, progress: &Progress| {
+            cloud_of_set(&set, &options, |set| Dense::default().cloud(set, progress), progress)
+        })
     }
 
     fn inputs(&self) -> &[PathBuf] {
@@ -63,18 +65,18 @@ impl Source for PhotoScene {
     }
 }
 
-/// The sparse points of a set, or of the file that it names; where there are none, and where they are wanted, dense
-/// ones by stereo.
+/// The sparse points of a set, or of the file that it names; where there are none, and where dense ones are wanted, those
+/// that are found `by_stereo`.
 pub(super) fn cloud_of_set(
     set: &ViewSet,
     options: &OpenOptions,
-    dense: &Dense,
+    by_stereo: impl FnOnce(&ViewSet) -> Result<RawCloud, DenseError>,
     progress: &Progress,
 ) -> Result<RawCloud, DecodeFailure> {
     let points = &set.points;
     let file = set.points_file.as_ref().filter(|_| points.is_empty());
     if options.dense || (points.is_empty() && file.is_none()) {
-        return Ok(dense.cloud(set, progress)?);
+        return Ok(by_stereo(set)?);
     }
     if let Some(file) = file {
         return Ok(io::read_part_observed(file, &Part::Whole, &options.read, progress)?);

@@ -5,7 +5,9 @@
 //! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
 //! like, and nobody has to know how far away things are.
 
-use super::{Consistency, Matching, OnProcessor, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair};
+use super::{
+    Consistency, Matching, OnProcessor, PairMatcher, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair,
+};
 use crate::cloud::RawCloud;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
 use crate::progress::Progress;
@@ -69,10 +71,10 @@ const BEYOND_POINTS: f64 = 1.3;
 const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
 
 /// A photograph that was read.
-struct Small {
-    number: usize,
+pub(super) struct Small {
+    pub(super) number: usize,
     photo: PreparedPhoto,
-    image: ColorImage,
+    pub(super) image: ColorImage,
 }
 
 impl Dense {
@@ -82,15 +84,9 @@ impl Dense {
     /// # Errors
     /// [`DenseError`].
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
-        let (small, reasons) = self.read(set);
-        if small.len() < 2 {
-            return Err(DenseError::TooFew {
-                count: small.len(),
-                reason: reasons.join("; "),
-            });
-        }
+        let (small, reasons) = read_small(set, self.most_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
-        if let Some(mut pair) = of_pair(&small, &views)? {
+        if let Some(mut pair) = of_pair(&small, &views, (&OnProcessor, &Matching::default()))? {
             progress.set(2, 2);
             pair.warnings = reasons;
             return Ok(pair);
@@ -126,35 +122,6 @@ impl Dense {
         Ok(cloud)
     }
 
-    fn read(&self, set: &ViewSet) -> (Vec<Small>, Vec<String>) {
-        let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
-        let longest = set.photos.iter().map(longest).max().unwrap_or(1);
-        let halvings = (0..32)
-            .find(|&halvings| longest >> halvings <= self.most_side_px)
-            .unwrap_or(0);
-        let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
-            let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
-            let pixels = photo
-                .image
-                .pixels()
-                .iter()
-                .map(|&[red, green, blue, _]| [red, green, blue]);
-            let image = ColorImage::new(photo.image.size_px(), pixels.collect());
-            let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
-            Ok(Small { number, photo, image })
-        };
-        let there = set.photos.par_iter().enumerate().filter(|(_, photo)| photo.has_file());
-        let read: Vec<Result<Small, PhotosError>> = there.map(read).collect();
-        let (mut small, mut reasons) = (Vec::new(), Vec::new());
-        for read in read {
-            match read {
-                Ok(read) => small.push(read),
-                Err(error) => reasons.push(error.to_string()),
-            }
-        }
-        (small, reasons)
-    }
-
     /// The views beside one, nearest first.
     fn others<'a>(
         &self,
@@ -174,8 +141,47 @@ impl Dense {
     }
 }
 
+/// The photographs of a set that can be read, halved until no side is longer, and why others cannot.
+///
+/// # Errors
+/// [`DenseError::TooFew`] of less than two.
+pub(super) fn read_small(set: &ViewSet, most_side_px: u32) -> Result<(Vec<Small>, Vec<String>), DenseError> {
+    let longest = |photo: &Photo| photo.camera.size_px().into_iter().max().unwrap_or(1);
+    let longest = set.photos.iter().map(longest).max().unwrap_or(1);
+    let halvings = (0..32)
+        .find(|&halvings| longest >> halvings <= most_side_px)
+        .unwrap_or(0);
+    let read = |(number, photo): (usize, &Photo)| -> Result<Small, PhotosError> {
+        let photo = PreparedPhoto::read(photo, Extent::Same, halvings)?;
+        let pixels = photo
+            .image
+            .pixels()
+            .iter()
+            .map(|&[red, green, blue, _]| [red, green, blue]);
+        let image = ColorImage::new(photo.image.size_px(), pixels.collect());
+        let image = image.unwrap_or_else(|| unreachable!("as many pixels as the photograph has"));
+        Ok(Small { number, photo, image })
+    };
+    let there = set.photos.par_iter().enumerate().filter(|(_, photo)| photo.has_file());
+    let read: Vec<Result<Small, PhotosError>> = there.map(read).collect();
+    let (mut small, mut reasons) = (Vec::new(), Vec::new());
+    for read in read {
+        match read {
+            Ok(read) => small.push(read),
+            Err(error) => reasons.push(error.to_string()),
+        }
+    }
+    if small.len() < 2 {
+        return Err(DenseError::TooFew {
+            count: small.len(),
+            reason: reasons.join("; "),
+        });
+    }
+    Ok((small, reasons))
+}
+
 impl Small {
-    fn view(&self) -> View<'_> {
+    pub(super) fn view(&self) -> View<'_> {
         View {
             image: &self.image,
             camera: &self.photo.camera,
@@ -184,7 +190,7 @@ impl Small {
     }
 
     /// Depths of the object alone.
-    fn masked(&self, depths: &DepthImage) -> Vec<f32> {
+    pub(super) fn masked(&self, depths: &DepthImage) -> Vec<f32> {
         let pixels = depths.metres().iter().zip(self.photo.image.pixels());
         pixels
             .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
@@ -194,11 +200,15 @@ impl Small {
 
 /// The points of two photographs, as the first of them has them; `None` of other counts, and of two that cannot be
 /// rectified or show nothing of one another.
-fn of_pair(small: &[Small], views: &[View<'_>]) -> Result<Option<RawCloud>, StereoError> {
+pub(super) fn of_pair(
+    small: &[Small],
+    views: &[View<'_>],
+    matching: (&dyn PairMatcher, &Matching),
+) -> Result<Option<RawCloud>, StereoError> {
     let ([first, _], &[view, other]) = (small, views) else {
         return Ok(None);
     };
-    let Ok(found) = depths_of_pair([view, other], (&OnProcessor, &Matching::default()), None) else {
+    let Ok(found) = depths_of_pair([view, other], matching, None) else {
         return Ok(None);
     };
     let Some(map) = DepthImage::new(first.image.size_px(), first.masked(&found)) else {

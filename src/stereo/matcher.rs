@@ -9,6 +9,7 @@ use super::semi_global::{Penalties, semi_global};
 use super::winner::{Between, Choice};
 use super::{DisparityMap, DisparityRange, GrayImage, StereoError};
 use std::fmt::Debug;
+use std::sync::{Arc, LazyLock};
 
 /// By how much the disparities of neighbours on one surface differ at most.
 const SPECK_STEP_PX: f32 = 1.0;
@@ -137,6 +138,24 @@ impl PairMatcher for OnProcessor {
         range: DisparityRange,
     ) -> Result<DisparityMap, StereoError> {
         matching.disparities(left, right, range)
+    }
+}
+
+/// A matcher that many share: the processor, if nobody says another.
+#[derive(Debug, Clone)]
+pub struct SharedMatcher(pub Arc<dyn PairMatcher>);
+
+impl Default for SharedMatcher {
+    fn default() -> Self {
+        static PROCESSOR: LazyLock<Arc<OnProcessor>> = LazyLock::new(|| Arc::new(OnProcessor));
+        Self(Arc::<OnProcessor>::clone(&PROCESSOR))
+    }
+}
+
+/// The same one.
+impl PartialEq for SharedMatcher {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
 }
 

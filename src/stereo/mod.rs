@@ -8,7 +8,7 @@
 //! are the same; what three views agree on is kept ([`consistent`]). Either way depths become coloured points
 //! ([`cloud()`]).
 //!
-//! All photographs of a set together become points by [`Dense`].
+//! All photographs of a set together become points by [`Dense`], sooner by [`Pairwise`].
 //!
 //! Photographs are of pinholes, with centres of pixels at integers; lenses are taken out before. Lengths are in the
 //! unit of the poses. Results are the same bits for any number of threads.
@@ -27,6 +27,7 @@ mod image;
 mod local;
 mod matcher;
 mod pair;
+mod pairwise;
 mod places;
 mod plane_sweep;
 mod pyramid;
@@ -43,8 +44,9 @@ pub use dense::{Dense, DenseError};
 pub use disparity::DisparityMap;
 pub use error::StereoError;
 pub use image::GrayImage;
-pub use matcher::{Gathering, Matching, OnProcessor, PairMatcher};
+pub use matcher::{Gathering, Matching, OnProcessor, PairMatcher, SharedMatcher};
 pub use pair::depths_of_pair;
+pub use pairwise::Pairwise;
 pub use places::Places;
 pub use plane_sweep::PlaneSweep;
 pub use range::DisparityRange;

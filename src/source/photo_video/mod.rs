@@ -17,7 +17,7 @@ use crate::io::{self, Format, Part};
 use crate::locks::{lock, read, write};
 use crate::photos::{Calibration, PhotosError, Rig, ViewSet};
 use crate::progress::Progress;
-use crate::stereo::Dense;
+use crate::stereo::{Dense, DenseError, Pairwise};
 use clock::{Timed, beside, timed};
 use layout::{FoundMoment, Images, Layout, entries_of};
 use std::collections::BTreeMap;
@@ -29,8 +29,8 @@ use std::time::Duration;
 /// Folders beside the images that hold the points of each moment.
 const POINT_FOLDERS: &[&str] = &["points", "pointclouds", "point_clouds", "clouds", "ply", "pcd"];
 
-/// Longest side of photographs that points of a moment are made of by stereo: a frame of a film has to be there soon.
-/// `--dense` takes as many pixels as for a single set.
+/// Longest side of photographs that planes are swept before where pairs show nothing: a frame of a film has to be there
+/// soon. `--dense` takes as many pixels as for a single set.
 const MOST_SIDE_PX: u32 = 320;
 
 /// Photographs of a scene that moves.
@@ -333,7 +333,8 @@ impl Decoder for MomentDecoder {
 impl MomentDecoder {
     fn cloud(&self, moment: &Moment, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DecodeFailure> {
         if let Images::InFolder(_) = moment.images {
-            return cloud_of_set(set, &self.options, &self.dense(), progress);
+            let by_stereo = |set: &ViewSet| self.by_stereo(set, progress);
+            return cloud_of_set(set, &self.options, by_stereo, progress);
         }
         if let Some(points) = moment.points.as_ref().filter(|_| !self.options.dense) {
             return Ok(io::read_part_observed(
@@ -343,17 +344,29 @@ impl MomentDecoder {
                 progress,
             )?);
         }
-        Ok(self.dense().cloud(set, progress)?)
+        Ok(self.by_stereo(set, progress)?)
     }
 
-    fn dense(&self) -> Dense {
-        let usual = Dense::default();
-        let most_side_px = if self.options.dense {
-            usual.most_side_px
-        } else {
-            MOST_SIDE_PX
+    /// Of pairs, which are there soon, unless somebody asked for all that can be told; where photographs are too far
+    /// apart for pairs, many of them may tell more.
+    fn by_stereo(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
+        if self.options.dense {
+            return Dense::default().cloud(set, progress);
+        }
+        let of_pairs = Pairwise {
+            matcher: self.options.matcher.clone(),
+            ..Pairwise::default()
         };
-        Dense { most_side_px, ..usual }
+        match of_pairs.cloud(set, progress) {
+            Err(DenseError::Nothing { .. }) => {
+                let small = Dense {
+                    most_side_px: MOST_SIDE_PX,
+                    ..Dense::default()
+                };
+                small.cloud(set, progress)
+            }
+            found => found,
+        }
     }
 }
 

@@ -18,12 +18,15 @@ struct Filmed {
     step_rad: f64,
     /// Turns all cameras.
     turned_rad: f64,
+    /// From one camera to the next, to the right of the middle of the row.
+    shift: f64,
 }
 
 const FILMED: Filmed = Filmed {
     cameras: 4,
     step_rad: 0.2,
     turned_rad: 0.0,
+    shift: 0.0,
 };
 
 /// Where the ball is.
@@ -51,7 +54,11 @@ impl Filmed {
         let center = DVec3::new(5.0 * turn.sin(), -0.6, -5.0 * turn.cos());
         let forward = -center.normalize();
         let right = DVec3::Y.cross(forward).normalize();
-        (DMat3::from_cols(right, forward.cross(right), forward), center)
+        let aside = self.shift * (camera as f64 - 0.5 * (self.cameras - 1) as f64);
+        (
+            DMat3::from_cols(right, forward.cross(right), forward),
+            center + aside * right,
+        )
     }
 
     fn photographed(self, camera: usize, moment: usize) -> RgbImage {
@@ -318,6 +325,23 @@ fn two_cameras_side_by_side_are_a_film_too() {
         pair.save(camera, moment, &folder.path().join(name));
     }
     assert_films(&open(folder.path()).unwrap(), |_| pair, 2);
+}
+
+/// Nobody knows at what they look, nor how far away that is.
+#[test]
+fn cameras_that_look_parallel_are_a_film_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = Filmed {
+        cameras: 4,
+        step_rad: 0.0,
+        shift: 0.5,
+        ..FILMED
+    };
+    row.write_par(&folder.path().join("rig_par.txt"), |camera| format!("cam{camera}.png"));
+    for (camera, moment) in (0..4).flat_map(|camera| [0, 1].map(|moment| (camera, moment))) {
+        row.save(camera, moment, &folder.path().join(format!("cam{camera}/{moment}.png")));
+    }
+    assert_films(&open(folder.path()).unwrap(), |_| row, 2);
 }
 
 /// Three moments by a folder for each camera.
