@@ -12,8 +12,8 @@
 //! adapter's: they differ by less than a thousandth of a pixel.
 //!
 //! **When it wins.** On a real card: all paths of a direction at once. An adapter that is a program on the processor is
-//! slower than the processor's own code, which takes 32 labels at once and sums in caches
-//! ([`Context::is_software`](super::Context::is_software)).
+//! slower than the processor's own code, which takes 32 labels at once and sums in caches; so
+//! [`CardMatcher::shared`] is the processor there.
 //!
 //! Whatever the card cannot do, the processor does: more than 512 labels, buffers above 512 MiB or the adapter's
 //! limits, no memory, a device that was lost. Rectification is the processor's, too.
@@ -34,7 +34,8 @@ use super::readback::map_and_read;
 use crate::locks::lock;
 use crate::render::RenderError;
 use crate::stereo::{
-    Between, DisparityMap, DisparityRange, Gathering, GrayImage, Matching, OnProcessor, PairMatcher, StereoError,
+    Between, DisparityMap, DisparityRange, Gathering, GrayImage, Matching, OnProcessor, PairMatcher, SharedMatcher,
+    StereoError,
 };
 use passes::{AFTER, BEFORE, PATH_STEPS, Pass, Programs, has_groups};
 use scratch::{Scratch, Sizes};
@@ -61,6 +62,15 @@ impl CardMatcher {
         Self {
             context,
             on_card: Mutex::default(),
+        }
+    }
+
+    /// Who matches pairs where this context draws: its card, or the processor where that draws, too.
+    pub fn shared(context: &Arc<Context>) -> SharedMatcher {
+        if context.is_software() {
+            SharedMatcher::default()
+        } else {
+            SharedMatcher(Arc::new(Self::new(Arc::clone(context))))
         }
     }
 

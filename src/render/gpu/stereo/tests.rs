@@ -393,6 +393,14 @@ fn pairs_beyond_memory_and_dispatches_are_not_for_the_card() {
 }
 
 #[test]
+fn an_adapter_that_is_a_program_leaves_pairs_to_the_processor() {
+    assert!(CONTEXT.is_software());
+    assert_eq!(CardMatcher::shared(&CONTEXT), SharedMatcher::default());
+    let by_card = SharedMatcher(Arc::new(CardMatcher::new(Arc::clone(&CONTEXT))));
+    assert_ne!(by_card, SharedMatcher::default());
+}
+
+#[test]
 fn threads_share_a_card() {
     let matcher = CardMatcher::new(Arc::clone(&CONTEXT));
     let matching = Matching {
