@@ -3,7 +3,9 @@
 //! *aloe* is a pair of Middlebury's 2006 sets (1282 × 1110), if `../shared/data` is there: its range found, and matched
 //! in the range that was found by semi-global matching and by the local winner. *128* is a slanted plane of random
 //! texture, 64 disparities; *sweep* five views of it, 256 × 192 pixels. Each on one thread and on as many as there are
-//! cores, everything allocated, from grey (aloe, 128) or coloured images (sweep) in memory.
+//! cores, everything allocated, from grey (aloe, 128) or coloured images (sweep) in memory. *128* is matched by the
+//! graphics card as well (or by the program that stands for one: the name of the adapter is in the label), from images
+//! in memory to disparities in memory.
 //!
 //! Before, errors of aloe are printed: over all pixels whose truth is known, and over those that OpenCV's SGBM answers
 //! where `target/opencv_sgbm.f32` is there (`scripts/opencv_sgbm.py` writes it and prints OpenCV's times and errors).
@@ -14,10 +16,12 @@
 
 #![expect(clippy::print_stdout, reason = "a bench prints")]
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{DAffine3, DVec2, DVec3};
+use pointreel::render::gpu::{CardMatcher, Context, ContextOptions};
 use pointreel::rgbd::{Camera, ColorImage, Distortion};
-use pointreel::stereo::{Between, DisparityMap, DisparityRange, GrayImage, Matching, PlaneSweep, View};
+use pointreel::stereo::{Between, DisparityMap, DisparityRange, GrayImage, Matching, PairMatcher, PlaneSweep, View};
 use std::path::Path;
 
 #[path = "shapes/threads.rs"]
@@ -108,6 +112,7 @@ fn small(criterion: &mut Criterion) {
         ("semi-global", &|| matched(Matching::default())),
     ];
     bench_on_threads(&mut group, [1, cores()], &functions);
+    by_card(&mut group, [&left, &right], range);
     group.finish();
 
     let sweep = Sweep::new();
@@ -122,6 +127,26 @@ fn small(criterion: &mut Criterion) {
     let functions: [(&str, &(dyn Fn() -> usize + Sync)); 1] = [("5 views of 256 × 192", &|| depths().valid_count())];
     bench_on_threads(&mut group, [1, cores()], &functions);
     group.finish();
+}
+
+/// The same by the adapter that the program would take.
+fn by_card(group: &mut BenchmarkGroup<'_, WallTime>, [left, right]: [&GrayImage; 2], range: DisparityRange) {
+    let context = match Context::headless(&ContextOptions::default()) {
+        Ok(context) => context,
+        Err(error) => {
+            println!("no adapter: passed over ({error})");
+            return;
+        }
+    };
+    let adapter = context.info.name.clone();
+    let card = CardMatcher::new(context);
+    for (name, matching) in [("local", Matching::fast()), ("semi-global", Matching::default())] {
+        let matched = || {
+            let map = card.disparities(&matching, left, right, range).expect("a pair");
+            map.found_count()
+        };
+        group.bench_function(BenchmarkId::new(name, &adapter), |bencher| bencher.iter(matched));
+    }
 }
 
 fn photograph(path: &Path) -> Option<GrayImage> {

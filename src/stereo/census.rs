@@ -7,16 +7,13 @@
 //! The right line is kept backwards, so that the disparities of one pixel are next to each other in memory.
 
 use super::GrayImage;
+use super::constants::{CENSUS_HALF_HEIGHT as HALF_HEIGHT, CENSUS_HALF_WIDTH as HALF_WIDTH};
 use super::costs::Costs;
 use super::range::DisparityRange;
 use super::refine::{Around, BESIDE, NO_COST};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
-
-const HALF_WIDTH: usize = 4;
-/// Lines above and below a pixel that its bits know of.
-pub(super) const HALF_HEIGHT: usize = 3;
 
 /// The bits of each pixel, line by line.
 pub(super) fn census(image: &GrayImage) -> Vec<u64> {

@@ -5,14 +5,9 @@
 //! pixel whose window, the 9 × 7 of the census, varies by 2 levels of 255 or less has no label.
 
 use super::GrayImage;
+use super::constants::{CENSUS_HALF_HEIGHT as HALF_HEIGHT, CENSUS_HALF_WIDTH as HALF_WIDTH, EVEN_WINDOW};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-
-const HALF_WIDTH: usize = 4;
-const HALF_HEIGHT: usize = 3;
-
-/// What JPEG leaves of an even area.
-const EVEN: u8 = 2;
 
 /// Takes the labels of pixels in even windows away. Precondition: a label a pixel.
 pub(super) fn remove_even(image: &GrayImage, labels: &mut [f32]) {
@@ -36,7 +31,7 @@ pub(super) fn remove_even(image: &GrayImage, labels: &mut [f32]) {
                     .iter()
                     .fold(u8::MAX, |least, &pixel| least.min(pixel));
                 let most = most[columns].iter().fold(0, |most: u8, &pixel| most.max(pixel));
-                if most - least <= EVEN {
+                if most - least <= EVEN_WINDOW {
                     *label = f32::NAN;
                 }
             }

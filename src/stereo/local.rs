@@ -6,12 +6,10 @@
 //! pixels take a few milliseconds. Elsewhere semi-global matching fills what it leaves open, and has cleaner borders.
 
 use super::StereoError;
+use super::constants::MOST_RADIUS;
 use super::costs::{Costs, MAX_COST};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-
-/// Largest square whose sums fit 16 bits.
-pub(super) const MOST_RADIUS: usize = 15;
 
 /// Lines of a task.
 const LINES: usize = 16;

@@ -98,11 +98,15 @@ impl Matching {
         for label in &mut labels {
             *label += range.min() as f32;
         }
-        let mut disparities = median(&labels, size[0]);
+        Ok(self.without_specks(size, median(&labels, size[0])))
+    }
+
+    /// The map of filtered disparities, NaN where there is none, less its specks. Precondition: as many as pixels.
+    pub(crate) fn without_specks(&self, size: [usize; 2], mut disparities: Vec<f32>) -> DisparityMap {
         remove_specks(&mut disparities, size[0], self.least_area_px, |a, b| {
             (a - b).abs() <= SPECK_STEP_PX
         });
-        Ok(DisparityMap::new(size, disparities))
+        DisparityMap::new(size, disparities)
     }
 }
 

@@ -16,6 +16,7 @@
 mod census;
 mod cloud;
 mod consistency;
+pub(crate) mod constants;
 mod contrast;
 mod costs;
 mod dense;

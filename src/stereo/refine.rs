@@ -12,11 +12,9 @@
 //! place is put on the plane that fits best to those in the square that are within a pixel of it (Haralick and Watson
 //! 1981, whose facets these are): slopes stay, and so do steps.
 
+use super::constants::REFINE_REACH as REACH;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-
-/// Pixels of a square to each side.
-const REACH: usize = 3;
 
 /// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
 pub(super) const BESIDE: usize = 2;

@@ -9,10 +9,8 @@
 //!   neighbours. Sums of pixels beside it in the line whose winners are the same or next to it are added, four to each
 //!   side, against the noise of single pixels.
 
+use super::constants::PARABOLA_REACH as REACH;
 use fearless_simd::{Level, dispatch};
-
-/// Pixels to each side whose costs are added for the place between labels.
-const REACH: usize = 4;
 
 /// How the place between labels is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -7,7 +7,7 @@ mod languages;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use pointreel::render::gpu::gpu_data::{
     DepthImaging, Filtering, Gathering, LampUniform, NodeBounds, PointRecord, Screening, ShapeRecord, SplatVertex,
-    TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
+    StereoMatching, TexturePlace, TriangleRecord, VertexRecord, ViewUniform,
 };
 use pointreel::render::gpu::shaders::Permutation;
 use std::collections::BTreeSet;
@@ -80,7 +80,11 @@ fn wgsl_layout(name: &str) -> (Vec<(String, u32)>, u32) {
     let has_them = |permutation: &Permutation| match permutation {
         Permutation::Amplify(amplification) => amplification.reads_shapes,
         Permutation::Geometry(_, amplification, _) => amplification.is_indexed,
-        Permutation::Gather | Permutation::Filter | Permutation::Visible | Permutation::DepthImages => true,
+        Permutation::Gather
+        | Permutation::Filter
+        | Permutation::Visible
+        | Permutation::DepthImages
+        | Permutation::Stereo => true,
         Permutation::Screen(_) => false,
     };
     let permutations = Permutation::all().into_iter().filter(has_them);
@@ -202,6 +206,22 @@ fn rust_and_wgsl_agree_on_the_layouts_of_records_and_passes() {
         has_colors,
         one_color,
         unused
+    );
+    assert_layout!(
+        StereoMatching,
+        "StereoMatching",
+        size_px,
+        count,
+        min_px,
+        path_step,
+        is_first_path,
+        radius_px,
+        p1,
+        p2_least,
+        p2_above_least,
+        half_change,
+        unique_percent,
+        by_parabola
     );
 }
 

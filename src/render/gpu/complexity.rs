@@ -182,7 +182,8 @@ mod tests {
                 | Permutation::Gather
                 | Permutation::Filter
                 | Permutation::Visible
-                | Permutation::DepthImages => continue,
+                | Permutation::DepthImages
+                | Permutation::Stereo => continue,
             };
             let counted = of_pass(pass, permutation).unwrap();
             assert!(counted.vertex.operations > 0, "{}", permutation.label());

@@ -24,6 +24,7 @@ use crate::scene::{
     AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, PhotoStyle,
     PhotoViews, Shadow, SplatFilter,
 };
+use crate::stereo::constants as stereo;
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.
@@ -52,6 +53,24 @@ const DEPTH_TILE_VALUES: u32 = {
     let edge = DEPTH_TILE_PX + 2 * filter::BILATERAL_REACH as u32;
     edge * edge
 };
+
+/// Of the passes that match pairs of photographs: all that they read and write.
+pub(super) const STEREO_GROUP: u32 = 0;
+
+/// Edge of the pixels of a workgroup.
+pub(super) const STEREO_TILE_PX: u32 = 8;
+
+/// Invocations that share the labels of a pixel, two in each word.
+pub(super) const STEREO_LANES: u32 = 32;
+
+/// Most labels of a pixel: costs of a path at two pixels are in the memory of a workgroup.
+pub(super) const STEREO_MOST_LABELS: u32 = 512;
+
+/// Pixels over which sums of columns and squares run on.
+pub(super) const STEREO_STRIP_PX: u32 = 16;
+
+/// What stands for a label that is none: less than any.
+pub(super) const NO_LABEL: f32 = -1e30;
 
 /// Slopes from which on a ray is none.
 pub(super) const NO_RAY: f32 = 1e9;
@@ -270,6 +289,32 @@ pub(super) fn of_depth_images() -> String {
         declaration("SENSOR_BEST_M", filter::SENSOR_BEST_M),
         declaration("SENSOR_NOISE_M", filter::SENSOR_NOISE_M),
         declaration("SENSOR_NOISE_PER_M", filter::SENSOR_NOISE_PER_M),
+    ]
+    .join("\n")
+}
+
+/// Those of the passes that match pairs of photographs.
+pub(super) fn of_stereo() -> String {
+    /// Beside the label of a winner.
+    const IS_UNIQUE: u32 = 1 << 16;
+    /// More than any cost.
+    const STEREO_NEVER: u32 = u32::MAX;
+    /// Costs of all labels and of one more to each side, twice.
+    const STEREO_PATH_VALUES: u32 = 2 * (STEREO_MOST_LABELS + 2);
+    [
+        declaration("CENSUS_HALF_HEIGHT", stereo::CENSUS_HALF_HEIGHT as i32),
+        declaration("CENSUS_HALF_WIDTH", stereo::CENSUS_HALF_WIDTH as i32),
+        declaration("EVEN_WINDOW", u32::from(stereo::EVEN_WINDOW)),
+        declaration("IS_UNIQUE", IS_UNIQUE),
+        declaration("NO_LABEL", NO_LABEL),
+        declaration("PARABOLA_REACH", stereo::PARABOLA_REACH as i32),
+        declaration("REFINE_REACH", stereo::REFINE_REACH as i32),
+        declaration("STEREO_GROUP", STEREO_GROUP),
+        declaration("STEREO_LANES", STEREO_LANES),
+        declaration("STEREO_NEVER", STEREO_NEVER),
+        declaration("STEREO_PATH_VALUES", STEREO_PATH_VALUES),
+        declaration("STEREO_STRIP_PX", STEREO_STRIP_PX),
+        declaration("STEREO_TILE_PX", STEREO_TILE_PX),
     ]
     .join("\n")
 }

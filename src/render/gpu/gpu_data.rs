@@ -13,6 +13,8 @@ use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
     Shadow, SplatFilter, Style,
 };
+use crate::stereo::constants::MOST_RADIUS;
+use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::LOG2_E;
@@ -210,6 +212,48 @@ impl DepthImaging {
             newest_share: temporal.share,
             same_m: temporal.most_m,
             fill_frames: temporal.fill_frames.into(),
+            ..Self::zeroed()
+        }
+    }
+}
+
+/// Twin of `StereoMatching` in `stereo/pair.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "the fields are documented in their WGSL twin")]
+pub struct StereoMatching {
+    pub size_px: [u32; 2],
+    pub count: u32,
+    pub min_px: i32,
+    pub path_step: [i32; 2],
+    pub is_first_path: u32,
+    pub radius_px: u32,
+    pub p1: u32,
+    pub p2_least: u32,
+    pub p2_above_least: u32,
+    pub half_change: u32,
+    pub unique_percent: u32,
+    pub by_parabola: u32,
+}
+
+impl StereoMatching {
+    /// Of a pair of this size, before its first path. Precondition: penalties are valid.
+    pub fn of(size_px: [u32; 2], range: DisparityRange, matching: &Matching) -> Self {
+        let (penalties, radius_px) = match matching.gathering {
+            stereo::Gathering::SemiGlobal(penalties) => (penalties, 0),
+            stereo::Gathering::Local { radius_px } => (Penalties::default(), radius_px.min(MOST_RADIUS)),
+        };
+        Self {
+            size_px,
+            count: range.count() as u32,
+            min_px: range.min(),
+            radius_px: radius_px as u32,
+            p1: penalties.p1.into(),
+            p2_least: penalties.p2_least.into(),
+            p2_above_least: (penalties.p2 - penalties.p2_least).into(),
+            half_change: penalties.half_change.max(1).into(),
+            unique_percent: matching.unique_percent.into(),
+            by_parabola: (matching.between == Between::Parabola).into(),
             ..Self::zeroed()
         }
     }

@@ -5,7 +5,7 @@
 pub use super::passes::{GeometryPass, SCREEN_PASSES, ScreenPass};
 pub use super::primitives::{AMPLIFICATIONS, Amplification};
 
-use super::{depth_images, gather, instancing, visible, wgsl};
+use super::{depth_images, gather, instancing, stereo, visible, wgsl};
 use crate::scene::Strategy;
 
 /// One shader module.
@@ -23,6 +23,8 @@ pub enum Permutation {
     Visible,
     /// The passes that filter depth images and make points of them.
     DepthImages,
+    /// The passes that match pairs of photographs.
+    Stereo,
     /// A pass over the screen.
     Screen(&'static ScreenPass),
 }
@@ -31,7 +33,13 @@ impl Permutation {
     /// Every module that a renderer can ask for.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = SCREEN_PASSES.map(Self::Screen).to_vec();
-        all.extend([Self::Gather, Self::Filter, Self::Visible, Self::DepthImages]);
+        all.extend([
+            Self::Gather,
+            Self::Filter,
+            Self::Visible,
+            Self::DepthImages,
+            Self::Stereo,
+        ]);
         for amplification in AMPLIFICATIONS {
             if amplification.compute_amplifies {
                 all.push(Self::Amplify(amplification));
@@ -58,6 +66,7 @@ impl Permutation {
             Self::Filter => "filter".to_owned(),
             Self::Visible => "visible".to_owned(),
             Self::DepthImages => "depth images".to_owned(),
+            Self::Stereo => "stereo".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
         }
     }
@@ -86,6 +95,7 @@ impl Permutation {
             Self::Filter => gather::filter_source(),
             Self::Visible => visible::source(),
             Self::DepthImages => depth_images::source(),
+            Self::Stereo => stereo::source(),
             Self::Screen(pass) => wgsl::of_screen(pass.wgsl),
         }
     }

@@ -38,6 +38,11 @@ pub(super) struct Table {
 }
 
 impl Penalties {
+    /// Whether bytes can hold costs of paths with them.
+    pub(crate) fn are_valid(self) -> bool {
+        self.table().is_ok()
+    }
+
     /// # Errors
     /// [`StereoError::NoPenalties`].
     pub(super) fn table(self) -> Result<Table, StereoError> {

@@ -1,0 +1,231 @@
+//! Disparities of rectified pairs by a graphics card.
+//!
+//! **How it works.** Compute passes of the stages of [`crate::stereo`] (`shaders/stereo`): the census of both images;
+//! sums of costs along eight paths (a workgroup goes along a path, its invocations share the labels of a pixel), or
+//! over squares; the winners of both images; places between labels; the median. What is read back is a disparity a
+//! pixel. Specks, which are connected areas, are taken out by the processor. Costs are worked out wherever they are
+//! asked for, eight times for eight paths: bits of the census are read, which are next to each other, and nothing is
+//! written but sums, two bytes a label.
+//!
+//! Whole numbers (sums, winners, labels before they are refined) are the processor's to the bit, and so are places that
+//! are quotients of them (`exact_share.wgsl`). Planes through places are sums of fractions, in an order of the
+//! adapter's: they differ by less than a thousandth of a pixel.
+//!
+//! **When it wins.** On a real card: all paths of a direction at once. An adapter that is a program on the processor is
+//! slower than the processor's own code, which takes 32 labels at once and sums in caches; so
+//! [`CardMatcher::shared`] is the processor there.
+//!
+//! Whatever the card cannot do, the processor does: more than 512 labels, buffers above 512 MiB or the adapter's
+//! limits, no memory, a device that was lost. Rectification is the processor's, too.
+//!
+//! Paper 004 §5; Hirschmüller 2008.
+
+mod passes;
+mod scratch;
+#[cfg(test)]
+mod tests;
+
+pub(super) use passes::source;
+
+use super::constants::{NO_LABEL, STEREO_MOST_LABELS};
+use super::context::Context;
+use super::gpu_data::StereoMatching;
+use super::readback::map_and_read;
+use crate::locks::lock;
+use crate::render::RenderError;
+use crate::stereo::{
+    Between, DisparityMap, DisparityRange, Gathering, GrayImage, Matching, OnProcessor, PairMatcher, SharedMatcher,
+    StereoError,
+};
+use passes::{AFTER, BEFORE, PATH_STEPS, Pass, Programs, has_groups};
+use scratch::{Scratch, Sizes};
+use std::sync::{Arc, Mutex};
+
+/// A graphics card that matches pairs, one at a time.
+#[derive(Debug)]
+pub struct CardMatcher {
+    context: Arc<Context>,
+    on_card: Mutex<OnCard>,
+}
+
+/// What is used again for the next pair.
+#[derive(Debug, Default)]
+struct OnCard {
+    programs: Option<Programs>,
+    scratch: Option<Scratch>,
+    has_warned: bool,
+}
+
+impl CardMatcher {
+    /// By the card of this context. Its programs are made when the first pair is matched.
+    pub fn new(context: Arc<Context>) -> Self {
+        Self {
+            context,
+            on_card: Mutex::default(),
+        }
+    }
+
+    /// Who matches pairs where this context draws: its card, or the processor where that draws, too.
+    pub fn shared(context: &Arc<Context>) -> SharedMatcher {
+        if context.is_software() {
+            SharedMatcher::default()
+        } else {
+            SharedMatcher(Arc::new(Self::new(Arc::clone(context))))
+        }
+    }
+
+    /// Disparities of a pair without specks taken out; `None` where it is none for the card.
+    fn on_card(
+        &self,
+        matching: &Matching,
+        images: [&GrayImage; 2],
+        range: DisparityRange,
+    ) -> Result<Option<Vec<f32>>, RenderError> {
+        let Some(job) = Job::of(&self.context, matching, images, range) else {
+            return Ok(None);
+        };
+        self.context.check_alive()?;
+        let mut on_card = lock(&self.on_card);
+        let OnCard { programs, scratch, .. } = &mut *on_card;
+        let programs = programs.get_or_insert_with(|| Programs::new(&self.context));
+        let buffers = Scratch::of(&self.context, scratch.take(), job.sizes)?;
+        let disparities = job.run(&self.context, programs, &buffers)?;
+        *scratch = Some(buffers).filter(Scratch::is_kept);
+        Ok(Some(disparities))
+    }
+
+    /// Says once why the processor does what the card should.
+    fn warn(&self, error: &RenderError) {
+        let mut on_card = lock(&self.on_card);
+        if !std::mem::replace(&mut on_card.has_warned, true) {
+            log::warn!("stereo on the graphics card failed: {error}; the processor matches this pair");
+        }
+    }
+}
+
+impl PairMatcher for CardMatcher {
+    fn disparities(
+        &self,
+        matching: &Matching,
+        left: &GrayImage,
+        right: &GrayImage,
+        range: DisparityRange,
+    ) -> Result<DisparityMap, StereoError> {
+        match self.on_card(matching, [left, right], range) {
+            Ok(Some(disparities)) => return Ok(matching.without_specks([left.width(), left.height()], disparities)),
+            Ok(None) => {}
+            Err(error) => self.warn(&error),
+        }
+        OnProcessor.disparities(matching, left, right, range)
+    }
+}
+
+/// A pair that the card can match.
+#[derive(Debug)]
+struct Job<'a> {
+    images: [&'a GrayImage; 2],
+    sizes: Sizes,
+    uniform: StereoMatching,
+    is_local: bool,
+    by_lines: bool,
+}
+
+impl<'a> Job<'a> {
+    /// `None` where the processor has to say what is wrong with it, or has to match it.
+    fn of(context: &Context, matching: &Matching, images: [&'a GrayImage; 2], range: DisparityRange) -> Option<Self> {
+        let [left, right] = images;
+        let is_local = match matching.gathering {
+            Gathering::SemiGlobal(penalties) if !penalties.are_valid() => return None,
+            Gathering::SemiGlobal(_) => false,
+            Gathering::Local { .. } => true,
+        };
+        if left.size_px() != right.size_px() || range.count() > STEREO_MOST_LABELS as usize {
+            return None;
+        }
+        let uniform = StereoMatching::of(left.size_px(), range, matching);
+        let sizes = Sizes {
+            pixels: left.pixels().len() as u64,
+            labels: range.count() as u64,
+            is_local,
+        };
+        (sizes.fit(context) && has_groups(context, &uniform, is_local)).then_some(Self {
+            images,
+            sizes,
+            uniform,
+            is_local,
+            by_lines: matching.between == Between::Lines,
+        })
+    }
+
+    /// Disparities before specks are taken out, NaN where there is none.
+    fn run(&self, context: &Context, programs: &Programs, scratch: &Scratch) -> Result<Vec<f32>, RenderError> {
+        scratch.upload(context, self.images, self.uniform);
+        let mut encoder = context
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stereo") });
+        let place = self.record(context, programs, scratch, &mut encoder);
+        let readable = scratch.readable();
+        encoder.copy_buffer_to_buffer(scratch.labels(place), 0, readable, 0, readable.size());
+        context.queue.submit([encoder.finish()]);
+        let told = |&label: &f32| if label == NO_LABEL { f32::NAN } else { label };
+        let disparities = map_and_read(context, readable, |bytes| {
+            let labels: Vec<f32> = bytemuck::pod_collect_to_vec(bytes);
+            labels.iter().map(told).collect()
+        })?;
+        context.check_alive()?;
+        Ok(disparities)
+    }
+
+    /// Records all passes, and returns which image of labels has what was made last.
+    fn record(
+        &self,
+        context: &Context,
+        programs: &Programs,
+        scratch: &Scratch,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> usize {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("stereo"),
+            timestamp_writes: None,
+        });
+        // Labels go from one image to the other.
+        let mut place = 0;
+        let mut record = |which: Pass| {
+            let group = programs.group(context, which, |binding| match binding {
+                BEFORE => scratch.labels(place),
+                AFTER => scratch.labels(place + 1),
+                other => scratch.bound(other),
+            });
+            let paths = if which == Pass::AlongPath {
+                &PATH_STEPS[..]
+            } else {
+                &PATH_STEPS[..1]
+            };
+            for (path, &path_step) in paths.iter().enumerate() {
+                let uniform = StereoMatching {
+                    path_step,
+                    ..self.uniform
+                };
+                programs.dispatch(&mut pass, which, (&group, scratch.uniform_offset(path)), &uniform);
+            }
+            if matches!(which, Pass::Choose | Pass::Meet | Pass::LayOnPlanes | Pass::Median) {
+                place += 1;
+            }
+        };
+        record(Pass::Census);
+        if self.is_local {
+            record(Pass::SumColumns);
+            record(Pass::SumSquares);
+        } else {
+            record(Pass::AlongPath);
+        }
+        record(Pass::FindWinners);
+        record(Pass::Choose);
+        if self.by_lines {
+            record(Pass::Meet);
+            record(Pass::LayOnPlanes);
+        }
+        record(Pass::Median);
+        place
+    }
+}

@@ -1,0 +1,185 @@
+//! The programs that match a pair of photographs: entry points of one shader.
+
+pub(super) use crate::render::gpu::compute::UNIFORM;
+
+use crate::render::gpu::compute::{ComputePrograms, ComputeShader, EntryRow};
+use crate::render::gpu::constants::{self, STEREO_GROUP, STEREO_LANES, STEREO_STRIP_PX, STEREO_TILE_PX};
+use crate::render::gpu::context::Context;
+use crate::render::gpu::gpu_data::StereoMatching;
+
+/// Bindings of `stereo/pair.wgsl`.
+pub(super) const PIXELS: u32 = 1;
+pub(super) const CENSUS: u32 = 2;
+pub(super) const MADE_CENSUS: u32 = 3;
+pub(super) const COLUMNS: u32 = 4;
+pub(super) const SUMS: u32 = 5;
+pub(super) const WINNERS: u32 = 6;
+pub(super) const BEFORE: u32 = 7;
+pub(super) const AFTER: u32 = 8;
+
+/// Those that are only read.
+const READ_ONLY: [u32; 3] = [PIXELS, CENSUS, BEFORE];
+
+/// An entry point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pass {
+    Census,
+    AlongPath,
+    SumColumns,
+    SumSquares,
+    FindWinners,
+    Choose,
+    Meet,
+    LayOnPlanes,
+    Median,
+}
+
+/// In the order of [`Pass`].
+const ROWS: [EntryRow; 9] = [
+    EntryRow {
+        entry: "census",
+        buffers: &[PIXELS, MADE_CENSUS],
+    },
+    EntryRow {
+        entry: "along_path",
+        buffers: &[PIXELS, CENSUS, SUMS],
+    },
+    EntryRow {
+        entry: "sum_columns",
+        buffers: &[CENSUS, COLUMNS],
+    },
+    EntryRow {
+        entry: "sum_squares",
+        buffers: &[COLUMNS, SUMS],
+    },
+    EntryRow {
+        entry: "find_winners",
+        buffers: &[SUMS, WINNERS],
+    },
+    EntryRow {
+        entry: "choose",
+        buffers: &[PIXELS, SUMS, WINNERS, AFTER],
+    },
+    EntryRow {
+        entry: "meet",
+        buffers: &[CENSUS, BEFORE, AFTER],
+    },
+    EntryRow {
+        entry: "lay_on_planes",
+        buffers: &[BEFORE, AFTER],
+    },
+    EntryRow {
+        entry: "median",
+        buffers: &[BEFORE, AFTER],
+    },
+];
+
+/// Passes that every pair may need, whatever gathers its costs.
+const OF_ALL: [Pass; 6] = [
+    Pass::Census,
+    Pass::FindWinners,
+    Pass::Choose,
+    Pass::Meet,
+    Pass::LayOnPlanes,
+    Pass::Median,
+];
+
+/// From pixel to pixel of the eight paths.
+pub(super) const PATH_STEPS: [[i32; 2]; 8] = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1], [1, -1], [-1, 1]];
+
+/// The WGSL of all of them.
+pub(in crate::render::gpu) fn source() -> String {
+    [
+        constants::of_stereo().as_str(),
+        include_str!("../../../../shaders/stereo/pair.wgsl"),
+        include_str!("../../../../shaders/stereo/census.wgsl"),
+        include_str!("../../../../shaders/stereo/paths.wgsl"),
+        include_str!("../../../../shaders/stereo/squares.wgsl"),
+        include_str!("../../../../shaders/stereo/winners.wgsl"),
+        include_str!("../../../../shaders/stereo/exact_share.wgsl"),
+        include_str!("../../../../shaders/stereo/choose.wgsl"),
+        include_str!("../../../../shaders/stereo/refine.wgsl"),
+        include_str!("../../../../shaders/stereo/median.wgsl"),
+    ]
+    .join("\n")
+}
+
+/// All programs.
+#[derive(Debug)]
+pub(super) struct Programs(ComputePrograms);
+
+impl Programs {
+    pub(super) fn new(context: &Context) -> Self {
+        Self(ComputePrograms::new(
+            context,
+            ComputeShader {
+                label: "stereo",
+                source,
+                rows: &ROWS,
+                read_only: &READ_ONLY,
+                uniform_bytes: size_of::<StereoMatching>() as u64,
+                group: STEREO_GROUP,
+            },
+        ))
+    }
+
+    /// What a pass reads and writes; `buffer` knows what is bound to each binding.
+    pub(super) fn group<'a>(
+        &self,
+        context: &Context,
+        which: Pass,
+        buffer: impl Fn(u32) -> &'a wgpu::Buffer,
+    ) -> wgpu::BindGroup {
+        self.0.group(context, which as usize, buffer)
+    }
+
+    /// Records a pass whose uniform is at an offset. Precondition: the adapter [`has_groups`].
+    pub(super) fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        which: Pass,
+        group: (&wgpu::BindGroup, u32),
+        uniform: &StereoMatching,
+    ) {
+        self.0.dispatch(pass, which as usize, group, groups(which, uniform));
+    }
+}
+
+/// Whether all passes of such a pair are dispatches of the adapter; `is_local` says whether squares are summed.
+pub(super) fn has_groups(context: &Context, uniform: &StereoMatching, is_local: bool) -> bool {
+    let most = context.limits.max_compute_workgroups_per_dimension;
+    let fit = |which, uniform: &StereoMatching| groups(which, uniform).iter().all(|&count| count <= most);
+    let are_gathered = if is_local {
+        fit(Pass::SumColumns, uniform) && fit(Pass::SumSquares, uniform)
+    } else {
+        PATH_STEPS.into_iter().all(|path_step| {
+            let uniform = StereoMatching { path_step, ..*uniform };
+            fit(Pass::AlongPath, &uniform)
+        })
+    };
+    are_gathered && OF_ALL.iter().all(|&which| fit(which, uniform))
+}
+
+/// Workgroups across and down.
+fn groups(which: Pass, uniform: &StereoMatching) -> [u32; 2] {
+    let [width, height] = uniform.size_px;
+    let lanes_of_line = |pixels: u32| (pixels.saturating_mul(uniform.count / 2)).div_ceil(STEREO_LANES);
+    match which {
+        Pass::Census => [width, height.saturating_mul(2)].map(|edge| edge.div_ceil(STEREO_TILE_PX)),
+        Pass::AlongPath => {
+            let [across, down] = uniform.path_step;
+            let paths = match (across != 0, down != 0) {
+                (true, true) => width.saturating_add(height) - 1,
+                (true, false) => height,
+                (false, _) => width,
+            };
+            [paths, 1]
+        }
+        Pass::SumColumns => [lanes_of_line(width), height.div_ceil(STEREO_STRIP_PX)],
+        Pass::SumSquares => [lanes_of_line(height), width.div_ceil(STEREO_STRIP_PX)],
+        Pass::FindWinners => [width, height],
+        Pass::Choose | Pass::Meet | Pass::LayOnPlanes | Pass::Median => {
+            [width, height].map(|edge| edge.div_ceil(STEREO_TILE_PX))
+        }
+    }
+}
