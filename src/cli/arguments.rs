@@ -7,6 +7,7 @@ use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
 use crate::io::ReadOptions;
+use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{OpenOptions, Sequence};
@@ -110,6 +111,7 @@ impl ReadArgs {
             live_seconds: self.live_seconds,
             live_surfels: self.stream == StreamOf::Surfels,
             rgbd: self.rgbd.options(Filters::NONE),
+            matcher: matcher_of_machine(),
             ..OpenOptions::default()
         }
     }

@@ -5,10 +5,12 @@ mod constants;
 pub mod cpu;
 mod gathered;
 pub mod gpu;
+mod matcher;
 mod pass_times;
 pub mod truth;
 
 pub use any::AnyRenderer;
+pub use matcher::matcher_of_machine;
 pub use pass_times::{PassTime, PassTimes};
 
 use crate::scene::{ScenePacket, ScreenStats};

@@ -71,7 +71,10 @@ impl Source for PhotoScene {
 
 /// Photographs of many are halved once more where nobody asked for dense points: 47 of 640×480 would take minutes.
 fn dense_of(set: &ViewSet, options: &OpenOptions) -> Dense {
-    let usual = Dense::default();
+    let usual = Dense {
+        matcher: options.matcher.clone(),
+        ..Dense::default()
+    };
     if options.dense || set.photos.len() <= MOST_OF_WHOLE_SIZE {
         return usual;
     }

@@ -6,7 +6,7 @@
 //! like, and nobody has to know how far away things are.
 
 use super::{
-    Consistency, Matching, OnProcessor, PairMatcher, PlaneSweep, StereoError, View, cloud, consistent, depths_of_pair,
+    Consistency, Matching, PairMatcher, PlaneSweep, SharedMatcher, StereoError, View, cloud, consistent, depths_of_pair,
 };
 use crate::cloud::RawCloud;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
@@ -16,7 +16,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// How dense points are made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Dense {
     /// Photographs are halved until no side is longer.
     pub most_side_px: u32,
@@ -24,6 +24,8 @@ pub struct Dense {
     pub neighbours: usize,
     /// Which depths are kept.
     pub consistency: Consistency,
+    /// Who matches two photographs that are alone.
+    pub matcher: SharedMatcher,
 }
 
 impl Default for Dense {
@@ -32,6 +34,7 @@ impl Default for Dense {
             most_side_px: 640,
             neighbours: 4,
             consistency: Consistency::default(),
+            matcher: SharedMatcher::default(),
         }
     }
 }
@@ -94,7 +97,7 @@ impl Dense {
     pub fn cloud(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
         let (small, mut reasons) = read_small(set, self.most_side_px)?;
         let views: Vec<View<'_>> = small.iter().map(Small::view).collect();
-        if let Some(mut pair) = of_pair(&small, &views, (&OnProcessor, &Matching::default()))? {
+        if let Some(mut pair) = of_pair(&small, &views, (&*self.matcher.0, &Matching::default()))? {
             progress.set(2, 2);
             pair.warnings = reasons;
             return Ok(pair);

@@ -350,8 +350,12 @@ impl MomentDecoder {
     /// Of pairs, which are there soon, unless somebody asked for all that can be told; where photographs are too far
     /// apart for pairs, many of them may tell more.
     fn by_stereo(&self, set: &ViewSet, progress: &Progress) -> Result<RawCloud, DenseError> {
+        let usual = Dense {
+            matcher: self.options.matcher.clone(),
+            ..Dense::default()
+        };
         if self.options.dense {
-            return Dense::default().cloud(set, progress);
+            return usual.cloud(set, progress);
         }
         let of_pairs = Pairwise {
             matcher: self.options.matcher.clone(),
@@ -361,7 +365,7 @@ impl MomentDecoder {
             Err(DenseError::Nothing { .. }) => {
                 let small = Dense {
                     most_side_px: MOST_SIDE_PX,
-                    ..Dense::default()
+                    ..usual
                 };
                 small.cloud(set, progress)
             }
