@@ -1,7 +1,8 @@
 //! The header of an array of numpy (NPY format 1 to 3): type, order and shape.
 //!
-//! It is a Python dictionary of three known keys, read sign by sign: the crates at hand parse any Python literal, of any
-//! depth, on the stack. Nothing is allocated by what it claims; whether so many numbers follow is for the taker to see.
+//! It is a Python dictionary of three known keys, read sign by sign: the crates at hand parse any Python literal, of
+//! any depth, on the stack. Nothing is allocated by what it claims; whether so many numbers follow is for the taker to
+//! see.
 
 use super::scalar::Scalar;
 

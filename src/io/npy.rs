@@ -1,7 +1,7 @@
 //! Arrays of numpy: NPY, one array, and NPZ, a ZIP archive of named ones.
 //!
-//! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers stay where they are in the file, whatever their type, byte order and order of
-//! rows and columns.
+//! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers stay where they are in the
+//! file, whatever their type, byte order and order of rows and columns.
 //!
 //! An array of T × N × 3 in an NPZ is a sequence. One in an NPY is none: folders may have a hundred thousand of these,
 //! a frame each, and none of them is opened before it is shown.

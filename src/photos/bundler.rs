@@ -3,7 +3,8 @@
 //! Its manual: P = R·X + t, p = −P / P.z, p′ = f·(1 + k₁|p|² + k₂|p|⁴)·p in pixels from the middle of the image, x to
 //! the right and y up. So a camera looks along −z with y up. A camera without a focal length was not placed.
 //! Photographs are named by `list.txt`, a line each. For PMVS they are copied without their distortion to
-//! `visualize/00000000.jpg`, in the order of the cameras that have a place, and the bundle beside that is one of the copies.
+//! `visualize/00000000.jpg`, in the order of the cameras that have a place, and the bundle beside that is one of the
+//! copies.
 
 use super::draft::{Draft, Drafts};
 use super::error::{PhotosError, read_file};

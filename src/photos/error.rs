@@ -88,8 +88,8 @@ pub enum PhotosError {
 }
 
 /// What is said of a picture of a format that is not known.
-const NOT_DECODED: &str = "is of a format of pictures that is not read: convert it to JPEG, PNG or WebP, which is found \
-                           beside it or in its place by the same name";
+const NOT_DECODED: &str = "is of a format of pictures that is not read: convert it to JPEG, PNG or WebP, which is \
+                           found beside it or in its place by the same name";
 
 impl PhotosError {
     pub(super) fn invalid(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {

@@ -85,7 +85,7 @@ pub enum Format {
     Transforms,
     /// Poses and bounds of LLFF.
     Llff,
-    /// A camera a file, of MVSNet.
+    /// A camera a file, of `MVSNet`.
     Mvsnet,
     /// A rectified pair of Middlebury.
     MiddleburyStereo,
@@ -96,7 +96,7 @@ pub enum Format {
 pub struct FoundSet {
     /// Its format.
     pub format: Format,
-    /// Its file; of COLMAP and MVSNet the folder of its files.
+    /// Its file; of COLMAP and `MVSNet` the folder of its files.
     pub path: PathBuf,
 }
 

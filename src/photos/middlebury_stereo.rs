@@ -2,7 +2,8 @@
 //!
 //! Its page: `cam0` and `cam1` are calibration matrices `[f 0 cx; 0 f cy; 0 0 1]`; the second camera stands `baseline`
 //! millimetres to the right of the first; a disparity d is at a depth of baseline · f / (d + doffs). `vmin` and `vmax`
-//! are the smallest and the largest disparity. The world is that of the first camera. Centres of pixels are at integers.
+//! are the smallest and the largest disparity. The world is that of the first camera. Centres of pixels are at
+//! integers.
 //! Older pairs (2001 to 2006) came without a calibration.
 
 use super::draft::{Draft, Drafts};

@@ -1,4 +1,4 @@
-//! The layout of MVSNet (Yao et al. 2018), which DTU, BlendedMVS and others are handed on in: a file for each camera.
+//! The layout of `MVSNet` (Yao et al. 2018), which DTU, `BlendedMVS` and others come in: a file for each camera.
 //!
 //! Its README: `cams/00000007_cam.txt` belongs to the image `00000007.jpg`. Behind the word `extrinsic` follow 4 × 4
 //! numbers that take the world to the camera (x right, y down, z forward), behind `intrinsic` 3 × 3, then the nearest

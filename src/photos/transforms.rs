@@ -1,8 +1,8 @@
 //! `transforms.json` of instant-ngp, nerfstudio and the synthetic sets of NeRF.
 //!
 //! *How it works.* Each frame has a matrix from camera to world, whose camera has x right, y up and z backward
-//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or an angle: `camera_angle_x` in radians, `x_fov` in degrees, or those of
-//! y) are those of the file unless a frame has its own.
+//! (OpenGL). Intrinsics (`fl_x fl_y cx cy w h`, or an angle: `camera_angle_x` in radians, `x_fov` in degrees, or those
+//! of y) are those of the file unless a frame has its own.
 //! The corner of the image is at 0, so the middle of the first pixel is at ½: both programs send the ray of a pixel
 //! through there. Names may lack their extension. A frame without its file is left out with a note. There are no
 //! points, but nerfstudio may name a file of them (`ply_file_path`).

@@ -1,9 +1,9 @@
 //! Dense points of calibrated photographs: depths of each from its neighbours, kept where views agree.
 //!
 //! *How it works.* Photographs are made small enough; planes are swept before each, between the depths of its sparse
-//! points or, without any, between those that its format tells, or else around the place that all cameras look at; depths that views do not agree on are dropped,
-//! and what is left becomes points. Two photographs alone are a pair (`pair.rs`): they may look as parallel as they
-//! like, and nobody has to know how far away things are.
+//! points or, without any, between those that its format tells, or else around the place that all cameras
+//! look at; depths that views do not agree on are dropped, and what is left becomes points. Two photographs alone are a
+//! pair (`pair.rs`): they may look as parallel as they like, and nobody has to know how far away things are.
 
 use super::{
     Consistency, Matching, PairMatcher, PlaneSweep, SharedMatcher, StereoError, View, cloud, consistent, depths_of_pair,

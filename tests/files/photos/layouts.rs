@@ -212,8 +212,8 @@ fn cameras_of_mvsnet_count_from_the_corner_and_tell_their_depths() {
     );
 }
 
-const PAIR: &str = "cam0=[50 0 30.5; 0 50 24; 0 0 1]\ncam1=[50 0 33; 0 50 24; 0 0 1]\ndoffs=2.5\nbaseline=200\nwidth=64\n\
-                    height=48\nndisp=30\nvmin=2.5\nvmax=17.5\n";
+const PAIR: &str = "cam0=[50 0 30.5; 0 50 24; 0 0 1]\ncam1=[50 0 33; 0 50 24; 0 0 1]\ndoffs=2.5\nbaseline=200\n\
+                    width=64\nheight=48\nndisp=30\nvmin=2.5\nvmax=17.5\n";
 
 /// A disparity of 7.5 is a depth of 200 · 50 / (7.5 + 2.5) = 1000.
 #[test]
