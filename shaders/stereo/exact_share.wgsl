@@ -11,8 +11,8 @@ fn exact_share(part: i32, whole: i32) -> f32 {
     if (size >= divisor) {
         return f32(sign(part));
     }
-    // Long division until there are 24 digits and one more, which says where to round: no quotient of such numbers is in
-    // the middle between two of 24 digits.
+    // Long division until there are 24 digits and one more, which says where to round: no quotient of such numbers is
+    // in the middle between two of 24 digits.
     var rest = size;
     var digits = 0u;
     var exponent = 0;

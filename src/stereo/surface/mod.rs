@@ -55,9 +55,9 @@ struct Small {
     is_scene: Vec<bool>,
 }
 
-/// The surface that `photographs` of `set` show, relative to `origin`; `None` where they have depths or a cloud already,
-/// and where they do not tell any depth. Says in `progress` how much is done; what it returns after that was cancelled
-/// is of no use.
+/// The surface that `photographs` of `set` show, relative to `origin`; `None` where they have depths or a cloud
+/// already, and where they do not tell any depth. Says in `progress` how much is done; what it returns after that was
+/// cancelled is of no use.
 pub fn photo_surface(
     set: &ViewSet,
     photographs: &Photographs,
