@@ -112,7 +112,6 @@ impl ReadArgs {
             live_surfels: self.stream == StreamOf::Surfels,
             rgbd: self.rgbd.options(Filters::NONE),
             matcher: matcher_of_machine(),
-            ..OpenOptions::default()
         }
     }
 }

@@ -54,6 +54,7 @@ fn set() -> ViewSet {
         camera_from_world: DAffine3::from_translation(-eye(number)),
         mask: None,
         depth: None,
+        depth_range: None,
     };
     let photos: Vec<Photo> = (0..6).map(photo).collect();
     let mut points = SparsePoints::default();
@@ -130,7 +131,7 @@ fn points_are_sound_that_three_photographs_see_where_they_say() {
     assert!(!is_sound(20, &track[..2]));
     assert!(!is_sound(last, set.points.track(last)));
     let mut same = track[..3].to_vec();
-    same.iter_mut().for_each(|seen| *seen = track[0]);
+    same.fill(track[0]);
     assert!(!is_sound(20, &same));
 }
 

@@ -7,6 +7,7 @@ use image::{Rgb, RgbImage, Rgba, RgbaImage};
 use pointreel::photos::{self, Format, PhotoImage, ViewSet};
 use pointreel::progress::Progress;
 use pointreel::source::{self, OpenOptions};
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -158,9 +159,10 @@ fn a_scene_with_distorted_photographs_alone_says_which_lens_they_have() {
 #[test]
 fn pictures_of_other_formats_are_one_note_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
-    let list: String = (0..4)
-        .map(|index| format!("{index} 1 0 0 0 0 0 0 1 {index}.heic\n\n"))
-        .collect();
+    let mut list = String::new();
+    for index in 0..4 {
+        writeln!(list, "{index} 1 0 0 0 0 0 0 1 {index}.heic\n").unwrap();
+    }
     fs::write(folder.path().join("cameras.txt"), "1 PINHOLE 64 48 50 50 32 24\n").unwrap();
     fs::write(folder.path().join("images.txt"), list).unwrap();
     for index in 0..4 {
