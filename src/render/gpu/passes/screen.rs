@@ -3,6 +3,20 @@
 use super::state::{COMPLETED, ColorUse, DepthUse, MULTIPLIED, OVER, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 
+/// The WGSL of a pass that lets light fall, with these files of `shaders/common/`: what light is, and what it falls on.
+macro_rules! shade {
+    ($($file:literal),+) => {
+        concat!(
+            include_str!("../../../../shaders/common/linear.wgsl"),
+            include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
+            include_str!("../../../../shaders/common/shadow.wgsl"),
+            $(include_str!(concat!("../../../../shaders/common/", $file)),)+
+            include_str!("../../../../shaders/common/blended_surface.wgsl"),
+            include_str!("../../../../shaders/passes/shade.wgsl")
+        )
+    };
+}
+
 /// All of them.
 pub const SCREEN_PASSES: [&ScreenPass; 17] = [
     &BACKGROUND,
@@ -40,15 +54,7 @@ pub(in crate::render::gpu) const BACKGROUND: ScreenPass = ScreenPass {
 /// §3.6).
 pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     name: "shade",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
-        include_str!("../../../../shaders/common/own_colors.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
-    ),
+    wgsl: shade!("blinn_phong.wgsl", "own_colors.wgsl"),
     source: Some(Source::Surfaces),
     color: ColorUse {
         target: Target::Sums,
@@ -60,31 +66,18 @@ pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
 /// The same on surfaces with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade physically",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/physical.wgsl"),
-        include_str!("../../../../shaders/common/own_colors.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
-    ),
+    wgsl: shade!("physical.wgsl", "own_colors.wgsl"),
     ..SHADE
 };
 
 /// The same on surfaces that have their colours from photographs (paper 004 §3).
 pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
     name: "shade photographs",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photographs.wgsl"),
-        include_str!("../../../../shaders/common/photographed.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
+    wgsl: shade!(
+        "blinn_phong.wgsl",
+        "photo_table.wgsl",
+        "photographs.wgsl",
+        "photographed.wgsl"
     ),
     source: Some(Source::Photographed),
     ..SHADE
@@ -93,16 +86,11 @@ pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS: ScreenPass = ScreenPass {
 /// The same with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTOGRAPHS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photographs physically",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/physical.wgsl"),
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photographs.wgsl"),
-        include_str!("../../../../shaders/common/photographed.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
+    wgsl: shade!(
+        "physical.wgsl",
+        "photo_table.wgsl",
+        "photographs.wgsl",
+        "photographed.wgsl"
     ),
     ..SHADE_PHOTOGRAPHS
 };
@@ -151,16 +139,11 @@ pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
 /// Light falls on what photographs said.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "shade photo answers",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/blinn_phong.wgsl"),
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photo_answers.wgsl"),
-        include_str!("../../../../shaders/common/photographed.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
+    wgsl: shade!(
+        "blinn_phong.wgsl",
+        "photo_table.wgsl",
+        "photo_answers.wgsl",
+        "photographed.wgsl"
     ),
     source: Some(Source::PhotoAnswers),
     ..SHADE
@@ -169,16 +152,11 @@ pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS: ScreenPass = ScreenPass {
 /// The same with a material, in an environment.
 pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = ScreenPass {
     name: "shade photo answers physically",
-    wgsl: concat!(
-        include_str!("../../../../shaders/common/linear.wgsl"),
-        include_str!("../../../../shaders/common/ambient_occlusion.wgsl"),
-        include_str!("../../../../shaders/common/shadow.wgsl"),
-        include_str!("../../../../shaders/common/physical.wgsl"),
-        include_str!("../../../../shaders/common/photo_table.wgsl"),
-        include_str!("../../../../shaders/common/photo_answers.wgsl"),
-        include_str!("../../../../shaders/common/photographed.wgsl"),
-        include_str!("../../../../shaders/common/blended_surface.wgsl"),
-        include_str!("../../../../shaders/passes/shade.wgsl")
+    wgsl: shade!(
+        "physical.wgsl",
+        "photo_table.wgsl",
+        "photo_answers.wgsl",
+        "photographed.wgsl"
     ),
     ..SHADE_PHOTO_ANSWERS
 };
