@@ -69,7 +69,7 @@ pub enum DenseError {
 const MOST_PIXELS: u64 = 12 << 20;
 
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
-pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
+const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// How much nearer and farther than its sparse points the surface may be.
 const BEYOND_POINTS: f64 = 1.3;
@@ -150,12 +150,9 @@ impl Dense {
         small: &[Small],
         views: &[View<'a>],
     ) -> Vec<View<'a>> {
-        let around = set.neighbours_around(middle, one.number, set.photos.len());
-        let is_told = |angle: f64| ANGLES_DEG.contains(&angle.to_degrees());
         let place = |number: usize| small.iter().position(|other| other.number == number);
-        let others = around.iter().filter(|other| is_told(other.angle));
-        others
-            .filter_map(|other| Some(views[place(other.photo)?]))
+        telling(set, middle, one.number)
+            .filter_map(|other| Some(views[place(other)?]))
             .take(self.neighbours)
             .collect()
     }
@@ -216,6 +213,15 @@ impl Small {
             .map(|(&depth, pixel)| if pixel[3] == u8::MAX { depth } else { 0.0 })
             .collect()
     }
+}
+
+/// The photographs beside one whose angles at `middle` tell depths, nearest first.
+pub(super) fn telling(set: &ViewSet, middle: DVec3, number: usize) -> impl Iterator<Item = usize> {
+    let around = set.neighbours_around(middle, number, set.photos.len());
+    let told = around
+        .into_iter()
+        .filter(|other| ANGLES_DEG.contains(&other.angle.to_degrees()));
+    told.map(|other| other.photo)
 }
 
 /// Of how many photographs with so many pixels one is swept.

@@ -14,7 +14,7 @@ mod map;
 #[cfg(test)]
 mod tests;
 
-use super::dense::{ANGLES_DEG, depth_range};
+use super::dense::{depth_range, telling};
 use super::{Consistency, PlaneSweep, StereoError, View, consistent};
 use crate::photos::{Observation, PhotoSurface, Photograph, Photographs, ViewSet, resized};
 use crate::progress::Progress;
@@ -111,18 +111,15 @@ fn measured(
 ) -> Result<DepthImage, StereoError> {
     let of_one = &small[index];
     let nothing = || vec![0.0; of_one.image.pixels().len()];
-    let around = middles.get(of_one.number).map_or_else(Vec::new, |&middle| {
-        set.neighbours_around(middle, of_one.number, set.photos.len())
-    });
-    let others: Vec<View<'_>> = around
-        .iter()
-        .filter(|other| ANGLES_DEG.contains(&other.angle.to_degrees()))
-        .filter_map(|other| Some(views[small.iter().position(|small| small.number == other.photo)?]))
+    let middle = middles.get(of_one.number);
+    let others = middle
+        .into_iter()
+        .flat_map(|&middle| telling(set, middle, of_one.number));
+    let others: Vec<View<'_>> = others
+        .filter_map(|other| Some(views[small.iter().position(|small| small.number == other)?]))
         .take(NEIGHBOURS)
         .collect();
-    let range = middles
-        .get(of_one.number)
-        .and_then(|&middle| depth_range(set, of_one.number, middle));
+    let range = middle.and_then(|&middle| depth_range(set, of_one.number, middle));
     let depths = match range {
         Some([near, far]) if !others.is_empty() => {
             let found = PlaneSweep::between(near, far).depths_observed(&views[index], &others, progress)?;
