@@ -15,11 +15,11 @@ pub struct Photographs {
     surface: Option<PhotoSurface>,
 }
 
-/// A surface that was made of photographs themselves, to put them on in place of points: disks, as many records of both
-/// kinds.
+/// A surface to put photographs on in place of the points' own disks: disks, as many records of both kinds. Of a few
+/// points, whose own were too large and flat for its outlines, or made of the photographs themselves.
 #[derive(Debug, Clone)]
 pub struct PhotoSurface {
-    /// Positions, relative to the origin of the sequence, and colours.
+    /// Positions, relative to the origin of the sequence, and colours: of points, those that disks stand for.
     pub points: Arc<Vec<PointRecord>>,
     /// Normals and radii.
     pub shapes: Arc<Vec<ShapeRecord>>,

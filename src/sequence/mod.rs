@@ -52,9 +52,7 @@ pub(crate) use loader::simulation;
 pub use loader::{FrameFacts, FrameState, Loader, LoaderOptions, LoaderStats, Reading, ReadingStage, Slot};
 pub use needs::Needs;
 pub use onion::OnionSkin;
-pub use prepare::{
-    BentSurface, PrepareCounters, PreparedFrame, PreparedMesh, Timings, complete, prepare, prepare_part,
-};
+pub use prepare::{PrepareCounters, PreparedFrame, PreparedMesh, Timings, complete, prepare, prepare_part};
 pub use scaled::NO_VALUE_COLOR;
 pub use trails::{BreakReason, TrailBreak, TrailMeasure, TrailRequest, Trails};
 pub use watch::watch;

@@ -69,7 +69,7 @@ pub enum DenseError {
 const MOST_PIXELS: u64 = 12 << 20;
 
 /// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
-const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
+pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// How much nearer and farther than its sparse points the surface may be.
 const BEYOND_POINTS: f64 = 1.3;
@@ -79,7 +79,7 @@ const BEYOND_POINTS: f64 = 1.3;
 const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
-const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
+pub(super) const AROUND_MIDDLE: [f64; 2] = [0.5, 1.7];
 
 /// A photograph that was read.
 pub(super) struct Small {
@@ -121,7 +121,7 @@ impl Dense {
             let middle = middles[of_one.number];
             let others = self.others(set, (of_one, middle), &small, &views);
             let nothing = || vec![0.0; of_one.image.pixels().len()];
-            let depths = match depth_range(set, of_one.number, middle) {
+            let depths = match depth_range(set, of_one.number, Some(middle), AROUND_MIDDLE) {
                 Some([near, far]) if !others.is_empty() => {
                     let found = PlaneSweep::between(near, far).depths_observed(view, &others, progress)?;
                     of_one.masked(&found)
@@ -250,16 +250,17 @@ pub(super) fn of_pair(
     Ok((!pair.positions.is_empty()).then_some(pair))
 }
 
-/// Between which depths the surface before a photograph is, around `middle` if nothing tells more.
-pub(super) fn depth_range(set: &ViewSet, number: usize, middle: DVec3) -> Option<[f64; 2]> {
+/// Between which depths the surface before a photograph is: if nothing tells more, from one part of the depth of
+/// `middle` to the other.
+pub(super) fn depth_range(set: &ViewSet, number: usize, middle: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
     told_range(set, number).or_else(|| {
-        let depth = set.photos.get(number)?.depth_of(middle);
-        (depth > 0.0).then(|| AROUND_MIDDLE.map(|share| share * depth))
+        let depth = set.photos.get(number)?.depth_of(middle?);
+        (depth > 0.0).then(|| parts.map(|part| part * depth))
     })
 }
 
 /// The same by sparse points, or as the format says.
-pub(super) fn told_range(set: &ViewSet, number: usize) -> Option<[f64; 2]> {
+fn told_range(set: &ViewSet, number: usize) -> Option<[f64; 2]> {
     let photo = set.photos.get(number)?;
     let points = set.points.positions().iter().enumerate();
     let is_seen = |point: usize, position| {
@@ -318,7 +319,7 @@ mod tests {
             photos: vec![photo],
             ..ViewSet::default()
         };
-        let range = |set: &ViewSet| depth_range(set, 0, DVec3::new(0.0, 0.0, 10.0)).unwrap();
+        let range = |set: &ViewSet| depth_range(set, 0, Some(DVec3::new(0.0, 0.0, 10.0)), AROUND_MIDDLE).unwrap();
         assert_eq!(range(&set), AROUND_MIDDLE.map(|share| 10.0 * share));
         set.photos[0].depth_range = Some([2.0, 40.0]);
         assert_eq!(range(&set), [2.0 / BEYOND_TOLD, 40.0 * BEYOND_TOLD]);

@@ -218,10 +218,14 @@ fn what_is_in_front_does_not_colour_what_is_behind() {
     }
 }
 
+/// Photographs of the front alone.
+fn of_front() -> Photographs {
+    PHOTOGRAPHS.without(&(0..36).filter(|number| number % 12 != 0).collect::<Vec<_>>())
+}
+
 #[test]
 fn what_no_photograph_sees_has_the_colours_of_its_points_or_is_left_out() {
-    // Of the front alone.
-    let front = PHOTOGRAPHS.without(&(0..36).filter(|number| number % 12 != 0).collect::<Vec<_>>());
+    let front = of_front();
     assert_eq!(front.all().len(), 3);
     let frame = FRAME.with_photographs(Arc::new(front));
     let back = camera_at(&pose(180.0, 5.0));

@@ -2,11 +2,11 @@
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
-use super::photographed::{BentSurface, bent_surface, is_stray, without_stray_points};
+use super::photographed::{bent_surface, is_stray, without_stray_points};
 use crate::analysis::Orientation;
 use crate::cloud::{Frame, MeshRecords, PointRecord, ShapeRecord};
 use crate::levels::{CloudRecords, LevelsSet};
-use crate::photos::Photographs;
+use crate::photos::{PhotoSurface, Photographs};
 use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,7 +34,7 @@ pub struct PreparedFrame {
     /// Photographs of what it shows, if they were loaded: see [`PreparedFrame::with_photographs`].
     pub photographs: Option<Arc<Photographs>>,
     /// What photographs are put on, if that is finer than one disk a point.
-    pub bent: Option<BentSurface>,
+    pub bent: Option<PhotoSurface>,
     /// The levels of detail that were asked for, in the colours of `points`.
     pub levels: LevelsSet,
     /// What the last completion took; decoding included if it happened then.
@@ -140,7 +140,7 @@ impl PreparedFrame {
             return photographed;
         };
         if let Some(surface) = photographed.photographs.as_ref().and_then(|set| set.surface()) {
-            photographed.bent = Some(BentSurface::from(surface));
+            photographed.bent = Some(surface.clone());
             return photographed;
         }
         let is_stray = is_stray(&self.frame);
@@ -173,7 +173,7 @@ impl PreparedFrame {
             + size_of_val(self.points.as_slice())
             + shapes.map_or(0, |shapes| size_of_val(shapes.as_slice()))
             + self.mesh.as_ref().map_or(0, PreparedMesh::byte_size)
-            + self.bent.as_ref().map_or(0, BentSurface::byte_size)
+            + self.bent.as_ref().map_or(0, PhotoSurface::byte_size)
             + self.levels.byte_size()
     }
 }

@@ -28,7 +28,6 @@ mod photographed;
 pub use counters::{PrepareCounters, Timings};
 pub use frame::PreparedFrame;
 pub use mesh::PreparedMesh;
-pub use photographed::BentSurface;
 
 use super::Needs;
 use crate::analysis::estimate_surface_fast;

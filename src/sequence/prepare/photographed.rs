@@ -25,31 +25,6 @@ const MOST_BENT: usize = 1 << 15;
 /// The disk of a stray point, as a factor on its radius.
 const SHRUNK: f32 = 1e-3;
 
-/// Disks of a surface, as many records of both kinds: of a few points, whose own disks were too large and flat for its
-/// outlines, or made of the photographs (`stereo/surface`).
-#[derive(Debug, Clone)]
-pub struct BentSurface {
-    /// Positions, and the colours of the points that they stand for.
-    pub points: Arc<Vec<PointRecord>>,
-    /// Normals and radii.
-    pub shapes: Arc<Vec<ShapeRecord>>,
-}
-
-impl From<&PhotoSurface> for BentSurface {
-    fn from(surface: &PhotoSurface) -> Self {
-        Self {
-            points: Arc::clone(&surface.points),
-            shapes: Arc::clone(&surface.shapes),
-        }
-    }
-}
-
-impl BentSurface {
-    pub(super) fn byte_size(&self) -> usize {
-        size_of_val(self.points.as_slice()) + size_of_val(self.shapes.as_slice())
-    }
-}
-
 /// Which points are stray: none where the file says how large disks are, or there are too many points.
 pub(super) fn is_stray(frame: &Frame) -> Vec<bool> {
     if frame.len() > MOST_POINTS || frame.radii().is_some() {
@@ -88,7 +63,7 @@ pub(super) fn bent_surface(
     points: &[PointRecord],
     shapes: &[ShapeRecord],
     is_stray: &[bool],
-) -> Option<BentSurface> {
+) -> Option<PhotoSurface> {
     if points.len() > MOST_BENT || frame.radii().is_some() {
         return None;
     }
@@ -107,7 +82,7 @@ pub(super) fn bent_surface(
         radius: disk.radius,
         ..shapes[at]
     };
-    Some(BentSurface {
+    Some(PhotoSurface {
         points: Arc::new(bent.iter().map(point).collect()),
         shapes: Arc::new(bent.iter().map(shape).collect()),
     })

@@ -14,7 +14,7 @@ mod map;
 #[cfg(test)]
 mod tests;
 
-use super::dense::{depth_range, telling};
+use super::dense::{AROUND_MIDDLE, depth_range, telling};
 use super::{Consistency, PlaneSweep, StereoError, View, consistent};
 use crate::photos::{Observation, PhotoSurface, Photograph, Photographs, ViewSet, resized};
 use crate::progress::Progress;
@@ -119,7 +119,7 @@ fn measured(
         .filter_map(|other| Some(views[small.iter().position(|small| small.number == other)?]))
         .take(NEIGHBOURS)
         .collect();
-    let range = middle.and_then(|&middle| depth_range(set, of_one.number, middle));
+    let range = depth_range(set, of_one.number, middle.copied(), AROUND_MIDDLE);
     let depths = match range {
         Some([near, far]) if !others.is_empty() => {
             let found = PlaneSweep::between(near, far).depths_observed(&views[index], &others, progress)?;

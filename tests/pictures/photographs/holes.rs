@@ -73,16 +73,6 @@ fn filled_pictures_do_not_depend_on_the_number_of_threads() {
     assert_eq!(drawn_by(1), drawn_by(3));
 }
 
-fn copy(photograph: &Arc<Photograph>) -> Photograph {
-    Photograph {
-        name: photograph.name.clone(),
-        pinhole: photograph.pinhole.clone(),
-        texture: photograph.texture.clone(),
-        depth: photograph.depth.clone(),
-        ..**photograph
-    }
-}
-
 /// Share of the channels that are clearly apart: near steps of depth, photographs are believed or not by a rounding.
 fn share_apart(one: &RgbaImage, other: &RgbaImage) -> f64 {
     let channels = one.as_raw().iter().zip(other.as_raw());
@@ -94,12 +84,7 @@ fn share_apart(one: &RgbaImage, other: &RgbaImage) -> f64 {
 /// other sizes and other holes before.
 #[test]
 fn both_renderers_fill_the_same_holes() {
-    let of_front = PHOTOGRAPHS
-        .all()
-        .iter()
-        .filter(|photograph| photograph.number.is_multiple_of(12));
-    let of_front = Arc::new(Photographs::new(of_front.map(copy).collect(), Some(0.5)));
-    let frame = FRAME.with_photographs(of_front);
+    let frame = FRAME.with_photographs(Arc::new(of_front()));
     let camera = camera_at(&pose(100.0, 5.0));
     let mut card = renderer();
     for (size_px, relight, lighting) in [
