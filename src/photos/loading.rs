@@ -93,9 +93,12 @@ impl LoadedPhotographs {
                     depth,
                 })
             });
-        let photographs = photographs.collect();
+        let mut photographs = Photographs::new(photographs.collect(), set.median_neighbour_angle());
+        if !set.has_points() {
+            photographs = photographs.by_stereo();
+        }
         Self {
-            photographs: Arc::new(Photographs::new(photographs, set.median_neighbour_angle())),
+            photographs: Arc::new(photographs),
             notes,
         }
     }

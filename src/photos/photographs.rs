@@ -13,6 +13,7 @@ pub struct Photographs {
     all: Vec<Arc<Photograph>>,
     neighbour_angle: f32,
     surface: Option<PhotoSurface>,
+    is_by_stereo: bool,
 }
 
 /// A surface to put photographs on in place of the points' own disks: disks, as many records of both kinds. Of a few
@@ -64,6 +65,13 @@ impl Photographs {
     /// The angle between neighbours of a single photograph, and of those that were all taken from one place, radians.
     const USUAL_ANGLE: f64 = 0.3;
 
+    /// The longest edge of depth maps that are drawn of what points say, texels.
+    const DEPTH_EDGE_PX: u32 = 512;
+
+    /// The same of what stereo says, whose outlines are a few pixels off: beside steps that much of a photograph may
+    /// show what is behind, and steps are as wide as so many texels.
+    const DEPTH_EDGE_BY_STEREO_PX: u32 = 160;
+
     /// These photographs, whose numbers grow, with the median angle between each and its nearest neighbour, radians
     /// ([`ViewSet::median_neighbour_angle`](super::ViewSet::median_neighbour_angle)).
     pub fn new(photographs: Vec<Photograph>, neighbour_angle: Option<f64>) -> Self {
@@ -71,14 +79,25 @@ impl Photographs {
             all: photographs.into_iter().map(Arc::new).collect(),
             neighbour_angle: neighbour_angle.unwrap_or(Self::USUAL_ANGLE) as f32,
             surface: None,
+            is_by_stereo: false,
         }
     }
 
-    /// The same with a surface of their own, if they have one.
+    /// The same, whose surface is known by stereo alone.
+    #[must_use]
+    pub fn by_stereo(self) -> Self {
+        Self {
+            is_by_stereo: true,
+            ..self
+        }
+    }
+
+    /// The same with a surface of their own, if they have one: that is by stereo.
     #[must_use]
     pub fn with_surface(&self, surface: Option<PhotoSurface>) -> Self {
         Self {
             all: self.all.clone(),
+            is_by_stereo: self.is_by_stereo || surface.is_some(),
             surface,
             ..*self
         }
@@ -117,6 +136,15 @@ impl Photographs {
     /// Median angle between a view and the nearest other one as the middle of the scene sees them, radians.
     pub fn neighbour_angle(&self) -> f32 {
         self.neighbour_angle
+    }
+
+    /// The longest edge of the depth maps that are drawn of what they show, texels.
+    pub fn depth_edge_px(&self) -> u32 {
+        if self.is_by_stereo {
+            Self::DEPTH_EDGE_BY_STEREO_PX
+        } else {
+            Self::DEPTH_EDGE_PX
+        }
     }
 
     /// Bytes of their texels and of their surface.
@@ -159,5 +187,11 @@ mod tests {
         let with_surface = all.with_surface(Some(surface));
         assert_eq!(with_surface.byte_size(), all.byte_size() + 2 * (16 + 16));
         assert!(all.surface().is_none() && with_surface.without(&[0]).surface().is_some());
+        assert_eq!(all.depth_edge_px(), 512);
+        assert_eq!(with_surface.without(&[0]).depth_edge_px(), 160);
+        assert_eq!(
+            all.with_surface(None).by_stereo().with_surface(None).depth_edge_px(),
+            160
+        );
     }
 }

@@ -70,36 +70,66 @@ impl Texture {
 /// next to it.
 #[inline(always)]
 fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
-    let size_px = picture.size_px();
-    let [(columns, across), (rows, down)] = [0, 1].map(|axis| {
-        let last = size_px[axis] as usize - 1;
-        // Not `clamp`: what is no number is at the border.
-        let at = (place[axis] - 0.5).max(0.0).min(last as f32);
-        let before = at as usize;
-        let texels = [
-            before.saturating_sub(1),
-            before,
-            (before + 1).min(last),
-            (before + 2).min(last),
-        ];
-        (texels, cubic_weights(at - before as f32))
-    });
-    let (mut sum, mut least, mut most) = (Vec4::ZERO, Vec4::INFINITY, Vec4::NEG_INFINITY);
-    for (line, (row, down)) in rows.into_iter().zip(down).enumerate() {
-        let texels = &picture.pixels()[size_px[0] as usize * row..][..size_px[0] as usize];
-        let line_of = columns.map(|column| {
-            // All channels at once.
-            let texel = Vec4::from_array(texels[column].map(f32::from)) * (1.0 / 255.0);
-            (texel * texel.w).with_w(texel.w)
-        });
-        let [first, left, right, last] = line_of;
-        if line == 1 || line == 2 {
-            least = least.min(left).min(right);
-            most = most.max(left).max(right);
-        }
-        sum += down * (across[0] * first + across[1] * left + across[2] * right + across[3] * last);
-    }
+    let [width, height] = picture.size_px().map(|edge| edge as usize);
+    let (columns, across) = cubic_places(place[0], width - 1);
+    let (rows, down) = cubic_places(place[1], height - 1);
+    let line = |row: usize| Line::of(&picture.pixels()[width * row..][..width], columns);
+    let lines = [line(rows[0]), line(rows[1]), line(rows[2]), line(rows[3])];
+    let sum = lines[0].at(across) * down[0]
+        + lines[1].at(across) * down[1]
+        + lines[2].at(across) * down[2]
+        + lines[3].at(across) * down[3];
+    let least = lines[1].left.min(lines[1].right).min(lines[2].left.min(lines[2].right));
+    let most = lines[1].left.max(lines[1].right).max(lines[2].left.max(lines[2].right));
     sum.max(least).min(most).to_array()
+}
+
+/// Four texels beside each other.
+struct Line {
+    first: Vec4,
+    left: Vec4,
+    right: Vec4,
+    last: Vec4,
+}
+
+impl Line {
+    // Not by `map`, whose calls stay calls in a loop that is compiled for other processors as well.
+    #[inline(always)]
+    fn of(texels: &[[u8; 4]], columns: [usize; 4]) -> Self {
+        Self {
+            first: times_alpha(texels[columns[0]]),
+            left: times_alpha(texels[columns[1]]),
+            right: times_alpha(texels[columns[2]]),
+            last: times_alpha(texels[columns[3]]),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, shares: [f32; 4]) -> Vec4 {
+        self.first * shares[0] + self.left * shares[1] + self.right * shares[2] + self.last * shares[3]
+    }
+}
+
+/// The four texels of an edge up to `last` around a place on it, and their shares there.
+#[inline(always)]
+fn cubic_places(place: f32, last: usize) -> ([usize; 4], [f32; 4]) {
+    // Not `clamp`: what is no number is at the border.
+    let at = (place - 0.5).max(0.0).min(last as f32);
+    let before = at as usize;
+    let texels = [
+        before.saturating_sub(1),
+        before,
+        (before + 1).min(last),
+        (before + 2).min(last),
+    ];
+    (texels, cubic_weights(at - before as f32))
+}
+
+/// Red, green and blue times alpha, and alpha, 0 to 1: all at once.
+#[inline(always)]
+fn times_alpha([red, green, blue, alpha]: [u8; 4]) -> Vec4 {
+    let texel = Vec4::new(f32::from(red), f32::from(green), f32::from(blue), f32::from(alpha)) * (1.0 / 255.0);
+    (texel * texel.w).with_w(texel.w)
 }
 
 /// Shares of four texels at a place `t` of the way from the second to the third.
@@ -118,29 +148,21 @@ fn cubic_weights(t: f32) -> [f32; 4] {
 #[inline(always)]
 fn between_texels(level: &PhotoImage, finest: [u32; 2], place: [f32; 2]) -> [f32; 4] {
     let size_px = level.size_px();
-    let [(left, right, across), (top, bottom, down)] = [0, 1].map(|axis| {
-        let edge = size_px[axis];
-        let at = place[axis] * (edge as f32 / finest[axis] as f32) - 0.5;
-        // Not `clamp`: what is no number is at the border.
-        let at = at.max(0.0).min(edge as f32 - 1.0);
-        let before = at as usize;
-        (before, (before + 1).min(edge as usize - 1), at - before as f32)
-    });
-    let texel = |column: usize, row: usize| level.pixels()[size_px[0] as usize * row + column];
-    let corners = [
-        (texel(left, top), (1.0 - across) * (1.0 - down)),
-        (texel(right, top), across * (1.0 - down)),
-        (texel(left, bottom), (1.0 - across) * down),
-        (texel(right, bottom), across * down),
-    ];
-    let mut sum = Vec4::ZERO;
-    for (texel, weight) in corners {
-        // All channels at once.
-        let texel = Vec4::from_array(texel.map(f32::from));
-        let alpha = weight * (1.0 / 255.0) * texel.w;
-        sum += (texel * (alpha * (1.0 / 255.0))).with_w(alpha);
-    }
-    sum.to_array()
+    let (left, right, across) = linear_places(place[0] / finest[0] as f32, size_px[0]);
+    let (top, bottom, down) = linear_places(place[1] / finest[1] as f32, size_px[1]);
+    let texel = |column: usize, row: usize| times_alpha(level.pixels()[size_px[0] as usize * row + column]);
+    let above = texel(left, top) * (1.0 - across) + texel(right, top) * across;
+    let below = texel(left, bottom) * (1.0 - across) + texel(right, bottom) * across;
+    (above * (1.0 - down) + below * down).to_array()
+}
+
+/// The two texels of an edge that are next to a place at `share` of it, and how far it is from the first to the second.
+#[inline(always)]
+fn linear_places(share: f32, edge: u32) -> (usize, usize, f32) {
+    // Not `clamp`: what is no number is at the border.
+    let at = (share * edge as f32 - 0.5).max(0.0).min(edge as f32 - 1.0);
+    let before = at as usize;
+    (before, (before + 1).min(edge as usize - 1), at - before as f32)
 }
 
 #[cfg(test)]

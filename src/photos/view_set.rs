@@ -17,7 +17,7 @@ pub struct ViewSet {
     pub photos: Vec<Photo>,
     /// Sparse points; their tracks name photographs by index.
     pub points: SparsePoints,
-    /// A file of points that the format names instead of holding them.
+    /// A file of points that the format names instead of holding them, or that lies beside the photographs.
     pub points_file: Option<PathBuf>,
     /// What was left out or taken for granted, a sentence each.
     pub notes: Vec<String>,
@@ -52,6 +52,11 @@ const MOST_POINTS_OF_A_MIDDLE: usize = 4096;
 const PARALLEL: f64 = 1e-6;
 
 impl ViewSet {
+    /// Whether a file says where the surface is. Else it is known by stereo alone.
+    pub fn has_points(&self) -> bool {
+        !self.points.is_empty() || self.points_file.is_some()
+    }
+
     /// How far the observations of photograph `photo` are from where its camera shows their points; `None` where no
     /// point was observed in it.
     pub fn reprojection_error(&self, photo: usize) -> Option<ReprojectionError> {

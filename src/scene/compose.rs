@@ -188,6 +188,7 @@ impl Scene {
             photographs: Arc::clone(photographs),
             origin,
             surface: bent(frame).or_else(|| of_points(frame)),
+            depths: None,
         });
         if photographs.is_some() {
             style = style.of_photographs();

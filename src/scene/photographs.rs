@@ -56,9 +56,6 @@ impl PhotoViews {
     /// most are asked in vain.
     pub const MOST_ASKED: usize = 16;
 
-    /// The longest edge of a depth map that is drawn.
-    const MOST_DEPTH_EDGE_PX: u32 = 512;
-
     /// Whether what none of them sees is filled from around.
     pub fn fills_holes(&self) -> bool {
         self.holes == PhotoHoles::Filled
@@ -115,7 +112,7 @@ pub fn seen_by_photograph(packet: &ScenePacket, photograph: &Photograph) -> Opti
     let surface = shown.surface.clone()?;
     let size_px = photograph.pinhole.size_px();
     let longest = size_px[0].max(size_px[1]);
-    let scale = f64::from(longest.min(PhotoViews::MOST_DEPTH_EDGE_PX)) / f64::from(longest);
+    let scale = f64::from(longest.min(shown.photographs.depth_edge_px())) / f64::from(longest);
     let viewport_px = size_px.map(|edge| ((f64::from(edge) * scale).round() as u32).max(1));
     let view = view_of(photograph, shown.origin, packet, viewport_px);
     let mut seen = packet.for_depths(view, viewport_px);

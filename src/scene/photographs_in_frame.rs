@@ -1,6 +1,6 @@
 //! Photographs of what a packet shows.
 
-use super::{Content, Surfels};
+use super::{Content, PhotoDepths, Surfels};
 use crate::photos::Photographs;
 use glam::DVec3;
 use std::sync::Arc;
@@ -14,6 +14,8 @@ pub struct PhotographsInFrame {
     pub origin: DVec3,
     /// All of the surface, whatever of it is drawn: what photographs see of it does not change with the view.
     pub surface: Option<Surfels>,
+    /// What photographs see of it, if that was drawn ahead; else who draws the packet does that first.
+    pub depths: Option<Arc<PhotoDepths>>,
 }
 
 /// Equal if they are the same allocations.
@@ -22,6 +24,7 @@ impl PartialEq for PhotographsInFrame {
         let content = |surface: &Option<Surfels>| surface.clone().map_or(Content::Nothing, Content::Surfels);
         Arc::ptr_eq(&self.photographs, &other.photographs)
             && self.origin == other.origin
+            && self.depths.as_ref().map(Arc::as_ptr) == other.depths.as_ref().map(Arc::as_ptr)
             && content(&self.surface) == content(&other.surface)
     }
 }

@@ -94,7 +94,7 @@ pub(super) fn cloud_of_set(
 ) -> Result<RawCloud, DecodeFailure> {
     let points = &set.points;
     let file = set.points_file.as_ref().filter(|_| points.is_empty());
-    if options.dense || (points.is_empty() && file.is_none()) {
+    if options.dense || !set.has_points() {
         return Ok(by_stereo(set)?);
     }
     if let Some(file) = file {

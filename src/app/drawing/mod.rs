@@ -5,7 +5,9 @@ pub(super) mod levels;
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::can_draw;
-use crate::scene::{Camera, Pick, Primitive, Scene, ScenePacket, SceneStats, ScreenStats, Style, hidden, pick};
+use crate::scene::{
+    Camera, PhotoDepths, Pick, Primitive, Scene, ScenePacket, SceneStats, ScreenStats, Style, hidden, pick,
+};
 use crate::sequence::PreparedFrame;
 use egui::{Pos2, Rect, Vec2};
 use glam::{DVec2, DVec3};
@@ -40,6 +42,8 @@ pub(in crate::app) struct DrawnFrame {
     pub(in crate::app) pose: Arc<PreparedFrame>,
     /// Of their positions.
     pub(in crate::app) origin: DVec3,
+    /// What its photographs see of it.
+    pub(in crate::app) depths: Option<Arc<PhotoDepths>>,
 }
 
 impl DrawnFrame {
@@ -147,6 +151,7 @@ impl Drawing {
         if let Some(part) = part {
             drawn.frame = Arc::clone(&part);
             drawn.pose = part;
+            drawn.depths = None;
         }
         let (frame, mut style) = self.levels.choose(&drawn.frame, camera, style, now);
         if !can_draw(&drawn.frame, &style) {
@@ -155,7 +160,10 @@ impl Drawing {
                 style.primitive = Primitive::Point;
             }
         }
-        let packet = self.scene.packet(&frame, drawn.origin, camera, &style, viewport_px);
+        let mut packet = self.scene.packet(&frame, drawn.origin, camera, &style, viewport_px);
+        if let Some(photographs) = &mut packet.photographs {
+            photographs.depths.clone_from(&drawn.depths);
+        }
         if self.packet.as_ref() == Some(&packet) {
             return None;
         }

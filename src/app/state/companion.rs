@@ -217,6 +217,7 @@ impl State {
             frame: Arc::clone(frame),
             pose: Arc::clone(frame),
             origin: beside.companion.sequence().origin(),
+            depths: None,
         };
         let size_px = self.viewport.other_size_px;
         let packet = beside

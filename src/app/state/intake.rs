@@ -47,6 +47,7 @@ impl State {
                     self.notices.warn(note);
                 }
             }
+            Outcome::Photographed(made) => self.photos.take_frame(made),
             Outcome::Traced(traced) => self.trails.take_in(traced),
             Outcome::Levels(FrameWithLevels(frame)) => {
                 self.main.drawing.take_levels(&frame);

@@ -9,7 +9,7 @@ use crate::app::features::beside::FrameDistances;
 use crate::app::features::camera_path::PathFile;
 use crate::app::features::comparison::PictureDifference;
 use crate::app::features::export::ExportEnded;
-use crate::app::features::photos::PhotosLoaded;
+use crate::app::features::photos::{PhotographedFrame, PhotosLoaded};
 use crate::app::features::save::{Estimated, SaveEnded};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::features::thumbnails::Delivery;
@@ -106,6 +106,8 @@ outcomes! {
     Thumbnail(Box<Delivery>),
     /// Photographs were loaded.
     Photos(PhotosLoaded),
+    /// Photographs were put on a frame.
+    Photographed(PhotographedFrame),
     /// Points were followed through the frames.
     Traced(Traced),
     /// A benchmark ended.

@@ -41,15 +41,16 @@ impl State {
             return None;
         }
         let origin = player.sequence().origin();
+        let style = self.drawn_style();
         let set = Photos::set_of(player);
-        let frame = &self.photos.dress(frame, set.as_ref());
+        let photographed = self.photos.drawn(frame, set.as_ref(), &style);
         let drawn = DrawnFrame {
-            frame: Arc::clone(frame),
+            frame: Arc::clone(photographed.map_or(frame, |with| &with.frame)),
             pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
             origin,
+            depths: photographed.map(|with| Arc::clone(&with.depths)),
         };
         self.main.note_choice(self.style.drawing.renderer);
-        let style = self.drawn_style();
         let size_px = self.viewport.size_px;
         let packet = self
             .main
@@ -93,12 +94,16 @@ impl State {
             return self.next_packet_beside();
         }
         let other = self.comparison.as_ref()?.other;
+        let style_of_a = self.drawn_style();
         let mut style = self.resolved(&other);
         style.of_sequence.clip = self.style.of_sequence.clip;
         let comparison = self.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let set = Photos::set_of(player);
-        let frame = &self.photos.dress(player.shown()?, set.as_ref());
+        let shown = player.shown()?;
+        // Disks of the other side may be as large as they like: its renderer draws depths of its own.
+        let photographed = self.photos.drawn(shown, set.as_ref(), &style_of_a);
+        let frame = photographed.map_or(shown, |with| &with.frame);
         if self.viewport.size_px.contains(&0) {
             return None;
         }

@@ -2,5 +2,6 @@
 
 pub(super) mod files;
 pub(super) mod panel;
+pub(super) mod pool;
 pub(super) mod tasks;
 pub(super) mod works;

@@ -14,6 +14,7 @@ mod ambient_occlusion;
 mod antialiasing;
 mod blocks;
 mod deferred;
+mod depths;
 mod eight;
 mod ewa;
 mod eye_dome;
@@ -49,15 +50,15 @@ mod view;
 use super::gathered::Gathered;
 use super::{RenderError, RenderStats, Renderer};
 use crate::measure::DepthImage;
-use crate::scene::{
-    AmbientOcclusion, Antialiasing, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow, seen_by_photograph,
-};
+use crate::scene::{AmbientOcclusion, Antialiasing, Content, Lights, PhotoViews, PhysicalLight, ScenePacket, Shadow};
 use crate::stopwatch::milliseconds_since;
 use ambient_occlusion::Occlusion;
 use blocks::Blocks;
+use depths::{draw_distances, draw_reversed_depths};
 use illumination::Illumination;
 use image::RgbaImage;
-pub(in crate::render) use photographs::{DepthMap, DepthMaps};
+pub(in crate::render) use photographs::KnownDepths;
+pub use photographs::depths_of_photographs;
 use photographs::{PhotoAnswer, Projected, fill_holes};
 use primitives::{Drawable, of_surfaces};
 use rows::{TileRow, bands_of};
@@ -83,7 +84,7 @@ pub struct CpuRenderer {
     /// The depths that the key light sees, and what they were drawn from.
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
     /// The depths that photographs see.
-    photograph_depths: Option<DepthMaps>,
+    photograph_depths: KnownDepths,
     /// What photographs say of the pixels of the picture, where holes are filled from around.
     photographed: Vec<PhotoAnswer>,
     stats: RenderStats,
@@ -160,9 +161,9 @@ impl CpuRenderer {
         let physical = PhysicalLight::of(packet);
         let photo_views = PhotoViews::of(packet);
         let photographs = photo_views.as_ref().zip(packet.photographs.as_ref());
+        let depths = self.photograph_depths.of(packet);
         let projected = photographs.map(|(views, shown)| {
-            let depths = depths_of_photographs(&mut self.photograph_depths, packet);
-            let projected = Projected::new(views, shown.photographs.all(), depths);
+            let projected = Projected::new(views, shown.photographs.all(), &depths.maps);
             if projected.fills_holes() {
                 self.photographed.resize(pixels, PhotoAnswer::default());
                 look(&projected, packet, blocks, &mut self.photographed);
@@ -256,23 +257,6 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// Reversed depths of all pixels of a packet; 0 where nothing is.
-fn draw_reversed_depths(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks, depths: &mut [f32]) {
-    let bands = bands_of(packet, depths, 1).map(TileRow::Depths);
-    drawable.draw(packet, blocks, None, bands.collect());
-}
-
-/// Distances of all pixels of a packet along the view axis; infinite where nothing is.
-fn draw_distances(drawable: &Drawable<'_>, packet: &ScenePacket, blocks: &Blocks) -> Vec<f32> {
-    let [width, height] = packet.viewport_px.map(|edge| edge as usize);
-    let mut distances = vec![0.0; width * height];
-    draw_reversed_depths(drawable, packet, blocks, &mut distances);
-    for distance in &mut distances {
-        *distance = packet.view.near / *distance;
-    }
-    distances
-}
-
 /// What photographs say of all pixels of a packet.
 fn look(photographs: &Projected<'_>, packet: &ScenePacket, blocks: &Blocks, told: &mut [PhotoAnswer]) {
     let illumination = Lights::of(packet).map(|lights| Illumination {
@@ -296,37 +280,4 @@ fn depths_from_lamp<'a>(known: &'a mut Option<(ScenePacket, Vec<f32>)>, shadow: 
         draw_reversed_depths(&Drawable::of_shadow(shadow), packet, blocks, &mut depths);
     }
     &known.insert((packet.clone(), depths)).1
-}
-
-/// The depths that photographs see: those that are known, or drawn now. The GPU's renderer has them from here as well:
-/// they are drawn once for each frame, and not for each picture.
-pub(in crate::render) fn depths_of_photographs<'a>(
-    known: &'a mut Option<DepthMaps>,
-    packet: &ScenePacket,
-) -> &'a [DepthMap] {
-    let Some(shown) = &packet.photographs else {
-        return &[];
-    };
-    let of = (shown.clone(), packet.style.surfels);
-    let kept = known.take().filter(|maps| maps.of == of);
-    let maps = kept.unwrap_or_else(|| {
-        let mut blocks = None;
-        let most_extent = 2.0 * packet.bounds.radius();
-        let photographs = shown.photographs.all().iter();
-        let maps = photographs.map(|photograph| {
-            if let Some(depth) = &photograph.depth {
-                return DepthMap::new(depth.size_px(), depth.metres().to_vec(), most_extent, true);
-            }
-            let Some(seen) = seen_by_photograph(packet, photograph) else {
-                return DepthMap::new([1, 1], vec![0.0], 0.0, false);
-            };
-            let drawable = Drawable::of_surface(&seen);
-            let blocks = blocks.get_or_insert_with(|| drawable.blocks());
-            let distances = draw_distances(&drawable, &seen, blocks);
-            DepthMap::new(seen.viewport_px, distances, most_extent, false)
-        });
-        let maps = maps.collect();
-        DepthMaps { of, maps }
-    });
-    &known.insert(maps).maps
 }

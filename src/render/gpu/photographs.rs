@@ -6,8 +6,11 @@
 
 use super::context::Context;
 use crate::photos::Photographs;
-use crate::render::cpu::{DepthMap, DepthMaps, depths_of_photographs};
-use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame, ScenePacket};
+use crate::render::cpu::KnownDepths;
+use crate::scene::{
+    DepthMap, PhotoClipping, PhotoDepths, PhotoHoles, PhotoRelight, PhotoView, PhotoViews, PhotographsInFrame,
+    ScenePacket,
+};
 use std::sync::Arc;
 
 /// What shaders read of the choices that are no numbers.
@@ -28,10 +31,11 @@ const COLUMNS: usize = 8;
 /// Photographs on the graphics card.
 #[derive(Debug)]
 pub(super) struct PhotoTextures {
-    /// What they are of.
-    depth_maps: Option<DepthMaps>,
     texels: wgpu::TextureView,
+    texels_of: Arc<Photographs>,
     depths: wgpu::TextureView,
+    depths_of: Arc<PhotoDepths>,
+    known_depths: KnownDepths,
     table: wgpu::TextureView,
 }
 
@@ -43,28 +47,23 @@ impl PhotoTextures {
         (shown, views): (&PhotographsInFrame, &PhotoViews),
         packet: &ScenePacket,
     ) -> Self {
-        let same_texels = known.as_ref().filter(|known| known.has_texels_of(shown));
-        let texels = same_texels.map_or_else(|| texels(context, &shown.photographs), |known| known.texels.clone());
-        let same_depths = known.as_ref().filter(|known| known.has_depths_of(shown, packet));
-        let same_depths = same_depths.map(|known| known.depths.clone());
-        let mut depth_maps = known.and_then(|known| known.depth_maps);
-        let maps = depths_of_photographs(&mut depth_maps, packet);
+        let photographs = &shown.photographs;
+        let same = |known: &&Self| Arc::ptr_eq(&known.texels_of, photographs);
+        let same_texels = known.as_ref().filter(same).map(|known| known.texels.clone());
+        let (mut known_depths, before) = known.map_or_else(Default::default, |known| {
+            (known.known_depths, Some((known.depths, known.depths_of)))
+        });
+        let depths_of = known_depths.of(packet);
+        let same_depths = before.filter(|(_, of)| Arc::ptr_eq(of, &depths_of));
+        let same_depths = same_depths.map(|(depths, _)| depths);
         Self {
-            texels,
-            depths: same_depths.unwrap_or_else(|| depths(context, maps)),
-            table: table(context, views, shown, maps),
-            depth_maps,
+            texels: same_texels.unwrap_or_else(|| texels(context, photographs)),
+            texels_of: Arc::clone(photographs),
+            depths: same_depths.unwrap_or_else(|| depths(context, &depths_of.maps)),
+            table: table(context, views, shown, &depths_of.maps),
+            depths_of,
+            known_depths,
         }
-    }
-
-    fn has_texels_of(&self, shown: &PhotographsInFrame) -> bool {
-        let of = self.depth_maps.as_ref().map(|maps| &maps.of.0.photographs);
-        of.is_some_and(|of| Arc::ptr_eq(of, &shown.photographs))
-    }
-
-    fn has_depths_of(&self, shown: &PhotographsInFrame, packet: &ScenePacket) -> bool {
-        let of = self.depth_maps.as_ref().map(|maps| &maps.of);
-        of.is_some_and(|(of, surfels)| of == shown && *surfels == packet.style.surfels)
     }
 
     /// In the order of their bindings.

@@ -253,7 +253,13 @@ impl Moment {
                 _ => Err(no_set(&self.entry.path)),
             }
         };
-        let known = self.set.get_or_init(|| look().map(Arc::new).map_err(Arc::new));
+        let with_points = |set: ViewSet| ViewSet {
+            points_file: set.points_file.or_else(|| self.points.clone()),
+            ..set
+        };
+        let known = self
+            .set
+            .get_or_init(|| look().map(with_points).map(Arc::new).map_err(Arc::new));
         known.clone()
     }
 

@@ -53,10 +53,10 @@ impl Comparison {
         style: &Style,
         viewport_px: [u32; 2],
     ) -> Option<ScenePacket> {
-        let known = self
-            .frame
-            .take()
-            .filter(|known| Arc::ptr_eq(&known.frame, &frame.frame));
+        let photographs = |frame: &PreparedFrame| frame.photographs.as_ref().map(Arc::as_ptr);
+        let is_known =
+            |known: &PreparedFrame| Arc::ptr_eq(&known.frame, &frame.frame) && photographs(known) == photographs(frame);
+        let known = self.frame.take().filter(is_known);
         let needs = Scene::needs(style);
         let frame = complete(known.as_ref().unwrap_or(frame), &needs, &PrepareCounters::default());
         let packet = self.scene.packet(&frame, origin, camera, style, viewport_px);

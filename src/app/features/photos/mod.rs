@@ -2,23 +2,29 @@
 //!
 //! How it works. The source says which photographs there are of a frame; their pixels take long, so the first frame is
 //! shown in the colours of its points until they are there. As long as frames have the same set, it is loaded once. Of
-//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, playing waits for them
-//! as for frames, and sets are kept as long as all of them fit into the budget.
+//! what was filmed each frame has a set of its own: those of the next frames are loaded ahead, and put on these frames
+//! (`photographed.rs`); playing waits for them as for frames, and sets are kept as long as all of them fit into the
+//! budget.
 
 pub(in crate::app) mod frusta;
 pub(in crate::app) mod panel;
+mod photographed;
 
+pub(in crate::app) use photographed::PhotographedFrame;
+
+use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::headless::PHOTOGRAPH_BYTES;
 use crate::photos::{LoadedPhotographs, Photographs, ReprojectionError, ViewSet};
 use crate::playback::Player;
 use crate::progress::Progress;
-use crate::scene::Style;
-use crate::sequence::PreparedFrame;
+use crate::scene::{Scene, Style};
+use crate::sequence::{PreparedFrame, Slot};
 use crate::source::Source;
 use crate::stereo::photo_surface;
 use crate::timeline::Direction;
 use glam::{DVec3, Vec3};
+use photographed::{Parts, PhotographedFrames};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -55,15 +61,9 @@ pub struct Photos {
     running: Option<(Arc<ViewSet>, Progress)>,
     /// Those that are not used, by their numbers.
     off: BTreeSet<usize>,
-    /// The last frame with them.
-    dressed: Option<Dressed>,
-}
-
-/// A frame, and the same with photographs.
-#[derive(Debug)]
-struct Dressed {
-    of: Arc<PreparedFrame>,
-    frame: Arc<PreparedFrame>,
+    /// Frames with them.
+    frames: PhotographedFrames,
+    pool: PoolBehindDrawing,
 }
 
 impl Photos {
@@ -112,30 +112,52 @@ impl Photos {
         }
     }
 
-    /// Whether the photographs of frame `index` are there, if it has some that are to be drawn. Before the first ones
-    /// are, nothing is waited for.
+    /// Whether frame `index` is there with its photographs, if it has some that are to be drawn. Before the first ones
+    /// are loaded, nothing is waited for.
     pub(in crate::app) fn are_there(&self, source: &dyn Source, index: usize, style: &Style) -> bool {
         if !style.draws_photographs() || self.loaded.is_empty() || !source.frames().contains(&index) {
             return true;
         }
-        let set = source.photographs(index);
-        set.is_none_or(|set| self.loaded.iter().any(|loaded| Arc::ptr_eq(&loaded.set, &set)))
+        let Some(set) = source.photographs(index) else {
+            return true;
+        };
+        let used = self.loaded(&set).map(|loaded| &loaded.used);
+        used.is_some_and(|used| used.all().is_empty() || self.frames.has(index, used, &style.surfels))
     }
 
-    /// Starts to load the photographs of the shown frame, and then of those that follow, if the style draws them; ends
-    /// what nobody waits for.
-    pub(in crate::app) fn follow<T: TaskOutcome + From<PhotosLoaded>>(
-        &mut self,
-        player: &Player,
-        style: &Style,
-        tasks: &Tasks<T>,
-    ) {
+    fn loaded(&self, set: &Arc<ViewSet>) -> Option<&LoadedSet> {
+        self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, set))
+    }
+
+    /// The frame with what is used of its photographs, once they are loaded.
+    fn parts(&self, frame: &Arc<PreparedFrame>, set: &Arc<ViewSet>, style: &Style) -> Option<Parts> {
+        let used = self.loaded(set).map(|loaded| &loaded.used);
+        used.filter(|used| !used.all().is_empty()).map(|used| Parts {
+            frame: Arc::clone(frame),
+            photographs: Arc::clone(used),
+            surfels: style.surfels,
+        })
+    }
+
+    /// Starts to load the photographs of the shown frame, and then of those that follow, if the style draws them, and
+    /// to put them on these frames; ends what nobody waits for.
+    pub(in crate::app) fn follow<T>(&mut self, player: &Player, style: &Style, tasks: &Tasks<T>)
+    where
+        T: TaskOutcome + From<PhotosLoaded> + From<PhotographedFrame>,
+    {
         self.shown = Self::set_of(player);
-        let wanted = if style.draws_photographs() {
-            wanted(player)
+        let frames = if style.draws_photographs() {
+            frames_wanted(player)
         } else {
             Vec::new()
         };
+        self.load(player, &frames, tasks);
+        self.put_on(player, &frames, style, tasks);
+    }
+
+    /// Starts to load the photographs of the first of `frames` whose photographs are not there.
+    fn load<T: TaskOutcome + From<PhotosLoaded>>(&mut self, player: &Player, frames: &[usize], tasks: &Tasks<T>) {
+        let wanted = sets_of(player, frames);
         let is_wanted = |known: &Arc<ViewSet>| wanted.iter().any(|wanted| Arc::ptr_eq(wanted, known));
         if let Some((_, progress)) = self.running.take_if(|(running, _)| !is_wanted(running)) {
             progress.cancel();
@@ -151,9 +173,11 @@ impl Photos {
                 self.loaded.push(loaded);
             }
         }
-        let is_loaded = |set: &Arc<ViewSet>| self.loaded.iter().any(|loaded| Arc::ptr_eq(&loaded.set, set));
-        let next = wanted.iter().find(|set| !is_loaded(set));
+        let next = wanted.iter().find(|set| self.loaded(set).is_none());
         let Some(set) = next.filter(|_| self.running.is_none()).map(Arc::clone) else {
+            return;
+        };
+        let Some(pool) = self.pool.get("photographs", 0) else {
             return;
         };
         let progress = Progress::default();
@@ -161,7 +185,7 @@ impl Photos {
         // Of what was filmed, each frame has a cloud of its own.
         let sequence = player.sequence();
         let origin = (sequence.len() == 1).then(|| sequence.origin());
-        tasks.start("photographs", move || {
+        tasks.start_in(pool, move || {
             let mut loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
             if let Some(origin) = origin {
                 let surface = photo_surface(&set, &loaded.photographs, origin, &progress);
@@ -177,6 +201,34 @@ impl Photos {
             };
             PhotosLoaded((!progress.is_cancelled()).then_some(loaded))
         });
+    }
+
+    /// Starts to put photographs on what is drawn without, else on the first of `frames` that lacks them.
+    fn put_on<T: TaskOutcome + From<PhotographedFrame>>(
+        &mut self,
+        player: &Player,
+        frames: &[usize],
+        style: &Style,
+        tasks: &Tasks<T>,
+    ) {
+        let needs = Scene::needs(style);
+        let source = player.sequence().source();
+        let following = frames.iter().filter_map(|&index| {
+            let (Slot::Ready(frame) | Slot::Coarse(frame)) = player.loader().get(index, &needs) else {
+                return None;
+            };
+            self.parts(&frame, &source.photographs(index)?, style)
+        });
+        let following: Vec<Parts> = following.collect();
+        if let Some(pool) = self.pool.get("photographs", 0) {
+            let origin = player.sequence().origin();
+            self.frames.follow(following, style, origin, (tasks, pool));
+        }
+    }
+
+    /// Takes a frame that photographs were put on.
+    pub(in crate::app) fn take_frame(&mut self, made: PhotographedFrame) {
+        self.frames.take_in(made);
     }
 
     /// Takes photographs that were loaded; what was wrong with others.
@@ -198,26 +250,15 @@ impl Photos {
         notes
     }
 
-    /// `frame` with its photographs, once they are loaded.
-    pub(in crate::app) fn dress(
+    /// `frame` with its photographs, once that is there.
+    pub(in crate::app) fn drawn(
         &mut self,
         frame: &Arc<PreparedFrame>,
         set: Option<&Arc<ViewSet>>,
-    ) -> Arc<PreparedFrame> {
-        let loaded = set.and_then(|set| self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, set)));
-        let used = loaded.map(|loaded| &loaded.used);
-        let Some(used) = used.filter(|used| !used.all().is_empty()) else {
-            return Arc::clone(frame);
-        };
-        let known = self.dressed.take().filter(|dressed| {
-            let has = dressed.frame.photographs.as_ref();
-            Arc::ptr_eq(&dressed.of, frame) && has.is_some_and(|has| Arc::ptr_eq(has, used))
-        });
-        let dressed = known.unwrap_or_else(|| Dressed {
-            of: Arc::clone(frame),
-            frame: Arc::new(frame.with_photographs(Arc::clone(used))),
-        });
-        Arc::clone(&self.dressed.insert(dressed).frame)
+        style: &Style,
+    ) -> Option<&PhotographedFrame> {
+        let parts = self.parts(frame, set?, style)?;
+        self.frames.drawn(parts)
     }
 
     /// How much of those of the shown frame is done of how much, while they are loaded and their surface is made.
@@ -228,8 +269,7 @@ impl Photos {
     }
 
     fn shown_set(&self) -> Option<&LoadedSet> {
-        let shown = self.shown.as_ref()?;
-        self.loaded.iter().find(|loaded| Arc::ptr_eq(&loaded.set, shown))
+        self.loaded(self.shown.as_ref()?)
     }
 
     /// Forgets sets that nobody asked for in a long time, until one of `bytes` fits into the budget.
@@ -268,23 +308,33 @@ impl Photos {
     }
 }
 
-/// The sets of the frame that is due, of the one that is shown, and of those that follow, each once.
-fn wanted(player: &Player) -> Vec<Arc<ViewSet>> {
-    let source = player.sequence().source();
-    let (clock, frames) = (player.clock(), source.frames());
+/// The frame that is due, the one that is shown, and those that follow.
+fn frames_wanted(player: &Player) -> Vec<usize> {
+    let clock = player.clock();
     let due = clock.frame();
     let ahead = (1..=FRAMES_AHEAD).filter_map(|step| match clock.direction() {
         Direction::Forward => due.checked_add(step),
         Direction::Backward => due.checked_sub(step),
     });
     let shown = player.shown().map(|shown| shown.index);
-    let mut wanted: Vec<Arc<ViewSet>> = Vec::new();
+    let frames = player.sequence().source().frames();
+    let mut wanted: Vec<usize> = Vec::new();
     for index in std::iter::once(due).chain(shown).chain(ahead) {
-        let set = frames.contains(&index).then(|| source.photographs(index)).flatten();
-        let is_new = |set: &Arc<ViewSet>| !wanted.iter().any(|known| Arc::ptr_eq(known, set));
-        if let Some(set) = set.filter(is_new) {
-            wanted.push(set);
+        if frames.contains(&index) && !wanted.contains(&index) {
+            wanted.push(index);
         }
     }
     wanted
+}
+
+/// The photographs of frames, each set once.
+fn sets_of(player: &Player, frames: &[usize]) -> Vec<Arc<ViewSet>> {
+    let source = player.sequence().source();
+    let mut sets: Vec<Arc<ViewSet>> = Vec::new();
+    for set in frames.iter().filter_map(|&index| source.photographs(index)) {
+        if !sets.iter().any(|known| Arc::ptr_eq(known, &set)) {
+            sets.push(set);
+        }
+    }
+    sets
 }

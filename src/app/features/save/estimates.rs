@@ -7,10 +7,10 @@
 
 use super::choices::Save;
 use super::plan::Savable;
+use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
 use crate::convert::{Estimate, SampleEstimate, SampleFrame, Target, source_bytes};
-use crate::priority;
 use crate::sequence::Sequence;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub struct Estimates {
     kept: Vec<Arc<SampleFrame>>,
     /// Bytes of the files that the frames are in, if anybody knows.
     source: Option<(usize, RangeInclusive<usize>, Option<u64>)>,
-    pool: Option<rayon::ThreadPool>,
+    pool: PoolBehindDrawing,
 }
 
 /// Bytes of the files that frames are in, if anybody knows.
@@ -148,16 +148,7 @@ impl Estimates {
         let Some((question, index)) = self.question.clone().zip(self.waiting.pop()) else {
             return;
         };
-        if self.pool.is_none() {
-            self.pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(1)
-                .thread_name(|_| "estimate".to_owned())
-                .start_handler(|_| priority::go_behind_drawing())
-                .build()
-                .inspect_err(|reason| log::warn!("no thread for estimates: {reason}"))
-                .ok();
-        }
-        let Some(pool) = &self.pool else {
+        let Some(pool) = self.pool.get("estimate", 1) else {
             self.waiting.clear();
             self.problem = Some("No thread could be started for estimates: close other programs".to_owned());
             return;
@@ -221,7 +212,7 @@ impl Estimates {
             *self = Self {
                 // What is under way says so when it ends.
                 running: self.running.take(),
-                pool: self.pool.take(),
+                pool: std::mem::take(&mut self.pool),
                 ..Self::default()
             };
         }

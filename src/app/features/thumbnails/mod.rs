@@ -17,9 +17,9 @@ mod store;
 pub(in crate::app) use schedule::strip_frames;
 pub(in crate::app) use store::{MAX_CELLS, PICTURE_PX, ThumbnailState};
 
+use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::Player;
-use crate::priority;
 use crate::scene::{Camera, FirstLook, UpAxis};
 use crate::sequence::{ColorHints, Coloring, FrameError, Needs, Slot};
 use draw::{Material, Thumbnail, ThumbnailJob};
@@ -53,7 +53,7 @@ pub struct Thumbnails {
     is_busy: bool,
     /// When the last picture was begun.
     begun: Option<Duration>,
-    pool: Option<rayon::ThreadPool>,
+    pool: PoolBehindDrawing,
     /// Where the next picture is kept as a file.
     keep_at: Option<PathBuf>,
 }
@@ -77,7 +77,7 @@ impl Thumbnails {
             generation: 0,
             is_busy: false,
             begun: None,
-            pool: None,
+            pool: PoolBehindDrawing::default(),
             keep_at: None,
         }
     }
@@ -214,18 +214,7 @@ impl Thumbnails {
     }
 
     fn start<T: TaskOutcome + From<Box<Delivery>>>(&mut self, frame: usize, job: ThumbnailJob, tasks: &Tasks<T>) {
-        if self.pool.is_none() {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(1)
-                .thread_name(|_| "thumbnails".to_owned())
-                .start_handler(|_| priority::go_behind_drawing())
-                .build();
-            match pool {
-                Ok(pool) => self.pool = Some(pool),
-                Err(reason) => log::warn!("no thread for thumbnails: {reason}"),
-            }
-        }
-        let Some(pool) = &self.pool else {
+        let Some(pool) = self.pool.get("thumbnails", 1) else {
             self.is_on = false;
             return;
         };

@@ -36,6 +36,8 @@ pub(super) struct Scores {
     cosines: Vec<f32>,
     /// The largest cosine of each eight: most of them need not be gone through for the next one.
     largest: Vec<f32>,
+    /// Squares of these angles.
+    angles2: Vec<f32>,
     /// Where it is in them, texels from the upper left corner.
     places: [Vec<f32>; 2],
     /// Along the axes of their cameras.
@@ -87,8 +89,9 @@ impl Candidates {
             .iter_mut()
             .zip(columns)
             .zip(rows.iter_mut().zip(distances.iter_mut().zip(facings)));
-        let of_groups = of_groups.zip(&mut scores.largest);
-        for (group, (of_group, largest)) in self.groups.iter().zip(of_groups) {
+        let (angles2, _) = scores.angles2.as_chunks_mut::<LANES>();
+        let of_groups = of_groups.zip(scores.largest.iter_mut().zip(angles2));
+        for (group, (of_group, (largest, angles2))) in self.groups.iter().zip(of_groups) {
             let ((cosines, columns), (rows, (distances, facings))) = of_group;
             let place_in = [along(simd, &group.rows[0], &at), along(simd, &group.rows[1], &at)];
             let distance = along(simd, &group.rows[2], &at);
@@ -117,6 +120,7 @@ impl Candidates {
             rows.copy_from_slice(row.as_slice());
             distances.copy_from_slice(distance.as_slice());
             facings.copy_from_slice(facing.as_slice());
+            angles2.copy_from_slice(squared_angles(simd, cosine).as_slice());
             *largest = largest_of(cosines);
         }
     }
@@ -136,6 +140,29 @@ fn along<S: Simd>(simd: S, row: &[Eight; 4], place: &Vectors<S>) -> f32x8<S> {
     of(simd, &row[0]).mul_add(place.x, offset)
 }
 
+/// Squares of the angles that have these cosines, to 1e-6: by the polynomial for `acos(x) / √(1 − x)` of Abramowitz and
+/// Stegun 1964, 4.4.46, which needs no root where angles are acute.
+#[inline(always)]
+fn squared_angles<S: Simd>(simd: S, cosine: f32x8<S>) -> f32x8<S> {
+    const TERMS: [f64; 8] = [
+        -0.001_262_491_1,
+        0.006_670_090_1,
+        -0.017_088_125_6,
+        0.030_891_881_0,
+        -0.050_174_304_6,
+        0.088_978_987_4,
+        -0.214_598_801_6,
+        1.570_796_305_0,
+    ];
+    let one = f32x8::splat(simd, 1.0);
+    let size = cosine.abs().min(one);
+    let [first, terms @ ..] = TERMS.map(|term| f32x8::splat(simd, term as f32));
+    let per_root = terms.into_iter().fold(first, |sum, term| sum.mul_add(size, term));
+    let acute2 = (one - size) * per_root * per_root;
+    let obtuse = std::f32::consts::PI - acute2.sqrt();
+    simd.select_f32x8(cosine.simd_lt(f32x8::splat(simd, 0.0)), obtuse * obtuse, acute2)
+}
+
 #[inline(always)]
 fn largest_of(cosines: &Eight) -> f32 {
     cosines.iter().copied().fold(Scores::NONE, f32::max)
@@ -147,17 +174,17 @@ impl Scores {
     fn resize(&mut self, count: usize) {
         if self.cosines.len() != count {
             let [columns, rows] = &mut self.places;
-            for values in [&mut self.cosines, columns, rows, &mut self.distances, &mut self.facings] {
+            let of_each = [&mut self.cosines, columns, rows, &mut self.distances, &mut self.facings];
+            for values in of_each.into_iter().chain([&mut self.angles2]) {
                 values.resize(count, Self::NONE);
             }
             self.largest.resize(count / LANES, Self::NONE);
         }
     }
 
-    /// The photograph that looks from nearest to the eye's direction, with the cosine between both; it is not found
-    /// again.
+    /// The photograph that looks from nearest to the eye's direction; it is not found again.
     #[inline(always)]
-    pub(super) fn take_best(&mut self) -> Option<(usize, f32)> {
+    pub(super) fn take_best(&mut self) -> Option<usize> {
         let (mut group, mut cosine) = (0, Self::NONE);
         for (at, &value) in self.largest.iter().enumerate() {
             if value > cosine {
@@ -172,7 +199,12 @@ impl Scores {
         let lane = lanes.iter().position(|&value| value == cosine)?;
         lanes[lane] = Self::NONE;
         self.largest[group] = largest_of(lanes);
-        Some((LANES * group + lane, cosine))
+        Some(LANES * group + lane)
+    }
+
+    /// The square of the angle between the ways to its camera and to the eye.
+    pub(super) fn angle2(&self, view: usize) -> f32 {
+        self.angles2[view]
     }
 
     /// Where the place is in a photograph, texels from its upper left corner.
@@ -226,15 +258,31 @@ mod tests {
         let mut scores = Scores::default();
         score(&candidates, Vec3::new(0.0, 0.0, -1.0), Vec3::ZERO, &mut scores);
         let mut found = Vec::new();
-        while let Some((view, cosine)) = scores.take_best() {
-            let expected = (centers[view] + Vec3::Z).normalize().z;
-            assert!((cosine - expected).abs() < 1e-6);
+        while let Some(view) = scores.take_best() {
+            let angle = (centers[view] + Vec3::Z).angle_between(Vec3::Z);
+            assert!((scores.angle2(view) - angle * angle).abs() < 2e-6, "{view}");
             found.push(view);
         }
         assert_eq!(found, [4, 5, 3, 6, 2, 7, 1, 8, 0, 9, 10]);
         assert_eq!(scores.distance(4), 3.0);
         let [column, row] = scores.place(4);
         assert!((column - (50.0 + 100.0 * 0.02 / 3.0)).abs() < 1e-4 && (row - 40.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn squares_of_all_angles_are_right() {
+        for step in 0..=225 {
+            let degrees = |lane: usize| 0.1 * (LANES * step + lane) as f64;
+            let cosines: Eight = std::array::from_fn(|lane| degrees(lane).to_radians().cos() as f32);
+            let mut found = Eight::default();
+            dispatch!(Level::new(), simd => {
+                found.copy_from_slice(squared_angles(simd, of(simd, &cosines)).as_slice());
+            });
+            for (cosine, found) in cosines.into_iter().zip(found) {
+                let angle = f64::from(cosine).acos();
+                assert!((f64::from(found) - angle * angle).abs() < 4e-6, "{angle}: {found}");
+            }
+        }
     }
 
     #[test]
@@ -246,7 +294,7 @@ mod tests {
         let mut scores = Scores::default();
         let place = Vec3::new(0.0, 0.0, -1.0);
         score(&candidates, place, Vec3::ZERO, &mut scores);
-        assert_eq!(scores.take_best().map(|(view, _)| view), Some(2));
+        assert_eq!(scores.take_best(), Some(2));
         assert_eq!(scores.take_best(), None);
         // A surface that faces away from it.
         score(&candidates, place, Vec3::new(0.0, -1.0, 0.0), &mut scores);

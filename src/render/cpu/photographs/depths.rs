@@ -1,193 +1,51 @@
-//! How far away what each photograph shows is (paper 004 §3.3).
+//! Draws what each photograph sees of the surface, for its depths (paper 004 §3.3). The GPU's renderer has them from
+//! here as well: they are drawn once for each frame, and not for each picture.
 
-use crate::scene::{PhotographsInFrame, SurfelStyle};
-use rayon::prelude::*;
+use crate::render::cpu::depths::draw_distances;
+use crate::render::cpu::primitives::Drawable;
+use crate::scene::{DepthMap, PhotoDepths, PhotographsInFrame, ScenePacket, SurfelStyle, seen_by_photograph};
+use std::sync::Arc;
 
-/// How near a step has to be to count, texels.
-const STEP_TEXELS: usize = 3;
+/// The depths of the packet that was drawn last, and what they were drawn of.
+#[derive(Debug, Default)]
+pub(in crate::render) struct KnownDepths(Option<((PhotographsInFrame, SurfelStyle), Arc<PhotoDepths>)>);
 
-/// Distances along the axis of a photograph's camera.
-#[derive(Debug)]
-pub(in crate::render) struct DepthMap {
-    pub(in crate::render) size: [u32; 2],
-    /// 0 where nothing is known; negative near steps.
-    pub(in crate::render) distances: Vec<f32>,
-    /// Places that are so much behind what is there are hidden by it.
-    pub(in crate::render) tolerance: f32,
-    /// Whether it was measured, and not drawn of the surface itself: it may contradict that.
-    pub(in crate::render) is_measured: bool,
-}
-
-/// Where a place is in relation to what a photograph shows there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum DepthRelation {
-    /// It is what the photograph shows, as far as anybody knows.
-    There,
-    /// Something before it hides it.
-    Hidden,
-    /// The photograph shows what is behind it.
-    Through,
-}
-
-impl DepthMap {
-    /// How much of the depth of what is seen a place may be behind it (paper 004 §4.1).
-    const TOLERANCE: f32 = 0.05;
-
-    /// The same of how large the surface is, at least: a wall has no depth.
-    const LEAST_TOLERANCE: f32 = 0.01;
-
-    /// The same of how far away what is seen is, at most: stray points make any surface large.
-    const MOST_OF_DISTANCE: f32 = 0.03;
-
-    /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
-    /// `most_extent` is how large the whole surface is.
-    pub(in crate::render) fn new(size: [u32; 2], mut distances: Vec<f32>, most_extent: f32, is_measured: bool) -> Self {
-        debug_assert_eq!(distances.len(), size[0] as usize * size[1] as usize);
-        for distance in &mut distances {
-            if !(distance.is_finite() && *distance > 0.0) {
-                *distance = 0.0;
-            }
-        }
-        let (extent, middle) = extent(&distances);
-        let of_depths = Self::TOLERANCE * extent.min(most_extent);
-        let of_surface = Self::LEAST_TOLERANCE * most_extent;
-        let tolerance = of_depths.max(of_surface.min(Self::MOST_OF_DISTANCE * middle));
-        mark_steps(&mut distances, size[0] as usize, tolerance);
-        Self {
-            size,
-            distances,
-            tolerance,
-            is_measured,
-        }
-    }
-
-    /// What is at `share` of its width and height, 0 to 1, beside a place at `distance`; and whether a step is near.
-    #[inline(always)]
-    pub(super) fn seen(&self, share: [f32; 2], distance: f32) -> (DepthRelation, bool) {
-        let [column, row] = [0, 1].map(|axis| {
-            let texel = share[axis] * self.size[axis] as f32;
-            (texel as usize).min(self.size[axis] as usize - 1)
-        });
-        let there = self.distances[self.size[0] as usize * row + column];
-        let behind = distance - there.abs();
-        let seen = if there == 0.0 {
-            DepthRelation::There
-        } else if behind > self.tolerance {
-            DepthRelation::Hidden
-        } else if self.is_measured && behind < -self.tolerance {
-            DepthRelation::Through
-        } else {
-            DepthRelation::There
+impl KnownDepths {
+    /// Those of a packet: those that it brings, those that are known, or drawn now.
+    pub(in crate::render) fn of(&mut self, packet: &ScenePacket) -> Arc<PhotoDepths> {
+        let Some(shown) = &packet.photographs else {
+            return Arc::default();
         };
-        (seen, there < 0.0)
+        if let Some(depths) = &shown.depths {
+            return Arc::clone(depths);
+        }
+        let of = (shown.clone(), packet.style.surfels);
+        let known = self.0.take().filter(|(known, _)| *known == of);
+        let known = known.unwrap_or_else(|| (of, Arc::new(depths_of_photographs(packet))));
+        Arc::clone(&self.0.insert(known).1)
     }
 }
 
-/// Makes negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or of nothing: a little beside
-/// there, a photograph shows something else. Least and largest are found along lines, then across them.
-fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
-    let height = distances.len() / width.max(1);
-    let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
-    let both = |values: &mut dyn Iterator<Item = [f32; 2]>| {
-        values.fold([f32::INFINITY, 0.0_f32], |[least, most], [low, high]| {
-            [least.min(low), most.max(high)]
-        })
+/// The depths that the photographs of a packet see: those of their files, else of the surface. Empty without
+/// photographs.
+pub fn depths_of_photographs(packet: &ScenePacket) -> PhotoDepths {
+    let Some(shown) = &packet.photographs else {
+        return PhotoDepths::default();
     };
-    let along: Vec<[f32; 2]> = (0..distances.len())
-        .into_par_iter()
-        .map(|at| {
-            let (row, column) = (at / width, at % width);
-            let line = &distances[width * row..width * (row + 1)];
-            both(&mut line[window(column, width)].iter().map(|&distance| [distance; 2]))
-        })
-        .collect();
-    distances.par_iter_mut().enumerate().for_each(|(at, distance)| {
-        let (row, column) = (at / width, at % width);
-        let [least, most] = both(&mut window(row, height).map(|row| along[width * row + column]));
-        if least == 0.0 || most - least > tolerance {
-            *distance = -*distance;
+    let mut blocks = None;
+    let most_extent = 2.0 * packet.bounds.radius();
+    let photographs = shown.photographs.all().iter();
+    let maps = photographs.map(|photograph| {
+        if let Some(depth) = &photograph.depth {
+            return DepthMap::new(depth.size_px(), depth.metres().to_vec(), most_extent, true);
         }
+        let Some(seen) = seen_by_photograph(packet, photograph) else {
+            return DepthMap::new([1, 1], vec![0.0], 0.0, false);
+        };
+        let drawable = Drawable::of_surface(&seen);
+        let blocks = blocks.get_or_insert_with(|| drawable.blocks());
+        let distances = draw_distances(&drawable, &seen, blocks);
+        DepthMap::new(seen.viewport_px, distances, most_extent, false)
     });
-}
-
-/// From the nearest to the farthest of some distances, without a fiftieth of them at both ends; and their median.
-fn extent(distances: &[f32]) -> (f32, f32) {
-    /// That many are looked at: every one of a small map.
-    const SAMPLES: usize = 1 << 14;
-    let step = distances.len().div_ceil(SAMPLES).max(1);
-    let known = distances.iter().step_by(step).copied();
-    let mut known: Vec<f32> = known.filter(|&distance| distance > 0.0).collect();
-    known.sort_unstable_by(f32::total_cmp);
-    let Some(last) = known.len().checked_sub(1) else {
-        return (0.0, 0.0);
-    };
-    let aside = known.len() / 50;
-    (known[last - aside] - known[aside], known[known.len() / 2])
-}
-
-/// The depth maps of all photographs of a frame, and what they were drawn of.
-#[derive(Debug)]
-pub(in crate::render) struct DepthMaps {
-    pub(in crate::render) of: (PhotographsInFrame, SurfelStyle),
-    pub(in crate::render) maps: Vec<DepthMap>,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Half of it is 10 away and half 30.
-    fn distances() -> Vec<f32> {
-        [[10.0; 50], [30.0; 50]].concat()
-    }
-
-    #[test]
-    fn what_is_behind_is_hidden_and_what_is_before_a_measured_surface_is_seen_through() {
-        // The tolerance is a twentieth of 20.
-        let map = DepthMap::new([10, 10], distances(), 30.0, true);
-        assert_eq!(map.seen([0.5, 0.05], 10.9), (DepthRelation::There, false));
-        assert_eq!(map.seen([0.5, 0.05], 11.1), (DepthRelation::Hidden, false));
-        assert_eq!(map.seen([0.5, 0.95], 28.9), (DepthRelation::Through, false));
-        let drawn = DepthMap::new([10, 10], distances(), 30.0, false);
-        assert_eq!(drawn.seen([0.5, 0.95], 28.9), (DepthRelation::There, false));
-        // The last line and column belong to the edge itself.
-        assert_eq!(map.seen([1.0, 1.0], 31.1), (DepthRelation::Hidden, false));
-    }
-
-    #[test]
-    fn steps_are_told_three_texels_around_them() {
-        let map = DepthMap::new([10, 10], [[10.0; 50], [30.0; 50]].concat(), 30.0, false);
-        let is_near = |row: usize| map.seen([0.5, 0.1 * row as f32 + 0.05], 10.0).1;
-        let near: Vec<usize> = (0..10).filter(|&row| is_near(row)).collect();
-        assert_eq!(near, [2, 3, 4, 5, 6, 7]);
-        assert_eq!(map.seen([0.5, 0.35], 10.9).0, DepthRelation::There);
-        let mut hole = vec![1.0; 100];
-        hole[44] = 0.0;
-        let around = DepthMap::new([10, 10], hole, 30.0, false);
-        assert_eq!(around.distances.iter().filter(|&&distance| distance < 0.0).count(), 48);
-        // A wall far behind the surface does not widen the tolerance.
-        let bounded = DepthMap::new([10, 10], distances(), 4.0, true);
-        assert_eq!(bounded.seen([0.5, 0.05], 10.3).0, DepthRelation::Hidden);
-    }
-
-    #[test]
-    fn unknown_distances_hide_nothing() {
-        let map = DepthMap::new([3, 1], vec![0.0, f32::INFINITY, f32::NAN], 1.0, true);
-        for share in [0.1, 0.5, 0.9] {
-            assert_eq!(map.seen([share, 0.5], 1e6).0, DepthRelation::There);
-        }
-    }
-
-    #[test]
-    fn few_outliers_do_not_widen_the_tolerance() {
-        let mut distances = vec![1.0; 1000];
-        distances[..500].fill(2.0);
-        distances[3] = 1e6;
-        assert_eq!(extent(&distances), (1.0, 2.0));
-        assert_eq!(extent(&[]), (0.0, 0.0));
-        // Points in the air far away make the whole surface large.
-        let map = DepthMap::new([50, 20], vec![2.0; 1000], 1e4, false);
-        assert_eq!(map.seen([0.5, 0.5], 2.05).0, DepthRelation::There);
-        assert_eq!(map.seen([0.5, 0.5], 2.07).0, DepthRelation::Hidden);
-    }
+    PhotoDepths { maps: maps.collect() }
 }

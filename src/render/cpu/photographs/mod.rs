@@ -16,7 +16,8 @@ mod normals;
 mod push_pull;
 mod sampling;
 
-pub(in crate::render) use depths::{DepthMap, DepthMaps};
+pub(in crate::render) use depths::KnownDepths;
+pub use depths::depths_of_photographs;
 pub(super) use push_pull::fill_holes;
 
 use super::tile::{Tile, WIDTH};
@@ -25,12 +26,11 @@ use crate::photos::Photograph;
 use crate::render::constants::{
     PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
 };
-use crate::scene::{PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
+use crate::scene::{DepthMap, DepthRelation, PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
 use agreement::agreed;
 use candidates::{Candidates, Scores};
-use depths::DepthRelation;
 use fearless_simd::Simd;
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use normals::normal;
 use sampling::{Footprint, sample};
 use std::sync::Arc;
@@ -64,7 +64,9 @@ struct Seeing {
     view: usize,
     /// Square of the angle between the ways to it and to the eye.
     angle2: f32,
-    /// A factor on its weight.
+    /// What it shows of the surface beside what the eye sees of it.
+    share: f32,
+    /// Factors on its weight, the share among them.
     trust: f32,
 }
 
@@ -185,40 +187,47 @@ impl<'a> Projected<'a> {
         // One more than is blended: weights are relative to that of the last.
         let mut seeing = [Seeing::default(); PhotoStyle::MOST_VIEWS + 1];
         let wanted = self.views.blended + 1;
-        let (mut count, mut through, mut votes, mut nearest) = (0, 0.0, 0.0, None);
+        let (mut count, mut through, mut nearest) = (0, 0.0, None);
         for _ in 0..PhotoViews::MOST_ASKED {
-            let Some((view, cosine)) = scores.take_best() else {
+            let Some(view) = scores.take_best() else {
                 break;
             };
-            let angle = cosine.clamp(-1.0, 1.0).acos();
-            let angle2 = angle * angle;
+            let angle2 = scores.angle2(view);
             let least = *nearest.get_or_insert(angle2);
             let of_view = &self.views.views[view];
             let [column, row] = scores.place(view);
             let share = [column / of_view.size[0], row / of_view.size[1]];
             let (seen, is_near_step) = self.depths[view].seen(share, scores.distance(view));
-            let seen_of_it = share_seen(place, scores.facing(view));
-            match seen {
-                DepthRelation::Hidden => continue,
-                DepthRelation::Through => {
-                    through += seen_of_it * self.weight(angle2 - least);
-                    continue;
-                }
-                DepthRelation::There => {}
+            if seen == DepthRelation::Hidden {
+                continue;
             }
-            votes += seen_of_it * self.weight(angle2 - least);
-            let trust = seen_of_it * trust(angle2, is_near_step);
-            seeing[count] = Seeing { view, angle2, trust };
+            let share = share_seen(place, scores.facing(view));
+            if seen == DepthRelation::Through {
+                through += share * self.weight(angle2 - least);
+                continue;
+            }
+            let trust = share * trust(angle2, is_near_step);
+            seeing[count] = Seeing {
+                view,
+                angle2,
+                share,
+                trust,
+            };
             count += 1;
             if count == wanted {
                 break;
             }
         }
         let seeing = &seeing[..count];
+        let votes = || -> f32 {
+            let least = nearest.unwrap_or_default();
+            let of_each = seeing.iter().map(|seen| seen.share * self.weight(seen.angle2 - least));
+            of_each.sum()
+        };
         let is_clipped = match self.views.clipping {
             PhotoClipping::Off => false,
             PhotoClipping::Paper => through > 0.0,
-            PhotoClipping::Vote => through > votes,
+            PhotoClipping::Vote => through > 0.0 && through > votes(),
         };
         if is_clipped {
             return PhotoAnswer::Clipped;
@@ -292,14 +301,20 @@ impl<'a> Projected<'a> {
         let of_view = &self.views.views[view];
         let at = scores.place(view);
         let per_distance = 1.0 / scores.distance(view);
-        let [x, y, z] = of_view.camera_from_view.map(Vec4::truncate);
-        let per_px = place.per_px.map(|step| {
-            let deeper = z.dot(step);
-            [(x, 0), (y, 1)].map(|(row, axis)| {
-                let slope = (at[axis] - of_view.principal[axis]) / of_view.focal[axis];
-                of_view.focal[axis] * per_distance * (row.dot(step) - slope * deeper)
-            })
-        });
+        let [x, y, z] = &of_view.camera_from_view;
+        let slopes = [
+            (at[0] - of_view.principal[0]) / of_view.focal[0],
+            (at[1] - of_view.principal[1]) / of_view.focal[1],
+        ];
+        // Not by `map`, whose calls stay calls here.
+        let moves = |step: Vec3| {
+            let deeper = z.truncate().dot(step);
+            [
+                of_view.focal[0] * per_distance * (x.truncate().dot(step) - slopes[0] * deeper),
+                of_view.focal[1] * per_distance * (y.truncate().dot(step) - slopes[1] * deeper),
+            ]
+        };
+        let per_px = [moves(place.per_px[0]), moves(place.per_px[1])];
         Footprint { place: at, per_px }
     }
 }
@@ -341,7 +356,8 @@ impl Place {
         if weight <= 0.0 {
             return None;
         }
-        let [x, y, z, depth] = [0, 1, 2, 3].map(|sum| tile.surfaces[sum][at] / weight);
+        let sum = |of: usize| tile.surfaces[of][at] / weight;
+        let (x, y, z, depth) = (sum(0), sum(1), sum(2), sum(3));
         let distance = view.near / depth.max(f32::MIN_POSITIVE);
         Some(Self::at(view, pixel, distance, Vec3::new(x, y, z)))
     }
@@ -364,7 +380,8 @@ impl Place {
             per_px
         } else {
             // Along the ray, down to the plane through the place.
-            per_px.map(|step| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_LEAST_COSINE)))
+            let down_to = |step: Vec3| step + to_eye * (-normal.dot(step) / cosine.max(PHOTO_LEAST_COSINE));
+            [down_to(per_px[0]), down_to(per_px[1])]
         };
         Self {
             position: distance * ray,

@@ -9,9 +9,8 @@
 //!
 //! The same arithmetic: `shaders/common/photographs.wgsl`.
 
-use super::depths::DepthMap;
 use crate::render::constants::PHOTO_LEAST_FACING;
-use crate::scene::PhotoView;
+use crate::scene::{DepthMap, PhotoView};
 use glam::{Vec3, Vec4};
 
 /// A depth map with the lens that it was seen through, in its own texels.

@@ -3,6 +3,7 @@
 
 use crate::photos::Texture;
 use crate::render::constants::PHOTO_MOST_TAPS;
+use glam::Vec4;
 
 /// A place in a photograph, and what one pixel of the picture covers there; all in texels of the finest level.
 #[derive(Debug, Clone, Copy)]
@@ -16,8 +17,7 @@ pub(super) struct Footprint {
 #[inline(always)]
 pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     let [first, second] = footprint.per_px;
-    // Not `hypot`, which is a call.
-    let [first_len, second_len] = [first, second].map(|[x, y]| (x * x + y * y).sqrt());
+    let (first_len, second_len) = (length(first), length(second));
     let (long, long_len, short_len) = if first_len >= second_len {
         (first, first_len, second_len)
     } else {
@@ -26,16 +26,20 @@ pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     let taps = (long_len / short_len.max(1.0)).ceil().clamp(1.0, PHOTO_MOST_TAPS);
     let per_tap = long_len / taps;
     let lod = if per_tap > 1.0 { per_tap.log2() } else { 0.0 };
-    let mut sum = [0.0; 4];
+    let mut sum = Vec4::ZERO;
     for tap in 0..taps as usize {
         let along = (tap as f32 + 0.5) / taps - 0.5;
-        let place = [0, 1].map(|axis| footprint.place[axis] + along * long[axis]);
-        let found = texture.between_texels(place, lod);
-        for (sum, value) in sum.iter_mut().zip(found) {
-            *sum += value;
-        }
+        let [x, y] = footprint.place;
+        let place = [x + along * long[0], y + along * long[1]];
+        sum += Vec4::from_array(texture.between_texels(place, lod));
     }
-    sum.map(|sum| sum / taps)
+    (sum / taps).to_array()
+}
+
+/// Not `hypot`, which is a call.
+#[inline(always)]
+fn length([x, y]: [f32; 2]) -> f32 {
+    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]

@@ -1,0 +1,118 @@
+//! Frames with photographs on them.
+//!
+//! How it works. To put photographs on a frame, stray points are looked for and disks are bent with the surface, then
+//! the depths that each photograph sees of it are drawn. All of it takes longer than a picture, so it is done on
+//! threads: for what is drawn first, then for the frames that follow it. Until that is there, a frame is drawn in the
+//! colours of its points, or as it was before a photograph was left out or disks were made larger.
+
+use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::photos::Photographs;
+use crate::render::cpu::depths_of_photographs;
+use crate::scene::{Camera, PhotoDepths, PhotoMode, Scene, Style, SurfelStyle, UpAxis};
+use crate::sequence::PreparedFrame;
+use glam::DVec3;
+use rayon::ThreadPool;
+use std::sync::Arc;
+
+/// Frames that are kept: the shown one, those ahead, and some to go back to.
+const KEPT: usize = 6;
+
+/// What a frame with photographs is made of.
+#[derive(Debug, Clone)]
+pub(super) struct Parts {
+    pub(super) frame: Arc<PreparedFrame>,
+    pub(super) photographs: Arc<Photographs>,
+    /// Depths are of disks as large as this says.
+    pub(super) surfels: SurfelStyle,
+}
+
+impl PartialEq for Parts {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.frame, &other.frame)
+            && Arc::ptr_eq(&self.photographs, &other.photographs)
+            && self.surfels == other.surfels
+    }
+}
+
+/// A frame with photographs on it.
+#[derive(Debug, Clone)]
+pub struct PhotographedFrame {
+    of: Parts,
+    pub(in crate::app) frame: Arc<PreparedFrame>,
+    pub(in crate::app) depths: Arc<PhotoDepths>,
+}
+
+impl PhotographedFrame {
+    fn new(of: Parts, mut style: Style, origin: DVec3) -> Self {
+        let frame = Arc::new(of.frame.with_photographs(Arc::clone(&of.photographs)));
+        // What photographs see depends neither on where the eye is nor on how many are blended.
+        style.photos.mode = PhotoMode::Vdts;
+        let camera = Camera::framing(&frame.frame.bounds(), origin, UpAxis::Y);
+        let packet = Scene::default().packet(&frame, origin, &camera, &style, [1; 2]);
+        let depths = Arc::new(depths_of_photographs(&packet));
+        Self { of, frame, depths }
+    }
+}
+
+/// Those that are there, and the one that is made.
+#[derive(Debug, Default)]
+pub(super) struct PhotographedFrames {
+    /// The one that was asked for last comes last.
+    made: Vec<PhotographedFrame>,
+    running: Option<Parts>,
+    /// What is drawn without photographs, or with others.
+    drawn_without: Option<Parts>,
+}
+
+impl PhotographedFrames {
+    /// The frame that is drawn, or the same with other photographs if there is only that.
+    pub(super) fn drawn(&mut self, parts: Parts) -> Option<&PhotographedFrame> {
+        let is_same_frame = |made: &PhotographedFrame| Arc::ptr_eq(&made.of.frame, &parts.frame);
+        let exact = self.made.iter().position(|made| made.of == parts);
+        let at = exact.or_else(|| self.made.iter().rposition(is_same_frame));
+        self.drawn_without = exact.is_none().then_some(parts);
+        let made = self.made.remove(at?);
+        self.made.push(made);
+        self.made.last()
+    }
+
+    /// Whether the frame at `index` is there with these photographs.
+    pub(super) fn has(&self, index: usize, photographs: &Arc<Photographs>, surfels: &SurfelStyle) -> bool {
+        self.made.iter().any(|made| {
+            let of = &made.of;
+            of.frame.index == index && Arc::ptr_eq(&of.photographs, photographs) && of.surfels == *surfels
+        })
+    }
+
+    /// Starts to make what is drawn without, else the first of `following` that is not there.
+    pub(super) fn follow<T: TaskOutcome + From<PhotographedFrame>>(
+        &mut self,
+        following: Vec<Parts>,
+        style: &Style,
+        origin: DVec3,
+        (tasks, pool): (&Tasks<T>, &ThreadPool),
+    ) {
+        if self.running.is_some() {
+            return;
+        }
+        let is_missing = |parts: &Parts| !self.made.iter().any(|made| made.of == *parts);
+        let drawn = self.drawn_without.take();
+        let Some(parts) = drawn.or_else(|| following.into_iter().find(is_missing)) else {
+            return;
+        };
+        self.running = Some(parts.clone());
+        let style = *style;
+        tasks.start_in(pool, move || PhotographedFrame::new(parts, style, origin));
+    }
+
+    /// Takes one that was made, unless all were forgotten meanwhile.
+    pub(super) fn take_in(&mut self, made: PhotographedFrame) {
+        if self.running.take_if(|running| *running == made.of).is_none() {
+            return;
+        }
+        if self.made.len() == KEPT {
+            self.made.remove(0);
+        }
+        self.made.push(made);
+    }
+}

@@ -1,0 +1,25 @@
+//! Threads that prepare what is drawn later.
+
+use crate::priority;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Threads that go behind those that draw. There are none until somebody has work for them.
+#[derive(Debug, Default)]
+pub(in crate::app) struct PoolBehindDrawing(Option<ThreadPool>);
+
+impl PoolBehindDrawing {
+    /// As many as `threads`, or one for each processor with 0, all of them called `name`; `None` where the system has
+    /// no more.
+    pub(in crate::app) fn get(&mut self, name: &'static str, threads: usize) -> Option<&ThreadPool> {
+        if self.0.is_none() {
+            self.0 = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .thread_name(move |_| name.to_owned())
+                .start_handler(|_| priority::go_behind_drawing())
+                .build()
+                .inspect_err(|reason| log::warn!("no thread for {name}: {reason}"))
+                .ok();
+        }
+        self.0.as_ref()
+    }
+}
