@@ -5,23 +5,18 @@
 //! coarser, is left to that one. A disk is as large as its pixel is there, and lies in the plane of the depths around.
 
 use super::map::Map;
+use super::others::{BEFORE, SAME};
 use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::photos::PhotoSurface;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Depths are of one place if they differ by less, as a part.
-const SAME: f64 = 0.01;
-
-/// What is so much nearer than what was measured, as a part, is looked through.
-const BEFORE: f64 = 0.02;
-
 /// By how much coarser pixels of an earlier photograph may be.
 const COARSER: f64 = 1.3;
 
 /// Radius of a disk in pixels, and the least cosine it is stretched by.
-const RADIUS_PX: f64 = 0.9;
+const RADIUS_PX: f64 = 1.0;
 const LEAST_COSINE: f64 = 0.3;
 
 /// The disks of all maps, relative to `origin`.

@@ -50,7 +50,11 @@ impl Map<'_> {
 
     /// Where a pixel with a depth is in the world.
     pub(super) fn place(&self, at: usize) -> Option<DVec3> {
-        let depth = f64::from(self.depths[at]);
+        self.place_at(at, f64::from(self.depths[at]))
+    }
+
+    /// The same of any depth.
+    pub(super) fn place_at(&self, at: usize, depth: f64) -> Option<DVec3> {
         let pixel = DVec2::new((at % self.width()) as f64, (at / self.width()) as f64);
         let ray = self.view.camera.ray(pixel).filter(|_| depth > 0.0)?;
         Some(self.view.camera_from_world.inverse().transform_point3(ray * depth))
@@ -64,6 +68,12 @@ impl Map<'_> {
         let [column, row] = pixel.round().max(DVec2::ZERO).to_array().map(|at| at as usize);
         let at = (self.width() * row + column).min(self.depths.len().saturating_sub(1));
         is_inside.then_some((at, in_camera.z))
+    }
+
+    /// How far away a place is, and what was measured in its pixel.
+    pub(super) fn measured_at(&self, place: DVec3) -> Option<(f64, f64)> {
+        let (at, distance) = self.at_place(place).filter(|&(at, _)| self.is_measured[at])?;
+        Some((distance, f64::from(self.depths[at])))
     }
 
     /// Of the depths around a pixel, of length 1; `None` at steps.

@@ -2,15 +2,17 @@
 //!
 //! Points of a reconstruction are where photographs have corners: thousands on one poster, none on a wall. Their disks
 //! are as large as their gaps, reach across outlines, and leave the rest of the picture empty. So where a set has
-//! photographs with cameras and no depths, planes are swept before small copies of them ([`PlaneSweep`]), what three
-//! views agree on is kept, the rest is [filled in](Map::complete) from there and from the sparse points, and all of it
-//! becomes [disks](fuse) of the size of a pixel.
+//! photographs with cameras and no depths, planes are swept before small copies of them ([`PlaneSweep`]). What three
+//! views agree on is kept, unless [others look through it](forget_doubted). What two agree on, what sparse points say
+//! and what [other views have measured](carry_over) comes to that; the rest is [filled in](Map::complete) from there,
+//! and all of it becomes [disks](fuse) of the size of a pixel.
 //!
 //! It wins on what fills photographs: rooms, streets. A ball of thousands of even points has a better surface in these.
 
 mod complete;
 mod fuse;
 mod map;
+mod others;
 #[cfg(test)]
 mod tests;
 
@@ -22,6 +24,7 @@ use crate::rgbd::{Camera, ColorImage, DepthImage};
 use fuse::fuse;
 use glam::{DAffine3, DVec3};
 use map::Map;
+use others::{add_pairs, carry_over, forget_doubted, is_looked_through};
 use rayon::prelude::*;
 
 /// Photographs are halved until no side is longer: a set of 25 takes some 20 s of one core.
@@ -36,14 +39,17 @@ const MOST_POINTS: usize = 1 << 17;
 /// Other photographs that each is compared with.
 const NEIGHBOURS: usize = 4;
 
-/// Of what is known behind a point: a nearer one is looked through.
-const LOOKED_THROUGH: f64 = 0.98;
-
 /// Pixels that a sound point is beside where a photograph sees it.
 const MOST_OFF_PX: f64 = 3.0;
 
 /// Angle between two photographs that tells how far away a point is, radians.
 const LEAST_ANGLE: f64 = 0.03;
+
+/// What is seen by two views alone.
+const OF_TWO: Consistency = Consistency {
+    least_views: 2,
+    tolerance: 0.01,
+};
 
 /// A small copy of a photograph.
 struct Small {
@@ -82,7 +88,9 @@ pub fn photo_surface(
         .map(|&index| measured(set, &middles, &small, &views, index, progress))
         .collect();
     let looking: Vec<View<'_>> = looked_at.iter().map(|&index| views[index]).collect();
-    let kept = consistent(&measured.ok()?, &looking, Consistency::default()).ok()?;
+    let measured = measured.ok()?;
+    let kept = consistent(&measured, &looking, Consistency::default()).ok()?;
+    let of_two = consistent(&measured, &looking, OF_TWO).ok()?;
     let maps = kept.into_iter().zip(looking).zip(&looked_at);
     let mut maps: Vec<Map<'_>> = maps
         .map(|((kept, view), &index)| Map {
@@ -92,7 +100,10 @@ pub fn photo_surface(
             depths: kept.metres().to_vec(),
         })
         .collect();
+    forget_doubted(&mut maps);
+    add_pairs(&mut maps, &of_two);
     add_points(set, &mut maps);
+    carry_over(&mut maps);
     maps.par_iter_mut()
         .zip(&looked_at)
         .for_each(|(map, &index)| map.complete(&small[index].is_scene));
@@ -142,13 +153,7 @@ fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
     let mut added = Vec::new();
     for (point, &position) in set.points.positions().iter().enumerate() {
         let track = set.points.track(point);
-        let is_looked_through = || {
-            maps.iter().any(|map| {
-                let there = map.at_place(position).filter(|&(at, _)| map.is_measured[at]);
-                there.is_some_and(|(at, distance)| distance < LOOKED_THROUGH * f64::from(map.depths[at]))
-            })
-        };
-        if !is_sound(set, position, track) || is_looked_through() {
+        if !is_sound(set, position, track) || is_looked_through(maps, position) {
             continue;
         }
         for seen in track {
