@@ -11,6 +11,14 @@ pub struct PhotoDepths {
     pub(crate) maps: Vec<DepthMap>,
 }
 
+impl PhotoDepths {
+    /// Bytes of all maps.
+    pub(crate) fn byte_size(&self) -> usize {
+        let maps = self.maps.iter().map(|map| size_of_val(map.distances.as_slice()));
+        maps.sum()
+    }
+}
+
 /// Distances along the axis of a photograph's camera.
 #[derive(Debug)]
 pub(crate) struct DepthMap {

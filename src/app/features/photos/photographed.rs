@@ -14,8 +14,11 @@ use glam::DVec3;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
-/// Frames that are kept: the shown one, those ahead, and some to go back to.
+/// Frames that are kept, however large they are: the shown one, those ahead, and some to go back to.
 const KEPT: usize = 6;
+
+/// More are kept as long as all take no more than this together: a short film is played over and over.
+const KEPT_BYTES: usize = 256 << 20;
 
 /// What a frame with photographs is made of.
 #[derive(Debug, Clone)]
@@ -51,6 +54,10 @@ impl PhotographedFrame {
         let packet = Scene::default().packet(&frame, origin, &camera, &style, [1; 2]);
         let depths = Arc::new(depths_of_photographs(&packet));
         Self { of, frame, depths }
+    }
+
+    fn byte_size(&self) -> usize {
+        self.frame.byte_size() + self.depths.byte_size()
     }
 }
 
@@ -110,9 +117,10 @@ impl PhotographedFrames {
         if self.running.take_if(|running| *running == made.of).is_none() {
             return;
         }
-        if self.made.len() == KEPT {
-            self.made.remove(0);
-        }
         self.made.push(made);
+        let mut bytes: usize = self.made.iter().map(PhotographedFrame::byte_size).sum();
+        while self.made.len() > KEPT && bytes > KEPT_BYTES {
+            bytes -= self.made.remove(0).byte_size();
+        }
     }
 }
