@@ -3,7 +3,7 @@
 use super::State;
 use crate::app::drawing::{Drawing, DrawnFrame};
 use crate::app::features::comparison::PicturePair;
-use crate::app::features::photos::Photos;
+use crate::app::features::photos::{PhotographedFrame, Photos};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
@@ -44,9 +44,11 @@ impl State {
         let style = self.drawn_style();
         let set = Photos::set_of(player);
         let photographed = self.photos.drawn(frame, set.as_ref(), &style);
+        let pose = made.map_or(pose, ComposedFrame::pose);
+        let stands_for_it = photographed.filter(|with| !Arc::ptr_eq(with.bare(), frame));
         let drawn = DrawnFrame {
             frame: Arc::clone(photographed.map_or(frame, |with| &with.frame)),
-            pose: Arc::clone(made.map_or(pose, ComposedFrame::pose)),
+            pose: Arc::clone(stands_for_it.map_or(pose, PhotographedFrame::bare)),
             origin,
             depths: photographed.map(|with| Arc::clone(&with.depths)),
         };

@@ -3,7 +3,7 @@
 //! How it works. To put photographs on a frame, stray points are looked for and disks are bent with the surface, then
 //! the depths that each photograph sees of it are drawn. All of it takes longer than a picture, so it is done on
 //! threads: for what is drawn first, then for the frames that follow it. Until that is there, a frame is drawn in the
-//! colours of its points, or as it was before a photograph was left out or disks were made larger.
+//! colours of its points, or as it was before: of fewer points, with other photographs, or with smaller disks.
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::photos::Photographs;
@@ -56,6 +56,11 @@ impl PhotographedFrame {
         Self { of, frame, depths }
     }
 
+    /// What the photographs were put on.
+    pub(in crate::app) fn bare(&self) -> &Arc<PreparedFrame> {
+        &self.of.frame
+    }
+
     fn byte_size(&self) -> usize {
         self.frame.byte_size() + self.depths.byte_size()
     }
@@ -72,11 +77,15 @@ pub(super) struct PhotographedFrames {
 }
 
 impl PhotographedFrames {
-    /// The frame that is drawn, or the same with other photographs if there is only that.
+    /// The frame that is drawn. Until that is there, the same with other photographs, or what stood for it: a coarse
+    /// copy becomes the whole frame when playing stops.
     pub(super) fn drawn(&mut self, parts: Parts) -> Option<&PhotographedFrame> {
         let is_same_frame = |made: &PhotographedFrame| Arc::ptr_eq(&made.of.frame, &parts.frame);
+        let is_same_pose = |made: &PhotographedFrame| made.of.frame.index == parts.frame.index;
         let exact = self.made.iter().position(|made| made.of == parts);
-        let at = exact.or_else(|| self.made.iter().rposition(is_same_frame));
+        let at = exact
+            .or_else(|| self.made.iter().rposition(is_same_frame))
+            .or_else(|| self.made.iter().rposition(is_same_pose));
         self.drawn_without = exact.is_none().then_some(parts);
         let made = self.made.remove(at?);
         self.made.push(made);
@@ -122,5 +131,80 @@ impl PhotographedFrames {
         while self.made.len() > KEPT && bytes > KEPT_BYTES {
             bytes -= self.made.remove(0).byte_size();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cloud::{Frame, Positions, RawCloud};
+    use crate::sequence::{Needs, PrepareCounters, prepare};
+
+    fn frame(index: usize) -> Arc<PreparedFrame> {
+        let raw = RawCloud::from_positions(Positions::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO).unwrap());
+        Arc::new(prepare(
+            index,
+            frame,
+            0.0,
+            &Needs::default(),
+            &PrepareCounters::default(),
+        ))
+    }
+
+    fn parts(frame: &Arc<PreparedFrame>, photographs: &Arc<Photographs>) -> Parts {
+        Parts {
+            frame: Arc::clone(frame),
+            photographs: Arc::clone(photographs),
+            surfels: SurfelStyle::default(),
+        }
+    }
+
+    fn made(of: &Parts) -> PhotographedFrame {
+        PhotographedFrame::new(of.clone(), Style::default(), DVec3::ZERO)
+    }
+
+    #[test]
+    fn what_stood_for_a_frame_is_drawn_until_that_is_there() {
+        let photographs = Arc::new(Photographs::new(Vec::new(), None));
+        let (coarse, whole, other) = (frame(3), frame(3), frame(4));
+        let of_coarse = parts(&coarse, &photographs);
+        let mut frames = PhotographedFrames {
+            made: vec![made(&of_coarse), made(&parts(&other, &photographs))],
+            ..PhotographedFrames::default()
+        };
+        let is_drawn = |frames: &mut PhotographedFrames, parts: &Parts, expected: &Arc<PreparedFrame>| {
+            let drawn = frames
+                .drawn(parts.clone())
+                .map(|drawn| Arc::ptr_eq(drawn.bare(), expected));
+            assert_eq!(drawn, Some(true));
+        };
+        is_drawn(&mut frames, &of_coarse, &coarse);
+        assert!(frames.drawn_without.is_none());
+        let of_whole = parts(&whole, &photographs);
+        is_drawn(&mut frames, &of_whole, &coarse);
+        assert!(frames.drawn_without.as_ref() == Some(&of_whole), "it is made first");
+        frames.running = frames.drawn_without.take();
+        frames.take_in(made(&of_whole));
+        is_drawn(&mut frames, &of_whole, &whole);
+        // With other photographs, the frame itself stands for it, and not its coarse copy.
+        let others = Arc::new(Photographs::new(Vec::new(), None));
+        is_drawn(&mut frames, &parts(&whole, &others), &whole);
+        assert!(frames.drawn(parts(&frame(5), &photographs)).is_none());
+    }
+
+    #[test]
+    fn small_frames_are_kept_and_what_nobody_waits_for_is_dropped() {
+        let photographs = Arc::new(Photographs::new(Vec::new(), None));
+        let mut frames = PhotographedFrames::default();
+        for index in 0..2 * KEPT {
+            let of = parts(&frame(index), &photographs);
+            frames.running = Some(of.clone());
+            frames.take_in(made(&of));
+        }
+        assert_eq!(frames.made.len(), 2 * KEPT);
+        assert!(frames.has(0, &photographs, &SurfelStyle::default()));
+        frames.take_in(made(&parts(&frame(99), &photographs)));
+        assert!(!frames.has(99, &photographs, &SurfelStyle::default()));
     }
 }
