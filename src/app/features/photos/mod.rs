@@ -183,12 +183,12 @@ impl Photos {
         let progress = Progress::default();
         self.running = Some((Arc::clone(&set), progress.clone()));
         // Of what was filmed, each frame has a cloud of its own.
-        let sequence = player.sequence();
-        let origin = (sequence.len() == 1).then(|| sequence.origin());
+        let sequence = Arc::clone(player.sequence());
         tasks.start_in(pool, move || {
             let mut loaded = LoadedPhotographs::of(&set, budget_bytes, &progress);
-            if let Some(origin) = origin {
-                let surface = photo_surface(&set, &loaded.photographs, origin, &progress);
+            if sequence.len() == 1 {
+                // Which may have to read the frame first: not on the thread that draws.
+                let surface = photo_surface(&set, &loaded.photographs, sequence.origin(), &progress);
                 loaded.photographs = Arc::new(loaded.photographs.with_surface(surface));
             }
             let errors = set.reprojection_errors();
@@ -220,6 +220,9 @@ impl Photos {
             self.parts(&frame, &source.photographs(index)?, style)
         });
         let following: Vec<Parts> = following.collect();
+        if following.is_empty() && !self.frames.lacks_drawn() {
+            return;
+        }
         if let Some(pool) = self.pool.get("photographs", 0) {
             let origin = player.sequence().origin();
             self.frames.follow(following, style, origin, (tasks, pool));

@@ -92,6 +92,11 @@ impl PhotographedFrames {
         self.made.last()
     }
 
+    /// Whether something is drawn without its photographs.
+    pub(super) fn lacks_drawn(&self) -> bool {
+        self.drawn_without.is_some()
+    }
+
     /// Whether the frame at `index` is there with these photographs.
     pub(super) fn has(&self, index: usize, photographs: &Arc<Photographs>, surfels: &SurfelStyle) -> bool {
         self.made.iter().any(|made| {
