@@ -219,13 +219,13 @@ impl Photos {
             };
             self.parts(&frame, &source.photographs(index)?, style)
         });
-        let following: Vec<Parts> = following.collect();
-        if following.is_empty() && !self.frames.lacks_drawn() {
+        let Some(parts) = self.frames.next(following) else {
             return;
-        }
+        };
         if let Some(pool) = self.pool.get("photographs", 0) {
+            // The frame is there, so that nobody has to read it for this.
             let origin = player.sequence().origin();
-            self.frames.follow(following, style, origin, (tasks, pool));
+            self.frames.start(parts, *style, origin, (tasks, pool));
         }
     }
 

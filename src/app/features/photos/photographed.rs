@@ -86,15 +86,12 @@ impl PhotographedFrames {
         let at = exact
             .or_else(|| self.made.iter().rposition(is_same_frame))
             .or_else(|| self.made.iter().rposition(is_same_pose));
-        self.drawn_without = exact.is_none().then_some(parts);
+        if exact.is_none() {
+            self.drawn_without = Some(parts);
+        }
         let made = self.made.remove(at?);
         self.made.push(made);
         self.made.last()
-    }
-
-    /// Whether something is drawn without its photographs.
-    pub(super) fn lacks_drawn(&self) -> bool {
-        self.drawn_without.is_some()
     }
 
     /// Whether the frame at `index` is there with these photographs.
@@ -105,24 +102,26 @@ impl PhotographedFrames {
         })
     }
 
-    /// Starts to make what is drawn without, else the first of `following` that is not there.
-    pub(super) fn follow<T: TaskOutcome + From<PhotographedFrame>>(
+    /// What is to be made next, if nothing is under way: what is drawn without, else the first of `following` that is
+    /// not there.
+    pub(super) fn next(&self, following: impl Iterator<Item = Parts>) -> Option<Parts> {
+        if self.running.is_some() {
+            return None;
+        }
+        let is_missing = |parts: &Parts| !self.made.iter().any(|made| made.of == *parts);
+        self.drawn_without.iter().cloned().chain(following).find(is_missing)
+    }
+
+    /// Starts to make a frame of `parts`.
+    pub(super) fn start<T: TaskOutcome + From<PhotographedFrame>>(
         &mut self,
-        following: Vec<Parts>,
-        style: &Style,
+        parts: Parts,
+        style: Style,
         origin: DVec3,
         (tasks, pool): (&Tasks<T>, &ThreadPool),
     ) {
-        if self.running.is_some() {
-            return;
-        }
-        let is_missing = |parts: &Parts| !self.made.iter().any(|made| made.of == *parts);
-        let drawn = self.drawn_without.take();
-        let Some(parts) = drawn.or_else(|| following.into_iter().find(is_missing)) else {
-            return;
-        };
+        self.drawn_without = None;
         self.running = Some(parts.clone());
-        let style = *style;
         tasks.start_in(pool, move || PhotographedFrame::new(parts, style, origin));
     }
 
@@ -189,8 +188,13 @@ mod tests {
         let of_whole = parts(&whole, &photographs);
         is_drawn(&mut frames, &of_whole, &coarse);
         assert!(frames.drawn_without.as_ref() == Some(&of_whole), "it is made first");
-        frames.running = frames.drawn_without.take();
+        let following = || std::iter::once(parts(&frame(7), &photographs));
+        frames.running = frames.next(following());
+        assert!(frames.running.as_ref() == Some(&of_whole) && frames.next(following()).is_none());
         frames.take_in(made(&of_whole));
+        // It was drawn without meanwhile, and is not made again.
+        let next = frames.next(following()).unwrap();
+        assert_eq!(next.frame.index, 7);
         is_drawn(&mut frames, &of_whole, &whole);
         // With other photographs, the frame itself stands for it, and not its coarse copy.
         let others = Arc::new(Photographs::new(Vec::new(), None));

@@ -1,8 +1,8 @@
 //! Writing, on threads of its own.
 
+use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::works::Progress;
 use crate::convert::{Conversion, ConvertError, Converted, convert};
-use crate::priority;
 use crate::sequence::Sequence;
 use std::sync::Arc;
 
@@ -17,16 +17,10 @@ pub struct SaveEnded {
 pub(in crate::app) fn run(sequence: &Arc<Sequence>, conversion: Conversion, progress: &Progress) -> SaveEnded {
     let write = || convert(sequence, &conversion, progress);
     // Its threads go behind those that draw and play.
-    let threads = rayon::ThreadPoolBuilder::new()
-        .thread_name(|number| format!("save {number}"))
-        .start_handler(|_| priority::go_behind_drawing())
-        .build();
-    let result = match threads {
-        Ok(threads) => threads.install(write),
-        Err(reason) => {
-            log::warn!("a sequence is saved on the threads that draw: {reason}");
-            write()
-        }
+    let mut pool = PoolBehindDrawing::default();
+    let result = match pool.get("save", 0) {
+        Some(threads) => threads.install(write),
+        None => write(),
     };
     SaveEnded { conversion, result }
 }

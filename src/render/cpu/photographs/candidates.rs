@@ -174,8 +174,8 @@ impl Scores {
     fn resize(&mut self, count: usize) {
         if self.cosines.len() != count {
             let [columns, rows] = &mut self.places;
-            let of_each = [&mut self.cosines, columns, rows, &mut self.distances, &mut self.facings];
-            for values in of_each.into_iter().chain([&mut self.angles2]) {
+            let [cosines, angles2] = [&mut self.cosines, &mut self.angles2];
+            for values in [cosines, angles2, columns, rows, &mut self.distances, &mut self.facings] {
                 values.resize(count, Self::NONE);
             }
             self.largest.resize(count / LANES, Self::NONE);
