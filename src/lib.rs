@@ -55,6 +55,7 @@ pub mod math;
 pub mod measure;
 pub mod memory;
 mod messages;
+mod natural;
 pub mod photos;
 pub mod playback;
 mod priority;

@@ -35,6 +35,7 @@ const ORDER: &[&[&str]] = &[
         "kept",
         "locks",
         "messages",
+        "natural",
         "priority",
         "progress",
         "stopwatch",

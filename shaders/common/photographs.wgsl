@@ -255,20 +255,30 @@ fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     return rows * (sum / sqrt(max(dot(sum, sum), 1e-37)));
 }
 
+// What a photograph shows of a place.
+struct PhotoShown {
+    color: vec3f,
+    // Its weight beside the others.
+    share: f32,
+    // A factor on that where they disagree.
+    nearness: f32,
+}
+
 // The mean of what photographs show of a place, where those that disagree with the others count little:
 // render/cpu/photographs/agreement.rs.
-fn photo_agreed(colors: array<vec3f, PHOTO_MOST_BLENDED>, shares: array<f32, PHOTO_MOST_BLENDED>, count: u32) -> vec3f {
-    var shown = colors;
-    var counted = shares;
+fn photo_agreed(all: array<PhotoShown, PHOTO_MOST_BLENDED>, count: u32) -> vec3f {
+    var shown = all;
     var mean = vec3f(0.0);
     for (var round = 0u; round <= PHOTO_AGREEMENT_ROUNDS; round++) {
         var color = vec3f(0.0);
         var sum = 0.0;
         for (var which = 0u; which < count; which++) {
-            let off = shown[which] - mean;
-            let doubt = select(1.0 + PHOTO_PER_DISAGREEMENT2 * dot(off, off), 1.0, round == 0u);
-            let share = counted[which] / doubt;
-            color += share * shown[which];
+            let one = shown[which];
+            let off = one.color - mean;
+            let belief = select(1.0 / (1.0 + PHOTO_PER_DISAGREEMENT2 * dot(off, off)), 0.0, round == 0u);
+            let of_belief = select(belief, 1.0, round == 0u);
+            let share = one.share * of_belief * mix(one.nearness, 1.0, belief);
+            color += share * one.color;
             sum += share;
         }
         mean = color / max(sum, 1e-37);
@@ -312,6 +322,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     // Those that see the place, one more than is blended: weights are relative to that of the last.
     var seeing: array<u32, PHOTO_MOST_BLENDED + 1u>;
     var weights: array<f32, PHOTO_MOST_BLENDED + 1u>;
+    var angles2: array<f32, PHOTO_MOST_BLENDED + 1u>;
     var trusts: array<f32, PHOTO_MOST_BLENDED + 1u>;
     var found = 0u;
     var through = 0.0;
@@ -332,6 +343,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
             trusts[found] = seen_of_it * trust(angle * angle, what == 3u);
             seeing[found] = nearest[at];
             weights[found] = weight;
+            angles2[found] = angle * angle;
             seen += seen_of_it * weight;
             found++;
         }
@@ -348,8 +360,8 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     // Where that is as near as the nearest, all count alike.
     beyond = select(0.0, beyond, beyond < 0.999);
     let steps = steps_on_surface(-place.z, to_eye, normal);
-    var colors: array<vec3f, PHOTO_MOST_BLENDED>;
-    var shares: array<f32, PHOTO_MOST_BLENDED>;
+    var shown: array<PhotoShown, PHOTO_MOST_BLENDED>;
+    let same_angle2 = PHOTO_SAME_ANGLE2 / per_sigma2;
     var normals = vec3f(0.0);
     var sum = 0.0;
     var object = 0.0;
@@ -360,8 +372,9 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
         let sampled = photo_sample(photo, at.texel, photo_per_px(photo, at, steps));
         let sizes = photo_entry(photo, 5u);
         let weight = (weights[which] / weights[0] - beyond) * trusts[which] * photo_rim(at.texel, sizes.xy);
-        colors[which] = photo_entry(photo, 6u).xyz * sampled.rgb / max(sampled.a, 1e-37);
-        shares[which] = weight * sampled.a;
+        shown[which].color = photo_entry(photo, 6u).xyz * sampled.rgb / max(sampled.a, 1e-37);
+        shown[which].share = weight * sampled.a;
+        shown[which].nearness = (angles2[0] + same_angle2) / (angles2[which] + same_angle2);
         sum += weight * sampled.a;
         if (relights) {
             normals += weight * sampled.a * photo_normal(photo, at.texel);
@@ -377,8 +390,8 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
     if (sum <= 0.0) {
         return unseen;
     }
-    let agreed = photo_agreed(colors, shares, min(found, most));
-    let shown = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
+    let agreed = photo_agreed(shown, min(found, most));
+    let color = select(min(agreed, vec3f(1.0)), vec3f(1.0), is_white);
     let length2 = dot(normals, normals);
-    return PhotoAnswer(shown, ANSWER_SHOWN, select(normals / sqrt(length2), vec3f(0.0), length2 == 0.0));
+    return PhotoAnswer(color, ANSWER_SHOWN, select(normals / sqrt(length2), vec3f(0.0), length2 == 0.0));
 }

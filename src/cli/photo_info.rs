@@ -59,7 +59,7 @@ impl PhotoInfo {
         medians.sort_by(f64::total_cmp);
         let error = match (medians.get(medians.len() / 2), worst) {
             (Some(median), Some(worst)) => {
-                format!("reprojection error {median:.2} px in the median, {worst:.2} px at most")
+                format!("reprojection error (RMS) {median:.2} px in the median, {worst:.2} px at most")
             }
             _ => "no point says how well their cameras fit".to_owned(),
         };

@@ -11,6 +11,7 @@ use super::photo::Photo;
 use super::picture_file::size_px;
 use super::points::{Observation, SparsePoints};
 use super::view_set::ViewSet;
+use crate::natural::natural_order;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -136,11 +137,18 @@ impl Drafts {
             notes: self.notes,
             ..ViewSet::default()
         };
-        let (mut kept, mut missing, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
-        for (draft, photo) in self.photos.iter().zip(photos) {
-            kept.push(photo.is_ok().then_some(set.photos.len() as u32));
+        let mut kept = vec![None; photos.len()];
+        let (mut missing, mut wrong) = (Vec::new(), Vec::new());
+        // Programs list photographs as they were matched, or as a hash table has them: people count them by their
+        // names.
+        let mut by_name: Vec<_> = self.photos.iter().zip(photos).enumerate().collect();
+        by_name.sort_by(|(_, (one, _)), (_, (other, _))| natural_order(Path::new(&one.name), Path::new(&other.name)));
+        for (listed, (draft, photo)) in by_name {
             match photo {
-                Ok(photo) => set.photos.push(photo),
+                Ok(photo) => {
+                    kept[listed] = Some(set.photos.len() as u32);
+                    set.photos.push(photo);
+                }
                 Err(Reason::Missing) => missing.push(draft.name.as_str()),
                 Err(Reason::Wrong(reason)) => wrong.push((draft.name.as_str(), reason)),
             }
@@ -299,6 +307,28 @@ mod tests {
         ] {
             assert!(notes.contains(words), "{words} in {notes}");
         }
+    }
+
+    #[test]
+    fn photographs_are_in_the_order_of_their_names_and_tracks_with_them() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, width) in [("view_2.png", 10), ("view_10.png", 12), ("view_1.png", 8)] {
+            image::RgbImage::new(width, 6).save(folder.path().join(name)).unwrap();
+        }
+        let mut drafts = Drafts::new(Path::new("list"), vec![folder.path().into()]);
+        drafts.photos = ["view_10.png", "gone.png", "view_2.png", "view_1.png"]
+            .map(draft)
+            .into();
+        let seen = |photo| Observation {
+            photo,
+            pixel: glam::Vec2::new(photo as f32, 0.0),
+        };
+        drafts.points.push(DVec3::ZERO, [0; 3], [0, 1, 2, 3].map(seen));
+        let set = drafts.into_view_set().unwrap();
+        let names: Vec<&str> = set.photos.iter().map(|photo| photo.name.as_str()).collect();
+        assert_eq!(names, ["view_1.png", "view_2.png", "view_10.png"]);
+        let track: Vec<u32> = set.points.track(0).iter().map(|seen| seen.photo).collect();
+        assert_eq!(track, [2, 1, 0]);
     }
 
     #[test]

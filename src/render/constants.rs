@@ -51,6 +51,10 @@ pub(super) const PHOTO_RIM: f32 = 0.02;
 /// a difference of 16 of 255 in each channel, which is more than the noise of photographs and less than another thing.
 pub(super) const PHOTO_PER_DISAGREEMENT2: f32 = 84.67;
 
+/// Beside the square of σ, that of the angle at which a photograph is as good as from where the eye is: a twentieth of
+/// σ. Pixels are no finer, and it keeps quotients finite.
+pub(super) const PHOTO_SAME_ANGLE2: f32 = 0.0025;
+
 /// How often the mean of photographs is taken again, once it is known which of them disagree with it.
 pub(super) const PHOTO_AGREEMENT_ROUNDS: u32 = 2;
 

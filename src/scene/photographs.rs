@@ -13,7 +13,7 @@
 //! Surfaces can be lit anew by normals of the depths that photographs see (§4.1): `render/cpu/photographs/normals.rs`.
 
 use super::style::Primitive;
-use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, PhotoRelight, ScenePacket, ViewTransform};
+use super::{Content, PhotoClipping, PhotoGains, PhotoHoles, PhotoRelight, ScenePacket, ViewTransform, gap_px};
 use crate::photos::Photograph;
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
@@ -30,6 +30,8 @@ pub struct PhotoViews {
     pub clipping: PhotoClipping,
     /// What places look like that no photograph sees.
     pub holes: PhotoHoles,
+    /// How wide gaps in the surface are that are closed; 0: none ([`gap_px`]).
+    pub gap_px: u32,
     /// Whether normals are those of their depths, and colours theirs.
     pub relight: PhotoRelight,
 }
@@ -81,6 +83,7 @@ impl PhotoViews {
             blended: style.blended(),
             clipping: style.clipping,
             holes: style.holes,
+            gap_px: gap_px(packet),
             relight: style.relight,
         })
     }

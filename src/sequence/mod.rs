@@ -36,7 +36,7 @@ mod stamps;
 mod trails;
 mod watch;
 
-pub use crate::io::natural_order;
+pub use crate::natural::natural_order;
 pub use crate::source::{DecodeFailure, FrameEntry, OpenOptions, Recording, SequenceError, Shape};
 pub use coloring::{
     ColorHints, ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, Paint, PaintValues,

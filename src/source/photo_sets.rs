@@ -8,7 +8,8 @@
 use super::photo_video::PhotoVideo;
 use super::photos::PhotoScene;
 use super::{OpenOptions, SequenceError, Source, rgbd};
-use crate::io::{Format, natural_order};
+use crate::io::Format;
+use crate::natural::natural_order;
 use crate::photos::{self, PhotosError};
 use std::fs;
 use std::path::{Path, PathBuf};

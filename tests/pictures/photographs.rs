@@ -4,6 +4,7 @@
 //! Held: held-out views against ray-traced truth, beside the colours of the same points; a photograph's own view;
 //! steady pictures while the camera turns; what is behind something is not coloured by it; both renderers.
 
+mod gaps;
 mod holes;
 mod relight;
 

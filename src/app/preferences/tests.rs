@@ -68,6 +68,7 @@ fn unusual() -> Preferences {
                 eye_dome_strength: 2.5,
             },
             photos: PhotoStyle {
+                gaps: 1.0,
                 mode: PhotoMode::Single,
                 views: 2.0,
                 angle: 2.5,

@@ -3,6 +3,7 @@
 use super::deferred::{Surface, shade};
 use super::eight::Vectors;
 use super::illumination::Illumination;
+use super::photographs::Projected;
 use super::pixels::{OPAQUE_ALPHA, opaque};
 use super::raster::load;
 use super::rows::TileRow;
@@ -95,6 +96,17 @@ pub(super) struct Finish<'a> {
     pub(super) illumination: Option<Illumination<'a>>,
 }
 
+impl Finish<'_> {
+    /// Whether gaps in the surface are closed, when all is drawn.
+    fn closes_gaps(&self) -> bool {
+        let photographs = self
+            .illumination
+            .as_ref()
+            .and_then(|illumination| illumination.photographs);
+        matches!(self.held, Held::Surfaces { .. }) && photographs.is_some_and(Projected::closes_gaps)
+    }
+}
+
 impl Tile {
     /// Clears what will be drawn to.
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
@@ -155,6 +167,9 @@ impl Tile {
                     let depths = &mut depths[columns];
                     self.write_depths(row, held, depths);
                     self.write_opacities(row, held, depths, pixels);
+                    if finish.closes_gaps() {
+                        self.write_surface_depths(row, depths);
+                    }
                 }
                 TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
                 // Written already.
@@ -174,6 +189,16 @@ impl Tile {
         } else {
             let count = depths.len();
             depths.copy_from_slice(&self.depth[first..first + count]);
+        }
+    }
+
+    /// Writes reversed depths of the blended surface of a row: those that hide what is behind are pushed back.
+    #[inline(always)]
+    fn write_surface_depths(&self, row: usize, depths: &mut [f32]) {
+        let first = WIDTH * row;
+        let sums = self.surfaces[3][first..].iter().zip(&self.weight[first..]);
+        for (depth, (sum, weight)) in depths.iter_mut().zip(sums) {
+            *depth = if *weight > 0.0 { sum / weight } else { 0.0 };
         }
     }
 

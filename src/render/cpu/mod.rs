@@ -188,7 +188,7 @@ impl CpuRenderer {
         self.stats.screen_ms = 0.0;
         if let Some(screen) = screen {
             let start = Instant::now();
-            rayon::scope(|_| screen.draw(&mut self.image, &self.depths));
+            rayon::scope(|_| screen.draw(&mut self.image, &self.depths, projected.as_ref()));
             self.stats.screen_ms = milliseconds_since(start);
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! What is done when all tiles are drawn: eye-dome lighting, which looks beyond them, and the grid on the ground.
+//! What is done when all tiles are drawn: eye-dome lighting and the closing of gaps, which look beyond them, and the
+//! grid on the ground.
 //!
 //! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are
 //! gone through once more, eight pixels at a time, in place; most of them are in a cache still. Without such steps no
@@ -11,18 +12,30 @@
 use super::eye_dome::EyeDome;
 use super::finish::Gradient;
 use super::grid::Grid;
+use super::photographs::Projected;
 use super::pixels::{make_opaque, pack, unpacked};
 use super::tile::LANES;
-use crate::scene::{EyeDomeLight, ScenePacket};
+use super::view::PixelView;
+use crate::scene::{EyeDomeLight, ScenePacket, gap_px};
 use fearless_simd::{Level, Simd, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
 
 /// Rows that a thread goes through before the next ones: halos around them are read from the second cache.
 const ROWS_PER_TASK: usize = 32;
 
+/// Which of the steps that go from row to row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Steps {
+    All,
+    /// Light.
+    BeforeGaps,
+    /// What is before and behind the surface.
+    AfterGaps,
+}
+
 /// The steps of a packet.
 pub(super) struct Screen {
-    size_px: [usize; 2],
+    view: PixelView,
     eye_dome: Option<EyeDomeLight>,
     grid: Option<Grid>,
     gradient: Gradient,
@@ -33,36 +46,48 @@ impl Screen {
     pub(super) fn of(packet: &ScenePacket) -> Option<Self> {
         let eye_dome = EyeDomeLight::of(packet);
         let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
-        (eye_dome.is_some() || ground.is_some()).then(|| Self {
-            size_px: packet.viewport_px.map(|edge| edge as usize),
+        (eye_dome.is_some() || ground.is_some() || gap_px(packet) > 0).then(|| Self {
+            view: PixelView::new(packet),
             eye_dome,
             grid: ground.map(|ground| Grid::new(ground, packet)),
             gradient: Gradient::of(packet),
         })
     }
 
-    /// Finishes a picture with its reversed depths.
-    pub(super) fn draw(&self, image: &mut [u8], depths: &[f32]) {
-        let [width, _] = self.size_px;
+    /// Finishes a picture with its reversed depths. Gaps are closed by `photographs`.
+    pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], photographs: Option<&Projected<'_>>) {
+        let Some(photographs) = photographs.filter(|photographs| photographs.closes_gaps()) else {
+            self.draw_steps(Steps::All, image, depths);
+            return;
+        };
+        if self.eye_dome.is_some() {
+            self.draw_steps(Steps::BeforeGaps, image, depths);
+        }
+        photographs.close_gaps(&self.view, &self.gradient, image, depths);
+        self.draw_steps(Steps::AfterGaps, image, depths);
+    }
+
+    fn draw_steps(&self, steps: Steps, image: &mut [u8], depths: &[f32]) {
+        let width = self.view.size_px[0] as usize;
         let level = Level::new();
         let tasks = image.par_chunks_mut(4 * width * ROWS_PER_TASK).enumerate();
         tasks.for_each(|(task, rows)| {
             dispatch!(level, simd => {
                 simd.vectorize(
                     #[inline(always)]
-                    || self.draw_rows(simd, ROWS_PER_TASK * task, rows, depths),
+                    || self.draw_rows(simd, steps, ROWS_PER_TASK * task, rows, depths),
                 );
             });
         });
     }
 
     #[inline(always)]
-    fn draw_rows<S: Simd>(&self, simd: S, first: usize, rows: &mut [u8], depths: &[f32]) {
-        let size = self.size_px;
+    fn draw_rows<S: Simd>(&self, simd: S, steps: Steps, first: usize, rows: &mut [u8], depths: &[f32]) {
+        let size = self.view.size_px.map(|edge| edge as usize);
         for (y, row) in (first..).zip(rows.chunks_exact_mut(4 * size[0])) {
             let (pixels, _) = row.as_chunks_mut::<4>();
             let depths_of_row = &depths[size[0] * y..size[0] * (y + 1)];
-            if let Some(light) = &self.eye_dome {
+            if let Some(light) = self.eye_dome.as_ref().filter(|_| steps != Steps::AfterGaps) {
                 let background = self.gradient.at_row(y as i32);
                 let eye_dome = EyeDome::of_row(light, size, depths, y);
                 for (chunk, pixels) in pixels.chunks_mut(LANES).enumerate() {
@@ -73,6 +98,7 @@ impl Screen {
                 }
             }
             match &self.grid {
+                _ if steps == Steps::BeforeGaps => {}
                 Some(grid) => grid.draw_row(simd, y, depths_of_row, pixels),
                 None => make_opaque(pixels),
             }

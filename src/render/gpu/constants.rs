@@ -16,13 +16,13 @@ use crate::render::constants::{
     FXAA_LEAST_SHARE, FXAA_MOST_BLENDED, FXAA_RED, HEAD_LIGHT_AMBIENT, HEAD_LIGHT_SHININESS, HEAD_LIGHT_SPECULAR,
     MASK_FALLOFF, NARROWEST_CELL_PX, NEAREST_GREY, OPAQUE_WEIGHT, PHOTO_AGREEMENT_ROUNDS, PHOTO_LEAST_COSINE,
     PHOTO_LEAST_FACING, PHOTO_MOST_TAPS, PHOTO_NOT_LOOKING, PHOTO_OPACITY, PHOTO_PER_DISAGREEMENT2,
-    PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER, SQUARE_REACH_RADII,
-    UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
+    PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS, SPRITE_MARGIN_PX, SPRITE_NEARER,
+    SQUARE_REACH_RADII, UPRIGHT_NORMAL_Y, USUAL_LINES, WIDEST_CELL_PX,
 };
 use crate::rgbd::filter_constants as filter;
 use crate::scene::{
-    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, Lights, PhotoStyle,
-    PhotoViews, Shadow, SplatFilter,
+    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_ONE_SURFACE, GAP_SOLID,
+    Lights, PhotoStyle, PhotoViews, Shadow, SplatFilter,
 };
 use crate::stereo::constants as stereo;
 use std::fmt::Debug;
@@ -172,6 +172,8 @@ pub(super) fn shared() -> String {
         FXAA_MOST_BLENDED,
         FXAA_RED,
         FXAA_SEARCH_STEPS,
+        GAP_ONE_SURFACE,
+        GAP_SOLID,
         GATHER_GROUP,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,
@@ -210,6 +212,7 @@ pub(super) fn shared() -> String {
         PHOTO_PER_STEP_ANGLE2,
         PHOTO_RELIGHTS,
         PHOTO_RIM,
+        PHOTO_SAME_ANGLE2,
         PHOTO_TRUST_NEAR_STEPS,
         RADIUS_OF_NOTHING,
         SHADOW_EDGE_PX,

@@ -152,6 +152,7 @@ fn table(context: &Context, views: &PhotoViews, shown: &PhotographsInFrame, maps
     };
     let mut rows = vec![[0.0; 4]; COLUMNS];
     rows[0] = [count as f32, views.blended as f32, views.per_sigma2, flags as f32];
+    rows[1][0] = views.gap_px as f32;
     for ((view, photograph), map) in views.views.iter().zip(shown.photographs.all()).zip(maps).take(count) {
         let levels = photograph.texture.levels().len();
         rows.extend(row(view, (levels, photograph.is_masked), map));

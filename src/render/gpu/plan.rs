@@ -8,8 +8,9 @@
 
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{
-    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, PHOTO_ANSWERS, PULL, PUSH, SHADE, SHADE_PHOTO_ANSWERS,
-    SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL, SUPERSAMPLE,
+    BACKGROUND, EYE_DOME, EYE_DOME_OF_SUMS, FXAA, GRID, PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOGRAPHS, SHADE,
+    SHADE_PHOTO_ANSWERS, SHADE_PHOTO_ANSWERS_PHYSICAL, SHADE_PHOTOGRAPHS, SHADE_PHOTOGRAPHS_PHYSICAL, SHADE_PHYSICAL,
+    SUPERSAMPLE,
 };
 use super::passes::{GeometryKey, ScreenPass};
 use super::primitives::{self, Drawable};
@@ -60,7 +61,10 @@ impl<'a> Plan<'a> {
         let shade = drawable.draws_into(Target::Surfaces).then_some(shade);
         let draws_sums = shade.is_some() || drawable.draws_into(Target::Sums);
         let eye_dome = EyeDomeLight::of(packet).map(|_| if draws_sums { &EYE_DOME_OF_SUMS } else { &EYE_DOME });
-        let resolve = drawable.resolve;
+        let closes_gaps = shade.is_some() && photographs.as_ref().is_some_and(|views| views.gap_px > 0);
+        let resolve = drawable
+            .resolve
+            .map(|resolve| if closes_gaps { &RESOLVE_PHOTOGRAPHS } else { resolve });
         let [first, second] = if draws_sums {
             [eye_dome, resolve]
         } else {

@@ -52,6 +52,8 @@ pub(super) enum Source {
     Surfaces,
     /// The same, and photographs.
     Photographed,
+    /// The same, with sums of colours on which light has fallen in place of the environment.
+    PhotographedSums,
     /// The same as for surfaces, the table of photographs, and what these say of each pixel.
     PhotoAnswers,
     /// The next finer level of the pyramid over what they say than the one that is drawn into.
@@ -253,6 +255,11 @@ impl Targets {
             Source::Photographed => {
                 let photographs = self.photographs.iter().flat_map(PhotoTextures::views);
                 self.surface_sources().chain(photographs).collect()
+            }
+            Source::PhotographedSums => {
+                let mut sources = self.sources(Source::Photographed, level);
+                sources[5] = &self.accumulation_view;
+                sources
             }
             Source::PhotoAnswers => {
                 let table = self.photographs.iter().map(PhotoTextures::table);

@@ -123,6 +123,25 @@ group! {
             when: When::DrawsPhotographs,
             values: Values::Words(PhotoHoles::WORDS),
         }
+        /// How wide gaps in a surface are that are closed, in percent of the height of a picture.
+        gaps: f32 = 5.0, "photo_gaps" GAPS {
+            flag: "photo-gaps",
+            value_name: "PERCENT",
+            help: "Close gaps in a surface up to this width, of the picture's height; 0: none (usually 5)",
+            title: "Gaps",
+            hint: "How wide gaps in a surface are that are closed where photographs show something there, in percent \
+                   of the height of the picture; 0: they stay open",
+            section: Section::Photographs,
+            when: When::DrawsPhotographs,
+            values: Values::Number(Numbers {
+                kept: [0.0, 20.0],
+                offered: [0.0, 10.0],
+                typed: Typed::Kept("a number from 0 to 20"),
+                unit: Unit::Is(" %"),
+                decimals: 1,
+                ..Numbers::USUAL
+            }),
+        }
         /// Whether light falls on what photographs show, and on which normals.
         relight: PhotoRelight = PhotoRelight::Off, "photo_relight" RELIGHT {
             flag: "relight",

@@ -14,8 +14,8 @@
 use super::companions::{Companions, Known};
 use super::recording::{Recording, topics_of};
 use super::stamps::stamp;
-use crate::io::natural::{NamePiece, Runs, natural_order, split_name};
 use crate::io::{self, Format};
+use crate::natural::{NamePiece, Runs, natural_order, split_name};
 use crate::progress::Progress;
 use crate::source::{FrameEntry, OpenOptions, SequenceError};
 use std::collections::HashSet;

@@ -10,8 +10,8 @@
 //! one scene. Where the images that it names lie beside the numbered folders, these are copies of them (`images_4`).
 
 use super::clock::{Timed, timed, together};
-use crate::io::natural::{NamePiece, Runs};
-use crate::io::natural_order;
+use crate::natural::natural_order;
+use crate::natural::{NamePiece, Runs};
 use crate::photos::{self, Calibration, is_picture};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs;

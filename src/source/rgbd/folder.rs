@@ -1,7 +1,8 @@
 //! What is in a folder, by names alone.
 
 use super::error::RgbdError;
-use crate::io::{Format, natural_order};
+use crate::io::Format;
+use crate::natural::natural_order;
 use std::fs;
 use std::path::{Path, PathBuf};
 

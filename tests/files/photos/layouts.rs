@@ -127,7 +127,8 @@ fn copies_for_pmvs_are_the_photographs_of_the_bundle_beside_them() {
     }
     let set = read(folder.path());
     let files: Vec<_> = set.photos.iter().map(|photo| photo.path.file_name().unwrap()).collect();
-    assert_eq!(files, ["00000000.jpg", "00000001.jpg"]);
+    // In the order of their names in the list.
+    assert_eq!(files, ["00000001.jpg", "00000000.jpg"]);
 }
 
 #[test]

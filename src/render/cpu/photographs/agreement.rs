@@ -1,30 +1,49 @@
 //! What several photographs say of one place, where some of them are wrong.
 //!
-//! How it works: the mean of all is taken, then again with shares by how far each is from it, `1 / (1 + d² / s²)`
-//! (Cauchy's weights, Holland and Welsch 1977), twice. So the one photograph of four that shows something else (a
-//! person who walked by, what is before or behind an outline, a wrong pose) fades, and noise is averaged as before. No
-//! photograph appears or vanishes at once.
+//! How it works: the mean of all is taken, in which those count most that look from nearest to where the eye is. Then
+//! it is taken again with shares by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and
+//! Welsch 1977), twice. So the one photograph of four that shows something else (a person who walked by, what is before
+//! or behind an outline, a wrong pose) fades. No photograph appears or vanishes at once.
+//!
+//! What is wrong with the place is seen shifted by as much as a photograph looks from aside: the variance of what it
+//! shows grows with the square of its angle θ, and the best mean has shares of `n = (θ₁² + a²) / (θ² + a²)`, with θ₁ of
+//! the nearest one (inverse variances; Buehler et al. 2001 take 1/θ). That noise of all photographs is the same speaks
+//! against it. So `q + (1 − q) · n` is taken: where photographs agree, all of them count, and noise is averaged; where
+//! they do not, the nearest is right.
 
 use crate::render::constants::{PHOTO_AGREEMENT_ROUNDS, PHOTO_PER_DISAGREEMENT2};
 use glam::Vec3;
 
-/// The colour that `shown` agree on, each with its share. Precondition: shares are not negative, and one is above 0.
+/// What one photograph shows of a place.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shown {
+    pub(super) color: Vec3,
+    /// Its weight beside the others.
+    pub(super) share: f32,
+    /// A factor on that where they disagree: 1 of the nearest to the eye's direction, less of others.
+    pub(super) nearness: f32,
+}
+
+/// The colour that `shown` agree on. Precondition: shares and nearness are not negative, and one of each is above 0.
 #[inline(always)]
-pub(super) fn agreed(shown: &[(Vec3, f32)]) -> Vec3 {
-    let mut agreed = mean(shown, |_, share| share);
+pub(super) fn agreed(shown: &[Shown]) -> Vec3 {
+    let mut agreed = mean(shown, |shown| shown.share * shown.nearness);
     for _ in 0..PHOTO_AGREEMENT_ROUNDS {
-        let doubt = |color: Vec3| 1.0 + PHOTO_PER_DISAGREEMENT2 * color.distance_squared(agreed);
-        agreed = mean(shown, |color, share| share / doubt(color));
+        agreed = mean(shown, |shown| {
+            let off2 = shown.color.distance_squared(agreed);
+            let belief = 1.0 / (1.0 + PHOTO_PER_DISAGREEMENT2 * off2);
+            shown.share * belief * (belief + (1.0 - belief) * shown.nearness)
+        });
     }
     agreed
 }
 
 #[inline(always)]
-fn mean(shown: &[(Vec3, f32)], share_of: impl Fn(Vec3, f32) -> f32) -> Vec3 {
+fn mean(shown: &[Shown], share_of: impl Fn(&Shown) -> f32) -> Vec3 {
     let (mut color, mut sum) = (Vec3::ZERO, 0.0);
-    for &(shown, share) in shown {
-        let share = share_of(shown, share);
-        color += share * shown;
+    for shown in shown {
+        let share = share_of(shown);
+        color += share * shown.color;
         sum += share;
     }
     color / sum.max(f32::MIN_POSITIVE)
@@ -35,43 +54,76 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Each with its share, all from as near.
+    fn alike<const COUNT: usize>(shown: [(Vec3, f32); COUNT]) -> [Shown; COUNT] {
+        shown.map(|(color, share)| Shown {
+            color,
+            share,
+            nearness: 1.0,
+        })
+    }
+
     #[test]
     fn the_one_of_four_that_shows_something_else_hardly_counts() {
         let wall = Vec3::new(0.6, 0.5, 0.4);
         let wrong = Vec3::new(0.1, 0.1, 0.9);
-        let found = agreed(&[(wall, 1.0), (wall, 0.8), (wrong, 0.9), (wall, 0.5)]);
+        let found = agreed(&alike([(wall, 1.0), (wall, 0.8), (wrong, 0.9), (wall, 0.5)]));
         assert!(found.distance(wall) < 0.01, "{found}");
         // It is by its own share that it counts alone.
-        assert!(agreed(&[(wrong, 0.2), (wall, 0.0)]).distance(wrong) < 1e-6);
+        assert!(agreed(&alike([(wrong, 0.2), (wall, 0.0)])).distance(wrong) < 1e-6);
     }
 
     #[test]
     fn what_differs_by_noise_is_averaged() {
         let noise = [-0.006, 0.004, 0.003, -0.001];
         let shown = noise.map(|noise| (Vec3::splat(0.5 + noise), 1.0));
-        assert!(agreed(&shown).distance(Vec3::splat(0.5)) < 3e-4);
+        assert!(agreed(&alike(shown)).distance(Vec3::splat(0.5)) < 3e-4);
     }
 
     #[test]
     fn of_two_that_disagree_the_larger_share_counts_more_and_both_count() {
-        let found = agreed(&[(Vec3::ZERO, 1.0), (Vec3::ONE, 0.5)]);
+        let found = agreed(&alike([(Vec3::ZERO, 1.0), (Vec3::ONE, 0.5)]));
         assert!(found.x > 0.0 && found.x < 1.0 / 3.0, "{found}");
-        assert_eq!(agreed(&[(Vec3::ZERO, 1.0), (Vec3::ONE, 1.0)]), Vec3::splat(0.5));
+        assert_eq!(agreed(&alike([(Vec3::ZERO, 1.0), (Vec3::ONE, 1.0)])), Vec3::splat(0.5));
+    }
+
+    #[test]
+    fn the_nearest_is_right_where_they_disagree_and_one_of_all_where_they_agree() {
+        let from_aside = |color: f32| Shown {
+            color: Vec3::splat(color),
+            share: 0.8,
+            nearness: 0.02,
+        };
+        let nearest = Shown {
+            color: Vec3::splat(0.5),
+            share: 1.0,
+            nearness: 1.0,
+        };
+        let disagreeing = agreed(&[nearest, from_aside(0.2), from_aside(0.9), from_aside(0.25)]);
+        assert!(disagreeing.distance(nearest.color) < 0.02, "{disagreeing}");
+        let noisy = agreed(&[nearest, from_aside(0.51), from_aside(0.51), from_aside(0.51)]);
+        let mean = (0.5 + 3.0 * 0.8 * 0.51) / (1.0 + 3.0 * 0.8);
+        assert!((noisy.x - mean).abs() < 5e-4, "{noisy}");
     }
 
     proptest! {
         /// Between the least and the largest of all, and steady: a little more of one changes little.
         #[test]
         fn colours_are_between_those_shown(
-            shown in prop::collection::vec((prop::array::uniform3(0.0_f32..1.0), 0.01_f32..1.0), 1..8),
+            shown in prop::collection::vec(
+                (prop::array::uniform3(0.0_f32..1.0), 0.01_f32..1.0, 0.05_f32..1.0), 1..8,
+            ),
         ) {
-            let shown: Vec<(Vec3, f32)> = shown.into_iter().map(|(color, share)| (color.into(), share)).collect();
+            let shown: Vec<Shown> = shown
+                .into_iter()
+                .map(|(color, share, nearness)| Shown { color: color.into(), share, nearness })
+                .collect();
             let found = agreed(&shown);
-            let least = shown.iter().fold(Vec3::INFINITY, |least, (color, _)| least.min(*color));
-            let most = shown.iter().fold(Vec3::NEG_INFINITY, |most, (color, _)| most.max(*color));
+            let least = shown.iter().fold(Vec3::INFINITY, |least, shown| least.min(shown.color));
+            let most = shown.iter().fold(Vec3::NEG_INFINITY, |most, shown| most.max(shown.color));
             prop_assert!(found.cmpge(least - 1e-5).all() && found.cmple(most + 1e-5).all());
             let mut more = shown.clone();
-            more[0].1 += 1e-4;
+            more[0].share += 1e-4;
             prop_assert!(agreed(&more).distance(found) < 0.02);
         }
     }

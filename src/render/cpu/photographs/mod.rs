@@ -12,6 +12,7 @@
 mod agreement;
 mod candidates;
 mod depths;
+mod gaps;
 mod normals;
 mod push_pull;
 mod sampling;
@@ -24,10 +25,10 @@ use super::tile::{Tile, WIDTH};
 use super::view::{PixelRect, PixelView};
 use crate::photos::Photograph;
 use crate::render::constants::{
-    PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_TRUST_NEAR_STEPS,
+    PHOTO_LEAST_COSINE, PHOTO_OPACITY, PHOTO_PER_STEP_ANGLE2, PHOTO_RIM, PHOTO_SAME_ANGLE2, PHOTO_TRUST_NEAR_STEPS,
 };
 use crate::scene::{DepthMap, DepthRelation, PhotoClipping, PhotoHoles, PhotoRelight, PhotoStyle, PhotoViews};
-use agreement::agreed;
+use agreement::{Shown, agreed};
 use candidates::{Candidates, Scores};
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -97,6 +98,11 @@ impl<'a> Projected<'a> {
     /// Whether holes are filled from around: then [`Projected::look`] comes first.
     pub(super) fn fills_holes(&self) -> bool {
         self.views.fills_holes()
+    }
+
+    /// Whether gaps in the surface are closed.
+    pub(super) fn closes_gaps(&self) -> bool {
+        self.views.gap_px > 0
     }
 
     /// The same where it is known what they say of each pixel of the picture.
@@ -253,7 +259,8 @@ impl<'a> Projected<'a> {
         // Where that is as near as the nearest, all count alike.
         let beyond = if beyond < 0.999 { beyond } else { 0.0 };
         let (mut sum, mut object, mut background) = (0.0, 0.0, 0.0);
-        let mut shown = [(Vec3::ZERO, 0.0); PhotoStyle::MOST_VIEWS];
+        let same_angle2 = PHOTO_SAME_ANGLE2 / self.views.per_sigma2;
+        let mut shown = [Shown::default(); PhotoStyle::MOST_VIEWS];
         let mut normals = Vec3::ZERO;
         for (shown, seen) in shown.iter_mut().zip(blended) {
             let view = &self.views.views[seen.view];
@@ -262,7 +269,11 @@ impl<'a> Projected<'a> {
             let [red, green, blue, alpha] = sample(&photograph.texture, &footprint);
             let weight = (weight(seen) - beyond) * seen.trust * rim(scores.place(seen.view), view.size);
             let color = view.gain * Vec3::new(red, green, blue) / alpha.max(f32::MIN_POSITIVE);
-            *shown = (color, weight * alpha);
+            *shown = Shown {
+                color,
+                share: weight * alpha,
+                nearness: (nearest.angle2 + same_angle2) / (seen.angle2 + same_angle2),
+            };
             sum += weight * alpha;
             if self.views.relight != PhotoRelight::Off {
                 normals += weight * alpha * normal(&self.depths[seen.view], view, footprint.place);

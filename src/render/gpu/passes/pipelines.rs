@@ -113,7 +113,7 @@ impl Pipelines {
             Source::Sums | Source::Picture | Source::FinerLevel | Source::CoarserLevel => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
-            Source::Photographed => &self.photographed_source_layout,
+            Source::Photographed | Source::PhotographedSums => &self.photographed_source_layout,
             Source::PhotoAnswers => &self.photo_answer_source_layout,
         }
     }

@@ -18,7 +18,7 @@ macro_rules! shade {
 }
 
 /// All of them.
-pub const SCREEN_PASSES: [&ScreenPass; 17] = [
+pub const SCREEN_PASSES: [&ScreenPass; 18] = [
     &BACKGROUND,
     &SHADE,
     &SHADE_PHYSICAL,
@@ -30,6 +30,7 @@ pub const SCREEN_PASSES: [&ScreenPass; 17] = [
     &SHADE_PHOTO_ANSWERS,
     &SHADE_PHOTO_ANSWERS_PHYSICAL,
     &RESOLVE,
+    &RESOLVE_PHOTOGRAPHS,
     &DEPTH_VIEW,
     &EYE_DOME,
     &EYE_DOME_OF_SUMS,
@@ -171,6 +172,19 @@ pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
         blend: Some(OVER),
     },
     depth: None,
+};
+
+/// The same of surfaces that have their colours from photographs, whose gaps are closed.
+pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
+    name: "resolve photographs",
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/photo_table.wgsl"),
+        include_str!("../../../../shaders/common/photographs.wgsl"),
+        include_str!("../../../../shaders/common/blended_surface.wgsl"),
+        include_str!("../../../../shaders/passes/resolve_photographs.wgsl")
+    ),
+    source: Some(Source::PhotographedSums),
+    ..RESOLVE
 };
 
 /// The visibility pass as grey (Fig. 3c).

@@ -1,7 +1,7 @@
 //! Any layout, by patterns of the names of its images.
 
 use super::{Calibration, DepthCode, FoundRecording, RgbdError};
-use crate::io::natural_order;
+use crate::natural::natural_order;
 use crate::source::rgbd::options::RgbdOptions;
 use crate::source::rgbd::pairs::by_name;
 use std::path::{Path, PathBuf};

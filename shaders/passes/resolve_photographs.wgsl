@@ -1,0 +1,92 @@
+// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed. What a gap is:
+// scene/gaps.rs.
+
+// Sums of colours on which light has fallen: nothing is where photographs showed something else.
+@group(SOURCE_GROUP) @binding(5) var lit_colors: texture_2d<f32>;
+
+// The first pixel of the surface from another one on, or of what is beyond the picture.
+struct GapEnd {
+    // 0: neither is within reach.
+    steps: i32,
+    // Reversed; 0 beyond the picture.
+    depth: f32,
+}
+
+fn opacity_at(pixel: vec2i) -> f32 {
+    return min(textureLoad(lit_colors, pixel, 0).a / view.opaque_weight, 1.0);
+}
+
+// Reversed. That of the depth buffer is pushed back.
+fn surface_depth(pixel: vec2i) -> f32 {
+    return view.near / -blended_surface(vec2f(pixel) + 0.5).place.z;
+}
+
+fn gap_end(pixel: vec2i, step: vec2i, most: i32) -> GapEnd {
+    let size = vec2i(view.viewport_px);
+    for (var steps = 1; steps <= most; steps++) {
+        let at = pixel + steps * step;
+        if (any(at < vec2i(0)) || any(at >= size)) {
+            return GapEnd(steps, 0.0);
+        }
+        if (opacity_at(at) >= GAP_SOLID) {
+            return GapEnd(steps, surface_depth(at));
+        }
+    }
+    return GapEnd(0, 0.0);
+}
+
+// The reversed depth of what lies in the gap that a pixel is in; 0 if it is in none.
+fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
+    var lines = array<vec2i, 4>(vec2i(1, 0), vec2i(0, 1), vec2i(1, 1), vec2i(1, -1));
+    var found = 0.0;
+    var shortest = 1e30;
+    for (var line = 0; line < 4; line++) {
+        let one = gap_end(pixel, -lines[line], most - 1);
+        if (one.steps == 0) {
+            return 0.0;
+        }
+        let other = gap_end(pixel, lines[line], most - one.steps);
+        if (other.steps == 0) {
+            return 0.0;
+        }
+        let nearer = max(one.depth, other.depth);
+        let farther = min(one.depth, other.depth);
+        let span = f32(one.steps + other.steps) * length(vec2f(lines[line]));
+        if (nearer > 0.0 && span < shortest) {
+            shortest = span;
+            let to_other = f32(one.steps) / f32(one.steps + other.steps);
+            let of_plane = mix(one.depth, other.depth, to_other);
+            let of_one = select(farther, nearer, farther == 0.0);
+            found = select(of_one, of_plane, farther >= GAP_ONE_SURFACE * nearer);
+        }
+    }
+    return found;
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2i(position.xy);
+    let sum = textureLoad(lit_colors, pixel, 0);
+    let opacity = opacity_at(pixel);
+    let surface = vec4f(sum.rgb / max(sum.a, 1e-37), opacity);
+    if (opacity < 1.0) {
+        let in_gap = depth_in_gap(pixel, i32(textureLoad(photo_table, vec2u(1u, 0u), 0).x));
+        if (in_gap > 0.0) {
+            var depth = in_gap;
+            if (sum.a > 0.0) {
+                depth = surface_depth(pixel);
+            }
+            let ray = ray_through(position.xy);
+            let place = ray * (view.near / depth);
+            let there = BlendedSurface(1.0, vec3f(0.0), place, -normalize(ray), vec3f(0.0));
+            let answer = photo_answer(there, vec2u(pixel));
+            if (answer.kind == ANSWER_SHOWN) {
+                return vec4f(mix(answer.color, surface.rgb, opacity), 1.0);
+            }
+        }
+    }
+    if (sum.a == 0.0) {
+        discard;
+    }
+    return surface;
+}

@@ -1,0 +1,253 @@
+//! Gaps in a surface are closed when all tiles are drawn, where photographs show that something is there. What a gap
+//! is, and what lies in it: `scene/gaps.rs`.
+//!
+//! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
+//! closed; then closed pixels are written. Most pixels that are not covered are background: the way to the left, which
+//! is known while a row is gone through, tells that of most of them.
+
+use super::{PhotoAnswer, Place, Projected, Scores};
+use crate::render::cpu::finish::Gradient;
+use crate::render::cpu::view::PixelView;
+use crate::scene::{GAP_LINES, GAP_ONE_SURFACE, GAP_SOLID};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// A drawn picture with the gaps of its surface.
+struct Drawn<'a> {
+    size: [i32; 2],
+    /// The fourth byte of a pixel is its opacity.
+    pixels: &'a [[u8; 4]],
+    /// Reversed.
+    depths: &'a [f32],
+    /// How wide gaps are, in steps from one side to the other.
+    most: i32,
+}
+
+/// Where a line from a pixel meets the surface, or the border of the picture.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    steps: i32,
+    /// Reversed; 0 beyond the border.
+    depth: f32,
+}
+
+impl Projected<'_> {
+    /// Closes gaps in a picture with opacities in place of alpha, and these reversed depths.
+    pub(in crate::render::cpu) fn close_gaps(
+        &self,
+        view: &PixelView,
+        gradient: &Gradient,
+        image: &mut [u8],
+        depths: &[f32],
+    ) {
+        let [width, height] = view.size_px.map(|edge| edge as i32);
+        let (pixels, _) = image.as_chunks_mut::<4>();
+        let drawn = Drawn {
+            size: [width, height],
+            pixels,
+            depths,
+            most: self.views.gap_px as i32,
+        };
+        let level = Level::new();
+        let closed: Vec<Vec<(usize, [u8; 4])>> = (0..height)
+            .into_par_iter()
+            .map(|y| {
+                dispatch!(level, simd => {
+                    simd.vectorize(
+                        #[inline(always)]
+                        || self.closed_of_row(simd, &drawn, view, gradient.at_row(y), y),
+                    )
+                })
+            })
+            .collect();
+        for (at, color) in closed.into_iter().flatten() {
+            pixels[at] = color;
+        }
+    }
+
+    /// The pixels of a row that are closed, with their places in the picture.
+    #[inline(always)]
+    fn closed_of_row<S: Simd>(
+        &self,
+        simd: S,
+        drawn: &Drawn<'_>,
+        view: &PixelView,
+        background: [f32; 3],
+        y: i32,
+    ) -> Vec<(usize, [u8; 4])> {
+        let mut closed = Vec::new();
+        let mut scores = Scores::default();
+        let mut met = -1;
+        for x in 0..drawn.size[0] {
+            let at = drawn.at([x, y]);
+            let is_within_reach = x - met < drawn.most;
+            if drawn.is_solid(at) {
+                met = x;
+            }
+            let pixel = drawn.pixels[at];
+            if pixel[3] == u8::MAX || !is_within_reach {
+                continue;
+            }
+            let Some(in_gap) = drawn.depth_in_gap([x, y]) else {
+                continue;
+            };
+            let own = drawn.depths[at];
+            let depth = if own > 0.0 { own } else { in_gap };
+            let place = Place::at(view, [x, y], view.near / depth, Vec3::ZERO);
+            if let PhotoAnswer::Shown { color, .. } = self.find(simd, &place, &mut scores) {
+                closed.push((at, over_gap(pixel, background, color)));
+            }
+        }
+        closed
+    }
+}
+
+/// A pixel whose background is that of the gap in place of that of the picture.
+fn over_gap([red, green, blue, opacity]: [u8; 4], background: [f32; 3], in_gap: [f32; 3]) -> [u8; 4] {
+    let open = 1.0 - f32::from(opacity) / 255.0;
+    let channel = |drawn: u8, axis: usize| {
+        let value = f32::from(drawn) + 255.0 * open * (in_gap[axis] - background[axis]);
+        (value + 0.5).clamp(0.0, 255.0) as u8
+    };
+    [channel(red, 0), channel(green, 1), channel(blue, 2), u8::MAX]
+}
+
+impl Drawn<'_> {
+    fn at(&self, [x, y]: [i32; 2]) -> usize {
+        self.size[0] as usize * y as usize + x as usize
+    }
+
+    fn is_solid(&self, at: usize) -> bool {
+        f32::from(self.pixels[at][3]) >= 255.0 * GAP_SOLID
+    }
+
+    fn end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
+        for steps in 1..=most {
+            let pixel = [x + steps * right, y + steps * down];
+            let is_inside = (0..self.size[0]).contains(&pixel[0]) && (0..self.size[1]).contains(&pixel[1]);
+            let depth = if !is_inside {
+                0.0
+            } else if self.is_solid(self.at(pixel)) {
+                self.depths[self.at(pixel)]
+            } else {
+                continue;
+            };
+            return Some(End { steps, depth });
+        }
+        None
+    }
+
+    /// The reversed depth of what lies in the gap that a pixel is in, if it is in one.
+    fn depth_in_gap(&self, pixel: [i32; 2]) -> Option<f32> {
+        let mut found = None;
+        let mut shortest = f32::INFINITY;
+        for [right, down] in GAP_LINES {
+            let one = self.end(pixel, [-right, -down], self.most - 1)?;
+            let other = self.end(pixel, [right, down], self.most - one.steps)?;
+            let span = (one.steps + other.steps) as f32 * ((right * right + down * down) as f32).sqrt();
+            let depth = depth_between(one, other);
+            if depth > 0.0 && span < shortest {
+                (found, shortest) = (Some(depth), span);
+            }
+        }
+        found
+    }
+}
+
+/// The reversed depth between two ends of a line.
+fn depth_between(one: End, other: End) -> f32 {
+    let nearer = one.depth.max(other.depth);
+    let farther = one.depth.min(other.depth);
+    if farther >= GAP_ONE_SURFACE * nearer {
+        let to_other = one.steps as f32 / (one.steps + other.steps) as f32;
+        one.depth + to_other * (other.depth - one.depth)
+    } else if farther > 0.0 {
+        farther
+    } else {
+        nearer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [i32; 2] = [32, 24];
+
+    /// Reversed depths of a plane.
+    fn plane([x, y]: [i32; 2]) -> f32 {
+        0.5 + 0.002 * x as f32 - 0.001 * y as f32
+    }
+
+    /// What is found at `pixel` of a surface of these reversed depths, which is open where `is_open` says so.
+    fn found(depth: impl Fn([i32; 2]) -> f32, is_open: impl Fn([i32; 2]) -> bool, pixel: [i32; 2]) -> Option<f32> {
+        let all = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+        let pixels: Vec<[u8; 4]> = all().map(|at| [0, 0, 0, if is_open(at) { 0 } else { 255 }]).collect();
+        let depths: Vec<f32> = all().map(|at| if is_open(at) { 0.0 } else { depth(at) }).collect();
+        let drawn = Drawn {
+            size: SIZE,
+            pixels: &pixels,
+            depths: &depths,
+            most: 8,
+        };
+        drawn.depth_in_gap(pixel)
+    }
+
+    #[test]
+    fn a_gap_in_a_plane_is_on_the_plane() {
+        let is_open = |[x, y]: [i32; 2]| (10..15).contains(&x) && (8..14).contains(&y);
+        for pixel in [[10, 8], [12, 11], [14, 13], [11, 10]] {
+            let depth = found(plane, is_open, pixel).unwrap();
+            assert!((depth - plane(pixel)).abs() < 1e-6, "{pixel:?}: {depth}");
+        }
+    }
+
+    #[test]
+    fn outlines_slits_and_large_holes_stay_open() {
+        let beyond_outline = |[x, _]: [i32; 2]| x > 15;
+        assert_eq!(found(plane, beyond_outline, [16, 12]), None);
+        let corner = |[x, y]: [i32; 2]| x > 15 && y > 12;
+        assert_eq!(found(plane, corner, [16, 13]), None);
+        // It is open along itself.
+        let slit = |[x, _]: [i32; 2]| (12..14).contains(&x);
+        assert_eq!(found(plane, slit, [12, 12]), None);
+        let hole = |[x, y]: [i32; 2]| (6..18).contains(&x) && (6..18).contains(&y);
+        assert_eq!(found(plane, hole, [12, 12]), None);
+    }
+
+    #[test]
+    fn beyond_the_border_nothing_speaks_against_a_gap() {
+        let at_border = |[x, y]: [i32; 2]| x < 3 && (10..13).contains(&y);
+        let depth = found(plane, at_border, [0, 11]).unwrap();
+        assert!((depth - plane([0, 11])).abs() < 0.01, "{depth}");
+        // An empty picture is no gap, however small it is.
+        assert_eq!(found(plane, |_| true, [0, 0]), None);
+    }
+
+    #[test]
+    fn between_two_things_lies_the_farther() {
+        let two = |[x, _]: [i32; 2]| if x < 12 { 0.8 } else { 0.2 };
+        let is_open = |[x, y]: [i32; 2]| (11..14).contains(&x) && (4..20).contains(&y);
+        assert_eq!(
+            found(two, |[x, y]| is_open([x, y]) && (10..13).contains(&y), [12, 11]),
+            Some(0.2)
+        );
+        // Ends of one thing count, where the shortest line has them.
+        let above = |[x, y]: [i32; 2]| if y < 12 && x < 20 { 0.8 } else { 0.2 };
+        assert_eq!(
+            found(above, |[x, y]| (10..12).contains(&x) && (9..12).contains(&y), [10, 10]),
+            Some(0.8)
+        );
+    }
+
+    #[test]
+    fn what_is_half_covered_keeps_its_half() {
+        let half = over_gap([100, 50, 0, 128], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+        assert_eq!(half, [227, 50, 0, 255]);
+        assert_eq!(
+            over_gap([9, 8, 7, 0], [9.0 / 255.0, 8.0 / 255.0, 7.0 / 255.0], [1.0, 0.5, 0.0]),
+            [255, 128, 0, 255]
+        );
+    }
+}

@@ -1,0 +1,41 @@
+//! Gaps in a surface of splats, closed where photographs show that something is there.
+//!
+//! **How it works.** Surfaces of points have gaps of a few pixels: where photographs disagree about a depth, where a
+//! disk ends a little before the next one begins. A pixel that the surface does not cover whole is in a gap if all four
+//! lines through it (a row, a column, both diagonals) meet the surface on both sides, no more than [`gap_px`] steps
+//! apart (closings by lines: Serra 1982). So outlines stay as they are, but for holes that are as small, and a gap is
+//! closed as a whole. Beyond the borders of a picture nothing is known, and nothing speaks against a gap there.
+//!
+//! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
+//! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other,
+//! it is that of the farther: between them one looks past the nearer one. Photographs are asked about that place, as
+//! they are about others (`scene/photographs.rs`). What they see through, and what none of them sees, stays open: a
+//! handle is a handle still.
+//!
+//! Done after light has fallen, over the whole picture: `render/cpu/photographs/gaps.rs`,
+//! `shaders/passes/resolve_photographs.wgsl`.
+
+use super::{PhotoRelight, ScenePacket};
+
+/// How wide gaps are that are closed: steps of a column or a row or both from one side to the other; 0 where gaps stay
+/// open.
+pub fn gap_px(packet: &ScenePacket) -> u32 {
+    let style = &packet.style;
+    // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
+    let is_lit_anew = style.photos.relight != PhotoRelight::Off;
+    if packet.photographs.is_none() || !style.is_shaded_with_distances() || is_lit_anew {
+        return 0;
+    }
+    let [top, bottom] = packet.view.rows_of_whole;
+    let whole_height_px = packet.viewport_px[1] as f32 / (bottom - top);
+    (0.01 * style.photos.gaps * whole_height_px).round() as u32
+}
+
+/// The steps from a pixel in a gap along four lines.
+pub(crate) const GAP_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+
+/// Ends of a line are of one surface if the reversed depth of one is at least this share of the other's.
+pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
+
+/// Opacity from which a pixel belongs to the surface around a gap.
+pub(crate) const GAP_SOLID: f32 = 0.5;

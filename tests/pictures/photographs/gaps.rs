@@ -1,0 +1,140 @@
+//! Gaps in a surface of points, closed where photographs show that something is there.
+
+use super::*;
+use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
+use pointreel::rgbd::DepthImage;
+use pointreel::sequence::{PrepareCounters, prepare};
+
+/// Where the wall is.
+const WALL_Z: f64 = 0.5;
+
+/// Half an edge of the hole in its points.
+const HOLE: f64 = 0.12;
+
+/// Bluish points of a wall that are missing in its middle.
+fn holed_wall() -> PreparedFrame {
+    let (places, colors) = wall(WALL_Z as f32, 1.0, [0, 60, 200, 255]);
+    let is_there = |place: &[f32; 3]| place[..2].iter().any(|along| f64::from(along.abs()) > HOLE);
+    let (places, colors): (Vec<_>, Vec<_>) = places
+        .into_iter()
+        .zip(colors)
+        .filter(|(place, _)| is_there(place))
+        .unzip();
+    let raw = RawCloud {
+        attributes: Attributes {
+            normals: Some(vec![[0.0, 0.0, 1.0]; places.len()]),
+            colors: Some(colors),
+            // Larger ones would cover the hole.
+            radii: Some(vec![0.04; places.len()]),
+            ..Attributes::default()
+        },
+        ..RawCloud::from_positions(Positions::F32(places))
+    };
+    let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
+    prepare(
+        0,
+        Arc::new(frame),
+        0.0,
+        &Scene::needs(&style()),
+        &PrepareCounters::default(),
+    )
+}
+
+/// Two photographs in which the wall is red; with measured depths, they see through the hole.
+fn red_wall(is_measured: bool) -> Photographs {
+    let photograph = |number: usize, azimuth_deg: f64| {
+        let (pinhole, camera_from_world) = (pinhole(256), pose(azimuth_deg, 0.0));
+        let world_from_camera = camera_from_world.inverse();
+        let distances = (0..256 * 256).map(|at| {
+            let pixel = glam::DVec2::new(f64::from(at % 256), f64::from(at / 256));
+            let ray = world_from_camera.matrix3 * pinhole.ray(pixel).unwrap();
+            let place = world_from_camera.translation + ray * ((WALL_Z - world_from_camera.translation.z) / ray.z);
+            let is_hole = place.truncate().abs().max_element() < HOLE;
+            camera_from_world.transform_point3(place).z as f32 * if is_hole { 3.0 } else { 1.0 }
+        });
+        Photograph {
+            name: String::new(),
+            number,
+            texture: Texture::new(PhotoImage::new([256; 2], vec![[200, 0, 0, 255]; 256 * 256]).unwrap()),
+            depth: is_measured.then(|| DepthImage::new([256; 2], distances.collect()).unwrap()),
+            pinhole: pinhole.clone(),
+            camera_from_world,
+            is_masked: false,
+            gain: Vec3::ONE,
+        }
+    };
+    Photographs::new(vec![photograph(0, -10.0), photograph(1, 10.0)], Some(0.35))
+}
+
+fn gaps(percent: f32) -> Style {
+    style().with(|style| style.photos.gaps = percent)
+}
+
+/// Of the pixels around the middle, which the hole is in: those that are red, and those that nothing is in.
+fn red_and_empty(picture: &RgbaImage) -> (usize, usize) {
+    let middle = EDGE_PX / 2 - 25..EDGE_PX / 2 + 25;
+    let (mut red, mut empty) = (0, 0);
+    for (x, y) in middle.clone().flat_map(|y| middle.clone().map(move |x| (x, y))) {
+        let [r, g, b, _] = picture.get_pixel(x, y).0;
+        red += usize::from(r > 190 && g < 10 && b < 10);
+        empty += usize::from([r, g, b] == [0; 3]);
+    }
+    (red, empty)
+}
+
+#[test]
+fn gaps_are_closed_where_photographs_show_something() {
+    let frame = holed_wall();
+    let camera = camera_at(&pose(4.0, 3.0));
+    let drawn = |photographs: Photographs, percent: f32| {
+        let frame = frame.with_photographs(Arc::new(photographs));
+        let packet = packet(&frame, &camera, &gaps(percent));
+        let [cpu, gpu] = [draw_on_cpu(&packet), draw(&packet)];
+        keep(&cpu, &format!("gaps_{percent}_cpu.png"));
+        keep(&gpu, &format!("gaps_{percent}_gpu.png"));
+        let apart = cpu
+            .as_raw()
+            .iter()
+            .zip(gpu.as_raw())
+            .filter(|(a, b)| a.abs_diff(**b) > 8);
+        assert!(apart.count() * 200 <= cpu.as_raw().len());
+        cpu
+    };
+    let (_, open) = red_and_empty(&drawn(red_wall(false), 0.0));
+    assert!(open > 50, "there is a hole: {open}");
+    assert_eq!(red_and_empty(&drawn(red_wall(false), 10.0)), (2500, 0));
+    // It is wider than that, but for its corners.
+    let (_, narrowly) = red_and_empty(&drawn(red_wall(false), 4.0));
+    assert!(narrowly > open * 9 / 10, "{narrowly} of {open}");
+    // A handle is a handle still.
+    let (_, seen_through) = red_and_empty(&drawn(red_wall(true), 10.0));
+    assert!(seen_through > open / 2, "{seen_through} of {open}");
+}
+
+/// The outline of the wall is where it was.
+#[test]
+fn outlines_stay_where_they_are() {
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let packet_of = |percent| packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
+    let [open, closed] = [0.0, 10.0].map(|percent| draw_on_cpu(&packet_of(percent)));
+    let middle = EDGE_PX / 2 - 40..EDGE_PX / 2 + 40;
+    let changed = open
+        .enumerate_pixels()
+        .zip(closed.pixels())
+        .filter(|((x, y, open), closed)| {
+            let is_in_hole = middle.contains(x) && middle.contains(y);
+            !is_in_hole && open != closed && open.0[..3] == [0; 3]
+        });
+    assert_eq!(changed.count(), 0);
+}
+
+/// A large picture is drawn in parts.
+#[test]
+fn parts_of_a_picture_have_what_they_need_around_them() {
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(4.0));
+    assert_eq!(
+        pointreel::scene::halo_px(&packet),
+        (0.04 * EDGE_PX as f32).round() as u32
+    );
+}
