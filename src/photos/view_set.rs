@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Photographs of a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ViewSet {
-    /// In the order of their names, numbers in which are numbers.
+    /// In the order of their names, numbers in which are numbers; of a film in the order of its cameras.
     pub photos: Vec<Photo>,
     /// Sparse points; their tracks name photographs by index.
     pub points: SparsePoints,

@@ -165,11 +165,12 @@ impl Tile {
                     let (pixels, _) = bytes[byte_columns].as_chunks_mut();
                     self.finish_row(simd, finish, row, finish.gradient.at_row(y), pixels);
                     let depths = &mut depths[columns];
-                    self.write_depths(row, held, depths);
-                    self.write_opacities(row, held, depths, pixels);
                     if finish.closes_gaps() {
                         self.write_surface_depths(row, depths);
+                    } else {
+                        self.write_depths(row, held, depths);
                     }
+                    self.write_opacities(row, held, depths, pixels);
                 }
                 TileRow::Depths(depths) => self.write_depths(row, held, &mut depths[columns]),
                 // Written already.
