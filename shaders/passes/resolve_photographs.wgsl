@@ -37,7 +37,7 @@ fn gap_end(pixel: vec2i, step: vec2i, most: i32) -> GapEnd {
 
 // The reversed depth of what lies in the gap that a pixel is in; 0 if it is in none.
 fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
-    var lines = array<vec2i, 4>(vec2i(1, 0), vec2i(0, 1), vec2i(1, 1), vec2i(1, -1));
+    var lines = GAP_LINES;
     var found = 0.0;
     var shortest = 1e30;
     for (var line = 0; line < 4; line++) {

@@ -23,7 +23,8 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     let style = &packet.style;
     // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
     let is_lit_anew = style.photos.relight != PhotoRelight::Off;
-    if packet.photographs.is_none() || !style.is_shaded_with_distances() || is_lit_anew {
+    let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
+    if packet.photographs.is_none() || !has_surface || is_lit_anew {
         return 0;
     }
     let [top, bottom] = packet.view.rows_of_whole;

@@ -21,8 +21,8 @@ use crate::render::constants::{
 };
 use crate::rgbd::filter_constants as filter;
 use crate::scene::{
-    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_ONE_SURFACE, GAP_SOLID,
-    Lights, PhotoStyle, PhotoViews, Shadow, SplatFilter,
+    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_LINES, GAP_ONE_SURFACE,
+    GAP_SOLID, Lights, PhotoStyle, PhotoViews, Shadow, SplatFilter,
 };
 use crate::stereo::constants as stereo;
 use std::fmt::Debug;
@@ -141,7 +141,7 @@ const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
 pub(super) fn shared() -> String {
     macro_rules! declared {
         ($($name:ident),+ $(,)?) => {
-            [occlusion_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
+            [occlusion_lines(), gap_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
         };
     }
     declared![
@@ -356,6 +356,12 @@ impl Number for u32 {
 fn occlusion_lines() -> String {
     let lines = AmbientOcclusion::lines().map(|[x, y]| format!("vec2f({x:?}, {y:?})"));
     format!("const OCCLUSION_LINES = array({});", lines.join(", "))
+}
+
+/// The lines through a pixel in a gap.
+fn gap_lines() -> String {
+    let lines = GAP_LINES.map(|[x, y]| format!("vec2i({x}, {y})"));
+    format!("const GAP_LINES = array({});", lines.join(", "))
 }
 
 fn declaration<T: Number>(name: &str, value: T) -> String {
