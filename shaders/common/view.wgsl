@@ -27,7 +27,9 @@ struct View {
     background_top: vec3f,
     // Summed weight from which a pixel hides the background.
     opaque_weight: f32,
-    background_bottom: vec4f,
+    background_bottom: vec3f,
+    // How wide rims are at most through which others shine; 0: none.
+    rim_px: f32,
     // View distances drawn white and black in the picture of the visibility pass.
     depth_range: vec2f,
     // Edge of a drawn point at least.

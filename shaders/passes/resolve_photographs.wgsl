@@ -1,5 +1,5 @@
-// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed. What a gap is:
-// scene/gaps.rs.
+// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a gap
+// is: scene/gaps.rs.
 
 // Sums of colours on which light has fallen: nothing is where photographs showed something else.
 @group(SOURCE_GROUP) @binding(5) var lit_colors: texture_2d<f32>;
@@ -12,12 +12,12 @@ struct GapEnd {
     depth: f32,
 }
 
-fn opacity_at(pixel: vec2i) -> f32 {
-    return min(textureLoad(lit_colors, pixel, 0).a / view.opaque_weight, 1.0);
+fn sum_at(pixel: vec2i) -> vec4f {
+    return textureLoad(lit_colors, pixel, 0);
 }
 
 // Reversed. That of the depth buffer is pushed back.
-fn surface_depth(pixel: vec2i) -> f32 {
+fn depth_at(pixel: vec2i) -> f32 {
     return view.near / -blended_surface(vec2f(pixel) + 0.5).place.z;
 }
 
@@ -29,7 +29,7 @@ fn gap_end(pixel: vec2i, step: vec2i, most: i32) -> GapEnd {
             return GapEnd(steps, 0.0);
         }
         if (opacity_at(at) >= GAP_SOLID) {
-            return GapEnd(steps, surface_depth(at));
+            return GapEnd(steps, depth_at(at));
         }
     }
     return GapEnd(0, 0.0);
@@ -37,7 +37,7 @@ fn gap_end(pixel: vec2i, step: vec2i, most: i32) -> GapEnd {
 
 // The reversed depth of what lies in the gap that a pixel is in; 0 if it is in none.
 fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
-    var lines = GAP_LINES;
+    var lines = PIXEL_LINES;
     var found = 0.0;
     var shortest = 1e30;
     for (var line = 0; line < 4; line++) {
@@ -66,27 +66,27 @@ fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
-    let sum = textureLoad(lit_colors, pixel, 0);
+    let sum = sum_at(pixel);
     let opacity = opacity_at(pixel);
-    let surface = vec4f(sum.rgb / max(sum.a, 1e-37), opacity);
     if (opacity < 1.0) {
         let in_gap = depth_in_gap(pixel, i32(textureLoad(photo_table, vec2u(1u, 0u), 0).x));
         if (in_gap > 0.0) {
             var depth = in_gap;
             if (sum.a > 0.0) {
-                depth = surface_depth(pixel);
+                depth = depth_at(pixel);
             }
             let ray = ray_through(position.xy);
             let place = ray * (view.near / depth);
             let there = BlendedSurface(1.0, vec3f(0.0), place, -normalize(ray), vec3f(0.0));
             let answer = photo_answer(there, vec2u(pixel));
             if (answer.kind == ANSWER_SHOWN) {
-                return vec4f(mix(answer.color, surface.rgb, opacity), 1.0);
+                let surface = sum.rgb / max(sum.a, 1e-37);
+                return vec4f(mix(answer.color, surface, opacity), 1.0);
             }
         }
     }
     if (sum.a == 0.0) {
         discard;
     }
-    return surface;
+    return over_rim(pixel);
 }

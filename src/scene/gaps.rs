@@ -32,10 +32,10 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     (0.01 * style.photos.gaps * whole_height_px).round() as u32
 }
 
-/// The steps from a pixel in a gap along four lines.
-pub(crate) const GAP_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+/// The steps from a pixel along four lines.
+pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
-/// Ends of a line are of one surface if the reversed depth of one is at least this share of the other's.
+/// Ends of a line are of one surface (here, and at rims) if the reversed depth of one is at least this share of the other's.
 pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
 
 /// Opacity from which a pixel belongs to the surface around a gap.

@@ -75,10 +75,12 @@ impl Lights {
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let light = &packet.style.light;
         let specular = match packet.lighting() {
-            Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => return None,
             // Ambient light and highlights are those of [`PhysicalLight`](super::PhysicalLight) there.
             Lighting::Lambert | Lighting::Physical => 0.0,
             Lighting::BlinnPhong => 0.25,
+            Lighting::Auto | Lighting::Unlit | Lighting::PerSurfel | Lighting::PerVertex | Lighting::PerFragment => {
+                return None;
+            }
         };
         let center = packet.view.to_view(packet.bounds.center());
         let radius = packet.bounds.radius();

@@ -55,7 +55,7 @@ impl ScenePacket {
             _ => self.style.primitive != Primitive::Point || self.style.lights_points(),
         };
         if is_lit {
-            self.style.light.lighting
+            self.style.light.drawn_lighting()
         } else {
             Lighting::Unlit
         }

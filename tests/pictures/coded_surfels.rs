@@ -16,7 +16,8 @@ use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    BackFaces, Camera, FirstLook, Footprint, Lighting, NormalBits, OffsetBits, RendererChoice, Scene, Splatting, Style,
+    BackFaces, Camera, FirstLook, Footprint, Lighting, NormalBits, OffsetBits, OnOff, RendererChoice, Scene, Splatting,
+    Style,
 };
 use pointreel::sequence::{PrepareCounters, PreparedFrame, prepare};
 use std::path::Path;
@@ -111,8 +112,10 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
     let style = coded().with(|style| {
-        // Not enlarged in the second pass, which hides gaps. Scaled, radii are about a cell edge, as in the paper.
+        // Neither enlarged in the second pass nor with what lies behind rims, which hide gaps. Scaled, radii are about a
+        // cell edge, as in the paper.
         style.surfels.splatting = Splatting::TwoPass;
+        style.surfels.rims = OnOff::Off;
         style.surfels.splat_scale = 1.4;
         style.levels.stop = StopCriterion::Depth(6);
         style.codes.normal_bits = NormalBits::Thirteen;

@@ -34,6 +34,7 @@ mod physical;
 mod picking;
 mod points;
 mod resident_nodes;
+mod rims;
 mod screen_normals;
 mod sensor_view;
 mod shaders;

@@ -7,7 +7,7 @@ use pointreel::levels::Lod;
 use pointreel::render::Renderer;
 use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
-    Background, Camera, Content, Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket,
+    Background, Camera, Content, Lighting, OnOff, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket,
     Splatting, Style, UpAxis,
 };
 use pointreel::sequence::{Needs, PrepareCounters, Sequence, prepare};
@@ -187,6 +187,7 @@ fn adaptive_points_are_surfels_that_face_the_screen() {
                 style.points.shape = shape;
                 style.points.light = PointLight::Normals;
                 style.surfels.splatting = splatting;
+                style.surfels.rims = OnOff::Off;
                 style.light.lighting = lighting;
             });
             let as_surfels = as_points.with(|style| style.primitive = Primitive::Surfel);

@@ -244,6 +244,7 @@ fn rust_and_wgsl_agree_on_the_layout_of_a_view() {
         background_top,
         opaque_weight,
         background_bottom,
+        rim_px,
         depth_range,
         point_least_px,
         cube_half_edge,

@@ -26,6 +26,7 @@ fn unusual() -> Preferences {
                 filter: SplatFilter::Ewa,
                 geometry: SplatGeometry::Triangle,
                 kernel: Kernel::Hat,
+                rims: OnOff::Off,
                 normals: NormalSource::Screen,
                 shown: SurfelColors::NormalErrors,
                 splat_scale: 1.25,
@@ -128,6 +129,7 @@ fn of_version_6() -> Preferences {
             style.surfels.filter = SplatFilter::Off;
             style.surfels.geometry = SplatGeometry::Quad;
             style.surfels.kernel = Kernel::Gaussian;
+            style.surfels.rims = OnOff::On;
             style.surfels.normals = NormalSource::Neighbours;
             style.surfels.shown = SurfelColors::Points;
             style.voxels.light = VoxelLight::Normals;

@@ -34,6 +34,7 @@ mod pixels;
 mod primitives;
 mod raster;
 mod records;
+mod rims;
 mod rows;
 mod screen;
 mod shading;

@@ -14,9 +14,10 @@ use super::finish::Gradient;
 use super::grid::Grid;
 use super::photographs::Projected;
 use super::pixels::{make_opaque, pack, unpacked};
+use super::rims::cover_rims;
 use super::tile::LANES;
 use super::view::PixelView;
-use crate::scene::{EyeDomeLight, ScenePacket, gap_px};
+use crate::scene::{EyeDomeLight, ScenePacket, gap_px, rim_px};
 use fearless_simd::{Level, Simd, SimdFloat, dispatch, f32x8};
 use rayon::prelude::*;
 
@@ -39,6 +40,8 @@ pub(super) struct Screen {
     eye_dome: Option<EyeDomeLight>,
     grid: Option<Grid>,
     gradient: Gradient,
+    /// How wide rims are at most through which others shine; 0: none.
+    rim_px: u32,
 }
 
 impl Screen {
@@ -46,24 +49,30 @@ impl Screen {
     pub(super) fn of(packet: &ScenePacket) -> Option<Self> {
         let eye_dome = EyeDomeLight::of(packet);
         let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
-        (eye_dome.is_some() || ground.is_some() || gap_px(packet) > 0).then(|| Self {
+        let looks_around = rim_px(packet) > 0 || gap_px(packet) > 0;
+        (eye_dome.is_some() || ground.is_some() || looks_around).then(|| Self {
             view: PixelView::new(packet),
             eye_dome,
             grid: ground.map(|ground| Grid::new(ground, packet)),
             gradient: Gradient::of(packet),
+            rim_px: rim_px(packet),
         })
     }
 
     /// Finishes a picture with its reversed depths. Gaps are closed by `photographs`.
     pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], photographs: Option<&Projected<'_>>) {
-        let Some(photographs) = photographs.filter(|photographs| photographs.closes_gaps()) else {
+        let photographs = photographs.filter(|photographs| photographs.closes_gaps());
+        if photographs.is_none() && self.rim_px == 0 {
             self.draw_steps(Steps::All, image, depths);
             return;
-        };
+        }
         if self.eye_dome.is_some() {
             self.draw_steps(Steps::BeforeGaps, image, depths);
         }
-        photographs.close_gaps(&self.view, &self.gradient, image, depths);
+        match photographs {
+            Some(photographs) => photographs.close_gaps(&self.view, self.rim_px, &self.gradient, image, depths),
+            None => cover_rims(self.view.size_px, self.rim_px, &self.gradient, image, depths),
+        }
         self.draw_steps(Steps::AfterGaps, image, depths);
     }
 
@@ -117,5 +126,13 @@ fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background:
         green.mul_add(shade, behind * behind_green),
         blue.mul_add(shade, behind * behind_blue),
     ];
+    // What lies behind rims and in gaps follows, and asks for them.
+    let mut opacities = [0; LANES];
+    for (kept, pixel) in opacities.iter_mut().zip(pixels.iter()) {
+        *kept = pixel[3];
+    }
     pack(simd, colors, pixels);
+    for (pixel, kept) in pixels.iter_mut().zip(opacities) {
+        pixel[3] = kept;
+    }
 }

@@ -21,8 +21,8 @@ use crate::render::constants::{
 };
 use crate::rgbd::filter_constants as filter;
 use crate::scene::{
-    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_LINES, GAP_ONE_SURFACE,
-    GAP_SOLID, Lights, PhotoStyle, PhotoViews, Shadow, SplatFilter,
+    AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_ONE_SURFACE, GAP_SOLID,
+    Lights, PIXEL_LINES, PhotoStyle, PhotoViews, RIM_OPAQUE, RIM_OPEN, Shadow, SplatFilter,
 };
 use crate::stereo::constants as stereo;
 use std::fmt::Debug;
@@ -141,7 +141,7 @@ const PHOTO_MOST_BLENDED: u32 = PhotoStyle::MOST_VIEWS as u32;
 pub(super) fn shared() -> String {
     macro_rules! declared {
         ($($name:ident),+ $(,)?) => {
-            [occlusion_lines(), gap_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
+            [occlusion_lines(), pixel_lines(), $(declaration(stringify!($name), $name)),+].join("\n")
         };
     }
     declared![
@@ -215,6 +215,8 @@ pub(super) fn shared() -> String {
         PHOTO_SAME_ANGLE2,
         PHOTO_TRUST_NEAR_STEPS,
         RADIUS_OF_NOTHING,
+        RIM_OPAQUE,
+        RIM_OPEN,
         SHADOW_EDGE_PX,
         SHADOW_OFFSET_TEXELS,
         SHADOW_SLOPE_TEXELS,
@@ -358,10 +360,10 @@ fn occlusion_lines() -> String {
     format!("const OCCLUSION_LINES = array({});", lines.join(", "))
 }
 
-/// The lines through a pixel in a gap.
-fn gap_lines() -> String {
-    let lines = GAP_LINES.map(|[x, y]| format!("vec2i({x}, {y})"));
-    format!("const GAP_LINES = array({});", lines.join(", "))
+/// The lines through a pixel on which the ends of gaps and rims are.
+fn pixel_lines() -> String {
+    let lines = PIXEL_LINES.map(|[x, y]| format!("vec2i({x}, {y})"));
+    format!("const PIXEL_LINES = array({});", lines.join(", "))
 }
 
 fn declaration<T: Number>(name: &str, value: T) -> String {

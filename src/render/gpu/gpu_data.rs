@@ -11,7 +11,7 @@ use crate::render::constants::{DEPTH_SLACK_RADII, opaque_weight};
 use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
 use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
-    Shadow, SplatFilter, Style,
+    Shadow, SplatFilter, Style, rim_px,
 };
 use crate::stereo::constants::MOST_RADIUS;
 use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
@@ -275,7 +275,8 @@ pub struct ViewUniform {
     pub viewport_px: [f32; 2],
     pub background_top: [f32; 3],
     pub opaque_weight: f32,
-    pub background_bottom: [f32; 4],
+    pub background_bottom: [f32; 3],
+    pub rim_px: f32,
     pub depth_range: [f32; 2],
     pub point_least_px: f32,
     pub cube_half_edge: f32,
@@ -384,7 +385,8 @@ impl ViewUniform {
             viewport_px: packet.viewport_px.map(|edge| edge as f32),
             background_top: background_top.to_array(),
             opaque_weight: opaque_weight(&packet.style),
-            background_bottom: background_bottom.extend(1.0).to_array(),
+            background_bottom: background_bottom.to_array(),
+            rim_px: rim_px(packet) as f32,
             depth_range: packet.depth_range(),
             point_least_px: point_size.least_px,
             cube_half_edge: packet.content.voxels().map_or(0.0, |voxels| 0.5 * voxels.cube_edge),
@@ -393,7 +395,7 @@ impl ViewUniform {
                 Lighting::Unlit | Lighting::Lambert | Lighting::BlinnPhong | Lighting::Physical => LIGHTING_UNLIT,
                 Lighting::PerSurfel => LIGHTING_PER_SURFEL,
                 Lighting::PerVertex => LIGHTING_PER_VERTEX,
-                Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
+                Lighting::Auto | Lighting::PerFragment => LIGHTING_PER_FRAGMENT,
             },
             back_faces: if packet.style.culls_back_faces() {
                 BACK_FACES_CULLED

@@ -46,6 +46,7 @@ pub(super) enum Target {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
     Picture,
+    /// Sums of colours, and depths.
     Sums,
     Depths,
     /// Sums of colours, of normals and of nearnesses; depths; the shadow map; and the environment.
@@ -249,7 +250,7 @@ impl Targets {
     pub(super) fn sources(&self, source: Source, level: usize) -> Vec<&wgpu::TextureView> {
         match source {
             Source::Picture => vec![&self.color_view],
-            Source::Sums => vec![&self.accumulation_view],
+            Source::Sums => vec![&self.accumulation_view, &self.depth_view],
             Source::Depths => vec![&self.depth_view],
             Source::Surfaces => self.surface_sources().collect(),
             Source::Photographed => {

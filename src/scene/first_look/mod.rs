@@ -71,6 +71,8 @@ pub struct FirstLook {
     pub knows_outside: bool,
     /// Edge of points that are drawn as such, pixels.
     pub point_size_px: f32,
+    /// Whether the colours are those of a camera, or of splats that were made of photographs: light is in them.
+    pub colors_have_light: bool,
     /// Whether the colours of the file are so dark that the usual background would hide them.
     pub is_dark: bool,
     /// The box around the points of the frames that were looked at, but for outliers, relative to the origin.
@@ -149,6 +151,10 @@ impl FirstLook {
             } else {
                 2.0
             },
+            colors_have_light: frames.first().is_some_and(|frame| {
+                let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
+                (is_image || are_splats) && frame.value_sample().has_telling_colors()
+            }),
             is_dark: luma.is_some_and(|luma| luma < DARK_LUMA),
             // Both sides of a splat are alike: its normal points to either.
             knows_outside: sensor.is_some() || (has_normals(&sample) && !are_splats),
@@ -199,6 +205,7 @@ impl FirstLook {
         }
         self.primitive = Primitive::Surfel;
         self.primitive_why = "there are photographs of a surface";
+        self.colors_have_light = true;
         self.photo = set.photos.first().cloned();
         self
     }

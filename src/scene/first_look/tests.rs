@@ -1,9 +1,11 @@
 //! What the first view promises, for points anywhere.
 
 use super::*;
-use crate::cloud::{Ellipse, Positions, RawCloud};
-use crate::scene::{BackFaces, Background, Projection, Style};
-use glam::UVec2;
+use crate::cloud::{Ellipse, ImageGrid, Positions, RawCloud};
+use crate::rgbd::Distortion;
+use crate::scene::{BackFaces, Background, Lighting, PhotoRelight, Projection, Style};
+use crate::sequence::{ColorSource, Coloring, HeightAxis};
+use glam::{DVec2, UVec2};
 use proptest::prelude::*;
 
 /// The largest distance of a point from the middle of a picture, as a share of half its edge; `None` if one is behind
@@ -175,4 +177,66 @@ fn dark_scans_have_a_brighter_background() {
     assert_eq!(drawn(Background::default(), 10), Background::BEHIND_DARK);
     assert_eq!(drawn(Background::default(), 180), Background::default());
     assert_eq!(drawn(chosen, 10), chosen);
+}
+
+#[test]
+fn colours_of_cameras_are_not_lit_again() {
+    let look = |is_image: bool, color: &dyn Fn(u8) -> [u8; 4]| {
+        let points = (0..3_000).map(|i| [(i % 50) as f32, (i / 50) as f32, 0.0]);
+        let mut raw = RawCloud::from_positions(Positions::F32(points.collect()));
+        raw.attributes.colors = Some((0..3_000).map(|i| color((i % 200) as u8)).collect());
+        raw.grid = ImageGrid::of(50, 60, 3_000).filter(|_| is_image);
+        FirstLook::of(&[&Frame::from_raw(raw, DVec3::ZERO).unwrap()], DVec3::ZERO)
+    };
+    let grey = |level: u8| [level, level, level, 255];
+    let image = look(true, &grey);
+    let lighting = |look: &FirstLook, change: &dyn Fn(&mut Style)| {
+        let style = Style::default().with(|style| {
+            style.primitive = Primitive::Surfel;
+            change(style);
+        });
+        style.resolved(look).light.lighting
+    };
+    assert_eq!(lighting(&image, &|_| ()), Lighting::Unlit);
+    assert_eq!(
+        lighting(&image, &|style| style.primitive = Primitive::Voxel),
+        Lighting::PerFragment
+    );
+    let by_height = Coloring::of(ColorSource::Height(HeightAxis::Auto));
+    assert_eq!(
+        lighting(&image, &|style| style.colors = by_height),
+        Lighting::PerFragment
+    );
+    assert_eq!(
+        lighting(&image, &|style| style.light.lighting = Lighting::Lambert),
+        Lighting::Lambert
+    );
+    // What nobody says cameras took, and colours that say nothing.
+    assert_eq!(lighting(&look(false, &grey), &|_| ()), Lighting::PerFragment);
+    assert_eq!(lighting(&look(true, &|_| [255; 4]), &|_| ()), Lighting::PerFragment);
+    // Photographs that are lit anew need light; as they are, they bring their own.
+    let camera = rgbd::Camera::new([4, 2], DVec2::splat(2.0), DVec2::new(1.5, 0.5), Distortion::None);
+    let photo = Photo {
+        name: String::new(),
+        path: String::new().into(),
+        camera: camera.unwrap(),
+        camera_from_world: DAffine3::IDENTITY,
+        mask: None,
+        depth: None,
+        depth_range: None,
+    };
+    let set = ViewSet {
+        photos: vec![photo],
+        ..ViewSet::default()
+    };
+    let photographed = look(false, &grey).with_photographs(&set);
+    for (relight, expected) in [
+        (PhotoRelight::Off, Lighting::Unlit),
+        (PhotoRelight::Photos, Lighting::PerFragment),
+    ] {
+        assert_eq!(
+            lighting(&photographed, &|style| style.photos.relight = relight),
+            expected
+        );
+    }
 }

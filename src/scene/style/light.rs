@@ -8,6 +8,8 @@ choices! {
     /// Where the head light is evaluated (paper 000 §V-B), or what deferred shading does with the finished surface
     /// (paper 003 §3.6).
     Lighting, "lighting" {
+        /// Nobody has decided yet: at each pixel. Colours of cameras have their light in them, and are not lit again.
+        Auto = "auto", "Automatic", "Smooth; none where cameras took the colours, which have light in them";
         Unlit = "none", "None", "Plain colours";
         PerSurfel = "surfel", "Per surfel or face", "Once for each surfel or voxel face";
         PerVertex = "vertex", "Per vertex", "At each corner, interpolated between";
@@ -68,7 +70,7 @@ group! {
     /// Light that falls on surfaces, and light from depths.
     LightStyle {
         /// How surfaces are lit.
-        lighting: Lighting = Lighting::PerFragment, "lighting" LIGHTING {
+        lighting: Lighting = Lighting::Auto, "lighting" LIGHTING {
             flag: "lighting",
             other_flag: "shading",
             value_name: "HOW",
@@ -225,6 +227,14 @@ group! {
 }
 
 impl LightStyle {
+    /// How surfaces are lit, with what is usual in place of [`Lighting::Auto`].
+    pub fn drawn_lighting(&self) -> Lighting {
+        match self.lighting {
+            Lighting::Auto => Lighting::PerFragment,
+            chosen => chosen,
+        }
+    }
+
     /// The rig, with what is usual in place of [`LightRig::Auto`].
     pub fn drawn_rig(&self) -> LightRig {
         let has_environment = self.lighting == Lighting::Physical && self.environment != Environment::None;

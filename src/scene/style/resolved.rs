@@ -1,8 +1,8 @@
 //! A style with what was guessed, or with another way to draw.
 
-use super::{BackFaces, Background, EyeDome, LightStyle, Primitive, Style, SurfelStyle};
+use super::{BackFaces, Background, EyeDome, LightStyle, Lighting, PhotoRelight, Primitive, Style, SurfelStyle};
 use crate::scene::FirstLook;
-use crate::sequence::ColorHints;
+use crate::sequence::{ColorHints, ColorSource};
 
 impl Style {
     /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
@@ -54,6 +54,11 @@ impl Style {
             EyeDome::Auto => EyeDome::On,
             chosen => chosen,
         };
+        let lighting = match self.light.lighting {
+            Lighting::Auto if self.shows_light_of(look, primitive) => Lighting::Unlit,
+            Lighting::Auto => Lighting::PerFragment,
+            chosen => chosen,
+        };
         // Whoever has chosen points has chosen their size.
         let size_px = if self.primitive == Primitive::Auto {
             self.points.size_px.max(look.point_size_px)
@@ -71,6 +76,7 @@ impl Style {
             style.surfels.back_faces = back_faces;
             style.points.size_px = size_px;
             style.light.eye_dome = eye_dome;
+            style.light.lighting = lighting;
             style.backdrop.background = background;
             style.of_sequence.color_hints = ColorHints {
                 up: Some(look.up.direction().as_vec3()),
@@ -79,5 +85,14 @@ impl Style {
             style.of_sequence.ground_box = Some(look.trimmed);
             style.of_sequence.has_photographs = look.has_photographs();
         })
+    }
+
+    /// Whether surfaces have colours with light in them, drawn as `primitive` is. Voxels would have no edges without
+    /// light, and whoever asks for light on points or for photographs to be lit anew wants it.
+    fn shows_light_of(&self, look: &FirstLook, primitive: Primitive) -> bool {
+        let is_surface = !matches!(primitive, Primitive::Voxel | Primitive::Point);
+        let is_lit_anew = look.has_photographs() && self.photos.relight != PhotoRelight::Off;
+        let shows_colors = matches!(self.colors.source, ColorSource::Auto | ColorSource::File);
+        is_surface && look.colors_have_light && shows_colors && !is_lit_anew
     }
 }

@@ -2,6 +2,7 @@
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Unit, Values, When, group};
+use super::light::OnOff;
 
 choices! {
     /// The six ways of splatting of paper 000, Fig. 3, and hard disks.
@@ -208,6 +209,20 @@ group! {
             when: When::MaskedSurfels,
             label: Label::Unusual(Place::What, "{}"),
             values: Values::Words(Kernel::WORDS),
+        }
+        /// Whether what lies behind their rims shines through these, and not the background
+        /// ([`rim_px`](crate::scene::rim_px)).
+        rims: OnOff = OnOff::On, "rims" RIMS {
+            flag: "rims",
+            value_name: "WHETHER",
+            help: "Let what lies behind rims of splats shine through, not the background (usually on)",
+            title: "Behind rims",
+            hint: "What lies behind the rims of splats shines through, and not the background, which would be a line \
+                   around whatever stands before something",
+            section: Section::Surfels,
+            when: When::BlendedSurfels,
+            label: Label::Unusual(Place::What, "rims {}"),
+            values: Values::Words(OnOff::WORDS),
         }
         /// What their normals and radii are told by.
         normals: NormalSource = NormalSource::Neighbours, "surfel_normals" NORMALS {

@@ -3,6 +3,7 @@
 use super::*;
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
 use pointreel::rgbd::DepthImage;
+use pointreel::scene::EyeDome;
 use pointreel::sequence::{PrepareCounters, prepare};
 
 /// Where the wall is.
@@ -109,6 +110,17 @@ fn gaps_are_closed_where_photographs_show_something() {
     // A handle is a handle still.
     let (_, seen_through) = red_and_empty(&drawn(red_wall(true), 10.0));
     assert!(seen_through > open / 2, "{seen_through} of {open}");
+}
+
+/// Light from depths falls before.
+#[test]
+fn gaps_are_closed_under_eye_dome_light() {
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let lit = gaps(10.0).with(|style| style.light.eye_dome = EyeDome::On);
+    let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &lit);
+    for picture in [draw_on_cpu(&packet), draw(&packet)] {
+        assert_eq!(red_and_empty(&picture).1, 0);
+    }
 }
 
 /// The outline of the wall is where it was.

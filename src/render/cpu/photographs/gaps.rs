@@ -7,22 +7,12 @@
 
 use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::finish::Gradient;
+use crate::render::cpu::rims::{Drawn, over};
 use crate::render::cpu::view::PixelView;
-use crate::scene::{GAP_LINES, GAP_ONE_SURFACE, GAP_SOLID};
+use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, PIXEL_LINES};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// A drawn picture with the gaps of its surface.
-struct Drawn<'a> {
-    size: [i32; 2],
-    /// The fourth byte of a pixel is its opacity.
-    pixels: &'a [[u8; 4]],
-    /// Reversed.
-    depths: &'a [f32],
-    /// How wide gaps are, in steps from one side to the other.
-    most: i32,
-}
 
 /// Where a line from a pixel meets the surface, or the border of the picture.
 #[derive(Debug, Clone, Copy)]
@@ -33,10 +23,12 @@ struct End {
 }
 
 impl Projected<'_> {
-    /// Closes gaps in a picture with opacities in place of alpha, and these reversed depths.
+    /// Closes gaps in a picture with opacities in place of alpha, and these reversed depths; and puts what lies behind
+    /// into rims of which photographs say nothing.
     pub(in crate::render::cpu) fn close_gaps(
         &self,
         view: &PixelView,
+        rim_px: u32,
         gradient: &Gradient,
         image: &mut [u8],
         depths: &[f32],
@@ -47,7 +39,7 @@ impl Projected<'_> {
             size: [width, height],
             pixels,
             depths,
-            most: self.views.gap_px as i32,
+            rim_px: rim_px as i32,
         };
         let level = Level::new();
         let closed: Vec<Vec<(usize, [u8; 4])>> = (0..height)
@@ -78,46 +70,38 @@ impl Projected<'_> {
     ) -> Vec<(usize, [u8; 4])> {
         let mut closed = Vec::new();
         let mut scores = Scores::default();
+        let most = self.views.gap_px as i32;
         let mut met = -1;
         for x in 0..drawn.size[0] {
             let at = drawn.at([x, y]);
-            let is_within_reach = x - met < drawn.most;
+            let is_within_reach = x - met < most;
             if drawn.is_solid(at) {
                 met = x;
             }
             let pixel = drawn.pixels[at];
-            if pixel[3] == u8::MAX || !is_within_reach {
+            if pixel[3] == u8::MAX {
                 continue;
             }
-            let Some(in_gap) = drawn.depth_in_gap([x, y]) else {
-                continue;
+            let in_gap = is_within_reach.then(|| drawn.depth_in_gap([x, y], most)).flatten();
+            let answer = in_gap.map(|in_gap| {
+                let own = drawn.depths[at];
+                let depth = if own > 0.0 { own } else { in_gap };
+                let place = Place::at(view, [x, y], view.near / depth, Vec3::ZERO);
+                self.find(simd, &place, &mut scores)
+            });
+            let behind = match answer {
+                Some(PhotoAnswer::Shown { color, .. }) => Some(color),
+                _ => drawn.behind_rim([x, y]),
             };
-            let own = drawn.depths[at];
-            let depth = if own > 0.0 { own } else { in_gap };
-            let place = Place::at(view, [x, y], view.near / depth, Vec3::ZERO);
-            if let PhotoAnswer::Shown { color, .. } = self.find(simd, &place, &mut scores) {
-                closed.push((at, over_gap(pixel, background, color)));
+            if let Some(behind) = behind {
+                closed.push((at, over(pixel, background, behind)));
             }
         }
         closed
     }
 }
 
-/// A pixel whose background is that of the gap in place of that of the picture.
-fn over_gap([red, green, blue, opacity]: [u8; 4], background: [f32; 3], in_gap: [f32; 3]) -> [u8; 4] {
-    let open = 1.0 - f32::from(opacity) / 255.0;
-    let channel = |drawn: u8, axis: usize| {
-        let value = f32::from(drawn) + 255.0 * open * (in_gap[axis] - background[axis]);
-        (value + 0.5).clamp(0.0, 255.0) as u8
-    };
-    [channel(red, 0), channel(green, 1), channel(blue, 2), u8::MAX]
-}
-
 impl Drawn<'_> {
-    fn at(&self, [x, y]: [i32; 2]) -> usize {
-        self.size[0] as usize * y as usize + x as usize
-    }
-
     fn is_solid(&self, at: usize) -> bool {
         f32::from(self.pixels[at][3]) >= 255.0 * GAP_SOLID
     }
@@ -125,8 +109,7 @@ impl Drawn<'_> {
     fn end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
         for steps in 1..=most {
             let pixel = [x + steps * right, y + steps * down];
-            let is_inside = (0..self.size[0]).contains(&pixel[0]) && (0..self.size[1]).contains(&pixel[1]);
-            let depth = if !is_inside {
+            let depth = if !self.is_inside(pixel) {
                 0.0
             } else if self.is_solid(self.at(pixel)) {
                 self.depths[self.at(pixel)]
@@ -139,12 +122,12 @@ impl Drawn<'_> {
     }
 
     /// The reversed depth of what lies in the gap that a pixel is in, if it is in one.
-    fn depth_in_gap(&self, pixel: [i32; 2]) -> Option<f32> {
+    fn depth_in_gap(&self, pixel: [i32; 2], most: i32) -> Option<f32> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
-        for [right, down] in GAP_LINES {
-            let one = self.end(pixel, [-right, -down], self.most - 1)?;
-            let other = self.end(pixel, [right, down], self.most - one.steps)?;
+        for [right, down] in PIXEL_LINES {
+            let one = self.end(pixel, [-right, -down], most - 1)?;
+            let other = self.end(pixel, [right, down], most - one.steps)?;
             let span = (one.steps + other.steps) as f32 * ((right * right + down * down) as f32).sqrt();
             let depth = depth_between(one, other);
             if depth > 0.0 && span < shortest {
@@ -189,9 +172,9 @@ mod tests {
             size: SIZE,
             pixels: &pixels,
             depths: &depths,
-            most: 8,
+            rim_px: 0,
         };
-        drawn.depth_in_gap(pixel)
+        drawn.depth_in_gap(pixel, 8)
     }
 
     #[test]
@@ -238,16 +221,6 @@ mod tests {
         assert_eq!(
             found(above, |[x, y]| (10..12).contains(&x) && (9..12).contains(&y), [10, 10]),
             Some(0.8)
-        );
-    }
-
-    #[test]
-    fn what_is_half_covered_keeps_its_half() {
-        let half = over_gap([100, 50, 0, 128], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
-        assert_eq!(half, [227, 50, 0, 255]);
-        assert_eq!(
-            over_gap([9, 8, 7, 0], [9.0 / 255.0, 8.0 / 255.0, 7.0 / 255.0], [1.0, 0.5, 0.0]),
-            [255, 128, 0, 255]
         );
     }
 }

@@ -45,6 +45,7 @@ pub(crate) struct Pipelines {
     screen: HashMap<ScreenName, wgpu::RenderPipeline>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
     color_source_layout: wgpu::BindGroupLayout,
+    sum_source_layout: wgpu::BindGroupLayout,
     depth_source_layout: wgpu::BindGroupLayout,
     surface_source_layout: wgpu::BindGroupLayout,
     photographed_source_layout: wgpu::BindGroupLayout,
@@ -92,6 +93,7 @@ impl Pipelines {
                 }],
             ),
             color_source_layout: layout("color source", of_fragments, &[color]),
+            sum_source_layout: layout("sum source", of_fragments, &[color, depth]),
             depth_source_layout: layout("depth source", of_fragments, &[depth]),
             surface_source_layout: layout("surface source", of_fragments, &surface),
             photographed_source_layout: layout(
@@ -110,7 +112,8 @@ impl Pipelines {
     /// Layout of the textures that a screen pass reads.
     pub(crate) fn source_layout(&self, source: Source) -> &wgpu::BindGroupLayout {
         match source {
-            Source::Sums | Source::Picture | Source::FinerLevel | Source::CoarserLevel => &self.color_source_layout,
+            Source::Sums => &self.sum_source_layout,
+            Source::Picture | Source::FinerLevel | Source::CoarserLevel => &self.color_source_layout,
             Source::Depths => &self.depth_source_layout,
             Source::Surfaces => &self.surface_source_layout,
             Source::Photographed | Source::PhotographedSums => &self.photographed_source_layout,

@@ -165,7 +165,10 @@ pub(in crate::render::gpu) const SHADE_PHOTO_ANSWERS_PHYSICAL: ScreenPass = Scre
 /// Normalises what the attribute pass summed up, and lays it over the background.
 pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
     name: "resolve",
-    wgsl: include_str!("../../../../shaders/passes/resolve.wgsl"),
+    wgsl: concat!(
+        include_str!("../../../../shaders/common/rims.wgsl"),
+        include_str!("../../../../shaders/passes/resolve.wgsl")
+    ),
     source: Some(Source::Sums),
     color: ColorUse {
         target: Target::Picture,
@@ -181,6 +184,7 @@ pub(in crate::render::gpu) const RESOLVE_PHOTOGRAPHS: ScreenPass = ScreenPass {
         include_str!("../../../../shaders/common/photo_table.wgsl"),
         include_str!("../../../../shaders/common/photographs.wgsl"),
         include_str!("../../../../shaders/common/blended_surface.wgsl"),
+        include_str!("../../../../shaders/common/rims.wgsl"),
         include_str!("../../../../shaders/passes/resolve_photographs.wgsl")
     ),
     source: Some(Source::PhotographedSums),

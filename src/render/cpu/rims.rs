@@ -1,0 +1,217 @@
+//! What lies behind rims of splats shines through them when all tiles are drawn, in place of the background. What a rim
+//! is, and what lies behind it: `scene/rims.rs`.
+//!
+//! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
+//! changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
+//! `photographs/gaps.rs` asks photographs first.
+
+use super::finish::Gradient;
+use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES, RIM_OPAQUE, RIM_OPEN};
+use rayon::prelude::*;
+
+/// A drawn picture before what is open in it is filled.
+pub(super) struct Drawn<'a> {
+    pub(super) size: [i32; 2],
+    /// The fourth byte of a pixel is its opacity.
+    pub(super) pixels: &'a [[u8; 4]],
+    /// Reversed.
+    pub(super) depths: &'a [f32],
+    /// How far opaque pixels on both sides of a rim are apart, in steps from one to the other; 0: there are none.
+    pub(super) rim_px: i32,
+}
+
+/// An opaque pixel on a line from another one.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    steps: i32,
+    at: usize,
+}
+
+/// Puts what lies behind rims into a picture with opacities in place of alpha, and these reversed depths.
+pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, image: &mut [u8], depths: &[f32]) {
+    let [width, height] = size_px.map(|edge| edge as i32);
+    let (pixels, _) = image.as_chunks_mut::<4>();
+    let drawn = Drawn {
+        size: [width, height],
+        pixels,
+        depths,
+        rim_px: rim_px as i32,
+    };
+    let covered: Vec<Vec<(usize, [u8; 4])>> = (0..height)
+        .into_par_iter()
+        .map(|y| drawn.covered_of_row(gradient.at_row(y), y))
+        .collect();
+    for (at, color) in covered.into_iter().flatten() {
+        pixels[at] = color;
+    }
+}
+
+impl Drawn<'_> {
+    /// The pixels of a row at rims, with their places in the picture.
+    fn covered_of_row(&self, background: [f32; 3], y: i32) -> Vec<(usize, [u8; 4])> {
+        let mut covered = Vec::new();
+        for x in 0..self.size[0] {
+            if let Some(behind) = self.behind_rim([x, y]) {
+                let at = self.at([x, y]);
+                covered.push((at, over(self.pixels[at], background, behind)));
+            }
+        }
+        covered
+    }
+
+    pub(super) fn at(&self, [x, y]: [i32; 2]) -> usize {
+        self.size[0] as usize * y as usize + x as usize
+    }
+
+    pub(super) fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
+        (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y)
+    }
+
+    /// The colour behind the rim that a pixel is at, if it is at one, 0 to 1.
+    #[inline(always)]
+    pub(super) fn behind_rim(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
+        let drawn = self.pixels[self.at(pixel)];
+        if is_open(drawn) || is_opaque(drawn) {
+            return None;
+        }
+        self.behind(pixel)
+    }
+
+    fn behind(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
+        let mut found = None;
+        let mut shortest = f32::INFINITY;
+        for [right, down] in PIXEL_LINES {
+            let Some(one) = self.opaque_end(pixel, [-right, -down], self.rim_px - 1) else {
+                continue;
+            };
+            let Some(other) = self.opaque_end(pixel, [right, down], self.rim_px - one.steps) else {
+                continue;
+            };
+            let span = (one.steps + other.steps) as f32 * ((right * right + down * down) as f32).sqrt();
+            if span < shortest {
+                (found, shortest) = (Some((one, other)), span);
+            }
+        }
+        found.map(|(one, other)| self.between(one, other))
+    }
+
+    /// The colour behind what is between two ends of a line.
+    fn between(&self, one: End, other: End) -> [f32; 3] {
+        let [depth, other_depth] = [one, other].map(|end| self.depths[end.at]);
+        let to_other = if depth.min(other_depth) >= GAP_ONE_SURFACE * depth.max(other_depth) {
+            one.steps as f32 / (one.steps + other.steps) as f32
+        } else if depth < other_depth {
+            0.0
+        } else {
+            1.0
+        };
+        std::array::from_fn(|axis| {
+            let [color, other_color] = [one, other].map(|end| f32::from(self.pixels[end.at][axis]) / 255.0);
+            color + to_other * (other_color - color)
+        })
+    }
+
+    fn opaque_end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
+        for steps in 1..=most {
+            let pixel = [x + steps * right, y + steps * down];
+            if !self.is_inside(pixel) {
+                return None;
+            }
+            let at = self.at(pixel);
+            if is_opaque(self.pixels[at]) {
+                return Some(End { steps, at });
+            }
+            if is_open(self.pixels[at]) {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+fn is_open(pixel: [u8; 4]) -> bool {
+    f32::from(pixel[3]) < 255.0 * RIM_OPEN
+}
+
+fn is_opaque(pixel: [u8; 4]) -> bool {
+    f32::from(pixel[3]) >= 255.0 * RIM_OPAQUE
+}
+
+/// A pixel through which `behind` shines in place of the background.
+pub(super) fn over([red, green, blue, opacity]: [u8; 4], background: [f32; 3], behind: [f32; 3]) -> [u8; 4] {
+    let open = 1.0 - f32::from(opacity) / 255.0;
+    let channel = |drawn: u8, axis: usize| {
+        let value = f32::from(drawn) + 255.0 * open * (behind[axis] - background[axis]);
+        (value + 0.5).clamp(0.0, 255.0) as u8
+    };
+    [channel(red, 0), channel(green, 1), channel(blue, 2), u8::MAX]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [i32; 2] = [24, 16];
+
+    /// The red behind the rim at `pixel`, of a picture of these opacities. Red is ten times the column, and what is
+    /// right of column 11 has the reversed depth `behind`, beside 0.8.
+    fn red_behind(behind: f32, opacity: impl Fn([i32; 2]) -> u8, pixel: [i32; 2]) -> Option<f32> {
+        let all = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+        let pixels: Vec<[u8; 4]> = all().map(|at| [10 * at[0] as u8, 0, 0, opacity(at)]).collect();
+        let depths: Vec<f32> = all().map(|[x, _]| if x < 12 { 0.8 } else { behind }).collect();
+        let drawn = Drawn {
+            size: SIZE,
+            pixels: &pixels,
+            depths: &depths,
+            rim_px: 6,
+        };
+        drawn.behind_rim(pixel).map(|[red, _, _]| (255.0 * red).round())
+    }
+
+    #[test]
+    fn what_is_behind_shines_through_a_rim() {
+        // Opaque, but for two columns of a straight rim, which no line along it leaves.
+        let rim = |[x, _]: [i32; 2]| if (10..12).contains(&x) { 90 } else { 255 };
+        for y in [1, 8, 14] {
+            assert_eq!(red_behind(0.2, rim, [10, y]), Some(120.0));
+            assert_eq!(red_behind(0.2, rim, [11, y]), Some(120.0));
+            // Of one surface, what is between shines through.
+            assert_eq!(red_behind(0.79, rim, [10, y]), Some(100.0));
+        }
+        let wide = |[x, _]: [i32; 2]| if (5..12).contains(&x) { 90 } else { 255 };
+        assert_eq!(red_behind(0.2, wide, [8, 8]), None);
+    }
+
+    #[test]
+    fn outlines_and_holes_are_as_they_were() {
+        let outline = |[x, _]: [i32; 2]| match x {
+            ..10 => 255,
+            10..12 => 90,
+            _ => 0,
+        };
+        assert_eq!(red_behind(0.2, outline, [10, 8]), None);
+        assert_eq!(red_behind(0.2, outline, [11, 8]), None);
+        // Three open pixels of each row and column, and what fades around them.
+        let hole = |[x, y]: [i32; 2]| match (x - 11).abs().max((y - 8).abs()) {
+            ..2 => 0,
+            2 => 90,
+            _ => 255,
+        };
+        for pixel in [[9, 8], [13, 7], [11, 6], [10, 10]] {
+            assert_eq!(red_behind(0.2, hole, pixel), None, "{pixel:?}");
+        }
+        // Nobody knows what is beyond the border.
+        let at_border = |[x, _]: [i32; 2]| if x == 0 { 90 } else { 255 };
+        assert_eq!(red_behind(0.2, at_border, [0, 8]), None);
+    }
+
+    #[test]
+    fn what_is_half_covered_keeps_its_half() {
+        // 0.502 × (160, 80, 0) over the background (0, 0, 255).
+        let background = [0.0, 0.0, 1.0];
+        assert_eq!(over([80, 40, 127, 128], background, [1.0, 0.0, 0.0]), [207, 40, 0, 255]);
+        // What was open is what is behind.
+        let nearly_blue = [9.0, 8.0, 7.0].map(|channel| channel / 255.0);
+        assert_eq!(over([9, 8, 7, 0], nearly_blue, [1.0, 0.5, 0.0]), [255, 128, 0, 255]);
+    }
+}
