@@ -1,5 +1,5 @@
-// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a gap
-// is: scene/gaps.rs.
+// Resolve of a surface with photographs: as `resolve.wgsl` has it, and gaps in the surface are closed before. What a
+// gap is: scene/gaps.rs.
 
 // Sums of colours on which light has fallen: nothing is where photographs showed something else.
 @group(SOURCE_GROUP) @binding(5) var lit_colors: texture_2d<f32>;

@@ -79,7 +79,15 @@ impl CameraArgs {
         let upright = || self.up.map_or_else(|| look.clone(), |up| look.clone().with_up(up));
         if let Some(number) = self.photo_camera {
             let set = sequence.source().photographs(index);
-            let set = set.context("--photo-camera is for calibrated photographs, and the input is none")?;
+            let set = set.with_context(|| {
+                let advice = match sequence.source().sensor(index) {
+                    Some(_) => {
+                        ": colour images of depth cameras are, where frames are merged, as by --merge-frames 0..4"
+                    }
+                    None => "",
+                };
+                format!("--photo-camera is for calibrated photographs, and the input is none{advice}")
+            })?;
             let count = set.photos.len();
             let photo = set
                 .photos

@@ -35,7 +35,8 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
 /// The steps from a pixel along four lines.
 pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
-/// Ends of a line are of one surface (here, and at rims) if the reversed depth of one is at least this share of the other's.
+/// Ends of a line are of one surface, here and at rims, if the reversed depth of one is at least this share of the
+/// other's.
 pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
 
 /// Opacity from which a pixel belongs to the surface around a gap.

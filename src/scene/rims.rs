@@ -8,7 +8,8 @@
 //! What shines through is the colour of the farther end of the shortest such line, and where both ends are of one
 //! surface, what is between their colours.
 //!
-//! Outlines before the background stay as they are, and so do holes: there the surface fades until a pixel is open.
+//! Outlines before the background stay as they are, and so do edges of holes that are wider than rims: there the
+//! surface fades until a pixel is open. No open pixel is ever filled.
 //!
 //! Photographs know better where they are asked what lies in gaps (`scene/gaps.rs`): rims are what is left.
 //!

@@ -112,8 +112,8 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
     let style = coded().with(|style| {
-        // Neither enlarged in the second pass nor with what lies behind rims, which hide gaps. Scaled, radii are about a
-        // cell edge, as in the paper.
+        // Neither enlarged in the second pass nor with what lies behind rims, which hide gaps. Scaled, radii are about
+        // a cell edge, as in the paper.
         style.surfels.splatting = Splatting::TwoPass;
         style.surfels.rims = OnOff::Off;
         style.surfels.splat_scale = 1.4;

@@ -16,6 +16,7 @@ use egui::{
     pos2, vec2,
 };
 use glam::Vec3;
+use std::time::Duration;
 
 /// Degrees of orbit for a drag over the height of the picture.
 const ORBIT_DEG_PER_HEIGHT: f64 = 270.0;
@@ -25,6 +26,9 @@ const LOOK_DEG_PER_HEIGHT: f64 = 90.0;
 
 /// One notch of a wheel scrolls about 50 points: 8 % of the distance.
 const ZOOM_PER_POINT: f64 = 0.0016;
+
+/// How often the progress of what is on its way is shown.
+const PROGRESS_EVERY: Duration = Duration::from_millis(250);
 
 /// Length of the axes in the corner.
 const AXIS_LENGTH: f32 = 24.0;
@@ -189,6 +193,9 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
                 banner(&painter, place, &text, ODD);
             } else if player.shown().is_none() {
                 banner(&painter, place, "Loading the first frame…", Color32::WHITE);
+            } else if let Some(text) = state.surface_on_its_way() {
+                banner(&painter, place, &text, Color32::WHITE);
+                ui.ctx().request_repaint_after(PROGRESS_EVERY);
             }
             marks_ui(ui, state);
             clip_handles(ui, state);

@@ -7,7 +7,7 @@ use crate::app::features::photos::{PhotographedFrame, Photos};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
-use crate::scene::ScenePacket;
+use crate::scene::{Primitive, ScenePacket};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -31,6 +31,17 @@ impl State {
         self.main.drawing.next_deadline().is_some()
     }
 
+    /// How far the surface that photographs are put on is, in words, where it is on its way and they are to be seen. Of
+    /// films nobody waits for one.
+    pub(in crate::app) fn surface_on_its_way(&self) -> Option<String> {
+        self.photos.loading().filter(|_| self.waits_for_surface())
+    }
+
+    fn waits_for_surface(&self) -> bool {
+        let is_single = self.player.as_ref().is_some_and(|player| player.sequence().len() == 1);
+        is_single && self.drawn_style().draws_photographs()
+    }
+
     /// The packet to draw, if it differs from the last one.
     pub fn next_packet(&mut self) -> Option<ScenePacket> {
         let player = self.player.as_ref()?;
@@ -41,9 +52,14 @@ impl State {
             return None;
         }
         let origin = player.sequence().origin();
-        let style = self.drawn_style();
+        let mut style = self.drawn_style();
+        let waits_for_surface = self.waits_for_surface();
         let set = Photos::set_of(player);
         let photographed = self.photos.drawn(frame, set.as_ref(), &style);
+        if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {
+            // A few thousand points are no surface before it is found.
+            style.primitive = Primitive::Point;
+        }
         let pose = made.map_or(pose, ComposedFrame::pose);
         let stands_for_it = photographed.filter(|with| !Arc::ptr_eq(with.bare(), frame));
         let drawn = DrawnFrame {

@@ -6,8 +6,13 @@
 //! `photographs/gaps.rs` asks photographs first.
 
 use super::finish::Gradient;
-use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES, RIM_OPAQUE, RIM_OPEN};
+use crate::scene::{GAP_ONE_SURFACE, PIXEL_LINES};
 use rayon::prelude::*;
+
+/// Opacities of pixels in eight bits. A graphics card asks for `RIM_OPEN` and `RIM_OPAQUE` of `scene/rims.rs`, which
+/// are rounded to these.
+const OPEN: u8 = 0;
+const OPAQUE: u8 = u8::MAX;
 
 /// A drawn picture before what is open in it is filled.
 pub(super) struct Drawn<'a> {
@@ -63,31 +68,29 @@ impl Drawn<'_> {
         self.size[0] as usize * y as usize + x as usize
     }
 
-    pub(super) fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
-        (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y)
-    }
-
     /// The colour behind the rim that a pixel is at, if it is at one, 0 to 1.
     #[inline(always)]
     pub(super) fn behind_rim(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
-        let drawn = self.pixels[self.at(pixel)];
-        if is_open(drawn) || is_opaque(drawn) {
-            return None;
+        match self.pixels[self.at(pixel)][3] {
+            OPEN | OPAQUE => None,
+            _ => self.behind(pixel),
         }
-        self.behind(pixel)
     }
 
     fn behind(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
         for [right, down] in PIXEL_LINES {
-            let Some(one) = self.opaque_end(pixel, [-right, -down], self.rim_px - 1) else {
+            let step = ((right * right + down * down) as f32).sqrt();
+            // Longer ones are not asked for any more.
+            let most = self.rim_px.min((shortest / step).ceil() as i32 - 1);
+            let Some(one) = self.opaque_end(pixel, [-right, -down], most - 1) else {
                 continue;
             };
-            let Some(other) = self.opaque_end(pixel, [right, down], self.rim_px - one.steps) else {
+            let Some(other) = self.opaque_end(pixel, [right, down], most - one.steps) else {
                 continue;
             };
-            let span = (one.steps + other.steps) as f32 * ((right * right + down * down) as f32).sqrt();
+            let span = (one.steps + other.steps) as f32 * step;
             if span < shortest {
                 (found, shortest) = (Some((one, other)), span);
             }
@@ -111,30 +114,29 @@ impl Drawn<'_> {
         })
     }
 
-    fn opaque_end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
+    fn opaque_end(&self, pixel: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
+        let most = most.min(self.room(pixel, 0, right)).min(self.room(pixel, 1, down));
+        let per_step = self.size[0] as isize * down as isize + right as isize;
+        let mut at = self.at(pixel);
         for steps in 1..=most {
-            let pixel = [x + steps * right, y + steps * down];
-            if !self.is_inside(pixel) {
-                return None;
-            }
-            let at = self.at(pixel);
-            if is_opaque(self.pixels[at]) {
-                return Some(End { steps, at });
-            }
-            if is_open(self.pixels[at]) {
-                return None;
+            at = at.wrapping_add_signed(per_step);
+            match self.pixels[at][3] {
+                OPAQUE => return Some(End { steps, at }),
+                OPEN => return None,
+                _ => {}
             }
         }
         None
     }
-}
 
-fn is_open(pixel: [u8; 4]) -> bool {
-    f32::from(pixel[3]) < 255.0 * RIM_OPEN
-}
-
-fn is_opaque(pixel: [u8; 4]) -> bool {
-    f32::from(pixel[3]) >= 255.0 * RIM_OPAQUE
+    /// Steps of one pixel along an axis from another one on until the picture ends.
+    fn room(&self, pixel: [i32; 2], axis: usize, step: i32) -> i32 {
+        match step {
+            0 => i32::MAX,
+            1 => self.size[axis] - 1 - pixel[axis],
+            _ => pixel[axis],
+        }
+    }
 }
 
 /// A pixel through which `behind` shines in place of the background.
@@ -150,6 +152,7 @@ pub(super) fn over([red, green, blue, opacity]: [u8; 4], background: [f32; 3], b
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const SIZE: [i32; 2] = [24, 16];
 
@@ -183,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn outlines_and_holes_are_as_they_were() {
+    fn outlines_and_edges_of_holes_are_as_they_were() {
         let outline = |[x, _]: [i32; 2]| match x {
             ..10 => 255,
             10..12 => 90,
@@ -191,18 +194,56 @@ mod tests {
         };
         assert_eq!(red_behind(0.2, outline, [10, 8]), None);
         assert_eq!(red_behind(0.2, outline, [11, 8]), None);
-        // Three open pixels of each row and column, and what fades around them.
+        // Seven open pixels of each row and column, and what fades around them.
         let hole = |[x, y]: [i32; 2]| match (x - 11).abs().max((y - 8).abs()) {
-            ..2 => 0,
-            2 => 90,
+            ..4 => 0,
+            4 => 90,
             _ => 255,
         };
-        for pixel in [[9, 8], [13, 7], [11, 6], [10, 10]] {
-            assert_eq!(red_behind(0.2, hole, pixel), None, "{pixel:?}");
+        for pixel in [[7, 8], [15, 7], [11, 4], [12, 12], [11, 8]] {
+            assert_eq!(red_behind(0.79, hole, pixel), None, "{pixel:?}");
         }
         // Nobody knows what is beyond the border.
         let at_border = |[x, _]: [i32; 2]| if x == 0 { 90 } else { 255 };
         assert_eq!(red_behind(0.2, at_border, [0, 8]), None);
+    }
+
+    proptest! {
+        /// All lines of all lengths, one after the other.
+        #[test]
+        fn the_shortest_line_is_found(
+            opacities in prop::collection::vec(prop::sample::select(vec![0_u8, 90, 90, 90, 200, 255]), 12 * 9),
+            depths in prop::collection::vec(0.1_f32..1.0, 12 * 9),
+            rim_px in 0_i32..12,
+        ) {
+            let (width, height) = (12, 9);
+            let pixels: Vec<[u8; 4]> = (0u8..).zip(opacities).map(|(at, opacity)| [at, 0, 0, opacity]).collect();
+            let drawn = Drawn {
+                size: [width, height],
+                pixels: &pixels,
+                depths: &depths,
+                rim_px,
+            };
+            let end = |[x, y]: [i32; 2], [right, down]: [i32; 2]| {
+                let way = (1..).map(|steps| (steps, x + steps * right, y + steps * down));
+                let mut inside = way.take_while(|&(_, x, y)| (0..width).contains(&x) && (0..height).contains(&y));
+                let (steps, x, y) = inside.find(|&(_, x, y)| [0, 255].contains(&pixels[(width * y + x) as usize][3]))?;
+                let at = (width * y + x) as usize;
+                (pixels[at][3] == 255).then_some(End { steps, at })
+            };
+            for pixel in (0..height).flat_map(|y| (0..width).map(move |x| [x, y])) {
+                let lines = PIXEL_LINES.iter().filter_map(|&[right, down]| {
+                    let (one, other) = end(pixel, [-right, -down]).zip(end(pixel, [right, down]))?;
+                    let steps = one.steps + other.steps;
+                    let length = steps as f32 * ((right * right + down * down) as f32).sqrt();
+                    (steps <= rim_px).then_some((length, one, other))
+                });
+                let shortest = lines.min_by(|one, other| one.0.total_cmp(&other.0));
+                let expected = shortest.map(|(_, one, other)| drawn.between(one, other));
+                let is_partial = ![0, 255].contains(&pixels[drawn.at(pixel)][3]);
+                prop_assert_eq!(drawn.behind_rim(pixel), expected.filter(|_| is_partial));
+            }
+        }
     }
 
     #[test]

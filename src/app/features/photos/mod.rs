@@ -264,11 +264,18 @@ impl Photos {
         self.frames.drawn(parts)
     }
 
-    /// How much of those of the shown frame is done of how much, while they are loaded and their surface is made.
-    pub(in crate::app) fn loading(&self) -> Option<(usize, usize)> {
+    /// How far those of the shown frame are, in words, while they are loaded and their surface is made.
+    pub(in crate::app) fn loading(&self) -> Option<String> {
         let is_shown = |set: &Arc<ViewSet>| self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, set));
         let (set, progress) = self.running.as_ref().filter(|(set, _)| is_shown(set))?;
-        Some((progress.done(), progress.of().unwrap_or(set.photos.len())))
+        let count = set.photos.len();
+        let (done, of) = (progress.done(), progress.of().unwrap_or(count));
+        Some(if of <= count {
+            format!("Loading {done} of {of} photographs")
+        } else {
+            let percent = 100 * done / of;
+            format!("Finding the surface of {count} photographs, {percent}\u{2009}%")
+        })
     }
 
     fn shown_set(&self) -> Option<&LoadedSet> {

@@ -50,11 +50,7 @@ pub(in crate::app) fn photos_ui(
 fn head_ui(ui: &mut Ui, photos: &mut Photos, set: &ViewSet) {
     let count = set.photos.len();
     let text = match photos.loading() {
-        Some((done, of)) if of <= count => format!("Loading {done} of {of} photographs"),
-        Some((done, of)) => format!(
-            "Finding the surface of {count} photographs, {}\u{2009}%",
-            100 * done / of
-        ),
+        Some(text) => text,
         None if count == 1 => "1 photograph".to_owned(),
         None => format!("{count} photographs"),
     };

@@ -102,6 +102,10 @@ impl Projected<'_> {
 }
 
 impl Drawn<'_> {
+    fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
+        (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y)
+    }
+
     fn is_solid(&self, at: usize) -> bool {
         f32::from(self.pixels[at][3]) >= 255.0 * GAP_SOLID
     }
