@@ -6,7 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use image::{Rgb, RgbImage};
 use pointreel::app::{PanelId, State};
-use pointreel::scene::PhotoMode;
+use pointreel::scene::{PhotoMode, Primitive};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -118,6 +118,37 @@ fn until_drawn(harness: &mut Harness<'_, State>, photographs: usize) {
         std::thread::sleep(Duration::from_millis(5));
     }
     harness.run();
+}
+
+/// A few hundred disks as large as the gaps between them would be the first that anybody sees of a set.
+#[test]
+fn points_are_points_until_photographs_are_on_a_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    write_set(folder.path());
+    for chosen in [Primitive::Auto, Primitive::Surfel] {
+        let mut harness = window();
+        harness.state_mut().open_paths(vec![folder.path().to_owned()]);
+        let begin = Instant::now();
+        loop {
+            assert!(begin.elapsed() < Duration::from_secs(30), "photographs are never drawn");
+            let now = harness.state().now();
+            harness.state_mut().update(now);
+            harness.state_mut().forget_picture();
+            // A window of the tests opens what it opens as surfels.
+            harness.state_mut().style.primitive = chosen;
+            let Some(packet) = harness.state_mut().next_packet() else {
+                continue;
+            };
+            let drawn = packet.style.primitive;
+            if packet.photographs.is_some() {
+                assert_eq!(drawn, Primitive::Surfel);
+                break;
+            }
+            // Whoever has chosen disks has them once their radii are known.
+            assert!(drawn == Primitive::Point || chosen == Primitive::Surfel, "{drawn}");
+        }
+        assert!(harness.query_by_label_contains("Finding the surface").is_none());
+    }
 }
 
 #[test]
