@@ -61,13 +61,11 @@ impl AmbientOcclusion {
         let is_on = light.ao == OnOff::On && light.ao_strength > 0.0 && light.ao_radius > 0.0;
         (is_on && style.is_shaded_with_depths()).then(|| {
             let cloud = style.of_sequence.ground_box.unwrap_or(packet.bounds);
-            let [top, bottom] = packet.view.rows_of_whole;
-            let whole_height_px = packet.viewport_px[1] as f32 / (bottom - top);
             let radius = light.ao_radius * RADIUS_OF_CLOUD * cloud.radius();
             let px_per_slope = packet.view.pixels_per_unit_at_1;
             Self {
                 near_radius_px: radius * px_per_slope / packet.view.near,
-                most_radius_px: (MOST_RADIUS_OF_HEIGHT * whole_height_px.round()).min(MOST_RADIUS_PX),
+                most_radius_px: (MOST_RADIUS_OF_HEIGHT * packet.whole_height_px().round()).min(MOST_RADIUS_PX),
                 px_per_slope,
                 strength: light.ao_strength,
             }

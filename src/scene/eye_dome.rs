@@ -63,11 +63,8 @@ impl EyeDomeLight {
         let style = &packet.style;
         let strength = style.light.eye_dome_strength;
         let is_on = style.light.eye_dome == EyeDome::On && strength > 0.0;
-        (is_on && style.leaves_depths()).then(|| {
-            let [top, bottom] = packet.view.rows_of_whole;
-            let height_px = packet.viewport_px[1] as f32 / (bottom - top);
-            Self::new(height_px.round(), packet.view.telephoto, strength)
-        })
+        (is_on && style.leaves_depths())
+            .then(|| Self::new(packet.whole_height_px().round(), packet.view.telephoto, strength))
     }
 
     fn new(whole_height_px: f32, telephoto: f32, strength: f32) -> Self {

@@ -27,9 +27,7 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     if packet.photographs.is_none() || !has_surface || is_lit_anew {
         return 0;
     }
-    let [top, bottom] = packet.view.rows_of_whole;
-    let whole_height_px = packet.viewport_px[1] as f32 / (bottom - top);
-    (0.01 * style.photos.gaps * whole_height_px).round() as u32
+    (0.01 * style.photos.gaps * packet.whole_height_px()).round() as u32
 }
 
 /// The steps from a pixel along four lines.

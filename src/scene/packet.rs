@@ -48,6 +48,12 @@ impl ScenePacket {
         drawn
     }
 
+    /// Height of the whole picture that this one is a part of, pixels.
+    pub fn whole_height_px(&self) -> f32 {
+        let [top, bottom] = self.view.rows_of_whole;
+        self.viewport_px[1] as f32 / (bottom - top)
+    }
+
     /// How what is drawn is lit: points without normals are not.
     pub fn lighting(&self) -> Lighting {
         let is_lit = match &self.content {

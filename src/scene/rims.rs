@@ -31,9 +31,7 @@ pub fn rim_px(packet: &ScenePacket) -> u32 {
     if !fades || packet.style.surfels.rims == OnOff::Off {
         return 0;
     }
-    let [top, bottom] = packet.view.rows_of_whole;
-    let whole_height_px = packet.viewport_px[1] as f32 / (bottom - top);
-    (WIDEST * whole_height_px).round().max(2.0) as u32
+    (WIDEST * packet.whole_height_px()).round().max(2.0) as u32
 }
 
 /// Opacities from which a pixel is no more open, and from which it is opaque: what is seen in eight bits.

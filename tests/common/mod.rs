@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use image::{Rgba, RgbaImage};
 use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ShapeRecord, VoxelRecord, oct_encode};
 use pointreel::math::Aabb;
+use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::{Context, ContextOptions, GpuRenderer};
 use pointreel::render::{RenderStats, Renderer};
 use pointreel::scene::{
@@ -49,6 +50,14 @@ pub(crate) fn draw(packet: &ScenePacket) -> RgbaImage {
 
 /// Draws a packet.
 pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RgbaImage {
+    renderer.prepare(packet).unwrap();
+    renderer.render().unwrap();
+    renderer.read_image().unwrap()
+}
+
+/// Draws a packet on the processor.
+pub(crate) fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
+    let mut renderer = CpuRenderer::new();
     renderer.prepare(packet).unwrap();
     renderer.render().unwrap();
     renderer.read_image().unwrap()

@@ -1,11 +1,9 @@
 //! Ambient occlusion of constructed surfaces, by both renderers: what planes, corners and steps must look like.
 
-use crate::common::{self, Surfel, camera_at, draw, plain, surfels};
+use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::math::Aabb;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
     AmbientOcclusion, BackFaces, Camera, Lighting, OnOff, Projection, ScenePacket, Splatting, Style,
 };
@@ -36,13 +34,6 @@ fn packet_of(cloud: &[Surfel], camera: &Camera, style: Style) -> ScenePacket {
     packet.bounds = Aabb::from_points(&[Vec3::splat(-half), Vec3::splat(half)]);
     assert!((radius(&packet) - RADIUS).abs() < 1e-4);
     packet
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// Pictures without ambient occlusion and with it, by each renderer.

@@ -1,26 +1,17 @@
 //! Antialiasing: edges against the area that they cover, what is flat, and both renderers against each other.
 
-use crate::common::{camera_at, draw, plain, sphere, surfels, voxels};
+use crate::common::{camera_at, draw, draw_on_cpu, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
 use pointreel::math::Aabb;
 use pointreel::measure::{flip, mean_squared_error, psnr_db};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, Truth, TruthView};
 use pointreel::scene::{
     Antialiasing, Background, Camera, Content, GroundPlane, Lighting, Primitive, ScenePacket, Splatting, Style, UpAxis,
 };
 
 const SIZE: [u32; 2] = [160, 120];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn draw_on_both(packet: &ScenePacket) -> [(RgbaImage, &'static str); 2] {
     [(draw_on_cpu(packet), "processor"), (draw(packet), "GPU")]

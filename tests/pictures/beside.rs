@@ -1,12 +1,10 @@
 //! The pictures of two sequences beside each other, by both renderers.
 
-use crate::common::{covered, difference, draw};
+use crate::common::{covered, difference, draw, draw_on_cpu};
 use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::app::{Command, Layout, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Background, Primitive, Scene, ScenePacket, Style};
 use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
@@ -68,13 +66,6 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
 
 fn packets(state: &mut State) -> [ScenePacket; 2] {
     [state.next_packet(), state.next_other_packet()].map(Option::unwrap)
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// Both pictures by the processor, and both by the adapter.

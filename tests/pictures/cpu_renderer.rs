@@ -1,6 +1,6 @@
 //! The software renderer against the GPU's, and against itself on other numbers of threads.
 
-use crate::common::{self, camera_at, draw, sphere, surfels};
+use crate::common::{self, camera_at, draw, draw_on_cpu, sphere, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{PointRecord, VoxelRecord};
@@ -18,13 +18,6 @@ use proptest::prelude::*;
 use std::sync::{Arc, LazyLock};
 
 const SIZE: [u32; 2] = [300, 220];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 /// How far apart two pictures are: decibels, and the share of pixels of which a channel differs by more than `step`.
 fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {

@@ -1,11 +1,9 @@
 //! Deferred shading against light worked out in double precision, by both renderers; and what is not lit by it.
 
-use crate::common::{Surfel, camera_at, draw, plain, sphere, surfels, to_display, to_linear};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::math::Aabb;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{BackFaces, LightRig, Lighting, Lights, Primitive, ScenePacket, Splatting, Style};
 
 /// Odd, so that the middle of a pixel is on the axis of the view.
@@ -21,13 +19,6 @@ fn lit_by(lighting: Lighting, rig: LightRig) -> Style {
         style.light.rig = rig;
         style.surfels.back_faces = BackFaces::Drawn;
     })
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 fn draw_on_both(packet: &ScenePacket) -> [(RgbaImage, &'static str); 2] {

@@ -1,24 +1,14 @@
 //! Surfels that are longer than wide: what they cover, what they are made from, and what it takes.
 
-use crate::common::{Surfel, camera_at, draw, plain, surfels};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec2, DVec3, Vec3};
-use image::RgbaImage;
 use pointreel::cloud::{Ellipse, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, encode_ellipse};
 use pointreel::levels::LevelsKind;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Camera, Content, Primitive, Scene, ScenePacket, Splatting, Style, UpAxis};
 use pointreel::sequence::{PrepareCounters, PreparedFrame, Sequence, complete, prepare};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [120, 120];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn shapes_of(packet: &mut ScenePacket) -> &mut Vec<ShapeRecord> {
     let Content::Surfels(surfels) = &mut packet.content else {

@@ -1,21 +1,12 @@
 //! EWA filtering: what is far away is as the pixels' mean of it, and what is near stays as it is.
 
-use crate::common::{Surfel, camera_at, draw, plain, surfels};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec3, Vec3};
 use image::{Rgba, RgbaImage};
 use pointreel::measure::flip;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{BackFaces, Camera, Primitive, ScenePacket, SplatFilter, Splatting, Style};
 
 const EDGE_PX: u32 = 48;
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn style(filter: SplatFilter) -> Style {
     plain().with(|style| {

@@ -1,12 +1,10 @@
 //! Eye-dome lighting and the grid: what constructed scenes must look like, and both renderers against each other.
 
-use crate::common::{self, Surfel, camera_at, draw, sphere, surfels};
+use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, sphere, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::VoxelRecord;
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
     Background, Camera, Content, EyeDome, GroundPlane, Lighting, PointStyle, Primitive, Projection, ScenePacket,
     Splatting, Strategy, Style, UpAxis,
@@ -27,13 +25,6 @@ const MOST_DIFFERING_OF_EDGES: f64 = 5e-3;
 
 /// What a channel may differ by where pixels count as equal.
 const STEP: u8 = 4;
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn keep(picture: &RgbaImage, name: &str) {
     if let Some(folder) = std::env::var_os("POINTREEL_KEEP_PICTURES") {

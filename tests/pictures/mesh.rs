@@ -1,6 +1,6 @@
 //! Triangles as they are drawn: by both renderers alike, without holes, as brute force in double precision finds them.
 
-use crate::common::{self, camera_at, draw, draw_with, plain, software};
+use crate::common::{self, camera_at, draw, draw_on_cpu, draw_with, plain, software};
 use glam::{DMat3, DVec3, Vec3};
 use image::{Rgba, RgbaImage};
 use pointreel::cloud::{MeshRecords, Textures, TriangleRecord, VertexRecord, oct_encode};
@@ -13,13 +13,6 @@ use pointreel::scene::{Camera, Content, EyeDome, Lighting, PointShape, Primitive
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [210, 160];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn vertex(position: Vec3, color: [u8; 3]) -> VertexRecord {
     VertexRecord {

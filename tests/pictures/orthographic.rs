@@ -1,13 +1,10 @@
 //! Orthographic pictures of both renderers against parallel rays in f64.
 
-use crate::common::{self, Surfel, draw, surfels};
+use crate::common::{self, Surfel, draw, draw_on_cpu, surfels};
 use glam::{DVec2, DVec3, Vec3};
-use image::RgbaImage;
 use pointreel::cloud::PointRecord;
 use pointreel::math::Aabb;
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Background, Camera, Content, Lighting, Primitive, Projection, ScenePacket, Style, UpAxis};
 use std::sync::Arc;
 
@@ -34,13 +31,6 @@ fn camera_around(bounds: &Aabb, origin: DVec3) -> Camera {
     };
     camera.frame_bounds(bounds, origin);
     camera
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> ScenePacket {

@@ -8,7 +8,7 @@ mod gaps;
 mod holes;
 mod relight;
 
-use crate::common::draw;
+use crate::common::{draw, draw_on_cpu};
 use crate::photo_scene::{
     DISTANCE, SCENE_RADIUS, cloud, frame, hit, photographed, photographs, pinhole, pose, poses, style,
 };
@@ -33,13 +33,6 @@ fn camera_at(camera_from_world: &DAffine3) -> Camera {
 
 fn packet(frame: &PreparedFrame, camera: &Camera, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, camera, style, [EDGE_PX; 2])
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// Signal to noise of the pixels at which the truth has the scene.

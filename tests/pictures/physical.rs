@@ -1,12 +1,9 @@
 //! Metallic–roughness shading against its formulas in double precision, whose integrals are taken by brute force; and
 //! those against what they promise: no light is made or lost, and eye and lamp may change places.
 
-use crate::common::{Surfel, camera_at, draw, plain, surfels, to_display, to_linear};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
-use image::RgbaImage;
 use pointreel::math::Aabb;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
     BackFaces, Camera, Environment, EnvironmentMap, LightRig, Lighting, Lights, OnOff, PhysicalLight, PhysicalTables,
     ScenePacket, Style,
@@ -34,13 +31,6 @@ fn style_of(material: (f32, f32), rig: LightRig, environment: Environment) -> St
         style.light.environment = environment;
         style.surfels.back_faces = BackFaces::Drawn;
     })
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// One surfel in the middle of a cloud of radius 1.

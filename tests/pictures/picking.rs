@@ -1,6 +1,7 @@
 //! Picks against the picture: what is picked is what is drawn.
 
 use crate::common;
+use crate::common::draw_on_cpu;
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud};
@@ -78,13 +79,6 @@ fn camera(projection: Projection) -> Camera {
 fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
     let camera = camera(Projection::Perspective);
     Scene::default().packet(frame, DVec3::ZERO, &camera, style, SIZE)
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// Compares pixels all over the picture, each that shows one record alone, or nothing, with what is picked there: the

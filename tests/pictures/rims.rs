@@ -1,11 +1,9 @@
 //! Rims of splats before others: what lies behind them shines through, and not the background.
 
-use crate::common::{Surfel, camera_at, draw, plain, surfels};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::Vec3;
 use image::RgbaImage;
 use pointreel::measure::{mean_squared_error, psnr_db};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{Background, EyeDome, LightRig, Lighting, Primitive, ScenePacket, Style, halo_px};
 
 const EDGE_PX: u32 = 200;
@@ -39,13 +37,6 @@ fn style() -> Style {
         style.primitive = Primitive::Surfel;
         style.backdrop.background = Background::solid([0, 0, 255]);
     })
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 fn most_blue(picture: &RgbaImage) -> u8 {

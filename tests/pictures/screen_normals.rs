@@ -1,11 +1,8 @@
 //! Surfels with normals of the screen: without any estimation before, drawn as others are, by both renderers.
 
-use crate::common::{camera_at, draw};
+use crate::common::{camera_at, draw, draw_on_cpu};
 use glam::{DVec3, Vec3};
-use image::RgbaImage;
 use pointreel::cloud::{Frame, Positions, RawCloud, oct_decode};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
     BackFaces, Background, Clip, ClipShape, Content, Environment, LightRig, Lighting, NormalSource, Primitive, Scene,
     ScenePacket, Style, SurfelColors, pick,
@@ -42,13 +39,6 @@ fn sphere(count: usize, style: &Style, given: bool) -> (PreparedFrame, PrepareCo
 fn packet_of(scene: &mut Scene, frame: &PreparedFrame, style: &Style) -> ScenePacket {
     let distance = 3.0 * f64::from(frame.frame.bounds().radius());
     scene.packet(frame, DVec3::ZERO, &camera_at(distance), style, SIZE)
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 #[test]

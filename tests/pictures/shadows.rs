@@ -1,11 +1,10 @@
 //! Shadows of constructed scenes, by both renderers: where rays to the lamp say that they are, and nowhere else.
 
-use crate::common::{self, Surfel, camera_at, context, draw, draw_with, plain, sphere, surfels, voxels};
+use crate::common::{self, Surfel, camera_at, context, draw, draw_on_cpu, draw_with, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{MeshRecords, TriangleRecord, VertexRecord, VoxelRecord, oct_encode};
 use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::gpu::GpuRenderer;
 use pointreel::scene::{
     BackFaces, Camera, Content, LightRig, Lighting, Lights, OnOff, PointLight, PointShape, PointSizing, Primitive,
@@ -45,13 +44,6 @@ fn camera() -> Camera {
         fov_deg: 50.0,
         ..camera_at(5.0)
     }
-}
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
 }
 
 /// Pictures without shadows and with them, by each renderer.

@@ -1,12 +1,10 @@
 //! What the GPU draws a splat as does not show: pictures of all geometries are those of quads, and splats are the disks
 //! that rays meet.
 
-use crate::common::{self, Surfel, camera_at, draw, plain, sphere, surfels};
+use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{oct_decode, oct_encode};
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::scene::{
     BackFaces, Camera, Lighting, Primitive, ScenePacket, SplatFilter, SplatGeometry, Splatting, Style,
 };
@@ -15,13 +13,6 @@ const EDGE_PX: u32 = 150;
 const RED: [u8; 3] = [255, 0, 0];
 const GREEN: [u8; 3] = [0, 255, 0];
 const BLACK: [u8; 3] = [0; 3];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 /// From above at an angle, so near that splats are cut by the near plane and the sides.
 fn close_camera() -> Camera {

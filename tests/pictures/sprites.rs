@@ -1,7 +1,7 @@
 //! Disks that are drawn on squares of pixels: what they cover and hide, against rays in f64, and beside disks that are
 //! drawn on their surface.
 
-use crate::common::{Surfel, camera_at, draw, plain, sphere, surfels};
+use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::oct_decode;
@@ -13,13 +13,6 @@ use pointreel::scene::{
 };
 
 const SIZE: [u32; 2] = [64, 48];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 fn on_both(packet: &ScenePacket) -> [(RgbaImage, &'static str); 2] {
     [(draw(packet), "GPU"), (draw_on_cpu(packet), "CPU")]

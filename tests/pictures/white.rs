@@ -6,7 +6,7 @@
 //! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its
 //! disks, and so where three of them only just meet: held to be few pixels.
 
-use crate::common::{camera_at, draw, plain};
+use crate::common::{camera_at, draw, draw_on_cpu, plain};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use pointreel::cloud::{
@@ -14,8 +14,6 @@ use pointreel::cloud::{
     decode_ellipse, oct_encode,
 };
 use pointreel::levels::Lod;
-use pointreel::render::Renderer;
-use pointreel::render::cpu::CpuRenderer;
 use pointreel::render::truth::{Disks, RayTraced, Truth, TruthView};
 use pointreel::scene::{
     Antialiasing, Background, Camera, CodeStyle, Content, DrawingStyle, Environment, Footprint, Kernel, LevelStyle,
@@ -33,13 +31,6 @@ const LEAST_WHITE: u8 = 254;
 
 /// The modes that blend beyond the rims of disks that touch, or blend nothing.
 const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
-
-fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
-    let mut renderer = CpuRenderer::new();
-    renderer.prepare(packet).unwrap();
-    renderer.render().unwrap();
-    renderer.read_image().unwrap()
-}
 
 /// A unit sphere whose points are at random places and white, prepared for a style: radii are estimated.
 fn white_sphere(count: usize, style: &Style) -> PreparedFrame {

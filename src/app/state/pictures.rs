@@ -7,7 +7,7 @@ use crate::app::features::photos::{PhotographedFrame, Photos};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
 use crate::render::RenderStats;
-use crate::scene::{Primitive, ScenePacket};
+use crate::scene::{Primitive, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -34,12 +34,13 @@ impl State {
     /// How far the surface that photographs are put on is, in words, where it is on its way and they are to be seen. Of
     /// films nobody waits for one.
     pub(in crate::app) fn surface_on_its_way(&self) -> Option<String> {
-        self.photos.loading().filter(|_| self.waits_for_surface())
+        let text = self.photos.loading()?;
+        self.waits_for_surface(&self.drawn_style()).then_some(text)
     }
 
-    fn waits_for_surface(&self) -> bool {
+    fn waits_for_surface(&self, style: &Style) -> bool {
         let is_single = self.player.as_ref().is_some_and(|player| player.sequence().len() == 1);
-        is_single && self.drawn_style().draws_photographs()
+        is_single && style.draws_photographs()
     }
 
     /// The packet to draw, if it differs from the last one.
@@ -53,7 +54,7 @@ impl State {
         }
         let origin = player.sequence().origin();
         let mut style = self.drawn_style();
-        let waits_for_surface = self.waits_for_surface();
+        let waits_for_surface = self.waits_for_surface(&style);
         let set = Photos::set_of(player);
         let photographed = self.photos.drawn(frame, set.as_ref(), &style);
         if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {

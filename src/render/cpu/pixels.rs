@@ -61,3 +61,13 @@ pub(super) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4
         *pixel = color.to_le_bytes();
     }
 }
+
+/// The same under the fourth bytes that are there.
+#[inline(always)]
+pub(super) fn repack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
+    let eight = opaque(simd, colors);
+    for (pixel, &color) in pixels.iter_mut().zip(eight.as_slice()) {
+        let [red, green, blue, _] = color.to_le_bytes();
+        *pixel = [red, green, blue, pixel[3]];
+    }
+}

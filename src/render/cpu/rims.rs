@@ -34,6 +34,20 @@ struct End {
 
 /// Puts what lies behind rims into a picture with opacities in place of alpha, and these reversed depths.
 pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, image: &mut [u8], depths: &[f32]) {
+    fill_rows(size_px, rim_px, image, depths, |drawn, y| {
+        drawn.covered_of_row(gradient.at_row(y), y)
+    });
+}
+
+/// Writes the pixels that `filled_of_row` finds in each row, with their places in the picture: in all of them, before
+/// any is written.
+pub(super) fn fill_rows(
+    size_px: [u32; 2],
+    rim_px: u32,
+    image: &mut [u8],
+    depths: &[f32],
+    filled_of_row: impl Fn(&Drawn<'_>, i32) -> Vec<(usize, [u8; 4])> + Sync,
+) {
     let [width, height] = size_px.map(|edge| edge as i32);
     let (pixels, _) = image.as_chunks_mut::<4>();
     let drawn = Drawn {
@@ -42,11 +56,8 @@ pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, im
         depths,
         rim_px: rim_px as i32,
     };
-    let covered: Vec<Vec<(usize, [u8; 4])>> = (0..height)
-        .into_par_iter()
-        .map(|y| drawn.covered_of_row(gradient.at_row(y), y))
-        .collect();
-    for (at, color) in covered.into_iter().flatten() {
+    let filled: Vec<_> = (0..height).into_par_iter().map(|y| filled_of_row(&drawn, y)).collect();
+    for (at, color) in filled.into_iter().flatten() {
         pixels[at] = color;
     }
 }

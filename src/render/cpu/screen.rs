@@ -1,5 +1,5 @@
-//! What is done when all tiles are drawn: eye-dome lighting and the closing of gaps, which look beyond them, and the
-//! grid on the ground.
+//! What is done when all tiles are drawn: eye-dome lighting, gaps and rims, which look beyond them, and the grid on the
+//! ground.
 //!
 //! How it works: tiles leave reversed depths beside the picture, and opacities in place of its alpha. Then rows are
 //! gone through once more, eight pixels at a time, in place; most of them are in a cache still. Without such steps no
@@ -13,7 +13,7 @@ use super::eye_dome::EyeDome;
 use super::finish::Gradient;
 use super::grid::Grid;
 use super::photographs::Projected;
-use super::pixels::{make_opaque, pack, unpacked};
+use super::pixels::{make_opaque, repack, unpacked};
 use super::rims::cover_rims;
 use super::tile::LANES;
 use super::view::PixelView;
@@ -49,13 +49,14 @@ impl Screen {
     pub(super) fn of(packet: &ScenePacket) -> Option<Self> {
         let eye_dome = EyeDomeLight::of(packet);
         let ground = packet.ground.map(|ground| ground.seen_by(&packet.view));
-        let looks_around = rim_px(packet) > 0 || gap_px(packet) > 0;
+        let rim_px = rim_px(packet);
+        let looks_around = rim_px > 0 || gap_px(packet) > 0;
         (eye_dome.is_some() || ground.is_some() || looks_around).then(|| Self {
             view: PixelView::new(packet),
             eye_dome,
             grid: ground.map(|ground| Grid::new(ground, packet)),
             gradient: Gradient::of(packet),
-            rim_px: rim_px(packet),
+            rim_px,
         })
     }
 
@@ -126,13 +127,6 @@ fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background:
         green.mul_add(shade, behind * behind_green),
         blue.mul_add(shade, behind * behind_blue),
     ];
-    // What lies behind rims and in gaps follows, and asks for them.
-    let mut opacities = [0; LANES];
-    for (kept, pixel) in opacities.iter_mut().zip(pixels.iter()) {
-        *kept = pixel[3];
-    }
-    pack(simd, colors, pixels);
-    for (pixel, kept) in pixels.iter_mut().zip(opacities) {
-        pixel[3] = kept;
-    }
+    // Gaps and rims follow, and ask for opacities.
+    repack(simd, colors, pixels);
 }

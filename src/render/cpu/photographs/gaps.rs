@@ -7,12 +7,11 @@
 
 use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::finish::Gradient;
-use crate::render::cpu::rims::{Drawn, over};
+use crate::render::cpu::rims::{Drawn, fill_rows, over};
 use crate::render::cpu::view::PixelView;
 use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, PIXEL_LINES};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use rayon::prelude::*;
 
 /// Where a line from a pixel meets the surface, or the border of the picture.
 #[derive(Debug, Clone, Copy)]
@@ -33,29 +32,15 @@ impl Projected<'_> {
         image: &mut [u8],
         depths: &[f32],
     ) {
-        let [width, height] = view.size_px.map(|edge| edge as i32);
-        let (pixels, _) = image.as_chunks_mut::<4>();
-        let drawn = Drawn {
-            size: [width, height],
-            pixels,
-            depths,
-            rim_px: rim_px as i32,
-        };
         let level = Level::new();
-        let closed: Vec<Vec<(usize, [u8; 4])>> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                dispatch!(level, simd => {
-                    simd.vectorize(
-                        #[inline(always)]
-                        || self.closed_of_row(simd, &drawn, view, gradient.at_row(y), y),
-                    )
-                })
+        fill_rows(view.size_px, rim_px, image, depths, |drawn, y| {
+            dispatch!(level, simd => {
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.closed_of_row(simd, drawn, view, gradient.at_row(y), y),
+                )
             })
-            .collect();
-        for (at, color) in closed.into_iter().flatten() {
-            pixels[at] = color;
-        }
+        });
     }
 
     /// The pixels of a row that are closed, with their places in the picture.
