@@ -36,21 +36,29 @@ fn gap_end(pixel: vec2i, step: vec2i, most: i32) -> GapEnd {
 }
 
 // The reversed depth of what lies in the gap that a pixel is in; 0 if it is in none.
-fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
+fn depth_in_gap(pixel: vec2i, widest: i32) -> f32 {
     var lines = PIXEL_LINES;
     var found = 0.0;
     var shortest = 1e30;
+    // The one that a slit is open along.
+    var open_lines = 0;
+    var is_at_border = false;
     for (var line = 0; line < 4; line++) {
-        let one = gap_end(pixel, -lines[line], most - 1);
-        if (one.steps == 0) {
-            return 0.0;
+        let one = gap_end(pixel, -lines[line], widest - 1);
+        var other = GapEnd(0, 0.0);
+        if (one.steps > 0) {
+            other = gap_end(pixel, lines[line], widest - one.steps);
         }
-        let other = gap_end(pixel, lines[line], most - one.steps);
         if (other.steps == 0) {
-            return 0.0;
+            open_lines++;
+            if (open_lines > 1) {
+                return 0.0;
+            }
+            continue;
         }
         let nearer = max(one.depth, other.depth);
         let farther = min(one.depth, other.depth);
+        is_at_border = is_at_border || farther == 0.0;
         let span = f32(one.steps + other.steps) * length(vec2f(lines[line]));
         if (nearer > 0.0 && span < shortest) {
             shortest = span;
@@ -60,7 +68,8 @@ fn depth_in_gap(pixel: vec2i, most: i32) -> f32 {
             found = select(of_one, of_plane, farther >= GAP_ONE_SURFACE * nearer);
         }
     }
-    return found;
+    let is_slit = !is_at_border && GAPS_PER_SLIT * shortest <= f32(widest);
+    return select(0.0, found, open_lines == 0 || is_slit);
 }
 
 @fragment

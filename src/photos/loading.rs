@@ -11,7 +11,7 @@ use super::undistort::Extent;
 use super::view_set::ViewSet;
 use super::{DepthCamera, DepthFile, DepthKind, Photo, PhotosError};
 use crate::progress::Progress;
-use crate::rgbd::{Camera, ColorCamera, DepthImage, Distortion, RayTable};
+use crate::rgbd::{Camera, ColorCamera, DepthImage, Distortion, RayTable, on_planes};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -124,9 +124,10 @@ fn read(photo: &Photo, halvings: u32) -> Result<Read, PhotosError> {
     })
 }
 
-/// The depths that a file has of a photograph, as its pinhole sees them. Those of COLMAP are of pinholes already.
+/// The depths that a file has of a photograph, as its pinhole sees them, without the noise of planes. Those of COLMAP
+/// are of pinholes already.
 fn depth(file: &DepthFile, camera: &Camera, pinhole: &Camera) -> Result<Option<DepthImage>, PhotosError> {
-    let taken = file.read()?;
+    let taken = on_planes(&file.read()?);
     if let Some(taken_by) = &file.taken_by {
         return seen_beside(file, &taken, taken_by, pinhole).map(Some);
     }

@@ -2,7 +2,8 @@
 //!
 //! A depth image is filtered first, while neighbours are still next to each other ([`Filters`]); then each pixel
 //! becomes a point on its ray ([`RayTable`], [`cloud`]), with the colour that the colour camera has at its place
-//! ([`ColorCamera::colors`]). Nothing here reads files: see `source/rgbd` for recordings.
+//! ([`ColorCamera::colors`]). Planes through pixels that are next to each other give its normal ([`put_on_planes`]).
+//! Nothing here reads files: see `source/rgbd` for recordings.
 //!
 //! Coordinates are those of a camera: x to the right, y down, z forward, in metres; centres of pixels are at integers.
 
@@ -12,6 +13,7 @@ mod depth_frame;
 mod distortion;
 mod filters;
 mod images;
+mod planes;
 mod rays;
 mod registration;
 mod rig;
@@ -28,6 +30,7 @@ pub use filters::{
     TemporalFilter, median,
 };
 pub use images::{ColorImage, DepthImage, is_measured};
+pub use planes::{on_planes, put_on_planes};
 pub use rays::RayTable;
 pub use registration::{ColorCamera, UNSEEN_COLOR};
 pub use rig::{Rig, Sensor};

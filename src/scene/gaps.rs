@@ -4,7 +4,9 @@
 //! disk ends a little before the next one begins. A pixel that the surface does not cover whole is in a gap if all four
 //! lines through it (a row, a column, both diagonals) meet the surface on both sides, no more than [`gap_px`] steps
 //! apart (closings by lines: Serra 1982). So outlines stay as they are, but for holes that are as small, and a gap is
-//! closed as a whole. Beyond the borders of a picture nothing is known, and nothing speaks against a gap there.
+//! closed as a whole. Beyond the borders of a picture nothing is known, and nothing speaks against a gap there. A slit,
+//! as between a curtain and the wall behind it, is open along itself: of half the width it is closed if the three other
+//! lines meet the surface. (One line alone would round corners of outlines, and borders would be slits.)
 //!
 //! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
 //! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other,
@@ -36,6 +38,9 @@ pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 /// Ends of a line are of one surface, here and at rims, if the reversed depth of one is at least this share of the
 /// other's.
 pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
+
+/// How many times as wide as slits gaps are that are closed.
+pub(crate) const GAPS_PER_SLIT: f32 = 2.0;
 
 /// Opacity from which a pixel belongs to the surface around a gap.
 pub(crate) const GAP_SOLID: f32 = 0.5;

@@ -134,10 +134,10 @@ impl Recorded {
         self.left_out.contains(&index)
     }
 
-    /// Bytes that the points of a frame take, about.
+    /// Bytes that the points of a frame take, about, with normals and colours.
     pub(super) fn frame_bytes(&self) -> u64 {
         let [width, height] = self.sizes.depth_px.unwrap_or([640, 480]).map(u64::from);
-        width * height * 32
+        width * height * 44
     }
 
     fn prepared(

@@ -6,8 +6,9 @@ use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::messages::{frame_by_index, frames_with_indices};
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
-use crate::rgbd::{Camera, Filters};
+use crate::rgbd::{Camera, Filters, put_on_planes};
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, Source};
+use glam::Vec3;
 use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -173,6 +174,7 @@ impl Decoder for MergingDecoder {
         let mut merged = Merged::default();
         let mut failure = None;
         let count = self.range.clone().count();
+        let is_filtered = self.recording.recorded.filters.bilateral.is_some();
         for (done, index) in self.range.clone().enumerate() {
             if progress.is_cancelled() {
                 break;
@@ -183,7 +185,7 @@ impl Decoder for MergingDecoder {
             };
             let entry = self.recording.entry(index);
             match decoder.decode(index, &entry, usize::MAX, &Progress::default()) {
-                Ok(frame) => merged.take(frame.cloud, pose),
+                Ok(frame) => merged.take(frame.cloud, pose, is_filtered),
                 Err(error) => {
                     let reason = format!("{} is left out: {error}", frame_by_index(index));
                     merged.warnings.push(reason);
@@ -199,9 +201,27 @@ impl Decoder for MergingDecoder {
     }
 }
 
+/// The normals of a frame, in the order of its pixels. Its points are put on their planes if noise is to be
+/// filtered.
+fn normals_of_image(cloud: &mut RawCloud, is_filtered: bool) -> Vec<[f32; 3]> {
+    let count = cloud.positions.len();
+    // An image of one line is no grid.
+    let size_px = cloud
+        .grid
+        .map_or([count as u32, 1], |grid| [grid.width(), grid.height()]);
+    let mut points: Vec<Vec3> = (0..count).map(|index| cloud.positions.get(index).as_vec3()).collect();
+    let normals = put_on_planes(size_px, &mut points);
+    if is_filtered {
+        cloud.positions = Positions::F32(points.into_iter().map(Vec3::into).collect());
+    }
+    normals.into_iter().map(Vec3::into).collect()
+}
+
 #[derive(Default)]
 struct Merged {
     positions: Vec<[f64; 3]>,
+    /// As many, each towards the camera that saw the point.
+    normals: Vec<[f32; 3]>,
     /// As many, unless a frame had none.
     colors: Vec<[u8; 4]>,
     lacks_colors: bool,
@@ -209,7 +229,9 @@ struct Merged {
 }
 
 impl Merged {
-    fn take(&mut self, mut cloud: RawCloud, world_from_camera: glam::DAffine3) {
+    fn take(&mut self, mut cloud: RawCloud, world_from_camera: glam::DAffine3, is_filtered: bool) {
+        let normals = normals_of_image(&mut cloud, is_filtered);
+        cloud.attributes.normals = Some(normals);
         let measured: Vec<u32> = (0..cloud.positions.len() as u32)
             .filter(|&index| cloud.positions.get(index as usize).is_finite())
             .collect();
@@ -217,6 +239,10 @@ impl Merged {
         let points = (0..measured.len()).map(|index| cloud.positions.get(index));
         let points = points.map(|point| world_from_camera.transform_point3(point).to_array());
         self.positions.extend(points);
+        let turn = world_from_camera.matrix3.as_mat3();
+        let normals = cloud.attributes.normals.unwrap_or_default().into_iter();
+        self.normals
+            .extend(normals.map(|normal| (turn * Vec3::from(normal)).to_array()));
         match cloud.attributes.colors {
             Some(colors) => self.colors.extend(colors),
             None => self.lacks_colors = true,
@@ -231,6 +257,7 @@ impl Merged {
                 .push("some of the merged frames have no colours, so their cloud has none".to_owned());
         }
         cloud.attributes.colors = (!self.lacks_colors).then_some(self.colors);
+        cloud.attributes.normals = Some(self.normals);
         cloud.unit = Some(LengthUnit::Metre);
         cloud.warnings = self.warnings;
         cloud

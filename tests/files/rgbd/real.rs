@@ -96,6 +96,46 @@ fn merged_frames_of_redwood_have_all_points() {
     assert_eq!(cloud.positions.finite_bounds().0, cloud.positions.len());
 }
 
+/// The first of the merged frames beside the same frame alone. Filtered, its points are on planes.
+#[test]
+fn merged_frames_of_redwood_have_normals_towards_their_cameras() {
+    let of = |filters, merge| {
+        redwood(RgbdOptions {
+            filters,
+            merge,
+            ..RgbdOptions::default()
+        })
+    };
+    for filters in [pointreel::rgbd::Filters::default(), pointreel::rgbd::Filters::USUAL] {
+        let Some(recording) = of(filters, None) else { return };
+        let merged = of(filters, Some((0, 1))).unwrap().decode(0).unwrap();
+        let normals = merged.attributes.normals.as_ref().unwrap();
+        assert_eq!(normals.len(), merged.positions.len());
+        let world_from_camera = recording.source().sensor(0).unwrap().world_from_camera.unwrap();
+        let alone = points(&recording.decode(0).unwrap());
+        let alone = alone.into_iter().filter(|point| point.is_finite());
+        let (mut count, mut moved) = (0, 0);
+        for (at, alone) in alone.enumerate() {
+            let point = world_from_camera.inverse().transform_point3(merged.positions.get(at));
+            let turned = world_from_camera.matrix3.inverse() * glam::Vec3::from(normals[at]).as_dvec3();
+            assert!((turned.length() - 1.0).abs() < 1e-5, "{turned}");
+            assert!(turned.dot(point) < 1e-5, "{turned} at {point}");
+            assert!(
+                (point / point.z - alone / alone.z).length() < 1e-5,
+                "{point} and {alone}"
+            );
+            assert!((point.z / alone.z - 1.0).abs() < 0.05, "{point} and {alone}");
+            count += 1;
+            moved += usize::from((point - alone).length() > 1e-4);
+        }
+        let is_filtered = filters.bilateral.is_some();
+        assert!(
+            if is_filtered { 2 * moved > count } else { moved == 0 },
+            "{moved} of {count}"
+        );
+    }
+}
+
 #[test]
 fn filters_of_real_frames_keep_what_they_may() {
     let Some(sequence) = redwood(RgbdOptions {

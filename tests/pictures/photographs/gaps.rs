@@ -14,8 +14,13 @@ const HOLE: f64 = 0.12;
 
 /// Bluish points of a wall that are missing in its middle.
 fn holed_wall() -> PreparedFrame {
+    wall_without(|along| along.iter().all(|along| along.abs() <= HOLE))
+}
+
+/// Bluish points of a wall, but for those that are missing.
+fn wall_without(is_missing: impl Fn([f64; 2]) -> bool) -> PreparedFrame {
     let (places, colors) = wall(WALL_Z as f32, 1.0, [0, 60, 200, 255]);
-    let is_there = |place: &[f32; 3]| place[..2].iter().any(|along| f64::from(along.abs()) > HOLE);
+    let is_there = |place: &[f32; 3]| !is_missing([place[0], place[1]].map(f64::from));
     let (places, colors): (Vec<_>, Vec<_>) = places
         .into_iter()
         .zip(colors)
@@ -110,6 +115,25 @@ fn gaps_are_closed_where_photographs_show_something() {
     // A handle is a handle still.
     let (_, seen_through) = red_and_empty(&drawn(red_wall(true), 10.0));
     assert!(seen_through > open / 2, "{seen_through} of {open}");
+}
+
+/// Along itself it is open to both borders of the picture.
+#[test]
+fn slits_are_closed_along_their_whole_length() {
+    for axis in [0, 1] {
+        let frame = wall_without(|along| along[axis].abs() < 0.06);
+        let frame = frame.with_photographs(Arc::new(red_wall(false)));
+        let drawn = |percent: f32| {
+            let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
+            [draw_on_cpu(&packet), draw(&packet)].map(|picture| red_and_empty(&picture))
+        };
+        for (open, narrow) in drawn(0.0).into_iter().zip(drawn(3.0)) {
+            assert!(open.1 > 100, "there is a slit: {}", open.1);
+            // It is more than half as wide as that, but between rims of two disks.
+            assert!(narrow.1 * 10 > open.1 * 9, "axis {axis}: {} of {}", narrow.1, open.1);
+        }
+        assert_eq!(drawn(12.0), [(2500, 0); 2], "axis {axis}");
+    }
 }
 
 /// Light from depths falls before.

@@ -2,14 +2,14 @@
 //! is, and what lies in it: `scene/gaps.rs`.
 //!
 //! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
-//! closed; then closed pixels are written. Most pixels that are not covered are background: the way to the left, which
-//! is known while a row is gone through, tells that of most of them.
+//! closed; then closed pixels are written. Most pixels that are not covered are background: the ways to the left and
+//! upwards tell that of most of them. The one is known while a row is gone through, the other is worked out before.
 
 use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::finish::Gradient;
 use crate::render::cpu::rims::{Drawn, fill_rows, over};
 use crate::render::cpu::view::PixelView;
-use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, PIXEL_LINES};
+use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 
@@ -33,11 +33,12 @@ impl Projected<'_> {
         depths: &[f32],
     ) {
         let level = Level::new();
+        let rows_down = rows_from_solid(view.size_px, image);
         fill_rows(view.size_px, rim_px, image, depths, |drawn, y| {
             dispatch!(level, simd => {
                 simd.vectorize(
                     #[inline(always)]
-                    || self.closed_of_row(simd, drawn, view, gradient.at_row(y), y),
+                    || self.closed_of_row(simd, drawn, (view, &rows_down), gradient.at_row(y), y),
                 )
             })
         });
@@ -49,7 +50,7 @@ impl Projected<'_> {
         &self,
         simd: S,
         drawn: &Drawn<'_>,
-        view: &PixelView,
+        (view, rows_down): (&PixelView, &[u16]),
         background: [f32; 3],
         y: i32,
     ) -> Vec<(usize, [u8; 4])> {
@@ -59,7 +60,7 @@ impl Projected<'_> {
         let mut met = -1;
         for x in 0..drawn.size[0] {
             let at = drawn.at([x, y]);
-            let is_within_reach = x - met < most;
+            let is_within_reach = x - met < most || i32::from(rows_down[at]) < most;
             if drawn.is_solid(at) {
                 met = x;
             }
@@ -86,13 +87,32 @@ impl Projected<'_> {
     }
 }
 
+/// How many rows each pixel is below the nearest one of its column that belongs to the surface, or below the border.
+fn rows_from_solid(size_px: [u32; 2], image: &[u8]) -> Vec<u16> {
+    let width = size_px[0] as usize;
+    let (pixels, _) = image.as_chunks::<4>();
+    let mut rows = vec![0_u16; pixels.len()];
+    let mut above = vec![0_u16; width];
+    for (pixels, rows) in pixels.chunks(width.max(1)).zip(rows.chunks_mut(width.max(1))) {
+        for ((pixel, row), above) in pixels.iter().zip(rows).zip(&mut above) {
+            *row = above.saturating_add(1);
+            *above = if is_solid(*pixel) { 0 } else { *row };
+        }
+    }
+    rows
+}
+
+fn is_solid(pixel: [u8; 4]) -> bool {
+    f32::from(pixel[3]) >= 255.0 * GAP_SOLID
+}
+
 impl Drawn<'_> {
     fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
         (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y)
     }
 
     fn is_solid(&self, at: usize) -> bool {
-        f32::from(self.pixels[at][3]) >= 255.0 * GAP_SOLID
+        is_solid(self.pixels[at])
     }
 
     fn end(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<End> {
@@ -111,19 +131,35 @@ impl Drawn<'_> {
     }
 
     /// The reversed depth of what lies in the gap that a pixel is in, if it is in one.
-    fn depth_in_gap(&self, pixel: [i32; 2], most: i32) -> Option<f32> {
+    fn depth_in_gap(&self, pixel: [i32; 2], widest: i32) -> Option<f32> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
-        for [right, down] in PIXEL_LINES {
-            let one = self.end(pixel, [-right, -down], most - 1)?;
-            let other = self.end(pixel, [right, down], most - one.steps)?;
+        // The one that a slit is open along.
+        let mut open_lines = 0;
+        let mut is_at_border = false;
+        for line in PIXEL_LINES {
+            let Some((one, other)) = self.ends(pixel, line, widest) else {
+                open_lines += 1;
+                if open_lines > 1 {
+                    return None;
+                }
+                continue;
+            };
+            is_at_border |= one.depth.min(other.depth) == 0.0;
+            let [right, down] = line;
             let span = (one.steps + other.steps) as f32 * ((right * right + down * down) as f32).sqrt();
             let depth = depth_between(one, other);
             if depth > 0.0 && span < shortest {
                 (found, shortest) = (Some(depth), span);
             }
         }
-        found
+        let is_slit = !is_at_border && GAPS_PER_SLIT * shortest <= widest as f32;
+        found.filter(|_| open_lines == 0 || is_slit)
+    }
+
+    fn ends(&self, pixel: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<(End, End)> {
+        let one = self.end(pixel, [-right, -down], most - 1)?;
+        Some((one, self.end(pixel, [right, down], most - one.steps)?))
     }
 }
 
@@ -176,16 +212,36 @@ mod tests {
     }
 
     #[test]
-    fn outlines_slits_and_large_holes_stay_open() {
+    fn outlines_wide_slits_and_large_holes_stay_open() {
         let beyond_outline = |[x, _]: [i32; 2]| x > 15;
         assert_eq!(found(plane, beyond_outline, [16, 12]), None);
         let corner = |[x, y]: [i32; 2]| x > 15 && y > 12;
         assert_eq!(found(plane, corner, [16, 13]), None);
         // It is open along itself.
-        let slit = |[x, _]: [i32; 2]| (12..14).contains(&x);
+        let slit = |[x, _]: [i32; 2]| (12..16).contains(&x);
         assert_eq!(found(plane, slit, [12, 12]), None);
         let hole = |[x, y]: [i32; 2]| (6..18).contains(&x) && (6..18).contains(&y);
         assert_eq!(found(plane, hole, [12, 12]), None);
+    }
+
+    #[test]
+    fn slits_of_half_the_width_are_closed_along_their_whole_length() {
+        let upright = |[x, _]: [i32; 2]| (12..15).contains(&x);
+        let level = |[_, y]: [i32; 2]| (12..15).contains(&y);
+        for way in [12, 13, 14] {
+            for along in [4, 12, 19] {
+                let depth = found(plane, upright, [way, along]).unwrap();
+                assert!((depth - plane([way, along])).abs() < 1e-6, "{way}, {along}: {depth}");
+                let depth = found(plane, level, [along, way]).unwrap();
+                assert!((depth - plane([along, way])).abs() < 1e-6, "{along}, {way}: {depth}");
+            }
+        }
+        // Nor is what lies between the surface and the border.
+        let strip = |[x, _]: [i32; 2]| x > 29;
+        assert_eq!(found(plane, strip, [30, 12]), None);
+        // What ends in the other direction is no slit, and is open there.
+        let notch = |[x, y]: [i32; 2]| x > 12 && (10..15).contains(&y);
+        assert_eq!(found(plane, notch, [14, 12]), None);
     }
 
     #[test]
