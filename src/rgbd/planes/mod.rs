@@ -103,25 +103,16 @@ fn put_band_on_planes(pixels: &Pixels, noise: &Noise, lines: Range<usize>, point
 /// Where the window around it does not fit, one of half the width around it is better, for what bends, than one as wide
 /// beside it: only then come those.
 fn plane_of(levels: &[PlanesOfWindows; 4], limit: f32, ray: &[f32; 3], pixel: [usize; 2]) -> Plane {
-    let fits = |plane: &Plane| plane.fits(limit, ray);
     let least = |first: &Plane, second: &Plane| first.error.total_cmp(&second.error);
-    for level in 0..=levels.len() {
-        if let Some(around) = levels
-            .get(level)
-            .and_then(|planes| planes.at(pixel, [0, 0]))
-            .filter(fits)
-        {
-            return around;
-        }
-        let wider = level.checked_sub(1).map(|level| &levels[level]);
-        let beside = wider.and_then(|planes| planes.beside(pixel).filter(fits).min_by(least));
-        if let Some(beside) = beside {
-            return beside;
-        }
-    }
-    levels[levels.len() - 1]
-        .beside(pixel)
-        .min_by(least)
+    let fits = |plane: &Plane| plane.fits(limit, ray);
+    let around = |planes: &PlanesOfWindows| planes.at(pixel, [0, 0]).filter(fits);
+    let beside = |planes: &PlanesOfWindows| planes.beside(pixel).filter(fits).min_by(least);
+    let [widest, .., narrowest] = levels;
+    let mut steps = levels.windows(2);
+    around(widest)
+        .or_else(|| steps.find_map(|step| around(&step[1]).or_else(|| beside(&step[0]))))
+        .or_else(|| beside(narrowest))
+        .or_else(|| narrowest.beside(pixel).min_by(least))
         .unwrap_or(Plane::NONE)
 }
 

@@ -201,9 +201,8 @@ impl Decoder for MergingDecoder {
     }
 }
 
-/// The normals of a frame, in the order of its pixels. Its points are put on their planes if noise is to be
-/// filtered.
-fn normals_of_image(cloud: &mut RawCloud, is_filtered: bool) -> Vec<[f32; 3]> {
+/// Gives a frame the normals of its image. Its points are put on their planes if noise is to be filtered.
+fn add_normals(cloud: &mut RawCloud, is_filtered: bool) {
     let count = cloud.positions.len();
     // An image of one line is no grid.
     let size_px = cloud
@@ -214,7 +213,7 @@ fn normals_of_image(cloud: &mut RawCloud, is_filtered: bool) -> Vec<[f32; 3]> {
     if is_filtered {
         cloud.positions = Positions::F32(points.into_iter().map(Vec3::into).collect());
     }
-    normals.into_iter().map(Vec3::into).collect()
+    cloud.attributes.normals = Some(normals.into_iter().map(Vec3::into).collect());
 }
 
 #[derive(Default)]
@@ -230,8 +229,7 @@ struct Merged {
 
 impl Merged {
     fn take(&mut self, mut cloud: RawCloud, world_from_camera: glam::DAffine3, is_filtered: bool) {
-        let normals = normals_of_image(&mut cloud, is_filtered);
-        cloud.attributes.normals = Some(normals);
+        add_normals(&mut cloud, is_filtered);
         let measured: Vec<u32> = (0..cloud.positions.len() as u32)
             .filter(|&index| cloud.positions.get(index as usize).is_finite())
             .collect();
