@@ -72,30 +72,71 @@ fn depth_in_gap(pixel: vec2i, widest: i32) -> f32 {
     return select(0.0, found, open_lines == 0 || is_slit);
 }
 
-@fragment
-fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2i(position.xy);
+// What a pixel holds when gaps are closed, before specks are filled.
+struct Resolved {
+    color: vec4f,
+    is_in_gap: bool,
+}
+
+fn resolved(pixel: vec2i) -> Resolved {
     let sum = sum_at(pixel);
     let opacity = opacity_at(pixel);
+    var is_in_gap = false;
     if (opacity < 1.0) {
         let in_gap = depth_in_gap(pixel, i32(textureLoad(photo_table, vec2u(1u, 0u), 0).x));
-        if (in_gap > 0.0) {
+        is_in_gap = in_gap > 0.0;
+        if (is_in_gap) {
             var depth = in_gap;
             if (sum.a > 0.0) {
                 depth = depth_at(pixel);
             }
-            let ray = ray_through(position.xy);
+            let ray = ray_through(vec2f(pixel) + 0.5);
             let place = ray * (view.near / depth);
             let there = BlendedSurface(1.0, vec3f(0.0), place, -normalize(ray), vec3f(0.0));
             let answer = photo_answer(there, vec2u(pixel));
             if (answer.kind == ANSWER_SHOWN) {
                 let surface = sum.rgb / max(sum.a, 1e-37);
-                return vec4f(mix(answer.color, surface, opacity), 1.0);
+                return Resolved(vec4f(mix(answer.color, surface, opacity), 1.0), true);
             }
         }
     }
     if (sum.a == 0.0) {
+        return Resolved(vec4f(0.0), is_in_gap);
+    }
+    return Resolved(over_rim(pixel), is_in_gap);
+}
+
+// The mean colour of the eight pixels around one; the fourth is 0 unless all of them are opaque.
+fn mean_around(pixel: vec2i) -> vec4f {
+    let size = vec2i(view.viewport_px);
+    var lines = PIXEL_LINES;
+    var sum = vec3f(0.0);
+    for (var way = 0; way < 8; way++) {
+        let beside = pixel + lines[way % 4] * (1 - 2 * (way / 4));
+        if (any(beside < vec2i(0)) || any(beside >= size)) {
+            return vec4f(0.0);
+        }
+        let color = resolved(beside).color;
+        if (color.a < RIM_OPAQUE) {
+            return vec4f(0.0);
+        }
+        sum += color.rgb;
+    }
+    return vec4f(sum / 8.0, 1.0);
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2i(position.xy);
+    let own = resolved(pixel);
+    if (own.is_in_gap && own.color.a < RIM_OPAQUE) {
+        let around = mean_around(pixel);
+        if (around.a > 0.0) {
+            return vec4f(mix(around.rgb, own.color.rgb, own.color.a), 1.0);
+        }
+    }
+    if (own.color.a == 0.0) {
         discard;
     }
-    return over_rim(pixel);
+    return own.color;
 }

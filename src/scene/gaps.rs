@@ -12,7 +12,8 @@
 //! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other,
 //! it is that of the farther: between them one looks past the nearer one. Photographs are asked about that place, as
 //! they are about others (`scene/photographs.rs`). What they see through, and what none of them sees, stays open: a
-//! handle is a handle still.
+//! handle is a handle still. But single pixels that are left, along outlines for the most part, where photographs and
+//! points are a pixel apart, are specks: each has the mean colour of the eight around it, if these are there.
 //!
 //! Done after light has fallen, over the whole picture: `render/cpu/photographs/gaps.rs`,
 //! `shaders/passes/resolve_photographs.wgsl`.

@@ -46,23 +46,23 @@ fn wall_without(is_missing: impl Fn([f64; 2]) -> bool) -> PreparedFrame {
     )
 }
 
-/// Two photographs in which the wall is red; with measured depths, they see through the hole.
-fn red_wall(is_measured: bool) -> Photographs {
+/// Two photographs in which the wall is red; measured depths see through a hole that is twice as wide as this.
+fn red_wall(seen_through: Option<f64>) -> Photographs {
     let photograph = |number: usize, azimuth_deg: f64| {
-        let (pinhole, camera_from_world) = (pinhole(256), pose(azimuth_deg, 0.0));
+        let (pinhole, camera_from_world) = (pinhole(512), pose(azimuth_deg, 0.0));
         let world_from_camera = camera_from_world.inverse();
-        let distances = (0..256 * 256).map(|at| {
-            let pixel = glam::DVec2::new(f64::from(at % 256), f64::from(at / 256));
+        let distances = (0..512 * 512).map(|at| {
+            let pixel = glam::DVec2::new(f64::from(at % 512), f64::from(at / 512));
             let ray = world_from_camera.matrix3 * pinhole.ray(pixel).unwrap();
             let place = world_from_camera.translation + ray * ((WALL_Z - world_from_camera.translation.z) / ray.z);
-            let is_hole = place.truncate().abs().max_element() < HOLE;
+            let is_hole = seen_through.is_some_and(|half| place.truncate().abs().max_element() < half);
             camera_from_world.transform_point3(place).z as f32 * if is_hole { 3.0 } else { 1.0 }
         });
         Photograph {
             name: String::new(),
             number,
-            texture: Texture::new(PhotoImage::new([256; 2], vec![[200, 0, 0, 255]; 256 * 256]).unwrap()),
-            depth: is_measured.then(|| DepthImage::new([256; 2], distances.collect()).unwrap()),
+            texture: Texture::new(PhotoImage::new([512; 2], vec![[200, 0, 0, 255]; 512 * 512]).unwrap()),
+            depth: seen_through.map(|_| DepthImage::new([512; 2], distances.collect()).unwrap()),
             pinhole: pinhole.clone(),
             camera_from_world,
             is_masked: false,
@@ -106,14 +106,14 @@ fn gaps_are_closed_where_photographs_show_something() {
         assert!(apart.count() * 200 <= cpu.as_raw().len());
         cpu
     };
-    let (_, open) = red_and_empty(&drawn(red_wall(false), 0.0));
+    let (_, open) = red_and_empty(&drawn(red_wall(None), 0.0));
     assert!(open > 50, "there is a hole: {open}");
-    assert_eq!(red_and_empty(&drawn(red_wall(false), 10.0)), (2500, 0));
+    assert_eq!(red_and_empty(&drawn(red_wall(None), 10.0)), (2500, 0));
     // It is wider than that, but for its corners.
-    let (_, narrowly) = red_and_empty(&drawn(red_wall(false), 4.0));
+    let (_, narrowly) = red_and_empty(&drawn(red_wall(None), 4.0));
     assert!(narrowly > open * 9 / 10, "{narrowly} of {open}");
     // A handle is a handle still.
-    let (_, seen_through) = red_and_empty(&drawn(red_wall(true), 10.0));
+    let (_, seen_through) = red_and_empty(&drawn(red_wall(Some(HOLE)), 10.0));
     assert!(seen_through > open / 2, "{seen_through} of {open}");
 }
 
@@ -122,7 +122,7 @@ fn gaps_are_closed_where_photographs_show_something() {
 fn slits_are_closed_along_their_whole_length() {
     for axis in [0, 1] {
         let frame = wall_without(|along| along[axis].abs() < 0.06);
-        let frame = frame.with_photographs(Arc::new(red_wall(false)));
+        let frame = frame.with_photographs(Arc::new(red_wall(None)));
         let drawn = |percent: f32| {
             let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
             [draw_on_cpu(&packet), draw(&packet)].map(|picture| red_and_empty(&picture))
@@ -136,10 +136,25 @@ fn slits_are_closed_along_their_whole_length() {
     }
 }
 
+/// Photographs see through it, and nothing but what is around tells a colour.
+#[test]
+fn single_pixels_have_the_colour_around_them_and_larger_holes_stay() {
+    let drawn = |half: f64, percent: f32| {
+        let frame = wall_without(|_| false).with_photographs(Arc::new(red_wall(Some(half))));
+        let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
+        [draw_on_cpu(&packet), draw(&packet)].map(|picture| red_and_empty(&picture))
+    };
+    assert_eq!(drawn(0.003, 0.0), [(2499, 1); 2]);
+    assert_eq!(drawn(0.003, 5.0), [(2500, 0); 2]);
+    let larger = drawn(0.01, 0.0);
+    assert!(larger[0].1 >= 4, "there is a hole: {larger:?}");
+    assert_eq!(drawn(0.01, 5.0), larger);
+}
+
 /// Light from depths falls before.
 #[test]
 fn gaps_are_closed_under_eye_dome_light() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
     let lit = gaps(10.0).with(|style| style.light.eye_dome = EyeDome::On);
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &lit);
     for picture in [draw_on_cpu(&packet), draw(&packet)] {
@@ -150,7 +165,7 @@ fn gaps_are_closed_under_eye_dome_light() {
 /// The outline of the wall is where it was.
 #[test]
 fn outlines_stay_where_they_are() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
     let packet_of = |percent| packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
     let [open, closed] = [0.0, 10.0].map(|percent| draw_on_cpu(&packet_of(percent)));
     let middle = EDGE_PX / 2 - 40..EDGE_PX / 2 + 40;
@@ -167,7 +182,7 @@ fn outlines_stay_where_they_are() {
 /// A large picture is drawn in parts.
 #[test]
 fn parts_of_a_picture_have_what_they_need_around_them() {
-    let frame = holed_wall().with_photographs(Arc::new(red_wall(false)));
+    let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(4.0));
     assert_eq!(
         pointreel::scene::halo_px(&packet),

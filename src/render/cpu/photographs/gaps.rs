@@ -4,6 +4,7 @@
 //! How it works: rows are gone through at once, since what is met around a pixel is what was drawn, not what was
 //! closed; then closed pixels are written. Most pixels that are not covered are background: the ways to the left and
 //! upwards tell that of most of them. The one is known while a row is gone through, the other is worked out before.
+//! Specks are looked for in what came of it.
 
 use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::finish::Gradient;
@@ -23,7 +24,7 @@ struct End {
 
 impl Projected<'_> {
     /// Closes gaps in a picture with opacities in place of alpha, and these reversed depths; and puts what lies behind
-    /// into rims of which photographs say nothing.
+    /// into rims of which photographs say nothing, and what is around into specks that are left.
     pub(in crate::render::cpu) fn close_gaps(
         &self,
         view: &PixelView,
@@ -41,6 +42,9 @@ impl Projected<'_> {
                     || self.closed_of_row(simd, drawn, (view, &rows_down), gradient.at_row(y), y),
                 )
             })
+        });
+        fill_rows(view.size_px, rim_px, image, depths, |drawn, y| {
+            drawn.specks_of_row(gradient.at_row(y), y)
         });
     }
 
@@ -107,6 +111,42 @@ fn is_solid(pixel: [u8; 4]) -> bool {
 }
 
 impl Drawn<'_> {
+    /// The specks of a row, with their places in the picture.
+    fn specks_of_row(&self, background: [f32; 3], y: i32) -> Vec<(usize, [u8; 4])> {
+        let mut specks = Vec::new();
+        for x in 0..self.size[0] {
+            let at = self.at([x, y]);
+            if self.pixels[at][3] < u8::MAX
+                && let Some(around) = self.mean_around([x, y])
+            {
+                specks.push((at, over(self.pixels[at], background, around)));
+            }
+        }
+        specks
+    }
+
+    /// The mean colour of the eight pixels around one, 0 to 1, if all of them are opaque.
+    fn mean_around(&self, [x, y]: [i32; 2]) -> Option<[f32; 3]> {
+        let mut sum = [0.0; 3];
+        for [right, down] in PIXEL_LINES
+            .into_iter()
+            .flat_map(|[right, down]| [[right, down], [-right, -down]])
+        {
+            let pixel = [x + right, y + down];
+            if !self.is_inside(pixel) {
+                return None;
+            }
+            let [color @ .., opacity] = self.pixels[self.at(pixel)];
+            if opacity < u8::MAX {
+                return None;
+            }
+            for (sum, channel) in sum.iter_mut().zip(color) {
+                *sum += f32::from(channel) / 255.0;
+            }
+        }
+        Some(sum.map(|sum| sum / 8.0))
+    }
+
     fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
         (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y)
     }
@@ -242,6 +282,40 @@ mod tests {
         // What ends in the other direction is no slit, and is open there.
         let notch = |[x, y]: [i32; 2]| x > 12 && (10..15).contains(&y);
         assert_eq!(found(plane, notch, [14, 12]), None);
+    }
+
+    #[test]
+    fn specks_are_single_pixels_between_opaque_ones() {
+        let specks = |is_open: &dyn Fn([i32; 2]) -> bool, y: i32| {
+            let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+            let pixels: Vec<[u8; 4]> = all
+                .map(|[x, y]| {
+                    if is_open([x, y]) {
+                        [0, 0, 0, 0]
+                    } else {
+                        [8 * x as u8, 9, 2 * y as u8, 255]
+                    }
+                })
+                .collect();
+            let drawn = Drawn {
+                size: SIZE,
+                pixels: &pixels,
+                depths: &[],
+                rim_px: 0,
+            };
+            drawn.specks_of_row([0.0; 3], y)
+        };
+        let at = |x: usize, y: usize| SIZE[0] as usize * y + x;
+        // What is around it has the mean of a plane in its middle.
+        let two = |pixel| pixel == [10, 8] || pixel == [20, 8];
+        assert_eq!(
+            specks(&two, 8),
+            [(at(10, 8), [80, 9, 16, 255]), (at(20, 8), [160, 9, 16, 255])]
+        );
+        assert_eq!(specks(&two, 7), []);
+        let pair = |pixel| pixel == [10, 8] || pixel == [11, 9];
+        assert_eq!(specks(&pair, 8), []);
+        assert_eq!(specks(&|pixel| pixel == [0, 8], 8), []);
     }
 
     #[test]
