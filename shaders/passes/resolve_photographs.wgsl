@@ -78,12 +78,16 @@ struct Resolved {
     is_in_gap: bool,
 }
 
+fn gap_px() -> f32 {
+    return f32(textureLoad(photo_table, vec2u(1u, 0u), 0).x);
+}
+
 fn resolved(pixel: vec2i) -> Resolved {
     let sum = sum_at(pixel);
     let opacity = opacity_at(pixel);
     var is_in_gap = false;
     if (opacity < 1.0) {
-        let in_gap = depth_in_gap(pixel, i32(textureLoad(photo_table, vec2u(1u, 0u), 0).x));
+        let in_gap = depth_in_gap(pixel, i32(gap_px()));
         is_in_gap = in_gap > 0.0;
         if (is_in_gap) {
             var depth = in_gap;
@@ -106,23 +110,39 @@ fn resolved(pixel: vec2i) -> Resolved {
     return Resolved(over_rim(pixel), is_in_gap);
 }
 
-// The mean colour of the eight pixels around one; the fourth is 0 unless all of them are opaque.
-fn mean_around(pixel: vec2i) -> vec4f {
+// The first opaque pixel from another one on: its colour, and how many steps away it is; 0 if none is within reach.
+fn opaque_end(pixel: vec2i, step: vec2i, most: i32) -> vec4f {
     let size = vec2i(view.viewport_px);
-    var lines = PIXEL_LINES;
-    var sum = vec3f(0.0);
-    for (var way = 0; way < 8; way++) {
-        let beside = pixel + lines[way % 4] * (1 - 2 * (way / 4));
-        if (any(beside < vec2i(0)) || any(beside >= size)) {
-            return vec4f(0.0);
+    for (var steps = 1; steps <= most; steps++) {
+        let at = pixel + steps * step;
+        if (any(at < vec2i(0)) || any(at >= size)) {
+            break;
         }
-        let color = resolved(beside).color;
-        if (color.a < RIM_OPAQUE) {
-            return vec4f(0.0);
+        let color = resolved(at).color;
+        if (color.a >= RIM_OPAQUE) {
+            return vec4f(color.rgb, f32(steps));
         }
-        sum += color.rgb;
     }
-    return vec4f(sum / 8.0, 1.0);
+    return vec4f(0.0);
+}
+
+// The mean colour of the opaque pixels on both sides of one along each line, in shares by how near they are; the fourth
+// is 0 unless all of these pairs are no more than `widest` steps apart.
+fn mean_around(pixel: vec2i, widest: i32) -> vec4f {
+    var lines = PIXEL_LINES;
+    var sum = vec4f(0.0);
+    for (var line = 0; line < 4; line++) {
+        let one = opaque_end(pixel, -lines[line], widest - 1);
+        if (one.a == 0.0) {
+            return vec4f(0.0);
+        }
+        let other = opaque_end(pixel, lines[line], widest - i32(one.a));
+        if (other.a == 0.0) {
+            return vec4f(0.0);
+        }
+        sum += vec4f(one.rgb, 1.0) / one.a + vec4f(other.rgb, 1.0) / other.a;
+    }
+    return sum / sum.a;
 }
 
 @fragment
@@ -130,7 +150,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
     let own = resolved(pixel);
     if (own.is_in_gap && own.color.a < RIM_OPAQUE) {
-        let around = mean_around(pixel);
+        let around = mean_around(pixel, i32(gap_px() / GAPS_PER_SPECK));
         if (around.a > 0.0) {
             return vec4f(mix(around.rgb, own.color.rgb, own.color.a), 1.0);
         }

@@ -51,7 +51,7 @@ pub use first_look::{CaptureKind, FirstLook, Standpoint};
 pub(crate) use first_look::{PointSpacing, typical_spacing};
 pub use followed::FollowedPoint;
 pub use gaps::gap_px;
-pub(crate) use gaps::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES};
+pub(crate) use gaps::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, GAPS_PER_SPECK, PIXEL_LINES, speck_px};
 pub use gauge::Gauge;
 pub use ground::{GroundPlane, SeenGround};
 pub use halo::halo_px;

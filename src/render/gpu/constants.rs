@@ -22,7 +22,8 @@ use crate::render::constants::{
 use crate::rgbd::filter_constants as filter;
 use crate::scene::{
     AlbedoCurve, AmbientOcclusion, Antialiasing, DIELECTRIC, EnvironmentMap, EyeDomeLight, GAP_ONE_SURFACE, GAP_SOLID,
-    GAPS_PER_SLIT, Lights, PIXEL_LINES, PhotoStyle, PhotoViews, RIM_OPAQUE, RIM_OPEN, Shadow, SplatFilter,
+    GAPS_PER_SLIT, GAPS_PER_SPECK, Lights, PIXEL_LINES, PhotoStyle, PhotoViews, RIM_OPAQUE, RIM_OPEN, Shadow,
+    SplatFilter,
 };
 use crate::stereo::constants as stereo;
 use std::fmt::Debug;
@@ -175,6 +176,7 @@ pub(super) fn shared() -> String {
         GAP_ONE_SURFACE,
         GAP_SOLID,
         GAPS_PER_SLIT,
+        GAPS_PER_SPECK,
         GATHER_GROUP,
         GROUP_RECORDS,
         HEAD_LIGHT_AMBIENT,

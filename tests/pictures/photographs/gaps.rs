@@ -138,7 +138,7 @@ fn slits_are_closed_along_their_whole_length() {
 
 /// Photographs see through it, and nothing but what is around tells a colour.
 #[test]
-fn single_pixels_have_the_colour_around_them_and_larger_holes_stay() {
+fn specks_have_the_colour_around_them_and_larger_holes_stay() {
     let drawn = |half: f64, percent: f32| {
         let frame = wall_without(|_| false).with_photographs(Arc::new(red_wall(Some(half))));
         let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(percent));
@@ -148,7 +148,12 @@ fn single_pixels_have_the_colour_around_them_and_larger_holes_stay() {
     assert_eq!(drawn(0.003, 5.0), [(2500, 0); 2]);
     let larger = drawn(0.01, 0.0);
     assert!(larger[0].1 >= 4, "there is a hole: {larger:?}");
-    assert_eq!(drawn(0.01, 5.0), larger);
+    // A tenth of that is less than it is wide, and of this more.
+    assert_eq!(drawn(0.01, 2.0), larger);
+    assert_eq!(drawn(0.01, 15.0), [(2500, 0); 2]);
+    // A handle is a handle still.
+    let handle = drawn(0.03, 0.0);
+    assert_eq!(drawn(0.03, 10.0), handle);
 }
 
 /// Light from depths falls before.
@@ -184,8 +189,6 @@ fn outlines_stay_where_they_are() {
 fn parts_of_a_picture_have_what_they_need_around_them() {
     let frame = holed_wall().with_photographs(Arc::new(red_wall(None)));
     let packet = packet(&frame, &camera_at(&pose(4.0, 3.0)), &gaps(4.0));
-    assert_eq!(
-        pointreel::scene::halo_px(&packet),
-        (0.04 * EDGE_PX as f32).round() as u32
-    );
+    // That of gaps, and of specks beside them.
+    assert_eq!(pointreel::scene::halo_px(&packet), 20 + 2);
 }

@@ -10,7 +10,7 @@ use super::{PhotoAnswer, Place, Projected, Scores};
 use crate::render::cpu::finish::Gradient;
 use crate::render::cpu::rims::{Drawn, fill_rows, over};
 use crate::render::cpu::view::PixelView;
-use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES};
+use crate::scene::{GAP_ONE_SURFACE, GAP_SOLID, GAPS_PER_SLIT, PIXEL_LINES, speck_px};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 
@@ -43,8 +43,9 @@ impl Projected<'_> {
                 )
             })
         });
+        let widest_speck = speck_px(self.views.gap_px) as i32;
         fill_rows(view.size_px, rim_px, image, depths, |drawn, y| {
-            drawn.specks_of_row(gradient.at_row(y), y)
+            drawn.specks_of_row(gradient.at_row(y), y, widest_speck)
         });
     }
 
@@ -111,13 +112,13 @@ fn is_solid(pixel: [u8; 4]) -> bool {
 }
 
 impl Drawn<'_> {
-    /// The specks of a row, with their places in the picture.
-    fn specks_of_row(&self, background: [f32; 3], y: i32) -> Vec<(usize, [u8; 4])> {
+    /// The specks of a row, no wider than `widest`, with their places in the picture.
+    fn specks_of_row(&self, background: [f32; 3], y: i32, widest: i32) -> Vec<(usize, [u8; 4])> {
         let mut specks = Vec::new();
         for x in 0..self.size[0] {
             let at = self.at([x, y]);
             if self.pixels[at][3] < u8::MAX
-                && let Some(around) = self.mean_around([x, y])
+                && let Some(around) = self.mean_around([x, y], widest)
             {
                 specks.push((at, over(self.pixels[at], background, around)));
             }
@@ -125,26 +126,31 @@ impl Drawn<'_> {
         specks
     }
 
-    /// The mean colour of the eight pixels around one, 0 to 1, if all of them are opaque.
-    fn mean_around(&self, [x, y]: [i32; 2]) -> Option<[f32; 3]> {
-        let mut sum = [0.0; 3];
-        for [right, down] in PIXEL_LINES
-            .into_iter()
-            .flat_map(|[right, down]| [[right, down], [-right, -down]])
-        {
-            let pixel = [x + right, y + down];
-            if !self.is_inside(pixel) {
-                return None;
-            }
-            let [color @ .., opacity] = self.pixels[self.at(pixel)];
-            if opacity < u8::MAX {
-                return None;
-            }
-            for (sum, channel) in sum.iter_mut().zip(color) {
-                *sum += f32::from(channel) / 255.0;
+    /// The mean colour of the opaque pixels on both sides of one along each line, 0 to 1, in shares by how near they
+    /// are; if all of these pairs are no more than `widest` steps apart.
+    fn mean_around(&self, pixel: [i32; 2], widest: i32) -> Option<[f32; 3]> {
+        let (mut sum, mut shares) = ([0.0; 3], 0.0);
+        for [right, down] in PIXEL_LINES {
+            let one = self.steps_to_opaque(pixel, [-right, -down], widest - 1)?;
+            let other = self.steps_to_opaque(pixel, [right, down], widest - one)?;
+            for steps in [-one, other] {
+                let share = 1.0 / steps.abs() as f32;
+                let at = self.at([pixel[0] + steps * right, pixel[1] + steps * down]);
+                for (sum, channel) in sum.iter_mut().zip(self.pixels[at]) {
+                    *sum += share * f32::from(channel) / 255.0;
+                }
+                shares += share;
             }
         }
-        Some(sum.map(|sum| sum / 8.0))
+        Some(sum.map(|sum| sum / shares))
+    }
+
+    fn steps_to_opaque(&self, [x, y]: [i32; 2], [right, down]: [i32; 2], most: i32) -> Option<i32> {
+        let is_opaque = |steps: i32| {
+            let pixel = [x + steps * right, y + steps * down];
+            self.is_inside(pixel) && self.pixels[self.at(pixel)][3] == u8::MAX
+        };
+        (1..=most).find(|&steps| is_opaque(steps))
     }
 
     fn is_inside(&self, [x, y]: [i32; 2]) -> bool {
@@ -285,16 +291,13 @@ mod tests {
     }
 
     #[test]
-    fn specks_are_single_pixels_between_opaque_ones() {
-        let specks = |is_open: &dyn Fn([i32; 2]) -> bool, y: i32| {
+    fn specks_are_small_along_all_lines_and_have_the_mean_of_what_is_around() {
+        let specks = |is_open: &dyn Fn([i32; 2]) -> bool, y: i32, widest: i32| {
             let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
             let pixels: Vec<[u8; 4]> = all
-                .map(|[x, y]| {
-                    if is_open([x, y]) {
-                        [0, 0, 0, 0]
-                    } else {
-                        [8 * x as u8, 9, 2 * y as u8, 255]
-                    }
+                .map(|[x, y]| match is_open([x, y]) {
+                    true => [0; 4],
+                    false => [8 * x as u8, 9, 2 * y as u8, 255],
                 })
                 .collect();
             let drawn = Drawn {
@@ -303,19 +306,23 @@ mod tests {
                 depths: &[],
                 rim_px: 0,
             };
-            drawn.specks_of_row([0.0; 3], y)
+            drawn.specks_of_row([0.0; 3], y, widest)
         };
         let at = |x: usize, y: usize| SIZE[0] as usize * y + x;
-        // What is around it has the mean of a plane in its middle.
+        // The mean of a plane is that of its middle.
         let two = |pixel| pixel == [10, 8] || pixel == [20, 8];
         assert_eq!(
-            specks(&two, 8),
+            specks(&two, 8, 2),
             [(at(10, 8), [80, 9, 16, 255]), (at(20, 8), [160, 9, 16, 255])]
         );
-        assert_eq!(specks(&two, 7), []);
+        assert_eq!(specks(&two, 7, 2), []);
+        assert_eq!(specks(&two, 8, 1), []);
         let pair = |pixel| pixel == [10, 8] || pixel == [11, 9];
-        assert_eq!(specks(&pair, 8), []);
-        assert_eq!(specks(&|pixel| pixel == [0, 8], 8), []);
+        assert_eq!(specks(&pair, 8, 2), []);
+        assert_eq!(specks(&pair, 8, 3), [(at(10, 8), [80, 9, 16, 255])]);
+        let crack = |[x, y]: [i32; 2]| x == 10 && (5..12).contains(&y);
+        assert_eq!(specks(&crack, 8, 3), []);
+        assert_eq!(specks(&|pixel| pixel == [0, 8], 8, 3), []);
     }
 
     #[test]
