@@ -28,7 +28,9 @@ pub fn gap_px(packet: &ScenePacket) -> u32 {
     // Light has fallen when gaps are closed: what is lit anew would be lit around them alone.
     let is_lit_anew = style.photos.relight != PhotoRelight::Off;
     let has_surface = style.is_shaded_with_distances() && packet.lighting().is_deferred();
-    if packet.photographs.is_none() || !has_surface || is_lit_anew {
+    let shown = packet.photographs.as_ref();
+    let are_there = shown.is_some_and(|shown| !shown.photographs.all().is_empty());
+    if !are_there || !has_surface || is_lit_anew {
         return 0;
     }
     (0.01 * style.photos.gaps * packet.whole_height_px()).round() as u32
