@@ -295,9 +295,12 @@ mod tests {
         let specks = |is_open: &dyn Fn([i32; 2]) -> bool, y: i32, widest: i32| {
             let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
             let pixels: Vec<[u8; 4]> = all
-                .map(|[x, y]| match is_open([x, y]) {
-                    true => [0; 4],
-                    false => [8 * x as u8, 9, 2 * y as u8, 255],
+                .map(|[x, y]| {
+                    if is_open([x, y]) {
+                        [0; 4]
+                    } else {
+                        [8 * x as u8, 9, 2 * y as u8, 255]
+                    }
                 })
                 .collect();
             let drawn = Drawn {
