@@ -79,7 +79,7 @@ struct Resolved {
 }
 
 fn gap_px() -> f32 {
-    return f32(textureLoad(photo_table, vec2u(1u, 0u), 0).x);
+    return textureLoad(photo_table, vec2u(1u, 0u), 0).x;
 }
 
 fn resolved(pixel: vec2i) -> Resolved {

@@ -202,14 +202,6 @@ pub(super) fn size_px(text: &str) -> Result<[u32; 2], String> {
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 1280x720".to_owned())
 }
 
-pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
-    number_in(
-        text,
-        |value: &f64| value.is_finite() && *value >= 0.0,
-        "a number from 0 up",
-    )
-}
-
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     number_in(text, |value: &f64| value.is_finite(), "degrees")
 }

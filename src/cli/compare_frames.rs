@@ -1,7 +1,8 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
-use super::arguments::{ReadArgs, not_negative_f64, open_sequence_and_tell};
+use super::arguments::{ReadArgs, open_sequence_and_tell};
 use super::output::answer;
+use super::values::not_negative_f64;
 use super::warnings;
 use crate::measure::Change;
 use crate::messages::frame_with_index;

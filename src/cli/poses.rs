@@ -21,7 +21,7 @@ pub(super) struct PosesArgs {
     change: Option<i64>,
 
     /// Distance in the last colour of --change (usually what 99 % do not exceed)
-    #[arg(long, value_name = "D", requires = "change", value_parser = super::arguments::not_negative_f64)]
+    #[arg(long, value_name = "D", requires = "change", value_parser = super::values::not_negative_f64)]
     change_range: Option<f64>,
 
     /// Draw so many frames before and after as ghosts, 0 to 8

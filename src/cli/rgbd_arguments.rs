@@ -1,6 +1,6 @@
 //! Options of recordings of depth images.
 
-use super::values::{FrameRange, positive_f64};
+use super::values::{FrameRange, not_negative_f64, positive_f64};
 use crate::rgbd::Filters;
 use crate::source::RgbdOptions;
 use clap::Args;
@@ -34,6 +34,10 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
 
+    /// Edge of cells in which points of merged frames are joined; 0: all stay (else up to 8 million)
+    #[arg(long, value_name = "METRES", value_parser = not_negative_f64, requires = "merge_frames")]
+    merge_cells: Option<f64>,
+
     /// near,median,bilateral,flying,temporal or none (pictures: the first 4), with numbers: near:from=0.3:to=4
     #[arg(long, value_name = "NAMES")]
     rgbd_filters: Option<Filters>,
@@ -50,6 +54,7 @@ impl RgbdArgs {
             depth_scale: self.depth_scale,
             poses: self.poses.clone(),
             merge: self.merge_frames.map(|range| (range.first, range.last)),
+            merge_edge_m: self.merge_cells,
             left_out: Vec::new(),
         }
     }

@@ -25,6 +25,14 @@ pub(super) fn positive_f64(text: &str) -> Result<f64, String> {
     )
 }
 
+pub(super) fn not_negative_f64(text: &str) -> Result<f64, String> {
+    number_in(
+        text,
+        |value: &f64| value.is_finite() && *value >= 0.0,
+        "a number from 0 up",
+    )
+}
+
 /// Frames `first` to `last`, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FrameRange {

@@ -1,6 +1,7 @@
 //! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
 
 mod attributes;
+mod cells;
 pub(crate) mod codes;
 mod ellipse;
 mod frame;
@@ -19,6 +20,7 @@ mod unit;
 mod value_sample;
 
 pub use attributes::Attributes;
+pub use cells::{Cells, TooManyCells};
 pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
 pub use frame::{CloudError, Frame};

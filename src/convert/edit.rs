@@ -1,10 +1,9 @@
 //! What becomes of a frame on its way: moved, joined in cells, thinned out, given normals; in this order.
 
 use crate::analysis::FileSurface;
-use crate::cloud::{Attributes, Ellipse, Positions, RawCloud, ScalarField};
+use crate::cloud::{Cells, Ellipse, Positions, RawCloud, TooManyCells};
 use crate::math::{Cube, order_of_codes};
-use glam::{DMat3, DMat4, DVec3, Vec3};
-use std::collections::HashMap;
+use glam::{DMat3, DMat4, Vec3};
 use std::fmt;
 use std::num::NonZeroUsize;
 
@@ -28,24 +27,13 @@ pub enum EditError {
     /// A transform without an inverse has no normals.
     #[error("the transform squeezes the cloud flat: its upper left 3 x 3 numbers must have an inverse")]
     FlatTransform,
-    /// Cells that a cloud has too many of.
-    #[error(
-        "cells of {edge} cannot be counted at coordinates of {farthest:.3e}: choose an edge above {:.0e}",
-        farthest / MOST_CELLS
-    )]
-    TooManyCells {
-        /// Edge that was asked for.
-        edge: f64,
-        /// Largest coordinate.
-        farthest: f64,
-    },
+    /// The cells cannot be counted.
+    #[error(transparent)]
+    TooManyCells(#[from] TooManyCells),
     /// The points cannot become a frame.
     #[error(transparent)]
     Cloud(#[from] crate::cloud::CloudError),
 }
-
-/// Cells from zero on that double precision tells apart.
-const MOST_CELLS: f64 = 9e15;
 
 impl Edit {
     /// Changes `cloud`.
@@ -127,83 +115,20 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
     Ok(())
 }
 
-/// Sums of the points in a cell.
-#[derive(Default)]
-struct CellSums {
-    count: f64,
-    position: DVec3,
-    color: [f64; 4],
-    normal: Vec3,
-    radius: f64,
-    scalars: Vec<f64>,
-}
-
-/// The points of each cell become one. Cells stand in the order of their first point in the file.
+/// The points of each cell become one.
 fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
-    let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
+    let mut cells = Cells::new(edge);
+    cells.add(cloud)?;
+    if cells.is_empty() {
         return Ok(());
-    };
-    let farthest = min.abs().max(max.abs()).max_element();
-    if farthest / edge > MOST_CELLS {
-        return Err(EditError::TooManyCells { edge, farthest });
     }
-    let mut places: HashMap<[i64; 3], usize> = HashMap::new();
-    let mut cells: Vec<CellSums> = Vec::new();
-    for index in 0..cloud.positions.len() {
-        let position = cloud.positions.get(index);
-        if !position.is_finite() {
-            continue;
-        }
-        // Cells lie on multiples of the edge, in every frame the same.
-        let key = (position / edge).floor().as_i64vec3().to_array();
-        let place = *places.entry(key).or_insert_with(|| {
-            cells.push(CellSums {
-                scalars: vec![0.0; cloud.attributes.scalars.len()],
-                ..CellSums::default()
-            });
-            cells.len() - 1
-        });
-        let cell = &mut cells[place];
-        cell.count += 1.0;
-        cell.position += position - min;
-        if let Some(colors) = &cloud.attributes.colors {
-            for (sum, channel) in cell.color.iter_mut().zip(colors[index]) {
-                *sum += f64::from(channel);
-            }
-        }
-        if let Some(normals) = &cloud.attributes.normals {
-            cell.normal += Vec3::from_array(normals[index]);
-        }
-        if let Some(radii) = &cloud.attributes.radii {
-            cell.radius += f64::from(radii[index]);
-        }
-        for (sum, field) in cell.scalars.iter_mut().zip(&cloud.attributes.scalars) {
-            *sum += f64::from(field.values[index]);
-        }
+    let is_single = matches!(cloud.positions, Positions::F32(_));
+    (cloud.positions, cloud.attributes) = cells.into_points();
+    if is_single {
+        let joined = (0..cloud.positions.len()).map(|index| cloud.positions.get(index).as_vec3().to_array());
+        cloud.positions = Positions::F32(joined.collect());
     }
-    let means = cells.iter().map(|cell| min + cell.position / cell.count);
-    cloud.positions = match cloud.positions {
-        Positions::F32(_) => Positions::F32(means.map(|mean| mean.as_vec3().to_array()).collect()),
-        Positions::F64(_) => Positions::F64(means.map(|mean| mean.to_array()).collect()),
-    };
     cloud.made_from = None;
-    let color = |cell: &CellSums| cell.color.map(|sum| (sum / cell.count).round() as u8);
-    let normal = |cell: &CellSums| cell.normal.normalize_or_zero().to_array();
-    // What one point covers, each of the joined ones covered in part.
-    let radius = |cell: &CellSums| ((cell.radius / cell.count).max(0.5 * edge)) as f32;
-    let scalar = |(place, field): (usize, &ScalarField)| {
-        let mean = |cell: &CellSums| (cell.scalars[place] / cell.count) as f32;
-        field.with_values(cells.iter().map(mean).collect())
-    };
-    let joined = &cloud.attributes;
-    cloud.attributes = Attributes {
-        colors: joined.colors.as_ref().map(|_| cells.iter().map(color).collect()),
-        normals: joined.normals.as_ref().map(|_| cells.iter().map(normal).collect()),
-        radii: joined.radii.as_ref().map(|_| cells.iter().map(radius).collect()),
-        // Splats of several directions together have none.
-        ellipses: None,
-        scalars: joined.scalars.iter().enumerate().map(scalar).collect(),
-    };
     cloud.grid = None;
     cloud.faces.clear();
     Ok(())

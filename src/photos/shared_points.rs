@@ -7,15 +7,24 @@ use crate::rgbd::DepthImage;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Pixels of each photograph that are looked at, across and down.
+/// Pixels of each photograph that are looked at, across and down, where there are few photographs.
 const GRID: [u32; 2] = [32, 24];
+
+/// Photographs in which each of them is looked for. Where there are more, other ones for each pixel, spread evenly.
+const MOST_OTHERS: usize = 48;
+
+/// How often that is done in all, about: gains take hundreds of rounds over what is found. Where it would be more, fewer
+/// pixels are looked at.
+const MOST_LOOKS: usize = 1 << 21;
 
 /// Two depths are of one place if they differ by less, as a part.
 const TOLERANCE: f64 = 0.02;
 
-/// Points of a grid of pixels of each photograph, seen by all others whose depths say so. Photographs without depths
-/// see nothing.
+/// Points of a grid of pixels of each photograph, seen by all others whose depths say so: of some photographs where there
+/// are hundreds. Photographs without depths see nothing.
 pub(super) fn shared_points(photos: &[Option<PreparedPhoto>], depths: &[Option<DepthImage>]) -> SparsePoints {
+    let count = photos.len();
+    let grid = grid_for(count);
     let with_depths = |at: usize| photos[at].as_ref().zip(depths[at].as_ref());
     let of_photo = |at: usize| -> Vec<(DVec3, Vec<Observation>)> {
         let Some((photo, depth)) = with_depths(at) else {
@@ -23,25 +32,28 @@ pub(super) fn shared_points(photos: &[Option<PreparedPhoto>], depths: &[Option<D
         };
         let world_from_camera = photo.camera_from_world.inverse();
         let size = DVec2::from_array(photo.camera.size_px().map(f64::from));
-        let pixels = (0..GRID[0] * GRID[1]).map(|cell| {
+        let pixels = (0..grid[0] * grid[1]).map(|cell| {
             let share = DVec2::new(
-                (f64::from(cell % GRID[0]) + 0.5) / f64::from(GRID[0]),
-                (f64::from(cell / GRID[0]) + 0.5) / f64::from(GRID[1]),
+                (f64::from(cell % grid[0]) + 0.5) / f64::from(grid[0]),
+                (f64::from(cell / grid[0]) + 0.5) / f64::from(grid[1]),
             );
-            (share, share * size - 0.5)
+            (cell as usize, share, share * size - 0.5)
         });
-        let points = pixels.filter_map(|(share, pixel)| {
+        let points = pixels.filter_map(|(cell, share, pixel)| {
             let distance = distance_at(depth, share).filter(|&distance| distance > 0.0)?;
             let place = world_from_camera.transform_point3(distance * photo.camera.ray(pixel)?);
-            let seen = (0..photos.len()).filter_map(|other| {
+            let own = Observation {
+                photo: at as u32,
+                pixel: pixel.as_vec2(),
+            };
+            let seen = others(at, cell, count).filter_map(|other| {
                 let (photo, depth) = with_depths(other)?;
-                let pixel = if other == at { pixel } else { sees(photo, depth, place)? };
                 Some(Observation {
                     photo: other as u32,
-                    pixel: pixel.as_vec2(),
+                    pixel: sees(photo, depth, place)?.as_vec2(),
                 })
             });
-            Some((place, seen.collect()))
+            Some((place, std::iter::once(own).chain(seen).collect()))
         });
         points.collect()
     };
@@ -51,6 +63,20 @@ pub(super) fn shared_points(photos: &[Option<PreparedPhoto>], depths: &[Option<D
         shared.push(place, [0; 3], track);
     }
     shared
+}
+
+/// Pixels across and down of each of `count` photographs.
+fn grid_for(count: usize) -> [u32; 2] {
+    let looks = count * count.min(MOST_OTHERS) * (GRID[0] * GRID[1]) as usize;
+    let share = (MOST_LOOKS as f64 / looks.max(1) as f64).min(1.0).sqrt();
+    GRID.map(|pixels| ((share * f64::from(pixels)).round() as u32).max(1))
+}
+
+/// The photographs in which pixel `cell` of photograph `at` is looked for.
+fn others(at: usize, cell: usize, count: usize) -> impl Iterator<Item = usize> {
+    let most = count.min(MOST_OTHERS);
+    let spread = (0..most).map(move |place| (at + cell + place * count / most) % count);
+    spread.filter(move |&other| other != at)
 }
 
 /// The pixel that shows a place, if the depth there is that of the place.
@@ -117,6 +143,29 @@ mod tests {
         let gains = gains(&shared, &photos);
         assert!((gains[1][0] / gains[0][0] - 1.0 / 0.7).abs() < 0.05, "{gains:?}");
         assert_eq!(gains[2], [1.0; 3]);
+    }
+
+    #[test]
+    fn few_photographs_are_looked_for_in_all_others_and_many_in_some() {
+        assert_eq!(grid_for(3), GRID);
+        for cell in [0, 7] {
+            let mut all: Vec<usize> = others(2, cell, 5).collect();
+            all.sort_unstable();
+            assert_eq!(all, [0, 1, 3, 4]);
+        }
+        for count in [48, 49, 300, 1000, 100_000] {
+            let [across, down] = grid_for(count);
+            let looks = count * count.min(MOST_OTHERS) * (across * down) as usize;
+            assert!(looks < 2 * MOST_LOOKS || [across, down] == [1, 1], "{looks} of {count}");
+        }
+        // In a thousand, a photograph meets most of the others at one pixel or another.
+        let [across, down] = grid_for(1000);
+        let mut met: Vec<usize> = (0..(across * down) as usize)
+            .flat_map(|cell| others(500, cell, 1000))
+            .collect();
+        met.sort_unstable();
+        met.dedup();
+        assert!(met.len() > 900, "{}", met.len());
     }
 
     #[test]

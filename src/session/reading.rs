@@ -58,6 +58,9 @@ pub struct Reading {
     /// Frames, both ends included, that become one cloud.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub merge_frames: Option<(usize, usize)>,
+    /// Edge of the cells in which their points are joined, metres; 0 keeps all points.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    pub merge_cells_m: Option<f64>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
@@ -70,6 +73,16 @@ fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D
     match value {
         Some(number) if !(number > 0.0 && number.is_finite()) => {
             Err(serde::de::Error::custom(format!("{number} is not above 0")))
+        }
+        value => Ok(value),
+    }
+}
+
+fn not_negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let value = Option::<f64>::deserialize(deserializer)?;
+    match value {
+        Some(number) if !(number >= 0.0 && number.is_finite()) => {
+            Err(serde::de::Error::custom(format!("{number} is not 0 or more")))
         }
         value => Ok(value),
     }
@@ -115,6 +128,7 @@ impl Reading {
             depth_scale: rgbd.depth_scale,
             poses: rgbd.poses.clone(),
             merge_frames: rgbd.merge,
+            merge_cells_m: rgbd.merge_edge_m,
         }
     }
 
@@ -139,6 +153,7 @@ impl Reading {
                 depth_scale: given.depth_scale.or(self.depth_scale),
                 poses: given.poses.clone().or_else(|| self.poses.clone()),
                 merge: given.merge.or(self.merge_frames),
+                merge_edge_m: given.merge_edge_m.or(self.merge_cells_m),
                 ..given.clone()
             },
             ..options.clone()

@@ -198,6 +198,7 @@ fn session() -> impl Strategy<Value = Session> {
         merge_scans,
         rgbd_filters: merge_scans.then_some(Filters::NONE),
         merge_frames: merge_scans.then_some((3, 9)),
+        merge_cells_m: merge_scans.then_some(0.01),
         ..Reading::default()
     });
     let markers = prop::collection::btree_map(0usize..1000, "[^\\p{Cc}]{0,20}", 0..4);

@@ -11,6 +11,7 @@ fn errors_are_measured_beside_times() {
         // Leaves of a few pixels, so that every threshold but the finest changes the picture.
         viewport_px: [384, 256],
         frames: 1,
+        warmup: 0,
         repeat: 1,
         ..small(suites::ACCURACY)
     };

@@ -242,6 +242,8 @@ fn without_an_adapter_the_processor_is_measured() {
         let options = BenchOptions {
             frames: 1,
             viewpoints: 1,
+            warmup: 0,
+            repeat: 1,
             ..small(suite)
         };
         let report = run(&demo(), &options, None, &|_| {}, &Progress::default()).unwrap();

@@ -17,7 +17,7 @@ fn errors_on_a_sphere(truth_folder: Option<std::path::PathBuf>) -> Report {
         viewpoints: 2,
         frames: 1,
         warmup: 0,
-        repeat: 2,
+        repeat: 1,
         modes: "cpu".parse().unwrap(),
         truth_folder,
         ..BenchOptions::new(suites::ERROR)

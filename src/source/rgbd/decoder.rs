@@ -35,6 +35,8 @@ pub(super) struct Recorded {
     sizes: Sizes,
     pub(super) filters: Filters,
     pub(super) read: ReadOptions,
+    /// Edge of the cells in which points are joined where frames are merged, metres.
+    pub(super) merge_edge_m: Option<f64>,
     /// Frames whose points are left out where they are merged.
     left_out: Vec<usize>,
     /// Of each camera that was needed so far; there is one, or a few.
@@ -60,6 +62,7 @@ impl Recorded {
             sizes,
             filters: options.rgbd.filters,
             read: options.read,
+            merge_edge_m: options.rgbd.merge_edge_m,
             left_out: options.rgbd.left_out.clone(),
             cameras: Mutex::default(),
         }
@@ -74,6 +77,7 @@ impl Recorded {
             sizes: Sizes::UNKNOWN,
             filters,
             read,
+            merge_edge_m: None,
             left_out: Vec::new(),
             cameras: Mutex::default(),
         }
@@ -88,6 +92,7 @@ impl Recorded {
             sizes: self.sizes,
             filters,
             read: self.read,
+            merge_edge_m: self.merge_edge_m,
             left_out: self.left_out.clone(),
             cameras: Mutex::new(lock(&self.cameras).clone()),
         }

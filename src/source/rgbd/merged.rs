@@ -1,9 +1,10 @@
 //! Frames that became one cloud, by where they were taken.
 
 use super::error::RgbdError;
+use super::joined::Merged;
 use super::recording::RgbdRecording;
-use crate::cloud::{LengthUnit, Positions, RawCloud};
-use crate::messages::{frame_by_index, frames_with_indices};
+use crate::cloud::{Positions, RawCloud};
+use crate::messages::frames_with_indices;
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters, put_on_planes};
@@ -44,10 +45,10 @@ impl MergedFrames {
         }
         let bytes = posed as u64 * recording.recorded.frame_bytes();
         let most_bytes = recording.recorded.read.max_memory_bytes;
-        if bytes > most_bytes {
+        if recording.recorded.merge_edge_m == Some(0.0) && bytes > most_bytes {
             return Err(wrong(format!(
-                "they would take about {bytes} bytes of memory, and may take {most_bytes}: name fewer, or raise \
-                 --max-memory if the machine has it"
+                "all of their points would take about {bytes} bytes of memory, and may take {most_bytes}: name fewer, \
+                 join points by --merge-cells, or raise --max-memory if the machine has it"
             )));
         }
         let mut notes = recording.notes.clone();
@@ -171,32 +172,37 @@ impl Decoder for MergingDecoder {
         progress: &Progress,
     ) -> Result<DecodedFrame, DecodeFailure> {
         let mut decoder = self.recording.decoder();
-        let mut merged = Merged::default();
+        let recorded = &self.recording.recorded;
+        let mut merged = Merged::new(recorded.merge_edge_m, recorded.read.max_memory_bytes);
         let mut failure = None;
         let count = self.range.clone().count();
-        let is_filtered = self.recording.recorded.filters.bilateral.is_some();
+        let is_filtered = recorded.filters.bilateral.is_some();
         for (done, index) in self.range.clone().enumerate() {
             if progress.is_cancelled() {
                 break;
             }
-            let pose = self.recording.recorded.pose(index);
-            let Some(pose) = pose.filter(|_| !self.recording.recorded.is_left_out(index)) else {
+            let pose = recorded.pose(index);
+            let Some(pose) = pose.filter(|_| !recorded.is_left_out(index)) else {
                 continue;
             };
             let entry = self.recording.entry(index);
             match decoder.decode(index, &entry, usize::MAX, &Progress::default()) {
-                Ok(frame) => merged.take(frame.cloud, pose, is_filtered),
+                Ok(mut frame) => {
+                    add_normals(&mut frame.cloud, is_filtered);
+                    if let Err(error) = merged.take(frame.cloud, pose) {
+                        merged.warn_of(index, &error);
+                    }
+                }
                 Err(error) => {
-                    let reason = format!("{} is left out: {error}", frame_by_index(index));
-                    merged.warnings.push(reason);
+                    merged.warn_of(index, &error);
                     failure.get_or_insert(error);
                 }
             }
             progress.set(done + 1, count);
         }
         match failure {
-            Some(failure) if merged.positions.is_empty() => Err(failure),
-            _ => Ok(merged.cloud().into()),
+            Some(failure) if merged.is_empty() => Err(failure),
+            _ => Ok(merged.into_cloud().into()),
         }
     }
 }
@@ -214,50 +220,4 @@ fn add_normals(cloud: &mut RawCloud, is_filtered: bool) {
         cloud.positions = Positions::F32(points.into_iter().map(Vec3::into).collect());
     }
     cloud.attributes.normals = Some(normals.into_iter().map(Vec3::into).collect());
-}
-
-#[derive(Default)]
-struct Merged {
-    positions: Vec<[f64; 3]>,
-    /// As many, each towards the camera that saw the point.
-    normals: Vec<[f32; 3]>,
-    /// As many, unless a frame had none.
-    colors: Vec<[u8; 4]>,
-    lacks_colors: bool,
-    warnings: Vec<String>,
-}
-
-impl Merged {
-    fn take(&mut self, mut cloud: RawCloud, world_from_camera: glam::DAffine3, is_filtered: bool) {
-        add_normals(&mut cloud, is_filtered);
-        let measured: Vec<u32> = (0..cloud.positions.len() as u32)
-            .filter(|&index| cloud.positions.get(index as usize).is_finite())
-            .collect();
-        cloud.keep(&measured);
-        let points = (0..measured.len()).map(|index| cloud.positions.get(index));
-        let points = points.map(|point| world_from_camera.transform_point3(point).to_array());
-        self.positions.extend(points);
-        let turn = world_from_camera.matrix3.as_mat3();
-        let normals = cloud.attributes.normals.unwrap_or_default().into_iter();
-        self.normals
-            .extend(normals.map(|normal| (turn * Vec3::from(normal)).to_array()));
-        match cloud.attributes.colors {
-            Some(colors) => self.colors.extend(colors),
-            None => self.lacks_colors = true,
-        }
-        self.warnings.append(&mut cloud.warnings);
-    }
-
-    fn cloud(mut self) -> RawCloud {
-        let mut cloud = RawCloud::from_positions(Positions::F64(self.positions));
-        if self.lacks_colors && !self.colors.is_empty() {
-            self.warnings
-                .push("some of the merged frames have no colours, so their cloud has none".to_owned());
-        }
-        cloud.attributes.colors = (!self.lacks_colors).then_some(self.colors);
-        cloud.attributes.normals = Some(self.normals);
-        cloud.unit = Some(LengthUnit::Metre);
-        cloud.warnings = self.warnings;
-        cloud
-    }
 }

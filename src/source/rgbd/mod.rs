@@ -12,6 +12,7 @@ mod depth_code;
 mod error;
 mod folder;
 mod frames_before;
+mod joined;
 mod kinect;
 mod layouts;
 mod merged;

@@ -20,6 +20,9 @@ pub struct RgbdOptions {
     pub poses: Option<PathBuf>,
     /// Frames, both ends included, that become one cloud by their poses.
     pub merge: Option<(usize, usize)>,
+    /// Edge of the cells in which their points are joined, metres; 0 keeps all points. If nobody says it, points are
+    /// joined where there are very many.
+    pub merge_edge_m: Option<f64>,
     /// Frames among these whose points are left out.
     pub left_out: Vec<usize>,
 }
