@@ -13,15 +13,15 @@ const GRID: [u32; 2] = [32, 24];
 /// Photographs in which each of them is looked for. Where there are more, other ones for each pixel, spread evenly.
 const MOST_OTHERS: usize = 48;
 
-/// How often that is done in all, about: gains take hundreds of rounds over what is found. Where it would be more, fewer
-/// pixels are looked at.
+/// How often that is done in all, about: gains take hundreds of rounds over what is found. Where it would be more,
+/// fewer pixels are looked at.
 const MOST_LOOKS: usize = 1 << 21;
 
 /// Two depths are of one place if they differ by less, as a part.
 const TOLERANCE: f64 = 0.02;
 
-/// Points of a grid of pixels of each photograph, seen by all others whose depths say so: of some photographs where there
-/// are hundreds. Photographs without depths see nothing.
+/// Points of a grid of pixels of each photograph, seen by all others whose depths say so: of some photographs where
+/// there are hundreds. Photographs without depths see nothing.
 pub(super) fn shared_points(photos: &[Option<PreparedPhoto>], depths: &[Option<DepthImage>]) -> SparsePoints {
     let count = photos.len();
     let grid = grid_for(count);
