@@ -51,7 +51,7 @@ pub struct Cells {
 #[derive(Debug, Clone, Copy, Default)]
 struct CellSums {
     count: u32,
-    color: [u32; 4],
+    color: [u64; 4],
     normal: Vec3,
     radius: f64,
     position: DVec3,
@@ -96,7 +96,7 @@ impl Cells {
     }
 
     /// Adds the points of `cloud` that are finite. What one of several clouds lacks, the joined points lack.
-    /// Precondition: `cloud` has the scalar fields of those before it, and no colour is added 2²⁴ times to one cell.
+    /// Precondition: `cloud` has the scalar fields of those before it.
     ///
     /// # Errors
     /// [`TooManyCells`] if some lie too far from zero for this edge; then nothing is added.
@@ -146,7 +146,7 @@ impl Cells {
         let attributes = &cloud.attributes;
         if let Some(colors) = &attributes.colors {
             for (sum, channel) in sums.color.iter_mut().zip(colors[index]) {
-                *sum += u32::from(channel);
+                *sum += u64::from(channel);
             }
         }
         if let Some(normals) = &attributes.normals {
@@ -249,8 +249,7 @@ impl CellSums {
     }
 
     fn mean_color(&self) -> [u8; 4] {
-        self.color
-            .map(|sum| (f64::from(sum) / f64::from(self.count)).round() as u8)
+        self.color.map(|sum| (sum as f64 / f64::from(self.count)).round() as u8)
     }
 
     fn mean_normal(&self) -> [f32; 3] {
