@@ -39,6 +39,7 @@
 
 pub mod analysis;
 pub mod app;
+pub mod assumption;
 pub mod bench;
 mod binary;
 pub mod check;

@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 const ORDER: &[&[&str]] = &[
     &[
         "binary",
+        "assumption",
         "math",
         "memory",
         "kept",

@@ -67,6 +67,11 @@ impl CameraArgs {
         }
     }
 
+    /// Whether the up axis is that of an option, be it a whole view.
+    pub(super) fn sets_up(&self) -> bool {
+        self.up.is_some() || self.view.is_some()
+    }
+
     /// The camera for a picture of frame `index`.
     pub(super) fn camera(
         &self,

@@ -1,6 +1,7 @@
 //! `pointreel check`: what may be wrong with a sequence.
 
 use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::assumptions;
 use super::output::{answer, say};
 use super::progress::Bar;
 use super::warnings;
@@ -35,6 +36,7 @@ pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<Exit
     let bar = Bar::new(sequence.len());
     let report = check(&sequence, &|done| bar.set(done));
     bar.clear();
+    assumptions::print_guesses(&sequence, None, &[]);
     if arguments.json {
         let json = serde_json::to_string_pretty(&report);
         answer(&json.context("the answer cannot be written as JSON")?);

@@ -1,6 +1,7 @@
 //! `pointreel convert`: frames in another format, moved, thinned out, with normals.
 
 use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
+use super::assumptions;
 use super::output::answer;
 use super::progress::Bar;
 use super::reel_arguments::ReelArgs;
@@ -99,6 +100,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     // An interrupt ends the process; what is finished stays, and the next run goes on from there.
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
+    assumptions::print_guesses(&sequence, None, &[]);
     tell(&converted?, &conversion.output, sequence.len())
 }
 

@@ -1,19 +1,21 @@
 //! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
 
 use super::arguments::ReadArgs;
+use super::assumptions;
 use super::camera_info::CameraInfo;
 use super::output::answer;
 use super::photo_info::PhotoInfo;
 use super::reel_info::ReelInfo;
 use super::session::{OpenedInputs, SessionInfo, open_inputs_and_tell};
 use super::warnings;
+use crate::assumption::Assumption;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
 use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
 use clap::Args;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -43,6 +45,8 @@ struct Info {
     origin: [f64; 3],
     /// At normal speed, for most of the time.
     fps: f64,
+    /// What was decided in a user's place, by subject.
+    assumptions: Vec<Assumption>,
     /// What is made of the sequence where nothing is chosen; absent where no frame has a point.
     #[serde(skip_serializing_if = "Option::is_none")]
     guess: Option<Guess>,
@@ -127,9 +131,6 @@ enum FrameReport {
         grid: Option<ImageGrid>,
         /// Triangles of a mesh.
         faces: usize,
-        /// What was assumed because nothing in the file says so.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        assumption: Option<String>,
         /// What else of the file could not be read.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         warnings: Vec<String>,
@@ -170,10 +171,12 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
             warnings::warn_of_frame(warning);
         }
     }
+    let look = first_look(&sequence);
     let info = Info {
         session: session.as_ref().map(SessionInfo::of),
         frames,
-        guess: guess(&sequence),
+        assumptions: assumptions::of(&sequence, look.as_ref()),
+        guess: look.map(|look| guess(&look, sequence.origin())),
         origin: origin.to_array(),
         fps: sequence.fps(),
         recordings: sequence.source().recordings().iter().map(recording_info).collect(),
@@ -192,16 +195,17 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// From the first frame that can be read, and some others.
-fn guess(sequence: &Sequence) -> Option<Guess> {
+/// From the first frame that can be read, and some others; `None` without a point.
+fn first_look(sequence: &Sequence) -> Option<FirstLook> {
     let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
     let look = FirstLook::of_sequence(&frame, sequence);
-    if look.trimmed.is_empty() {
-        return None;
-    }
-    let in_file = |corner: Vec3| (sequence.origin() + corner.as_dvec3()).to_array();
-    let style = Style::default().resolved(&look);
-    Some(Guess {
+    (!look.trimmed.is_empty()).then_some(look)
+}
+
+fn guess(look: &FirstLook, origin: DVec3) -> Guess {
+    let in_file = |corner: Vec3| (origin + corner.as_dvec3()).to_array();
+    let style = Style::default().resolved(look);
+    Guess {
         up: look.up.name(),
         up_because: look.up_why,
         from: look.from.why,
@@ -215,7 +219,7 @@ fn guess(sequence: &Sequence) -> Option<Guess> {
         back_faces: style.surfels.back_faces,
         trimmed_min: in_file(look.trimmed.min),
         trimmed_max: in_file(look.trimmed.max),
-    })
+    }
 }
 
 fn recording_info(recording: &Recording) -> RecordingInfo {
@@ -242,7 +246,6 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 attributes: raw.point_names(),
                 grid: raw.grid,
                 faces: raw.faces.len(),
-                assumption: raw.assumption,
                 warnings: raw.warnings,
             }
         }
@@ -284,7 +287,12 @@ fn table(info: &Info) -> String {
         .chain(info.reel.as_ref().map(ReelInfo::line))
         .chain(info.cameras.iter().map(CameraInfo::line))
         .chain(PhotoInfo::line(&info.photographs))
-        .chain(info.guess.as_ref().map(guess_line));
+        .chain(info.guess.as_ref().map(guess_line))
+        .chain(
+            info.assumptions
+                .iter()
+                .map(|assumption| format!("assumed {assumption}")),
+        );
     for line in lines {
         text.push_str(&line);
         text.push('\n');
@@ -310,7 +318,6 @@ fn frame_line(frame: &FrameInfo) -> String {
             attributes,
             grid,
             faces,
-            assumption,
             ..
         } => {
             let bounds = match (min, max) {
@@ -325,11 +332,8 @@ fn frame_line(frame: &FrameInfo) -> String {
                 0 => String::new(),
                 faces => format!(" {faces} faces"),
             };
-            let assumption = assumption
-                .as_ref()
-                .map_or_else(String::new, |assumption| format!(", {assumption}"));
             format!(
-                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{grid}{assumption}, {}",
+                "{:>6} {points:>10} {finite_points:>10}  {bounds:<52} {}{faces}{grid}, {}",
                 frame.index,
                 attributes.join(" "),
                 place(frame)

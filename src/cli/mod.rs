@@ -2,6 +2,7 @@
 //! on stderr, 3 where `check` found something.
 
 mod arguments;
+mod assumptions;
 mod bench;
 mod camera_arguments;
 mod camera_info;

@@ -1,10 +1,12 @@
 //! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
 
 use super::arguments::FrameRange;
+use super::assumptions;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
 use super::video::render_video;
 use super::warnings;
+use crate::assumption::Subject;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
@@ -106,6 +108,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
         std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
     }
+    let primitive = arguments.picture.primitive().map(|_| Subject::Primitive);
+    let up = arguments.camera.sets_up().then_some(Subject::UpAxis);
+    let chosen: Vec<Subject> = primitive.into_iter().chain(up).collect();
+    assumptions::print_guesses(headless.sequence(), Some(&look), &chosen);
     match failed.as_slice() {
         [] => Ok(()),
         [(_, error)] if asked == 1 => bail!("{error}"),

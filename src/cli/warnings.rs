@@ -61,6 +61,11 @@ pub(super) fn warn_of_frame(message: &str) {
     note(format!("warning: {message}"), "frames");
 }
 
+/// Prints something that was decided in the user's place.
+pub(super) fn assumed(message: &str) {
+    note(format!("assumed {message}"), "like it");
+}
+
 /// Tells of something that failed while the verb goes on.
 pub(super) fn warn_of_error(message: &str) {
     note(format!("error: {message}"), "like it");

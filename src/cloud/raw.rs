@@ -2,6 +2,7 @@
 
 use super::attributes::gather;
 use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
+use crate::assumption::Assumption;
 use glam::DVec3;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
@@ -107,8 +108,8 @@ pub struct RawCloud {
     pub sensor: Option<DVec3>,
     /// What the file says about its axes.
     pub convention: Option<AxisConvention>,
-    /// What was assumed about the file because nothing in it says so.
-    pub assumption: Option<String>,
+    /// Decisions of the reader about the meaning of the file.
+    pub assumptions: Vec<Assumption>,
     /// The unit of coordinates, if format or file say it.
     pub unit: Option<LengthUnit>,
     /// What of the file could not be read although its points could: a sentence each, with file and place.
@@ -129,7 +130,7 @@ impl RawCloud {
             texturing: None,
             sensor: None,
             convention: None,
-            assumption: None,
+            assumptions: Vec::new(),
             unit: None,
             warnings: Vec::new(),
         }

@@ -16,6 +16,7 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
 use std::path::Path;
 
@@ -52,10 +53,14 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
     let is_nuscenes = name
         .file_name()
         .is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin"));
-    let (widths, told_by) = match columns {
-        Some(columns) => (vec![usize::from(columns)], "as asked for"),
-        None if is_nuscenes => (vec![NUSCENES_WIDTH], "by the name"),
-        None => (WIDTHS.to_vec(), "by statistics; --columns says otherwise"),
+    let (widths, told_by, evidence) = match columns {
+        Some(columns) => (vec![usize::from(columns)], "as given", Evidence::File),
+        None if is_nuscenes => (vec![NUSCENES_WIDTH], "files named .pcd.bin are", Evidence::Convention),
+        None => (
+            WIDTHS.to_vec(),
+            "values change least from point to point",
+            Evidence::Statistics,
+        ),
     };
     let mut problem = None;
     let mut best: Option<(usize, f64)> = None;
@@ -92,7 +97,12 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
         })
         .collect();
     let mut cloud = growing::cloud(&columns, bytes.len() / step)?;
-    cloud.assumption = Some(format!("{width} numbers a point: {} ({told_by})", names.join(" ")));
+    cloud.assumptions.push(Assumption::new(
+        Subject::Columns,
+        format!("{width} values per point: {}", names.join(" ")),
+        told_by,
+        evidence,
+    ));
     Ok(cloud)
 }
 

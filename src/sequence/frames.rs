@@ -4,6 +4,7 @@ use super::detail::Detail;
 use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
+use crate::assumption::{Assumption, Assumptions};
 use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
@@ -35,6 +36,8 @@ pub struct Sequence {
     origin: OriginFinder,
     fps: Option<f64>,
     stamps: Mutex<Stamps>,
+    /// Of the frames that were decoded so far.
+    assumptions: Mutex<Assumptions>,
 }
 
 type IdleDecoders = Vec<(usize, Box<dyn Decoder>)>;
@@ -63,6 +66,7 @@ impl Sequence {
             origin: OriginFinder::default(),
             fps,
             stamps: Mutex::default(),
+            assumptions: Mutex::default(),
         }
     }
 
@@ -251,7 +255,18 @@ impl Sequence {
             return Err(self.cancelled(index));
         }
         progress.set(0, 0);
+        if let Ok(decoded) = &decoded {
+            lock(&self.assumptions).extend(&decoded.cloud.assumptions);
+        }
         decoded
+    }
+
+    /// Assumptions about the inputs and the frames that were decoded so far.
+    pub fn assumptions(&self) -> Vec<Assumption> {
+        let mut assumptions = Assumptions::default();
+        assumptions.extend(self.source.assumptions());
+        assumptions.extend(&lock(&self.assumptions).sorted());
+        assumptions.sorted()
     }
 
     /// That the reading of frame `index` was cancelled.

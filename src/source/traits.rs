@@ -4,6 +4,7 @@ use super::entry::FrameEntry;
 use super::error::SequenceError;
 use super::files::{Recording, topics_of};
 use super::live::Live;
+use crate::assumption::Assumption;
 use crate::cloud::RawCloud;
 use crate::io::Topic;
 use crate::photos::ViewSet;
@@ -161,6 +162,12 @@ pub trait Source: Send + Sync {
     /// The topics with point clouds of all recordings together, in the order of their names.
     fn topics(&self) -> Vec<Topic> {
         topics_of(self.recordings())
+    }
+
+    /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
+    /// [`RawCloud::assumptions`].
+    fn assumptions(&self) -> &[Assumption] {
+        &[]
     }
 
     /// What of the inputs is left out, a sentence each.

@@ -114,7 +114,7 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
     match image {
         Some([height, width]) => cloud.grid = grid_of(width, height, count),
         // What an image is, four dimensions say.
-        None => cloud.assumption = cloud.assumption.or(assumption),
+        None => cloud.assumptions.extend(assumption),
     }
     Ok(cloud)
 }

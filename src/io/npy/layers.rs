@@ -6,6 +6,7 @@
 use super::super::contents::Part;
 use super::super::error::Fault;
 use super::header::{Array, ArrayLayout};
+use crate::assumption::{Assumption, Evidence, Subject};
 
 /// An array and its name, in lower case.
 pub(super) type NamedArray<'a> = (String, Array<'a>);
@@ -52,7 +53,11 @@ pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
 
 /// Takes one layer of each array that has as many as there are frames, of as many entries as the array of positions at
 /// `place`; says how many there are, and that they are frames. `None` if the positions have no layers.
-pub(super) fn take_layer(arrays: &mut [NamedArray<'_>], place: usize, layer: usize) -> Result<Option<String>, Fault> {
+pub(super) fn take_layer(
+    arrays: &mut [NamedArray<'_>],
+    place: usize,
+    layer: usize,
+) -> Result<Option<Assumption>, Fault> {
     let positions = &arrays[place].1;
     let Some(frames) = layer_count(positions) else {
         return if layer == 0 { Ok(None) } else { Err(no_layer(layer, 1)) };
@@ -61,7 +66,12 @@ pub(super) fn take_layer(arrays: &mut [NamedArray<'_>], place: usize, layer: usi
         return Err(no_layer(layer, frames));
     }
     let points = positions.shape[1];
-    let assumption = format!("each of {frames} layers of {points} points is taken for a frame");
+    let assumption = Assumption::new(
+        Subject::Frames,
+        format!("{frames} frames of {points} points"),
+        "the array of positions has three dimensions",
+        Evidence::Convention,
+    );
     for (_, array) in arrays {
         let is_table = matches!(array.kind, ArrayLayout::Table(_));
         if is_table && array.shape.starts_with(&[frames, points]) {

@@ -6,6 +6,7 @@
 
 use super::sample::{CloudSample, quantile};
 use super::trim;
+use super::up::Up;
 use crate::scene::UpAxis;
 use glam::{Vec3, Vec3Swizzles as _};
 
@@ -62,7 +63,7 @@ const CAMERAS: [CameraAxes; 3] = [
 ];
 
 /// The up axis of the camera at `eye` before which all points lie, with the reason.
-pub(super) fn camera_frame(sample: &CloudSample, eye: Vec3) -> Option<(UpAxis, &'static str)> {
+pub(super) fn camera_frame(sample: &CloudSample, eye: Vec3) -> Option<Up> {
     let is_before = |camera: &&CameraAxes| {
         let seen: Vec<Vec3> = sample
             .positions
@@ -71,7 +72,8 @@ pub(super) fn camera_frame(sample: &CloudSample, eye: Vec3) -> Option<(UpAxis, &
             .collect();
         is_before_camera(&seen)
     };
-    CAMERAS.iter().find(is_before).map(|camera| (camera.up, camera.why))
+    let camera = CAMERAS.iter().find(is_before);
+    camera.map(|camera| Up::by_points(camera.up, camera.why))
 }
 
 /// Whether points lie before a camera at zero that looks along +Z.

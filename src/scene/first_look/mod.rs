@@ -18,9 +18,11 @@ mod up;
 pub use kind::CaptureKind;
 pub(crate) use sample::{PointSpacing, typical_spacing};
 pub use standpoint::Standpoint;
+use up::Up;
 
 use super::pinhole_view::sensor_target_distance;
 use super::{Camera, Primitive, UpAxis};
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, Frame};
 use crate::math::Aabb;
 use crate::photos::{Photo, ViewSet};
@@ -53,6 +55,8 @@ pub struct FirstLook {
     pub up: UpAxis,
     /// Why it is.
     pub up_why: &'static str,
+    /// How strong the reason is.
+    pub up_evidence: Evidence,
     /// From where it is seen first.
     pub from: Standpoint,
     /// Surfels, or points where no surface was sampled.
@@ -107,7 +111,7 @@ impl FirstLook {
             .fold(Aabb::EMPTY, |bounds, (frame, _)| bounds.union(&frame.bounds()));
         let sample = samples.first().map(|(_, sample)| sample.clone()).unwrap_or_default();
         let told = Told::by(&sample, convention, sensor, zero);
-        let (up, up_why) = told.up;
+        let up = told.up.axis;
         let mut shown = Vec::new();
         for (_, sample) in samples {
             match told.kind {
@@ -130,7 +134,8 @@ impl FirstLook {
         Self {
             kind: told.kind,
             up,
-            up_why,
+            up_why: told.up.why,
+            up_evidence: told.up.evidence,
             from,
             primitive: match (has_surface, are_splats) {
                 (true, false) => Primitive::Surfel,
@@ -201,6 +206,7 @@ impl FirstLook {
         let upwards = set.photos.iter().map(|photo| -photo.camera_from_world.matrix3.row(1));
         if let Some(upwards) = upwards.sum::<DVec3>().try_normalize() {
             self.up_why = "the photographs are upright";
+            self.up_evidence = Evidence::Convention;
             self.up = UpAxis::nearest(upwards);
         }
         self.primitive = Primitive::Surfel;
@@ -208,6 +214,15 @@ impl FirstLook {
         self.colors_have_light = true;
         self.photo = set.photos.first().cloned();
         self
+    }
+
+    /// The guessed up axis and primitive.
+    pub fn assumptions(&self) -> [Assumption; 2] {
+        let primitive = self.primitive.to_string();
+        [
+            Assumption::new(Subject::UpAxis, self.up.name(), self.up_why, self.up_evidence),
+            Assumption::new(Subject::Primitive, primitive, self.primitive_why, Evidence::Statistics),
+        ]
     }
 
     /// Whether the points sample a surface, so that disks or ellipses show it.
@@ -247,6 +262,7 @@ impl FirstLook {
     #[must_use]
     pub fn with_up(mut self, up: UpAxis) -> Self {
         self.up_why = "chosen";
+        self.up_evidence = Evidence::File;
         self.up = up;
         self.from = standpoint::standpoint(self.kind, up, &self.sample, &self.trimmed, self.eye);
         self
@@ -311,7 +327,7 @@ impl FirstLook {
 /// What the points and the file tell.
 struct Told {
     kind: CaptureKind,
-    up: (UpAxis, &'static str),
+    up: Up,
     eye: Option<Vec3>,
 }
 
@@ -322,7 +338,7 @@ impl Told {
         let by_format = convention.map(by_convention);
         let sure = by_format.filter(|_| convention.is_some_and(AxisConvention::is_binding));
         if let Some(camera) = kind::camera_frame(sample, eye)
-            && sure.is_none_or(|sure| sure.0 == camera.0)
+            && sure.is_none_or(|sure| sure.axis == camera.axis)
         {
             return Self {
                 kind: CaptureKind::CameraFrame,
@@ -338,16 +354,16 @@ impl Told {
             };
         }
         let is_flat = bounds.is_flat_along_z();
-        let flat = is_flat.then_some((UpAxis::Z, "it is wide and flat along Z"));
+        let flat = is_flat.then(|| Up::by_points(UpAxis::Z, "it is wide and flat along Z"));
         let guess = sure
             .or_else(|| up::of_standing(sample, zero))
             .or(by_format)
             .or(flat)
-            .unwrap_or((UpAxis::Y, "as most models have it"));
+            .unwrap_or(Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback));
         // Surveys may have a hill in them.
         let is_survey = convention == Some(AxisConvention::ZUp)
             && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
-        let is_terrain = guess.0 == UpAxis::Z && (is_flat || is_survey);
+        let is_terrain = guess.axis == UpAxis::Z && (is_flat || is_survey);
         Self {
             kind: if is_terrain {
                 CaptureKind::Terrain
@@ -392,14 +408,15 @@ fn is_outside(bounds: &Aabb, place: Vec3) -> bool {
     (place.cmplt(bounds.min) | place.cmpgt(bounds.max)).any()
 }
 
-fn by_convention(convention: AxisConvention) -> (UpAxis, &'static str) {
-    match convention {
+fn by_convention(convention: AxisConvention) -> Up {
+    let (axis, why) = match convention {
         AxisConvention::YUp => (UpAxis::Y, "the format says that Y is up"),
         AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
         AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format usually have Z up"),
         AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
         AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
-    }
+    };
+    Up::new(axis, why, Evidence::Convention)
 }
 
 /// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn
@@ -415,15 +432,15 @@ fn is_dense(sample: &CloudSample, eye: Vec3) -> bool {
 }
 
 /// The axis about which the scanner turns. The ground is below it.
-fn up_of_sweep(around: &kind::Around, by_format: Option<(UpAxis, &'static str)>) -> (UpAxis, &'static str) {
+fn up_of_sweep(around: &kind::Around, by_format: Option<Up>) -> Up {
     /// Scanners that look up and down as far as around have no axis that can be told.
     const FLAT: f32 = 0.35;
     let axis = around.flattest_axis();
     if around.mean_abs_direction[axis] > FLAT {
-        return by_format.unwrap_or((UpAxis::Z, "laser scanners have Z up"));
+        return by_format.unwrap_or(Up::new(UpAxis::Z, "laser scanners have Z up", Evidence::Convention));
     }
     let is_positive = axis == 2 || around.mean_direction[axis] < 0.0;
-    (up::along(axis, is_positive), "the scanner turns about this axis")
+    Up::by_points(up::along(axis, is_positive), "the scanner turns about this axis")
 }
 
 /// Points of a sweep that are worth looking at first: nine in ten are nearer to the scanner than the tail that makes it

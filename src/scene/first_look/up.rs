@@ -2,12 +2,29 @@
 
 use super::sample::{CloudSample, quantile};
 use super::trim;
+use crate::assumption::Evidence;
 use crate::math::Aabb;
 use crate::scene::UpAxis;
 use glam::Vec3;
 
-/// An axis, which way along it, and why that is up.
-type Guess = (UpAxis, &'static str);
+/// An up axis with its reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Up {
+    pub(super) axis: UpAxis,
+    pub(super) why: &'static str,
+    pub(super) evidence: Evidence,
+}
+
+impl Up {
+    pub(super) fn new(axis: UpAxis, why: &'static str, evidence: Evidence) -> Self {
+        Self { axis, why, evidence }
+    }
+
+    /// By how the points lie.
+    pub(super) fn by_points(axis: UpAxis, why: &'static str) -> Self {
+        Self::new(axis, why, Evidence::Statistics)
+    }
+}
 
 /// The up axis along coordinate `axis`.
 pub(super) fn along(axis: usize, is_positive: bool) -> UpAxis {
@@ -22,13 +39,13 @@ pub(super) fn along(axis: usize, is_positive: bool) -> UpAxis {
 }
 
 /// The up axis told by the points alone; `zero` is where the zero of the file is.
-pub(super) fn of_standing(sample: &CloudSample, zero: Vec3) -> Option<Guess> {
+pub(super) fn of_standing(sample: &CloudSample, zero: Vec3) -> Option<Up> {
     let bounds = trim::bounds(sample);
     on_zero(&bounds, zero).or_else(|| on_base(sample, &bounds))
 }
 
 /// Models stand on the plane through zero: one end of one axis is there, and zero is well within the others.
-fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Guess> {
+fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     /// Of the extent: how near the end is to zero, and how far within the others it is.
     const NEAR: f32 = 0.03;
     const WITHIN: f32 = 0.2;
@@ -44,9 +61,12 @@ fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Guess> {
             continue;
         }
         let guess = if place[axis].abs() <= NEAR {
-            Some((along(axis, true), "it stands on the plane through zero"))
+            Some(Up::by_points(along(axis, true), "it stands on the plane through zero"))
         } else if (place[axis] - 1.0).abs() <= NEAR {
-            Some((along(axis, false), "it hangs below the plane through zero"))
+            Some(Up::by_points(
+                along(axis, false),
+                "it hangs below the plane through zero",
+            ))
         } else {
             None
         };
@@ -56,7 +76,7 @@ fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Guess> {
 }
 
 /// Things stand on what is broad and flat: of one of the six sides a large share lies in one plane.
-fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Guess> {
+fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Share of the footprint that a base covers: along Y and Z, and along the axes that are hardly ever up.
     const BASE: [f32; 2] = [0.15, 0.35];
     /// A base covers so many times what the side above it does.
@@ -71,7 +91,7 @@ fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Guess> {
                 let is_usual = axis > 0 && is_low;
                 base >= BASE[usize::from(!is_usual)] && base >= BROADER * top
             })
-            .map(move |is_low| (along(axis, is_low), "it stands on a flat base"))
+            .map(move |is_low| Up::by_points(along(axis, is_low), "it stands on a flat base"))
     });
     let base = bases.next()?;
     // Two bases are a box, a room or chance.

@@ -10,6 +10,7 @@ use super::layouts::{FoundRecording, FrameImages};
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::text;
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
 use crate::io::raster::{Raster, Samples};
@@ -341,7 +342,12 @@ impl Recorded {
         cloud.made_from = made_from.map(DepthFrame::into_made_from);
         cloud.warnings = warnings;
         if frame.calibration.is_assumed {
-            cloud.assumption = Some(frame.calibration.because.clone());
+            cloud.assumptions.push(Assumption::new(
+                Subject::Camera,
+                frame.calibration.because.clone(),
+                "no file of the recording says it",
+                Evidence::Fallback,
+            ));
         }
         cloud
     }

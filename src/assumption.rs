@@ -1,0 +1,298 @@
+//! Assumptions: everything the program decides in a user's place, with its evidence and how to change it.
+//!
+//! **How it works.** Whoever decides something that a file does not say (a reader which column is x, the first look
+//! which axis is up) makes an [`Assumption`]. Readers put theirs into [`crate::cloud::RawCloud::assumptions`], sources
+//! into [`crate::source::Source::assumptions`]; [`Assumptions`] merges equal ones of many frames. `info` lists all of
+//! them, the window shows them as a list, and the other commands print those by [`Evidence::Statistics`] or
+//! [`Evidence::Fallback`] on stderr. A new kind of assumption is a row of [`SUBJECTS`].
+
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// Evidence for an assumption, strongest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Evidence {
+    /// The file or a sidecar file says so.
+    File,
+    /// Files of the format are made so.
+    Convention,
+    /// The values of the data speak for it.
+    Statistics,
+    /// Nothing does: it is what most files are like.
+    Fallback,
+}
+
+impl Evidence {
+    /// True if it may be wrong although the file is right: such assumptions are printed.
+    pub fn is_guess(self) -> bool {
+        self >= Self::Statistics
+    }
+
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::File => "file",
+            Self::Convention => "convention",
+            Self::Statistics => "statistics",
+            Self::Fallback => "fallback",
+        }
+    }
+}
+
+/// The subject of an assumption.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Subject {
+    /// The up axis.
+    UpAxis,
+    /// The unit of lengths.
+    Unit,
+    /// Depth values per metre.
+    DepthScale,
+    /// Intrinsics of a depth camera.
+    Camera,
+    /// Poses of cameras or sensors.
+    Poses,
+    /// The meaning of columns or arrays.
+    Columns,
+    /// The range of colour values: 8 or 16 bits.
+    ColorDepth,
+    /// The files, blocks or layers that are frames.
+    Frames,
+    /// Values that stand for a missing point.
+    NoData,
+    /// The times of frames.
+    FrameTimes,
+    /// Points, surfels, a mesh.
+    Primitive,
+    /// Points that a filter removed.
+    FilteredPoints,
+    /// Points that were merged or that an export leaves out.
+    MergedPoints,
+    /// Projection of geographic coordinates.
+    Projection,
+}
+
+/// How a subject is named and changed.
+#[derive(Debug)]
+struct Row {
+    subject: Subject,
+    key: &'static str,
+    title: &'static str,
+    /// The command-line option that changes it.
+    option: Option<&'static str>,
+    /// The control of the window that changes it.
+    place: Option<&'static str>,
+}
+
+/// One row per subject.
+const SUBJECTS: [Row; 14] = [
+    row(
+        Subject::UpAxis,
+        "up-axis",
+        "up axis",
+        Some("--up"),
+        Some("View > Up axis"),
+    ),
+    row(Subject::Unit, "unit", "unit", Some("--unit"), None),
+    row(
+        Subject::DepthScale,
+        "depth-scale",
+        "depth scale",
+        Some("--depth-scale"),
+        None,
+    ),
+    row(Subject::Camera, "camera", "camera", Some("--intrinsics"), None),
+    row(Subject::Poses, "poses", "poses", None, None),
+    row(Subject::Columns, "columns", "columns", Some("--columns"), None),
+    row(Subject::ColorDepth, "color-depth", "colour depth", None, None),
+    row(Subject::Frames, "frames", "frames", Some("--only"), None),
+    row(Subject::NoData, "no-data", "no-data values", Some("--no-data"), None),
+    row(Subject::FrameTimes, "frame-times", "frame times", Some("--fps"), None),
+    row(
+        Subject::Primitive,
+        "primitive",
+        "primitive",
+        Some("--primitive"),
+        Some("Drawing > Primitive"),
+    ),
+    row(
+        Subject::FilteredPoints,
+        "filtered-points",
+        "filtered points",
+        Some("--rgbd-filters"),
+        None,
+    ),
+    row(Subject::MergedPoints, "merged-points", "merged points", None, None),
+    row(Subject::Projection, "projection", "projection", None, None),
+];
+
+const fn row(
+    subject: Subject,
+    key: &'static str,
+    title: &'static str,
+    option: Option<&'static str>,
+    place: Option<&'static str>,
+) -> Row {
+    Row {
+        subject,
+        key,
+        title,
+        option,
+        place,
+    }
+}
+
+impl Subject {
+    fn row(self) -> &'static Row {
+        let row = SUBJECTS.iter().find(|row| row.subject == self);
+        // A test holds that every subject has its row.
+        row.unwrap_or(&SUBJECTS[0])
+    }
+
+    /// In JSON.
+    pub fn key(self) -> &'static str {
+        self.row().key
+    }
+
+    /// For people.
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
+}
+
+impl Serialize for Subject {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
+    }
+}
+
+/// Something the program decided in a user's place.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Assumption {
+    /// Its subject.
+    #[serde(rename = "what")]
+    pub subject: Subject,
+    /// The decision, such as `+Z` or `x y z intensity`.
+    pub value: String,
+    /// The reason, a clause without a full stop.
+    pub why: String,
+    /// How strong the reason is.
+    pub evidence: Evidence,
+    /// The command-line option that changes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub option: Option<&'static str>,
+    /// The control of the window that changes it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window: Option<&'static str>,
+}
+
+impl Assumption {
+    /// With the option and the place in the window that change assumptions about `subject`.
+    pub fn new(subject: Subject, value: impl Into<String>, why: impl Into<String>, evidence: Evidence) -> Self {
+        let row = subject.row();
+        Self {
+            subject,
+            value: value.into(),
+            why: why.into(),
+            evidence,
+            option: row.option,
+            window: row.place,
+        }
+    }
+
+    /// The same, changed by another option; `None` where none changes it.
+    #[must_use]
+    pub fn with_option(self, option: Option<&'static str>) -> Self {
+        Self { option, ..self }
+    }
+}
+
+/// `up axis: +Z (the ground is a plane; statistics; change with --up)`.
+impl fmt::Display for Assumption {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "{}: {} ({}; {}",
+            self.subject.title(),
+            self.value,
+            self.why,
+            self.evidence.name()
+        )?;
+        match self.option {
+            Some(option) => write!(formatter, "; change with {option})"),
+            None => formatter.write_str(")"),
+        }
+    }
+}
+
+/// Distinct assumptions in the order in which they came up, each with the number of frames that it was made for.
+#[derive(Debug, Clone, Default)]
+pub struct Assumptions {
+    entries: Vec<(Assumption, usize)>,
+}
+
+impl Assumptions {
+    /// More distinct ones than anybody reads; further ones are dropped.
+    const MAX: usize = 256;
+
+    /// Adds one frame's or source's assumption.
+    pub fn add(&mut self, assumption: &Assumption) {
+        match self.entries.iter_mut().find(|(known, _)| known == assumption) {
+            Some((_, count)) => *count += 1,
+            None if self.entries.len() < Self::MAX => self.entries.push((assumption.clone(), 1)),
+            None => {}
+        }
+    }
+
+    /// The distinct ones, by subject.
+    pub fn sorted(&self) -> Vec<Assumption> {
+        let mut sorted: Vec<Assumption> = self.entries.iter().map(|(assumption, _)| assumption.clone()).collect();
+        sorted.sort_by_key(|assumption| assumption.subject);
+        sorted
+    }
+}
+
+impl<'a> Extend<&'a Assumption> for Assumptions {
+    fn extend<I: IntoIterator<Item = &'a Assumption>>(&mut self, assumptions: I) {
+        for assumption in assumptions {
+            self.add(assumption);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subjects_are_rows_in_their_order() {
+        for (place, row) in SUBJECTS.iter().enumerate() {
+            assert_eq!(row.subject as usize, place, "{}", row.key);
+            assert_eq!(row.subject.key(), row.key);
+        }
+        assert_eq!(SUBJECTS.len(), Subject::Projection as usize + 1);
+    }
+
+    #[test]
+    fn equal_ones_of_many_frames_are_one() {
+        let of = |value: &str| Assumption::new(Subject::Columns, value, "by statistics", Evidence::Statistics);
+        let up = Assumption::new(Subject::UpAxis, "+Z", "the format says so", Evidence::Convention);
+        let mut all = Assumptions::default();
+        all.extend([&of("x y z"), &of("x y z"), &up, &of("x y z i")]);
+        assert_eq!(all.sorted(), [up, of("x y z"), of("x y z i")]);
+    }
+
+    #[test]
+    fn an_assumption_is_one_line() {
+        let columns = Assumption::new(Subject::Columns, "x y z", "there is no header", Evidence::Statistics);
+        let line = "columns: x y z (there is no header; statistics; change with --columns)";
+        assert_eq!(columns.to_string(), line);
+        let unchangeable = columns.with_option(None);
+        assert_eq!(
+            unchangeable.to_string(),
+            "columns: x y z (there is no header; statistics)"
+        );
+        assert!(Evidence::Fallback.is_guess() && !Evidence::Convention.is_guess());
+    }
+}
