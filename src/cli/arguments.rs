@@ -6,7 +6,12 @@ use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
+<<<<<<< HEAD
 use crate::io::{ColumnMap, ReadOptions};
+=======
+use crate::cloud::NoData;
+use crate::io::ReadOptions;
+>>>>>>> main
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
@@ -44,6 +49,11 @@ pub(super) struct ReadArgs {
     /// the header; frame=2 for the column of frames, frame=none for one frame; default: names and values decide)
     #[arg(long, value_name = "COLUMNS")]
     columns: Option<ColumnMap>,
+
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that stands for a
+    /// missing coordinate
+    #[arg(long, value_name = "VALUE|auto|none", default_value_t = NoData::Auto, allow_hyphen_values = true)]
+    no_data: NoData,
 
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
@@ -104,7 +114,12 @@ impl ReadArgs {
             read: default
                 .with_max_memory(max_memory_bytes)
                 .with_sample_count(self.sample)
+<<<<<<< HEAD
                 .with_columns(self.columns),
+=======
+                .with_bin_columns(self.columns),
+            no_data: self.no_data,
+>>>>>>> main
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
