@@ -6,12 +6,8 @@ use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
-<<<<<<< HEAD
-use crate::io::{ColumnMap, ReadOptions};
-=======
 use crate::cloud::NoData;
-use crate::io::ReadOptions;
->>>>>>> main
+use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
@@ -114,12 +110,8 @@ impl ReadArgs {
             read: default
                 .with_max_memory(max_memory_bytes)
                 .with_sample_count(self.sample)
-<<<<<<< HEAD
                 .with_columns(self.columns),
-=======
-                .with_bin_columns(self.columns),
             no_data: self.no_data,
->>>>>>> main
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),

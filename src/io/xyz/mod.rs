@@ -26,12 +26,13 @@ use super::codec::Encoded;
 use super::contents::Part;
 use super::error::Fault;
 use super::format::{Format, Holding, Traits};
-use crate::cloud::RawCloud;
+use crate::cloud::{AxisConvention, RawCloud};
 
 /// Text with coordinates in columns.
 pub(super) const FORMAT: Format = Format::new(&Traits {
     name: "text",
     extensions: &["xyz", "txt", "csv", "asc", "pts", "xyzn", "xyzrgb", "xyzi", "tsv"],
+    convention: Some(AxisConvention::UsuallyZUp),
     holds: Holding::Blocks,
     ..Traits::PLAIN
 });
