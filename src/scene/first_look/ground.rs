@@ -6,8 +6,8 @@
 //! - *A narrow foot.* Trees and tables are narrow where they stand; the other end is not, nor are the other axes.
 //! - *A height field.* Seen from an aircraft or a drone the ground has one height at each place, though hills may rise
 //!   as high as the map is wide.
-//! - *A floor.* Of the planes across an axis, the largest is at an end, nothing is behind it, and most of the footprint
-//!   is above it.
+//! - *A floor.* A plane at the end of an axis covers most of the footprint, and none does at the ends of the other axis
+//!   that may be up.
 
 use super::sample::{CloudSample, quantile};
 use super::up::{Up, along};
@@ -114,21 +114,23 @@ fn thickness(sample: &CloudSample, bounds: &Aabb, axis: usize) -> f32 {
     quantile(&mut thicknesses, 0.5) / bounds.extent()[axis].max(f32::MIN_POSITIVE)
 }
 
-/// A floor: the largest plane at an end of an axis, with nothing behind it.
+/// A floor: the larger plane at an end of Y or Z, the axes that are up; walls are at the ends of the others.
 pub(super) fn of_floor(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Share of the footprint that a floor covers, and how much more than the next best end.
-    const MIN_COVER: f32 = 0.3;
-    const BETTER: f32 = 1.4;
-    let mut ends: Vec<(f32, UpAxis)> = Vec::new();
-    for axis in 0..3 {
-        for is_low in [true, false] {
-            ends.push((cover_of_end(sample, bounds, axis, is_low), along(axis, is_low)));
-        }
-    }
-    ends.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (best, next) = (ends[0], ends[1]);
-    (best.0 >= MIN_COVER && best.0 >= BETTER * next.0)
-        .then(|| Up::by_points(best.1, "its largest plane has everything on one side"))
+    /// Share of the footprint that a floor covers, and how many times as much as the best end of the other axis.
+    const MIN_COVER: f32 = 0.4;
+    const BETTER: f32 = 2.0;
+    /// A ceiling is no more than this, beside the floor below it.
+    const CEILING: f32 = 1.4;
+    let [y, z] = [1, 2].map(|axis| [true, false].map(|is_low| cover_of_end(sample, bounds, axis, is_low)));
+    let best = |[low, high]: [f32; 2]| low.max(high);
+    let (axis, [low, high], other) = if best(y) > best(z) { (1, y, z) } else { (2, z, y) };
+    let is_clear = low.max(high) >= MIN_COVER && low.max(high) >= BETTER * best(other);
+    is_clear.then(|| {
+        Up::by_points(
+            along(axis, high < CEILING * low),
+            "its largest plane has everything on one side",
+        )
+    })
 }
 
 /// Share of the footprint along `axis` whose outermost points at one end lie in one plane.
