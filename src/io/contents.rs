@@ -16,7 +16,7 @@ pub enum Part {
     Scan(usize),
     /// The pose at this time of an animation (glTF).
     Moment(Duration),
-    /// A layer of an array of T × N × 3 (NPZ), counted from 0.
+    /// A layer of an array of T × N × 3 (NPZ), or a frame of a text, counted from 0.
     Layer(usize),
     /// A file within an archive.
     Member(Member),

@@ -42,6 +42,8 @@ pub(super) enum Holding {
     Moments,
     /// Layers of an array.
     Layers,
+    /// Rows of text, which may be those of several frames.
+    Blocks,
     /// Files.
     Members,
     /// Messages with clouds among others.
@@ -130,6 +132,11 @@ impl Format {
     /// Whether a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
         self.0.holds != Holding::Cloud
+    }
+
+    /// Whether a file of this format is text, which nearly always is one frame and has to be read to know.
+    pub fn is_rarely_many(self) -> bool {
+        self.0.holds == Holding::Blocks
     }
 
     /// Whether a file of this format may hold several scans that are one cloud together.

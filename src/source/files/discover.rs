@@ -83,7 +83,7 @@ pub(super) fn discover(
         }
         let normals = companions.normals.remove(&path);
         let first = discovered.entries.len();
-        discovered.append_frames(path, options);
+        discovered.append_frames(path, options, count);
         if let Some(entry) = discovered.entries.get_mut(first) {
             entry.normals = normals;
         }
@@ -99,10 +99,14 @@ pub(super) fn discover(
 impl Discovered {
     /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
     /// one frame, which says why when it is decoded.
-    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions) {
+    ///
+    /// It is one of `count` files: of many, text is a frame each, as it would have to be read here to know more.
+    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, count: usize) {
+        const MAX_TEXTS: usize = 16;
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
-        let may_hold_many = format.is_none_or(Format::holds_many);
+        let may_hold_many =
+            format.is_none_or(|format| format.holds_many() && (count <= MAX_TEXTS || !format.is_rarely_many()));
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed =
             (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
