@@ -21,4 +21,5 @@ mod lidar;
 mod photos;
 mod real_frames;
 mod reel;
+mod refusals;
 mod rgbd;
