@@ -22,4 +22,5 @@ mod meaning_text;
 mod photos;
 mod real_frames;
 mod reel;
+mod refusals;
 mod rgbd;
