@@ -68,13 +68,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let arguments = &arguments;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
-    if range.last >= sequence.len() {
-        bail!(
-            "there is no frame {}: the sequence has {} frames, and --frame counts them from 0",
-            range.last,
-            sequence.len()
-        );
-    }
+    range.check("--frame", sequence.len())?;
     let of_session = session.as_ref().map_or_else(Style::default, Session::style);
     let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;

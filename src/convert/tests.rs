@@ -159,6 +159,7 @@ fn conversion(folder: &Path) -> Conversion {
         format: WriteFormat::default(),
         output: Output::Folder(folder.to_owned()),
         overwrites: false,
+        reading: String::new(),
     }
 }
 

@@ -6,10 +6,12 @@
 mod columns;
 mod encoder;
 mod format;
+mod losses;
 pub(super) mod npy;
 pub(super) mod pcd;
 pub(super) mod ply;
 pub(super) mod text;
 
-pub(super) use encoder::{Encoder, WriteSeek};
+pub(super) use encoder::{Encoder, Held, WriteSeek};
 pub use format::{WriteFormat, write};
+pub use losses::{Loss, Losses};
