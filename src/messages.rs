@@ -33,7 +33,9 @@ pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usi
         return None;
     }
     let Some(end) = end else {
-        return Some(format!("there is no frame {first}: the sequence has 0 frames ({option})"));
+        return Some(format!(
+            "there is no frame {first}: the sequence has 0 frames ({option})"
+        ));
     };
     let missing = first.max(count);
     let frames = if count == 1 { "frame" } else { "frames" };
@@ -140,10 +142,30 @@ mod tests {
             assert_eq!(missing_frames("--frames", first, last, count), None, "{first}..{last}");
         }
         for (first, last, count, said) in [
-            (20, 30, 12, "there is no frame 20: the sequence has 12 frames, 0..11 (--frames counts from 0)"),
-            (12, 12, 12, "there is no frame 12: the sequence has 12 frames, 0..11 (--frames counts from 0)"),
-            (8, 30, 12, "there is no frame 12: the sequence has 12 frames, 0..11 (of --frames 8..30 it has 8..11)"),
-            (0, 1, 1, "there is no frame 1: the sequence has 1 frame, 0..0 (of --frames 0..1 it has 0..0)"),
+            (
+                20,
+                30,
+                12,
+                "there is no frame 20: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+            ),
+            (
+                12,
+                12,
+                12,
+                "there is no frame 12: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+            ),
+            (
+                8,
+                30,
+                12,
+                "there is no frame 12: the sequence has 12 frames, 0..11 (of --frames 8..30 it has 8..11)",
+            ),
+            (
+                0,
+                1,
+                1,
+                "there is no frame 1: the sequence has 1 frame, 0..0 (of --frames 0..1 it has 0..0)",
+            ),
             (0, 3, 0, "there is no frame 0: the sequence has 0 frames (--frames)"),
         ] {
             assert_eq!(missing_frames("--frames", first, last, count).as_deref(), Some(said));

@@ -128,12 +128,23 @@ fn cancel_at_interrupt(progress: &Progress) {
 
 /// Parts must not be replaced by the file that they become, nor another file in silence.
 fn check_joined(parts: &[PathBuf], output: &Path, overwrites: bool) -> anyhow::Result<()> {
-    let Ok(place) = output.canonicalize() else { return Ok(()) };
-    if parts.iter().any(|part| part.canonicalize().is_ok_and(|part| part == place)) {
-        bail!("the output {} is one of the parts: choose another name", output.display());
+    let Ok(place) = output.canonicalize() else {
+        return Ok(());
+    };
+    if parts
+        .iter()
+        .any(|part| part.canonicalize().is_ok_and(|part| part == place))
+    {
+        bail!(
+            "the output {} is one of the parts: choose another name",
+            output.display()
+        );
     }
     if !overwrites {
-        bail!("{} is there already: choose another name, or --overwrite to replace it", output.display());
+        bail!(
+            "{} is there already: choose another name, or --overwrite to replace it",
+            output.display()
+        );
     }
     Ok(())
 }
@@ -190,7 +201,9 @@ impl NamedPlace {
     fn of(output: &Path, format: Option<WriteFormat>) -> anyhow::Result<Self> {
         let text = output.to_string_lossy();
         let has_slash = text.ends_with(std::path::is_separator);
-        let extension = output.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        let extension = output
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         let Some(extension) = extension.filter(|_| !output.is_dir() && !has_slash) else {
             if output.is_file() {
                 bail!("{text} is a file: a folder cannot have its name, choose another one");
@@ -330,7 +343,9 @@ mod tests {
         ] {
             assert_eq!(of(name, format).unwrap(), expected, "{name}");
         }
-        for name in ["g.glb", "g.usd", "g.obj", "g.npz", "g.csv", "g.e57", "g.png", "g.v2", "g.ply.gz", "g.xyz~"] {
+        for name in [
+            "g.glb", "g.usd", "g.obj", "g.npz", "g.csv", "g.e57", "g.png", "g.v2", "g.ply.gz", "g.xyz~",
+        ] {
             let refused = of(name, None).unwrap_err().to_string();
             assert!(refused.contains("ply, ply-ascii, pcd, las, laz, xyz, npy"), "{refused}");
             assert!(of(name, Some("ply")).is_err(), "{name}");

@@ -58,7 +58,7 @@ struct Arguments {
 enum Verb {
     /// Plays a sequence in a window (the default); without INPUT offers what was opened lately, at first the demo
     View(Box<view::ViewArgs>),
-    /// Renders frames to PNG files, or a video of them, without a window
+    /// Renders frames to pictures, or a video of them, without a window
     Render(Box<render_arguments::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(Box<bench::BenchArgs>),

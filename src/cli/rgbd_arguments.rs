@@ -60,7 +60,9 @@ impl RgbdArgs {
             ("rgbd-filters", self.rgbd_filters.map(|filters| filters.to_string())),
         ];
         let given = given.into_iter();
-        given.filter_map(|(option, value)| Some(format!("--{option} {}", value?))).collect()
+        given
+            .filter_map(|(option, value)| Some(format!("--{option} {}", value?)))
+            .collect()
     }
 
     /// What was given; `usual` are the filters where none were.

@@ -38,7 +38,11 @@ pub enum EditError {
 impl Edit {
     /// Changes `cloud`.
     pub fn apply(&self, cloud: &mut RawCloud) -> Result<(), EditError> {
-        if let Some(transform) = self.transform.as_ref().filter(|transform| **transform != DMat4::IDENTITY) {
+        if let Some(transform) = self
+            .transform
+            .as_ref()
+            .filter(|transform| **transform != DMat4::IDENTITY)
+        {
             move_by(cloud, transform)?;
         }
         let face_count = cloud.faces.len();

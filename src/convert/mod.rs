@@ -25,7 +25,7 @@ pub use conversion::{Conversion, Converted, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
 pub use estimate::{Estimate, EstimatedErrors, SampleEstimate, SampleFrame, Target, source_bytes};
-pub use place::{Place, source_at};
+pub use place::{Place, source_at, source_files};
 pub use record::Record;
 pub use reel::join;
 

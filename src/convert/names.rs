@@ -138,12 +138,19 @@ mod tests {
     #[test]
     fn stems_and_numbers_are_kept() {
         for (files, expected) in [
-            (["a/mesh_00000.ply", "a/mesh_00001.ply"], ["mesh_00000.pcd", "mesh_00001.pcd"]),
+            (
+                ["a/mesh_00000.ply", "a/mesh_00001.ply"],
+                ["mesh_00000.pcd", "mesh_00001.pcd"],
+            ),
             (["scan 9.xyz", "scan 10.xyz"], ["scan 9.pcd", "scan 10.pcd"]),
             (["d/f.001", "d/f.002"], ["f.001.pcd", "f.002.pcd"]),
             (["7.bin", "9.bin"], ["7.pcd", "9.pcd"]),
         ] {
-            assert_eq!(names(&files), (expected.map(str::to_owned).to_vec(), false), "{files:?}");
+            assert_eq!(
+                names(&files),
+                (expected.map(str::to_owned).to_vec(), false),
+                "{files:?}"
+            );
         }
     }
 

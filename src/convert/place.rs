@@ -77,6 +77,23 @@ impl Place {
     }
 }
 
+/// Every file that is read of `sequence`, by its one name.
+pub fn source_files(sequence: &Sequence) -> HashSet<PathBuf> {
+    let inputs = sequence.source().inputs().to_vec();
+    let entries = sequence.entries();
+    let is_file = |entry: &&Arc<FrameEntry>| matches!(entry.content, FrameBytes::File(_));
+    let of_entries = entries
+        .iter()
+        .filter(is_file)
+        .flat_map(|entry| std::iter::once(&entry.path).chain(&entry.normals));
+    inputs
+        .iter()
+        .chain(of_entries)
+        .filter(|file| file.is_file())
+        .map(|file| real(file))
+        .collect()
+}
+
 /// The input that would be written over, or written next to, at `output`: the same file or folder by whatever name, and
 /// any folder that a file of the input is in.
 pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {

@@ -146,7 +146,11 @@ fn inputs_of(sequence: &Sequence) -> Vec<String> {
 
 /// The one name of a file that has several, by links or relative to other folders.
 pub(super) fn real(path: &Path) -> PathBuf {
-    let path_or_here = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    let path_or_here = if path.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        path
+    };
     let found = path_or_here.canonicalize().or_else(|_| absolute(path_or_here));
     found.unwrap_or_else(|_| path.to_owned())
 }

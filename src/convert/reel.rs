@@ -153,7 +153,7 @@ struct ConvertedGroup {
 }
 
 /// What a sequence file with `options` cannot hold of `cloud`, apart from the precision that they say.
-fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
+pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
     let keeps_points = matches!(options.precision, Precision::Length(_) | Precision::Lossless);
     let mut losses = Losses::default();
     if !cloud.faces.is_empty() {

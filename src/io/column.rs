@@ -99,7 +99,9 @@ impl Column<'_> {
     /// header declares: some writers call all numbers `float`.
     pub(super) fn is_wide(&self) -> bool {
         match &self.values {
-            Values::Parsed(values) if self.scalar == Scalar::F32 => !values.iter().all(|&value| is_written_single(value)),
+            Values::Parsed(values) if self.scalar == Scalar::F32 => {
+                !values.iter().all(|&value| is_written_single(value))
+            }
             Values::Parsed(_) => true,
             Values::Packed { .. } => self.scalar.is_wide(),
         }

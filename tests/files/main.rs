@@ -18,6 +18,7 @@ mod io_splats;
 mod io_text_and_bin;
 mod io_write;
 mod lidar;
+mod losses;
 mod photos;
 mod real_frames;
 mod reel;

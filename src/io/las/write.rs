@@ -106,7 +106,11 @@ pub(in crate::io) const LAZ: &Encoder = &Encoder {
 /// Scalars that have no field, values that do not fit theirs, and coordinates that do not fit 32 bits.
 fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
     let points = LasPoints::new(cloud);
-    let fields = [points.intensity.map(|(field, _)| field), points.classification, points.gps_time];
+    let fields = [
+        points.intensity.map(|(field, _)| field),
+        points.classification,
+        points.gps_time,
+    ];
     let is_written = |field: &&ScalarField| fields.into_iter().flatten().any(|known| std::ptr::eq(known, *field));
     let scalars = cloud.attributes.scalars.iter();
     let unwritten = scalars.filter(|field| !is_written(field));
@@ -127,7 +131,12 @@ fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
     let scale = points.intensity.map_or(1.0, |(_, scale)| scale);
     let intensity = points.intensity.map(|(field, _)| field);
     check(intensity, scale, f64::from(u16::MAX), "whole numbers from 0 to 65535");
-    check(points.classification, 1.0, f64::from(u8::MAX), "whole numbers from 0 to 255");
+    check(
+        points.classification,
+        1.0,
+        f64::from(u8::MAX),
+        "whole numbers from 0 to 255",
+    );
     let error = points.largest_error();
     if error > 0.0 {
         lost.push((Loss::Precision, error));

@@ -124,7 +124,10 @@ pub(super) fn renamed(
     let scalars = &cloud.attributes.scalars;
     let columns = columns(cloud, colors, normal_names, names);
     let written = &columns[columns.len() - scalars.len()..];
-    let pairs = scalars.iter().zip(written).map(|(field, column)| (&field.name, &column.name));
+    let pairs = scalars
+        .iter()
+        .zip(written)
+        .map(|(field, column)| (&field.name, &column.name));
     let is_renamed = |(from, to): &(&String, &String)| from != to;
     let loss = |(from, to): (&String, &String)| (Loss::Name(from.clone(), to.clone()), 0.0);
     pairs.filter(is_renamed).map(loss).collect()

@@ -47,4 +47,3 @@ pub(in crate::io) enum Held {
     /// The position of the sensor.
     Sensor,
 }
-

@@ -57,7 +57,9 @@ impl Loss {
             Self::Faces => format!("{format} cannot hold faces: {amount} are not written, only their points"),
             Self::Textures => format!("{format} cannot hold texture images: not written"),
             Self::Rows => {
-                format!("{format} cannot hold the rows and columns of an organised cloud: points are written one by one")
+                format!(
+                    "{format} cannot hold the rows and columns of an organised cloud: points are written one by one"
+                )
             }
             Self::Sensor => format!("{format} cannot hold the position of the sensor: not written"),
             Self::Name(from, to) => format!("{format} cannot hold the field name `{from}`: it is written as `{to}`"),

@@ -8,7 +8,15 @@ use super::encoder::{Encoder, Held, WriteSeek};
 use super::losses::Loss;
 use crate::cloud::RawCloud;
 
-const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes, Held::Rows, Held::Sensor];
+const HOLDS: &[Held] = &[
+    Held::Normals,
+    Held::Alpha,
+    Held::Radii,
+    Held::Scalars,
+    Held::Holes,
+    Held::Rows,
+    Held::Sensor,
+];
 
 /// PCD 0.7, binary: all but ellipses and faces.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {

@@ -4,7 +4,14 @@ use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_na
 use super::encoder::{Encoder, Held, WriteSeek};
 use crate::cloud::RawCloud;
 
-const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Faces, Held::Holes];
+const HOLDS: &[Held] = &[
+    Held::Normals,
+    Held::Alpha,
+    Held::Radii,
+    Held::Scalars,
+    Held::Faces,
+    Held::Holes,
+];
 
 /// PLY, little endian: holds all but ellipses and where the sensor stood.
 pub(in crate::io) const BINARY: &Encoder = &Encoder {
