@@ -35,6 +35,7 @@ use crate::messages::missing_frames;
 use crate::progress::Progress;
 use crate::sequence::Sequence;
 use std::path::Path;
+use std::time::Duration;
 
 /// Converts frames of `sequence`; `progress` counts those that are done, on several threads, and may be cancelled.
 ///
@@ -49,6 +50,36 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
             input,
         });
     }
+    let mut converted = convert_frames(sequence, conversion, frames, progress)?;
+    converted.notes.extend(cameras_note(sequence));
+    Ok(converted)
+}
+
+/// What of a whole input no target holds.
+fn cameras_note(sequence: &Sequence) -> Option<String> {
+    let source = sequence.source();
+    if sequence.is_empty() {
+        return None;
+    }
+    let first = source.frames().start.min(sequence.len() - 1);
+    let what = if source.photographs(first).is_some() {
+        "photographs and their cameras"
+    } else if source.sensor(first).is_some() {
+        "images, intrinsics and poses of the depth camera"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "{what} are not written: only points are, in the coordinates of each frame"
+    ))
+}
+
+fn convert_frames(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    frames: Vec<usize>,
+    progress: &Progress,
+) -> Result<Converted, ConvertError> {
     let Shard { index, count } = conversion.shard;
     match &conversion.output {
         Output::Reel(path, options) => {
@@ -96,7 +127,12 @@ fn convert_to_file(
     let mut converted = Converted::default();
     for &frame in frames {
         match write_frame(sequence, conversion, frame, path, |_| Ok(())) {
-            Ok(written) => converted.take(frame, written),
+            Ok(written) => {
+                converted.take(frame, written);
+                let note =
+                    |time: Duration| format!("the time of the frame, {} s, is not in the file", time.as_secs_f64());
+                converted.notes.extend(sequence.entry(frame).time.map(note));
+            }
             Err(error) => converted.failed.push((frame, error)),
         }
         progress.advance(1);

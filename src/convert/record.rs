@@ -117,7 +117,10 @@ impl Record {
     fn hash(&self) -> u64 {
         let text = serde_json::to_vec(self).unwrap_or_default();
         let digest = Sha256::digest(&text);
-        digest.iter().take(8).fold(0, |hash, &byte| hash << 8 | u64::from(byte))
+        digest
+            .iter()
+            .take(8)
+            .fold(0, |hash, &byte| (hash << 8) | u64::from(byte))
     }
 }
 
