@@ -24,6 +24,7 @@ mod render_arguments;
 mod rgbd_arguments;
 mod serve;
 mod session;
+mod sources;
 mod stream;
 mod style_arguments;
 mod values;

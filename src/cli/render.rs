@@ -4,21 +4,21 @@ use super::arguments::FrameRange;
 use super::assumptions;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
+use super::sources::check_sources;
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
-use crate::convert::source_files;
 use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Style};
-use crate::sequence::{Loader, LoaderOptions, Sequence};
+use crate::sequence::{Loader, LoaderOptions};
 use crate::session::Session;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use std::io::IsTerminal as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 #[derive(Serialize)]
@@ -136,20 +136,6 @@ fn check_picture(arguments: &RenderArgs, output: &Path) -> anyhow::Result<()> {
     let format = PictureFormat::of_name(output)?;
     let size = arguments.picture_size();
     Ok(format.check(size.size_px, size.is_transparent)?)
-}
-
-/// Refuses to write over a file that is read.
-pub(super) fn check_sources(sequence: &Sequence, outputs: impl Iterator<Item = PathBuf>) -> anyhow::Result<()> {
-    let sources = source_files(sequence);
-    for output in outputs {
-        if output.canonicalize().is_ok_and(|place| sources.contains(&place)) {
-            bail!(
-                "the output {} is a file of the input: nothing was written, choose another name",
-                output.display()
-            );
-        }
-    }
-    Ok(())
 }
 
 /// Several frames need several names.

@@ -3,8 +3,8 @@
 use super::arguments::FrameRange;
 use super::output::answer;
 use super::progress::Bar;
-use super::render::check_sources;
 use super::render_arguments::RenderArgs;
+use super::sources::check_sources;
 use super::video_arguments::VideoArgs;
 use super::warnings;
 use crate::export::{Video, VideoFormat, export_video, numbered, picture_names};

@@ -2,9 +2,9 @@
 
 use super::conversion::{Conversion, Converted};
 use super::error::ConvertError;
+use super::frame::{WrittenFrame, write_frame};
 use super::names::FileNames;
 use super::record::{FrameState, Ledger, Record, StateBefore};
-use super::{WrittenFrame, write_frame};
 use crate::progress::Progress;
 use crate::sequence::Sequence;
 use rayon::prelude::*;

@@ -16,6 +16,7 @@ mod edit;
 mod error;
 mod estimate;
 mod folder;
+mod frame;
 mod names;
 mod place;
 mod record;
@@ -29,8 +30,7 @@ pub use place::{Place, source_at, source_files};
 pub use record::Record;
 pub use reel::join;
 
-use crate::io::Losses;
-use crate::kept::Partial;
+use self::frame::write_frame;
 use crate::messages::missing_frames;
 use crate::progress::Progress;
 use crate::sequence::Sequence;
@@ -138,50 +138,6 @@ fn convert_to_file(
         progress.advance(1);
     }
     Ok(converted)
-}
-
-/// A frame that was written.
-struct WrittenFrame {
-    /// What could not be read of it.
-    warnings: Vec<String>,
-    losses: Losses,
-}
-
-impl Converted {
-    fn take(&mut self, frame: usize, WrittenFrame { warnings, losses }: WrittenFrame) {
-        self.written += 1;
-        self.warnings
-            .extend(warnings.into_iter().map(|warning| (frame, warning)));
-        self.losses.merge(losses);
-    }
-}
-
-/// Writes frame `index` to `path`; `before_named` is told its bytes when it is on the disk and has no name yet.
-fn write_frame(
-    sequence: &Sequence,
-    conversion: &Conversion,
-    index: usize,
-    path: &Path,
-    before_named: impl FnOnce(u64) -> std::io::Result<()>,
-) -> Result<WrittenFrame, ConvertError> {
-    let cloud = conversion.edited(sequence, index)?;
-    let losses = conversion.format.losses(&cloud);
-    let write = || {
-        let (partial, mut file) = Partial::create(path)?;
-        crate::io::write(&mut file, conversion.format, &cloud)?;
-        // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
-        file.sync_data()?;
-        before_named(file.metadata()?.len())?;
-        partial.finish()
-    };
-    write().map_err(|reason| ConvertError::Write {
-        path: path.to_owned(),
-        reason,
-    })?;
-    Ok(WrittenFrame {
-        warnings: cloud.warnings,
-        losses,
-    })
 }
 
 #[cfg(test)]

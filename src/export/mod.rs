@@ -16,6 +16,7 @@ mod open;
 mod overlay;
 mod picture;
 mod picture_format;
+mod picture_name;
 mod png_files;
 mod poses;
 mod scale_bar;

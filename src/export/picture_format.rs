@@ -1,13 +1,12 @@
-//! Formats of still pictures, by the extension of a name, and their encoding.
+//! Formats of still pictures, and their encoding.
 
-use super::error::ExportError;
+use super::limits::MAX_EDGE_PX;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, RgbaImage};
 use std::fmt;
 use std::io::{Error, Seek, Write};
-use std::path::Path;
 use tiff::encoder::colortype::{RGB8, RGBA8};
 use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 use tiff::tags::ExtraSamples;
@@ -26,16 +25,16 @@ pub enum PictureFormat {
 }
 
 /// How a format is named.
-struct Row {
-    format: PictureFormat,
-    name: &'static str,
-    extensions: &'static [&'static str],
-    max_edge_px: u32,
+pub(super) struct Row {
+    pub(super) format: PictureFormat,
+    pub(super) name: &'static str,
+    pub(super) extensions: &'static [&'static str],
+    pub(super) max_edge_px: u32,
 }
 
 /// One row per format; its first extension is the usual one.
-const FORMATS: [Row; 4] = [
-    row(PictureFormat::Png, "PNG", &["png"], super::MAX_EDGE_PX),
+pub(super) const FORMATS: [Row; 4] = [
+    row(PictureFormat::Png, "PNG", &["png"], MAX_EDGE_PX),
     // These are in memory as a whole while they are encoded.
     row(PictureFormat::Jpeg, "JPEG", &["jpg", "jpeg"], 16_384),
     row(PictureFormat::Webp, "WebP", &["webp"], 16_383),
@@ -55,25 +54,6 @@ const fn row(format: PictureFormat, name: &'static str, extensions: &'static [&'
 const JPEG_QUALITY: u8 = 95;
 
 impl PictureFormat {
-    /// The format that the extension of `path` says.
-    ///
-    /// # Errors
-    /// [`ExportError::UnknownPicture`] for another extension, none, and an existing folder.
-    pub fn of_name(path: &Path) -> Result<Self, ExportError> {
-        let extension = path
-            .extension()
-            .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-        let has_it = |row: &&Row| {
-            extension
-                .as_deref()
-                .is_some_and(|found| row.extensions.contains(&found))
-        };
-        let found = FORMATS.iter().find(has_it).filter(|_| !path.is_dir());
-        found
-            .map(|row| row.format)
-            .ok_or_else(|| ExportError::UnknownPicture { path: path.to_owned() })
-    }
-
     /// Every extension that is written, without dot.
     pub fn extensions() -> impl Iterator<Item = &'static str> {
         FORMATS.iter().flat_map(|row| row.extensions).copied()
@@ -89,27 +69,7 @@ impl PictureFormat {
         self != Self::Jpeg
     }
 
-    /// What the format cannot hold is refused before anything is drawn.
-    ///
-    /// # Errors
-    /// [`ExportError::OpaquePicture`], [`ExportError::LargePicture`].
-    pub fn check(self, [width, height]: [u32; 2], is_transparent: bool) -> Result<(), ExportError> {
-        if is_transparent && !self.has_alpha() {
-            return Err(ExportError::OpaquePicture { format: self });
-        }
-        let max_px = self.row().max_edge_px;
-        if width.max(height) > max_px {
-            return Err(ExportError::LargePicture {
-                format: self,
-                width,
-                height,
-                max_px,
-            });
-        }
-        Ok(())
-    }
-
-    fn row(self) -> &'static Row {
+    pub(super) fn row(self) -> &'static Row {
         // A test holds that every format has its row.
         FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }
@@ -174,25 +134,9 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn names_say_the_format() {
+    fn formats_are_rows_in_their_order() {
         for (place, row) in FORMATS.iter().enumerate() {
             assert_eq!(row.format as usize, place, "{}", row.name);
-        }
-        for (name, format) in [
-            ("a.png", PictureFormat::Png),
-            ("a.b.JPG", PictureFormat::Jpeg),
-            ("p{frame}.jpeg", PictureFormat::Jpeg),
-            ("a.webp", PictureFormat::Webp),
-            ("a.tif", PictureFormat::Tiff),
-            ("a.TIFF", PictureFormat::Tiff),
-        ] {
-            assert_eq!(PictureFormat::of_name(Path::new(name)).unwrap(), format, "{name}");
-        }
-        for name in [
-            "a.exr", "a.gif", "a.bmp", "a.mp4", "a.svg", "a", "png", ".png", "a.png~", "/tmp",
-        ] {
-            let refused = PictureFormat::of_name(Path::new(name)).unwrap_err().to_string();
-            assert!(refused.contains(".png, .jpg, .jpeg, .webp, .tif"), "{refused}");
         }
     }
 
@@ -236,19 +180,5 @@ mod tests {
             [pixel[0], pixel[1], pixel[2], alpha]
         });
         RgbaImage::from_raw(width, height, pixels.collect()).unwrap()
-    }
-
-    #[test]
-    fn what_a_format_cannot_hold_is_refused() {
-        assert!(
-            PictureFormat::Jpeg
-                .check([64, 48], true)
-                .unwrap_err()
-                .to_string()
-                .contains(".png")
-        );
-        assert!(PictureFormat::Webp.check([16_384, 10], false).is_err());
-        PictureFormat::Png.check([super::super::MAX_EDGE_PX, 10], true).unwrap();
-        PictureFormat::Jpeg.check([64, 48], false).unwrap();
     }
 }

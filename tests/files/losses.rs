@@ -97,7 +97,7 @@ proptest! {
             let losses = format.losses(&cloud);
             let read = read_back(format, &cloud);
             let (there, read_of) = (&cloud.attributes, &read.attributes);
-            let holes = if loses(&losses, &Loss::Holes) { 1 } else { 0 };
+            let holes = usize::from(loses(&losses, &Loss::Holes));
             prop_assert_eq!(read.positions.len(), COUNT - holes, "{}: points", format);
             prop_assert_eq!(read_of.colors.is_some(), there.colors.is_some(), "{}: colours", format);
             for (what, is_there, is_read, is_said) in [

@@ -1,6 +1,6 @@
 //! The attributes of a cloud as named columns. Ellipses are left out: no other program would know them by a name.
 
-use super::losses::Loss;
+use super::loss::Loss;
 use crate::cloud::{Positions, RawCloud};
 use std::fmt::Write as _;
 

@@ -1,6 +1,6 @@
 //! One way to write clouds.
 
-use super::losses::Loss;
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 use std::io::{Seek, Write};
 

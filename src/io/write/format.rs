@@ -1,7 +1,8 @@
 //! The formats that are written, by their names.
 
 use super::encoder::Encoder;
-use super::losses::{Losses, losses};
+use super::loss::Losses;
+use super::losses::losses;
 use crate::cloud::RawCloud;
 use crate::io::TABLE;
 use std::fmt;

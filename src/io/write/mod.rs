@@ -6,6 +6,7 @@
 mod columns;
 mod encoder;
 mod format;
+mod loss;
 mod losses;
 pub(super) mod npy;
 pub(super) mod pcd;
@@ -14,4 +15,4 @@ pub(super) mod text;
 
 pub(super) use encoder::{Encoder, Held, WriteSeek};
 pub use format::{WriteFormat, write};
-pub use losses::{Loss, Losses};
+pub use loss::{Loss, Losses};

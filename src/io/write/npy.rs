@@ -7,7 +7,7 @@
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
 use super::encoder::{Encoder, Held, WriteSeek};
-use super::losses::Loss;
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];

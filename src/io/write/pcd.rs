@@ -5,7 +5,7 @@
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name, renamed};
 use super::encoder::{Encoder, Held, WriteSeek};
-use super::losses::Loss;
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 const HOLDS: &[Held] = &[
