@@ -65,7 +65,7 @@ enum Verb {
     Bench(Box<bench::BenchArgs>),
     /// Says what is in a sequence
     Info(info::InfoArgs),
-    /// Says what may be wrong with a sequence: exit code 0 if nothing, 3 if something was found
+    /// Checks a sequence for problems: exit code 3 for errors and warnings, 0 for notes
     Check(check::CheckArgs),
     /// Writes frames in another format, moved, thinned out, with normals
     Convert(Box<convert::ConvertArgs>),

@@ -16,13 +16,14 @@ use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
 use super::rows::{self, Dialect, ParsedRows};
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::progress::Progress;
 
 /// Text with coordinates in columns.
 pub(super) const FORMAT: Format = Format::new(&Traits {
     name: "text",
     extensions: &["xyz", "txt", "csv", "asc", "pts"],
+    convention: Some(AxisConvention::UsuallyZUp),
     ..Traits::PLAIN
 });
 
