@@ -72,7 +72,7 @@ pub(crate) use read::read_sample;
 pub use read::{read, read_bytes, read_part, read_part_observed};
 pub use recording::Message;
 pub use shared::SharedFile;
-pub use write::{WriteFormat, write};
+pub use write::{Loss, Losses, WriteFormat, write};
 
 use codec::{Codec, NamedColumns};
 use write::{npy as npy_write, pcd as pcd_write, ply as ply_write, text as text_write};

@@ -19,6 +19,7 @@ mod io_text_and_bin;
 mod io_write;
 mod lidar;
 mod meaning_text;
+mod losses;
 mod photos;
 mod real_frames;
 mod reel;
