@@ -103,6 +103,20 @@ impl ReadArgs {
         }
     }
 
+    /// The options that change what frames have, as they are typed; empty where none is given.
+    pub(super) fn in_words(&self) -> String {
+        let mut words: Vec<String> = Vec::new();
+        let mut add = |option: &str, value: Option<String>| {
+            words.extend(value.map(|value| format!("--{option} {value}").trim_end().to_owned()));
+        };
+        let given = |is_given: bool| is_given.then(String::new);
+        add("columns", self.columns.map(|columns| columns.to_string()));
+        add("merge-scans", given(self.merge_scans));
+        add("dense", given(self.dense));
+        words.extend(self.rgbd.in_words());
+        words.join(" ")
+    }
+
     pub(super) fn open_options(&self) -> OpenOptions {
         let default = ReadOptions::default();
         let max_memory_bytes = self.max_memory.unwrap_or(default.max_memory_bytes);

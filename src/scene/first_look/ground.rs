@@ -6,8 +6,8 @@
 //! - *A narrow foot.* Trees and tables are narrow where they stand; the other end is not, nor are the other axes.
 //! - *A height field.* Seen from an aircraft or a drone the ground has one height at each place, though hills may rise
 //!   as high as the map is wide.
-//! - *A floor.* Of the planes across an axis, the largest is at an end, nothing is behind it, and most of the footprint
-//!   is above it.
+//! - *A floor.* A plane at the end of an axis covers most of the footprint, and none does at the ends of the other axis
+//!   that may be up.
 
 use super::sample::{CloudSample, quantile};
 use super::up::{Up, along};
@@ -114,21 +114,23 @@ fn thickness(sample: &CloudSample, bounds: &Aabb, axis: usize) -> f32 {
     quantile(&mut thicknesses, 0.5) / bounds.extent()[axis].max(f32::MIN_POSITIVE)
 }
 
-/// A floor: the largest plane at an end of an axis, with nothing behind it.
+/// A floor: the larger plane at an end of Y or Z, the axes that are up; walls are at the ends of the others.
 pub(super) fn of_floor(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Share of the footprint that a floor covers, and how much more than the next best end.
-    const MIN_COVER: f32 = 0.3;
-    const BETTER: f32 = 1.4;
-    let mut ends: Vec<(f32, UpAxis)> = Vec::new();
-    for axis in 0..3 {
-        for is_low in [true, false] {
-            ends.push((cover_of_end(sample, bounds, axis, is_low), along(axis, is_low)));
-        }
-    }
-    ends.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (best, next) = (ends[0], ends[1]);
-    (best.0 >= MIN_COVER && best.0 >= BETTER * next.0)
-        .then(|| Up::by_points(best.1, "its largest plane has everything on one side"))
+    /// Share of the footprint that a floor covers, and how many times as much as the best end of the other axis.
+    const MIN_COVER: f32 = 0.4;
+    const BETTER: f32 = 2.0;
+    /// A ceiling is no more than this, beside the floor below it.
+    const CEILING: f32 = 1.4;
+    let [y, z] = [1, 2].map(|axis| [true, false].map(|is_low| cover_of_end(sample, bounds, axis, is_low)));
+    let best = |[low, high]: [f32; 2]| low.max(high);
+    let (axis, [low, high], other) = if best(y) > best(z) { (1, y, z) } else { (2, z, y) };
+    let is_clear = low.max(high) >= MIN_COVER && low.max(high) >= BETTER * best(other);
+    is_clear.then(|| {
+        Up::by_points(
+            along(axis, high < CEILING * low),
+            "its largest plane has everything on one side",
+        )
+    })
 }
 
 /// Share of the footprint along `axis` whose outermost points at one end lie in one plane.
@@ -223,7 +225,7 @@ mod tests {
     #[test]
     fn hills_are_a_height_field_along_z_alone() {
         let hills: Vec<Vec3> = numbers(8000)
-            .map(|[a, b, _]| Vec3::new(150.0 * a, 170.0 * b, 30.0 * (5.0 * a).sin() + 25.0 * (4.0 * b).cos()))
+            .map(|[a, b, _]| Vec3::new(150.0 * a, 170.0 * b, 18.0 * (5.0 * a).sin() + 15.0 * (4.0 * b).cos()))
             .collect();
         let (all, bounds) = sample(hills.clone());
         assert_eq!(of_height_field(&all, &bounds).map(|up| up.axis), Some(UpAxis::Z));
@@ -233,13 +235,12 @@ mod tests {
     }
 
     #[test]
-    fn a_room_without_its_ceiling_stands_on_its_floor() {
+    fn a_floor_beside_a_wall_is_below() {
         let room: Vec<Vec3> = numbers(9000)
             .enumerate()
             .map(|(index, [a, b, c])| match index % 6 {
                 0..3 => Vec3::new(5.0 * a, 4.0 * b, 0.0),
-                3 => Vec3::new(0.0, 4.0 * a, 2.5 * b * c.sqrt()),
-                4 => Vec3::new(5.0 * a, 0.0, 2.5 * b * c.sqrt()),
+                3 | 4 => Vec3::new(0.0, 4.0 * a, 2.5 * b),
                 _ => Vec3::new(1.0 + a, 1.0 + b, 0.8 * c),
             })
             .collect();

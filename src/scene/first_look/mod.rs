@@ -355,10 +355,10 @@ impl Told {
             .or_else(|| ground::of_map_coordinates(&bounds, zero))
             .or(stands)
             .or(foot)
+            .or_else(|| ground::of_floor(sample, &bounds).filter(|_| field.is_none()))
             .or(by_format)
             .or(field)
             .or_else(flat)
-            .or_else(|| ground::of_floor(sample, &bounds))
             .unwrap_or(fallback);
         // Surveys may have a hill in them.
         let is_survey = convention == Some(AxisConvention::ZUp)

@@ -23,8 +23,8 @@ const MAX_GROUND_SPACING: f32 = 0.03;
 /// Widest distance of nearly all points: wider disks hide what is behind them.
 const MAX_WIDE_SPACING: f32 = 0.3;
 /// Disks of points that are so many times as far apart as most are wide, and cover at most this share of all.
-const WIDE: f32 = 5.0;
-const MAX_WIDE_AREA: f32 = 0.5;
+const WIDE: f32 = 3.0;
+const MAX_WIDE_AREA: f32 = 0.2;
 
 /// A cloud, and how it was captured.
 pub(super) struct Captured<'a> {

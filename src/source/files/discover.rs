@@ -13,6 +13,7 @@
 
 use super::companions::{Companions, Known};
 use super::recording::{Recording, topics_of};
+use super::refusal;
 use super::stamps::stamp;
 use crate::io::{self, Format};
 use crate::natural::{NamePiece, Runs, natural_order, split_name};
@@ -116,6 +117,9 @@ impl Discovered {
                 self.entries.push(FrameEntry::file(path));
             }
             Some(Ok(contents)) => {
+                let notes = contents.notes.iter();
+                self.notes
+                    .extend(notes.map(|note| format!("{}: {note}", path.display())));
                 let frames = contents.entries.into_iter();
                 self.entries.extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {
@@ -182,6 +186,7 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
         reason,
     };
     let mut files = Vec::new();
+    let mut others = Vec::new();
     let mut subfolders = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
@@ -196,10 +201,23 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
             subfolders.push(path);
         } else if has_known_extension(&path) {
             files.push(path);
+        } else {
+            others.push(path);
         }
     }
     leave_out_buffers(&mut files);
+    if let Some(refusal) = refusal::of_whole(folder, &files, &others) {
+        return Err(refusal);
+    }
     if files.is_empty() {
+        let hint = if subfolders.is_empty() {
+            String::new()
+        } else {
+            format!("; else {}", empty_folder_hint(subfolders.clone()))
+        };
+        if let Some(refusal) = refusal::of_files(folder, &mut others, &hint) {
+            return Err(refusal);
+        }
         return Err(SequenceError::EmptyFolder {
             path: folder.to_path_buf(),
             extensions: known_patterns(),
