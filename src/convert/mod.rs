@@ -14,6 +14,8 @@ mod conversion;
 mod edit;
 mod error;
 mod estimate;
+mod join;
+mod merging;
 mod place;
 mod record;
 mod reel;
@@ -21,10 +23,11 @@ mod reel;
 pub use conversion::{Conversion, Converted, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
-pub use estimate::{Estimate, EstimatedErrors, SampleEstimate, SampleFrame, Target, source_bytes};
+pub use estimate::{Estimate, EstimatedErrors, OtherWay, SampleEstimate, SampleFrame, Target, source_bytes};
+pub use join::{Joined, join, parts_of};
+pub use merging::MergePrice;
 pub use place::Place;
 pub use record::Record;
-pub use reel::join;
 
 use self::conversion::is_finished;
 use crate::kept;
@@ -50,8 +53,7 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     let Shard { index, count } = conversion.shard;
     let frames: Vec<usize> = range.filter(|frame| *frame <= last).collect();
     if let Output::Reel(path, options) = &conversion.output {
-        let share = reel::share(&frames, conversion.shard);
-        return reel::convert(sequence, conversion, (path, options), share, progress);
+        return reel::convert(sequence, conversion, (path, options), &frames, progress);
     }
     let frames: Vec<usize> = frames.into_iter().filter(|frame| frame % count == index).collect();
     progress.set(0, frames.len());

@@ -2,9 +2,10 @@
 
 use super::conversion::{Conversion, Output};
 use super::error::ConvertError;
-use crate::sequence::Sequence;
+use crate::sequence::{FrameEntry, Sequence};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Name of the file in the folder.
 const FILE_NAME: &str = ".pointreel-convert.json";
@@ -31,6 +32,17 @@ impl Record {
             },
             edit: conversion.edit.to_string(),
         }
+    }
+
+    /// The same as a text, with a number that stands for the names and times of what is read.
+    pub(super) fn made_of(&self, frames: &[Arc<FrameEntry>]) -> String {
+        let mut names = crc32fast::Hasher::new();
+        for entry in frames {
+            names.update(entry.name.as_bytes());
+            names.update(&entry.time.map_or(0, |time| time.as_nanos()).to_le_bytes());
+        }
+        let options = serde_json::to_string(self).unwrap_or_default();
+        format!("{} frames {:08x} {options}", frames.len(), names.finalize())
     }
 
     /// What a conversion has left in `folder`.
