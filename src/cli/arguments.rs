@@ -7,7 +7,7 @@ use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
 use crate::cloud::NoData;
-use crate::io::ReadOptions;
+use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
@@ -40,9 +40,11 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
-    /// Numbers a point in .bin files, 3 to 6 (usually told by statistics)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=6))]
-    columns: Option<u8>,
+    /// Columns of text and .bin files: their number in .bin, such as 7, or which is what, such as
+    /// x=3,y=4,z=5,intensity=7 or x=lon_m,y=lat_m,z=h, or both, such as 7:x=0,y=1,z=2 (counted from 0 or by the names in
+    /// the header; frame=2 for the column of frames, frame=none for one frame; default: names and values decide)
+    #[arg(long, value_name = "COLUMNS")]
+    columns: Option<ColumnMap>,
 
     /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that stands for a
     /// missing coordinate
@@ -122,7 +124,7 @@ impl ReadArgs {
             read: default
                 .with_max_memory(max_memory_bytes)
                 .with_sample_count(self.sample)
-                .with_bin_columns(self.columns),
+                .with_columns(self.columns),
             no_data: self.no_data,
             fps: None,
             merge_scans: self.merge_scans,

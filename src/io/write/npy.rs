@@ -97,7 +97,7 @@ fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
     // Fewer columns are told by their number, and these by the first behind the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
-        let is_looked_at = columns.len() >= 6 && (3..7).contains(&index);
+        let is_looked_at = columns.len() >= 5 && (3..xyz::MAX_GUESSED_COLUMN).contains(&index);
         let rows = if is_looked_at { rows } else { 0 };
         (0..rows).map(|row| column.value(row)).collect()
     });
