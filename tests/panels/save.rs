@@ -328,8 +328,8 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
 fn every_control_of_the_dialog_has_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
-    for precision in ["Sampling density", "Bits", "Length", "Lossless"] {
-        if precision != "Sampling density" {
+    for precision in ["Point spacing", "Bits", "Length", "Lossless"] {
+        if precision != "Point spacing" {
             choose(&mut harness, "Positions", precision);
         }
         wait_for_estimate(&mut harness, 5);
