@@ -5,6 +5,7 @@ use super::session::{OpenedInputs, open_inputs};
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
 };
+use crate::export::PictureFormat;
 use crate::kept;
 use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
@@ -67,7 +68,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
 
-    /// Write the 3-D picture of the window to this PNG file and end
+    /// Write the 3-D picture of the window to this file (.png, .jpg, .webp or .tif) and end
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
 
@@ -90,6 +91,9 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     if args.picture.is_transparent() {
         bail!("a window has no transparent background: choose colours, or `pointreel render`");
+    }
+    if let Some(screenshot) = &args.screenshot {
+        PictureFormat::of_name(screenshot)?;
     }
     let open = OpenOptions {
         fps: args.fps,

@@ -185,10 +185,11 @@ fn other_columns_open_the_file_again_and_are_remembered_for_it() {
     let mut harness = window_of(folder.path(), &inputs);
     assert_eq!(point_count(&harness), 1600);
     open_list(&mut harness);
-    click_and_reopen(&mut harness, "columns: 5");
+    click_and_reopen(&mut harness, "columns: 5 values");
     assert_eq!(point_count(&harness), 1280);
     assert!(has(&harness, "Reset columns"));
-    assert_eq!(harness.state().session().unwrap().reading.columns, Some(5));
+    let columns = harness.state().session().unwrap().reading.columns;
+    assert_eq!(columns.map(|columns| columns.to_string()).as_deref(), Some("5"));
 
     let mut again = window_of(folder.path(), &inputs);
     assert_eq!(point_count(&again), 1280);
@@ -209,14 +210,14 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
     let mut harness = window_of(folder.path(), &inputs);
     let before = source_of(harness.state());
     open_list(&mut harness);
-    click(&mut harness, "columns: 5");
+    click(&mut harness, "columns: 5 values");
     until(&mut harness, "it is said", |state| !state.notices.list().is_empty());
     assert!(harness.state().notices.list()[0].text.contains("odd.bin"));
     assert_eq!(source_of(harness.state()), before);
     assert_eq!(harness.state().reading_choices.of(&inputs), None);
 
     // A file that was written again does not fit the choice that was made for it before: it is opened all the same.
-    click_and_reopen(&mut harness, "columns: 4");
+    click_and_reopen(&mut harness, "columns: 4 values");
     fs::write(&file, [0; 60]).unwrap();
     let again = window_of(folder.path(), &inputs);
     assert_eq!(point_count(&again), 5);

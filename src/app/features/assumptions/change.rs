@@ -1,6 +1,7 @@
 //! Alternatives to assumptions.
 
 use crate::cloud::NoData;
+use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::scene::{Primitive, UpAxis};
 use crate::sequence::OpenOptions;
@@ -20,8 +21,8 @@ pub(in crate::app) enum Change {
 /// A change of the options by which inputs are read; `None` is the automatic choice.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::app) enum ReadChange {
-    /// Values per point in files without a header.
-    Columns(Option<u8>),
+    /// Columns of text and of files without a header.
+    Columns(Option<ColumnMap>),
     /// Depth values per metre.
     DepthScale(Option<f64>),
     /// `fx,fy,cx,cy` or a file.
@@ -40,7 +41,7 @@ impl ReadChange {
     /// Changes `open`.
     pub(in crate::app) fn apply(&self, open: &mut OpenOptions) {
         match self.clone() {
-            Self::Columns(columns) => open.read = open.read.with_bin_columns(columns),
+            Self::Columns(columns) => open.read = open.read.with_columns(columns),
             Self::DepthScale(scale) => open.rgbd.depth_scale = scale,
             Self::Intrinsics(text) => open.rgbd.intrinsics = text,
             Self::Poses(file) => open.rgbd.poses = file,

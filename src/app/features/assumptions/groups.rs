@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn a_choice_takes_the_place_of_the_assumption_and_can_be_taken_back() {
         let mut open = usual();
-        ReadChange::Columns(Some(5)).apply(&mut open);
+        ReadChange::Columns(Some(crate::io::ColumnMap::of_width(5))).apply(&mut open);
         ReadChange::DepthScale(Some(5000.0)).apply(&mut open);
         let mut given = given(vec![assumed(Subject::UpAxis), assumed(Subject::Columns)], &open);
         given.chosen_up = Some(UpAxis::NegY);

@@ -4,6 +4,7 @@ use super::change::ReadChange;
 use super::groups::Field;
 use crate::assumption::Subject;
 use crate::cloud::NoData;
+use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::sequence::OpenOptions;
 use std::path::{Path, PathBuf};
@@ -57,14 +58,19 @@ impl ReadRow {
         },
         Self {
             subject: Subject::Columns,
-            chosen: |open| Some(format!("{} values per point", open.read.bin_columns?)),
+            chosen: |open| Some(open.read.columns?.to_string()),
             automatic: ReadChange::Columns(None),
             offered: || {
-                let widths = 3..=6;
-                let named = widths.map(|width| (width.to_string(), ReadChange::Columns(Some(width))));
+                let named = (3..=8).map(|width| {
+                    let columns = ReadChange::Columns(Some(ColumnMap::of_width(width)));
+                    (format!("{width} values"), columns)
+                });
                 named.collect()
             },
-            field: None,
+            field: Some(Field {
+                hint: "x=0,y=1,z=2",
+                parse: |text| Ok(ReadChange::Columns(Some(text.parse()?))),
+            }),
         },
         Self {
             subject: Subject::NoData,
