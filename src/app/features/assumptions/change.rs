@@ -66,3 +66,12 @@ impl ReadChange {
         }
     }
 }
+
+/// A field for any other value.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::app) struct Field {
+    /// Shown in the empty field.
+    pub(in crate::app) hint: &'static str,
+    /// The change that a text stands for; `Err` says what was expected.
+    pub(in crate::app) parse: fn(&str) -> Result<ReadChange, String>,
+}

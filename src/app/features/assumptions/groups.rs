@@ -1,6 +1,6 @@
 //! The list of assumptions as the window shows it: those of the sequence joined with the user's choices, by subject.
 
-use super::change::{Change, ReadChange};
+use super::change::{Change, Field};
 use super::read_rows::ReadRow;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::scene::{Primitive, UpAxis};
@@ -58,15 +58,6 @@ pub(in crate::app) struct Alternative {
     pub(in crate::app) is_current: bool,
     /// Why it cannot be chosen.
     pub(in crate::app) lack: Option<String>,
-}
-
-/// A field for any other value.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::app) struct Field {
-    /// Shown in the empty field.
-    pub(in crate::app) hint: &'static str,
-    /// The change that a text stands for; `Err` says what was expected.
-    pub(in crate::app) parse: fn(&str) -> Result<ReadChange, String>,
 }
 
 impl Group {
@@ -218,6 +209,7 @@ fn with_reading(mut group: Group, row: &ReadRow, given: &Given<'_>) -> Group {
 
 #[cfg(test)]
 mod tests {
+    use super::super::change::ReadChange;
     use super::*;
 
     fn usual() -> OpenOptions {

@@ -1,7 +1,7 @@
 //! The chip with the number of assumptions, and their list.
 
-use super::change::Change;
-use super::groups::{Alternative, Field, Group, Line};
+use super::change::{Change, Field};
+use super::groups::{Alternative, Group, Line};
 use crate::app::open_panels::PanelId;
 use crate::app::theme::ODD;
 use crate::app::widgets::names::named;

@@ -1,7 +1,6 @@
 //! Subjects whose assumption is changed by reading the inputs with other options, a row each.
 
-use super::change::ReadChange;
-use super::groups::Field;
+use super::change::{Field, ReadChange};
 use crate::assumption::Subject;
 use crate::cloud::NoData;
 use crate::io::ColumnMap;
