@@ -52,7 +52,11 @@ pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let mut drafts = Drafts::new(folder, above.into_iter().chain([folder.to_owned()]).collect());
     for name in names {
         if let Some(photo) = name.strip_suffix(SUFFIX) {
-            drafts.photos.push(camera(&folder.join(&name), photo)?);
+            // A file that is broken costs its photograph.
+            let draft = camera(&folder.join(&name), photo).unwrap_or_else(|error| {
+                Draft::new(photo.to_owned(), Err(error.to_string()), DMat3::IDENTITY, DVec3::ZERO)
+            });
+            drafts.photos.push(draft);
         }
     }
     Ok(drafts)
@@ -63,12 +67,12 @@ fn camera(path: &Path, photo: &str) -> Result<Draft, PhotosError> {
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
     expect(&mut text, "extrinsic")?;
-    let rows: [f64; 16] = text.numbers("a matrix of 4 × 4 numbers")?;
+    let rows: [f64; 16] = text.any_numbers("a matrix of 4 × 4 numbers")?;
     expect(&mut text, "intrinsic")?;
-    let k: [f64; 9] = text.numbers("a matrix of 3 × 3 numbers")?;
+    let k: [f64; 9] = text.any_numbers("a matrix of 3 × 3 numbers")?;
     let mut depths = Vec::new();
     while depths.len() < 4 && !text.is_at_end() {
-        let [depth] = text.numbers("a depth")?;
+        let [depth] = text.any_numbers("a depth")?;
         depths.push(depth);
     }
     let row = |row: usize| DVec3::new(rows[4 * row], rows[4 * row + 1], rows[4 * row + 2]);

@@ -48,15 +48,22 @@ impl<'a> Text<'a> {
 
     /// The next words as numbers, which have to be finite.
     pub(super) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], PhotosError> {
-        let mut numbers = [0.0_f64; N];
-        for number in &mut numbers {
-            *number = self.number(what)?;
-        }
+        let numbers = self.any_numbers(what)?;
         if numbers.iter().all(|number: &f64| number.is_finite()) {
             Ok(numbers)
         } else {
             Err(self.error(format!("expected {what}, found a number that is not finite")))
         }
+    }
+
+    /// The next words as numbers, be they finite or not: what is wrong with one of many things costs that one, which
+    /// whoever takes it has to see.
+    pub(super) fn any_numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], PhotosError> {
+        let mut numbers = [0.0_f64; N];
+        for number in &mut numbers {
+            *number = self.number(what)?;
+        }
+        Ok(numbers)
     }
 
     /// What is left of the line, without white space around it; the place is the next line then.

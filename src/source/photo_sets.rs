@@ -35,11 +35,13 @@ pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<A
         return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
     };
     let calibration = found.calibration().map_err(wrong)?;
+    let model = found.path;
     Ok(Some(
         match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
             Ok(video) => Arc::new(video),
             Err(calibration) => Arc::new(PhotoScene::of(
                 calibration.photographs().map_err(wrong)?,
+                &model,
                 input,
                 options,
             )),
