@@ -35,6 +35,8 @@ pub enum FindingKind {
     ChangedUpAxis,
     /// A photograph whose camera does not fit the points that were found in it.
     LooseCamera,
+    /// Frames that another camera took than the first ones.
+    ChangedCamera,
 }
 
 /// Something that a person should look at.

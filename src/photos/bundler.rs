@@ -55,14 +55,14 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         drafts.photos.push(photo);
     }
     for _ in 0..point_count {
-        let position = DVec3::from_array(text.any_numbers("the position of a point")?);
-        let color: [f64; 3] = text.any_numbers("the colour of a point")?;
+        let position = DVec3::from_array(text.numbers("the position of a point")?);
+        let color: [f64; 3] = text.numbers("the colour of a point")?;
         let count: u64 = text.number("the length of a view list")?;
         let mut track = Vec::new();
         for _ in 0..count {
             let photo = text.number("the index of a camera")?;
             text.word("the index of a key")?;
-            let [x, y] = text.any_numbers("the place of a key")?;
+            let [x, y] = text.numbers("the place of a key")?;
             track.push(Observation {
                 photo,
                 pixel: Vec2::new(x as f32, -y as f32),
@@ -74,9 +74,9 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
 }
 
 fn camera(text: &mut Text<'_>, name: String) -> Result<Draft, PhotosError> {
-    let [focal_px, k1, k2] = text.any_numbers("a focal length, k1 and k2")?;
-    let turn = DMat3::from_cols_array(&text.any_numbers("a rotation")?).transpose();
-    let shift = DVec3::from_array(text.any_numbers("a translation")?);
+    let [focal_px, k1, k2] = text.numbers("a focal length, k1 and k2")?;
+    let turn = DMat3::from_cols_array(&text.numbers("a rotation")?).transpose();
+    let shift = DVec3::from_array(text.numbers("a translation")?);
     let lens = if focal_px == 0.0 {
         Err("Bundler found no place for it".into())
     } else {

@@ -157,8 +157,9 @@ impl Drafts {
         set.notes.extend(notes_of_wrong(&wrong));
         let skipped = self.points.skipped();
         if skipped > 0 {
-            set.notes
-                .push(format!("{skipped} points have coordinates that are not finite: they are skipped"));
+            set.notes.push(format!(
+                "{skipped} points have coordinates that are not finite: they are skipped"
+            ));
         }
         if set.photos.is_empty() && (!self.points.is_empty() || set.points_file.is_some()) {
             set.notes.push(format!(

@@ -105,7 +105,10 @@ mod tests {
         let text = br#"{"a": [NaN, -Infinity, Infinity, 1e3], "b": "NaN \" NaN", "c": -NaN}"#;
         let replaced = without_non_numbers(text).unwrap();
         let value: Value = serde_json::from_slice(&replaced).unwrap();
-        assert_eq!(value, json!({"a": [null, null, null, 1e3], "b": "NaN \" NaN", "c": null}));
+        assert_eq!(
+            value,
+            json!({"a": [null, null, null, 1e3], "b": "NaN \" NaN", "c": null})
+        );
         assert_eq!(without_non_numbers(br#"{"a": "NaN"}"#), None);
     }
 

@@ -28,9 +28,9 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     let mut drafts = Drafts::new(path, vec![folder]);
     for _ in 0..count {
         let name = text.word("the name of a photograph")?.to_owned();
-        let calibration = text.any_numbers("a calibration (9 numbers)")?;
-        let turn = DMat3::from_cols_array(&text.any_numbers("a rotation (9 numbers)")?).transpose();
-        let shift = DVec3::from_array(text.any_numbers("a translation (3 numbers)")?);
+        let calibration = text.numbers("a calibration (9 numbers)")?;
+        let turn = DMat3::from_cols_array(&text.numbers("a rotation (9 numbers)")?).transpose();
+        let shift = DVec3::from_array(text.numbers("a translation (3 numbers)")?);
         drafts.photos.push(Draft::new(name, lens(calibration), turn, shift));
     }
     if !text.is_at_end() {

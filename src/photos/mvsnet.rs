@@ -67,12 +67,12 @@ fn camera(path: &Path, photo: &str) -> Result<Draft, PhotosError> {
     let file = String::from_utf8_lossy(&file);
     let mut text = Text::new(path, &file);
     expect(&mut text, "extrinsic")?;
-    let rows: [f64; 16] = text.any_numbers("a matrix of 4 × 4 numbers")?;
+    let rows: [f64; 16] = text.numbers("a matrix of 4 × 4 numbers")?;
     expect(&mut text, "intrinsic")?;
-    let k: [f64; 9] = text.any_numbers("a matrix of 3 × 3 numbers")?;
+    let k: [f64; 9] = text.numbers("a matrix of 3 × 3 numbers")?;
     let mut depths = Vec::new();
     while depths.len() < 4 && !text.is_at_end() {
-        let [depth] = text.any_numbers("a depth")?;
+        let [depth] = text.numbers("a depth")?;
         depths.push(depth);
     }
     let row = |row: usize| DVec3::new(rows[4 * row], rows[4 * row + 1], rows[4 * row + 2]);

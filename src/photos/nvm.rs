@@ -108,14 +108,14 @@ fn model(text: &mut Text<'_>, camera_count: u64, fixed: Option<Fixed>) -> Result
     let point_count: u64 = text.number("the number of points of a model")?;
     let origin = fixed.map_or(DVec2::ZERO, |fixed| fixed.principal_px);
     for _ in 0..point_count {
-        let position = DVec3::from_array(text.any_numbers("the position of a point")?);
-        let color: [f64; 3] = text.any_numbers("the colour of a point")?;
+        let position = DVec3::from_array(text.numbers("the position of a point")?);
+        let color: [f64; 3] = text.numbers("the colour of a point")?;
         let count: u64 = text.number("the number of measurements")?;
         let mut track = Vec::new();
         for _ in 0..count {
             let photo = text.number("the index of a camera")?;
             text.word("the index of a feature")?;
-            let pixel = DVec2::from_array(text.any_numbers("the place of a feature")?) + origin;
+            let pixel = DVec2::from_array(text.numbers("the place of a feature")?) + origin;
             track.push(Observation {
                 photo,
                 pixel: pixel.as_vec2(),
@@ -129,10 +129,10 @@ fn model(text: &mut Text<'_>, camera_count: u64, fixed: Option<Fixed>) -> Result
 fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosError> {
     // Blanks within a name are written as quotation marks.
     let name = text.word("the name of a photograph")?.replace('"', " ");
-    let [focal_px] = text.any_numbers("a focal length")?;
-    let [w, x, y, z] = text.any_numbers("a quaternion")?;
-    let center = DVec3::from_array(text.any_numbers("a camera centre")?);
-    let [radial] = text.any_numbers("a radial distortion")?;
+    let [focal_px] = text.numbers("a focal length")?;
+    let [w, x, y, z] = text.numbers("a quaternion")?;
+    let center = DVec3::from_array(text.numbers("a camera centre")?);
+    let [radial] = text.numbers("a radial distortion")?;
     text.rest_of_line();
     let quaternion = DQuat::from_xyzw(x, y, z, w);
     let turn = if !quaternion.is_finite() {

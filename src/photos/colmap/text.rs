@@ -21,7 +21,10 @@ pub(super) fn cameras(path: &Path) -> Result<Cameras, PhotosError> {
         let size = [text.number("a width in pixels")?, text.number("a height in pixels")?];
         let words = text.rest_of_line().split_whitespace();
         let numbers: Result<Vec<f64>, String> = words
-            .map(|word| word.parse().map_err(|_| format!("its camera has {} for a number", quoted(word))))
+            .map(|word| {
+                word.parse()
+                    .map_err(|_| format!("its camera has {} for a number", quoted(word)))
+            })
             .collect();
         let model = Model::of_name(name).ok_or_else(|| refusal(name));
         let lens = model.and_then(|model| model.lens(size, &numbers?));
@@ -39,8 +42,8 @@ pub(super) fn images(path: &Path) -> Result<Vec<Image>, PhotosError> {
     text.skip_comments();
     while !text.is_at_end() {
         let id = text.number("the number of a photograph")?;
-        let quaternion = text.any_numbers("the turn of a photograph (QW QX QY QZ)")?;
-        let shift = DVec3::from_array(text.any_numbers("the shift of a photograph (TX TY TZ)")?);
+        let quaternion = text.numbers("the turn of a photograph (QW QX QY QZ)")?;
+        let shift = DVec3::from_array(text.numbers("the shift of a photograph (TX TY TZ)")?);
         let camera = text.number("the number of a camera")?;
         let name = text.rest_of_line().to_owned();
         if name.is_empty() {
@@ -83,8 +86,8 @@ pub(super) fn points(path: &Path, features: &Features<'_>) -> Result<SparsePoint
     text.skip_comments();
     while !text.is_at_end() {
         text.word("the number of a point")?;
-        let position = text.any_numbers("a position")?;
-        let color: [f64; 3] = text.any_numbers("a colour")?;
+        let position = text.numbers("a position")?;
+        let color: [f64; 3] = text.numbers("a colour")?;
         text.number::<f64>("an error in pixels")?;
         let mut track = Vec::new();
         let mut words = text.rest_of_line().split_whitespace();

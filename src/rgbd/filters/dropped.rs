@@ -13,7 +13,7 @@ use crate::rgbd::DepthImage;
 pub const NOTICEABLE_SHARE: f64 = 0.2;
 
 /// Share of the measured pixels above which a usual filter is not applied.
-pub const MOST_SHARE: f64 = 0.5;
+const MOST_SHARE: f64 = 0.5;
 
 /// Pixels that one filter dropped, or would drop.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ pub struct FilterReport {
 }
 
 impl Filters {
-    /// As [`Filters::apply`]. Where `is_automatic`, a filter that would drop more than [`MOST_SHARE`] is skipped.
+    /// As [`Filters::apply`]. Where `is_automatic`, a filter that would drop more than half of the measured pixels is skipped.
     pub fn apply_and_count(&self, depth: DepthImage, is_automatic: bool) -> (DepthImage, FilterReport) {
         let measured = depth.valid_count();
         let mut report = FilterReport {

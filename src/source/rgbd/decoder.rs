@@ -128,7 +128,7 @@ impl Recorded {
     pub(super) fn color_file(&self, index: usize) -> Option<&Path> {
         match self.frames.get(index)?.color.as_ref()? {
             StoredImage::File(path) => Some(path),
-            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Member(_) | StoredImage::Received(_) => None,
         }
     }
 
@@ -141,7 +141,7 @@ impl Recorded {
                 kind: DepthKind::Scaled(self.code.metres_per_unit()?),
                 taken_by: None,
             }),
-            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Member(_) | StoredImage::Received(_) => None,
         }
     }
 

@@ -22,6 +22,7 @@ mod options;
 mod pairs;
 mod probe;
 mod received;
+mod record3d;
 mod recording;
 mod sizes;
 mod stored_image;

@@ -9,6 +9,7 @@ use super::frames_before::GROUP_FRAMES;
 use super::kinect;
 use super::layouts::{self, FoundRecording};
 use super::probe;
+use super::record3d;
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::topics;
@@ -63,6 +64,9 @@ impl RgbdRecording {
             },
             ([file], None) if file.is_file() && kinect::is_one(file) => {
                 ("Azure Kinect", kinect::find(file, rgbd, &options.read)?)
+            }
+            ([file], None) if file.is_file() && record3d::is_one(file) => {
+                ("Record3D", record3d::find(file, &options.read)?)
             }
             ([file], None) if file.is_file() => match topics::find(file, options)? {
                 Some(found) => found,
@@ -147,6 +151,13 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
             let whole = FrameEntry::file(&*image.path);
             FrameEntry {
                 name: format!("{}: {} {index}", whole.name, image.track),
+                ..whole
+            }
+        }
+        StoredImage::Member(image) => {
+            let whole = FrameEntry::file(&*image.path);
+            FrameEntry {
+                name: format!("{}: {index}", whole.name),
                 ..whole
             }
         }

@@ -34,7 +34,7 @@ impl Sizes {
         let size_of = |image: &StoredImage| image.size_px(options);
         let first = Arc::clone(&found.frames[0].calibration);
         let color = found.frames.iter().find_map(|frame| frame.color.as_ref());
-        let is_file = |image: &&StoredImage| matches!(image, StoredImage::File(_));
+        let is_file = |image: &&StoredImage| matches!(image, StoredImage::File(_) | StoredImage::Member(_));
         let mut sizes = Self {
             // Text does not say it.
             depth_px: size_of(&found.frames[0].depth).or(first.depth.for_size_px),
