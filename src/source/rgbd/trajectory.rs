@@ -1,8 +1,9 @@
 //! Poses of a camera, from the files that programs write: from the frame of the camera to that of the world.
 
 use super::error::RgbdError;
+use super::folder::{has_extension, name_of};
 use super::pairs::nearest;
-use super::text::{number_lines, read};
+use super::text::{array, number_lines, read};
 use crate::io::timestamps::times_of_lines;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
@@ -33,11 +34,14 @@ impl Trajectory {
 
     /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
     pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
-        let text = read(path)?;
         let wrong = |reason: String| RgbdError::Trajectory {
             path: path.to_owned(),
             reason,
         };
+        if has_extension(name_of(path), &["npy"]) {
+            return of_array(path);
+        }
+        let text = read(path)?;
         if text.trim_start().starts_with('{') {
             return of_json(&text).map_err(wrong);
         }
@@ -91,6 +95,30 @@ impl Trajectory {
 
     fn listed(poses: impl Iterator<Item = Option<DAffine3>>) -> Self {
         Self::Numbered(poses.enumerate().collect())
+    }
+}
+
+/// An array of numpy: a pose per entry of its first dimension, as a matrix or as `x y z qx qy qz qw`.
+fn of_array(path: &Path) -> Result<Trajectory, RgbdError> {
+    let (shape, numbers) = array(path)?;
+    let width = shape.iter().skip(1).product::<usize>();
+    match width {
+        7 => {
+            let lines: Vec<(usize, Vec<f64>)> = numbers
+                .chunks_exact(7)
+                .map(<[f64]>::to_vec)
+                .zip(1..)
+                .map(|(row, at)| (at, row))
+                .collect();
+            of_places(path, &lines)
+        }
+        12 | 16 => Ok(Trajectory::listed(
+            numbers.chunks_exact(width).map(|rows| rigid(matrix(rows))),
+        )),
+        _ => Err(RgbdError::Trajectory {
+            path: path.to_owned(),
+            reason: format!("its array has {width} numbers per entry"),
+        }),
     }
 }
 

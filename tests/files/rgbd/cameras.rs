@@ -148,6 +148,48 @@ fn images_that_are_some_of_a_longer_trajectory_find_their_poses() {
 }
 
 #[test]
+fn arrays_of_cameras_and_poses_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = Recording::new();
+    rewritten::npy_metres(&recording, folder.path());
+    fs::remove_file(folder.path().join("cam_K.txt")).unwrap();
+    fs::remove_dir_all(folder.path().join("poses")).unwrap();
+    let array = |shape: &str, numbers: &[f64]| {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.into_bytes());
+        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        bytes
+    };
+    let [fx, fy, cx, cy] = super::recording::CAMERA;
+    let camera = array("(3, 3)", &[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]);
+    fs::write(folder.path().join("intrinsics.npy"), camera).unwrap();
+    let poses: Vec<f64> = recording
+        .poses
+        .iter()
+        .flat_map(|pose| glam::DMat4::from(*pose).transpose().to_cols_array())
+        .collect();
+    fs::write(folder.path().join("poses.npy"), array("(3, 4, 4)", &poses)).unwrap();
+    let sequence = open(folder.path());
+    assert_eq!(sequence.source().notes(), [""; 0]);
+    let sensor = sequence.source().sensor(2).unwrap();
+    assert_eq!(sensor.rig.depth.focal_px().x, fx);
+    assert!(sensor.world_from_camera.unwrap().abs_diff_eq(recording.poses[2], 1e-9));
+}
+
+#[test]
+fn the_one_recording_below_a_folder_is_opened() {
+    let recording = Recording::new();
+    for name in ["Replica", "ScanNet", "TUM", "Stray Scanner", "ARKitScenes", "7-Scenes"] {
+        let folder = tempfile::tempdir().unwrap();
+        super::layouts::written(folder.path(), name);
+        fs::write(folder.path().join("README.md"), "a data set").unwrap();
+        assert_eq!(open(folder.path()).len(), recording.depths.len(), "{name}");
+    }
+}
+
+#[test]
 fn two_cameras_in_one_sequence_are_a_finding() {
     let folder = tempfile::tempdir().unwrap();
     let recording = Recording::new();

@@ -5,7 +5,8 @@ mod text;
 mod xml;
 
 use super::error::RgbdError;
-use super::text::read;
+use super::folder::{has_extension, name_of};
+use super::text::{array, read};
 use crate::rgbd::{Camera, CameraError, ColorCamera, Distortion, Rig};
 use glam::{DAffine3, DVec2};
 use std::path::Path;
@@ -151,12 +152,18 @@ impl Calibration {
 
     /// What the file at `path` says, of any of the formats of [`RgbdError::Calibration`].
     pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
-        let text = read(path)?;
         let wrong = |reason: String| RgbdError::Calibration {
             path: path.to_owned(),
             reason,
         };
         let because = path.display().to_string();
+        if has_extension(name_of(path), &["npy"]) {
+            let (_, numbers) = array(path)?;
+            let pinhole =
+                text::pinhole_of(&numbers).ok_or_else(|| wrong(format!("it has {} numbers", numbers.len())))?;
+            return Ok(Self::of_depth(Intrinsics::pinhole(pinhole, None), because));
+        }
+        let text = read(path)?;
         let calibration = match text.trim_start().chars().next() {
             Some('{') => json::calibration(&text, because).map_err(wrong)?,
             Some('<') => xml::calibration(&text, because).map_err(wrong)?,

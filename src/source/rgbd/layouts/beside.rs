@@ -15,7 +15,10 @@ use std::sync::Arc;
 const CAMERA_FOLDERS: &[&str] = &["intrinsic", "intrinsics", "camera", "calibration"];
 
 /// Extensions of cameras.
-const CAMERA_FILES: &[&str] = &["json", "txt", "csv", "yaml", "yml", "xml"];
+const CAMERA_FILES: &[&str] = &["json", "txt", "csv", "yaml", "yml", "xml", "npy"];
+
+/// Extensions of trajectories.
+const TRAJECTORY_FILES: &[&str] = &["log", "json", "txt", "csv", "npy"];
 
 /// Names of cameras that several recordings share, in the folder around them.
 const SHARED: &[&str] = &[
@@ -44,23 +47,23 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
     files.sort_by_key(|path| rank(name_of(path)));
     let around = folder.path.join("..");
     let shared = SHARED.iter().map(|name| around.join(name)).find(|path| path.is_file());
-    if let Some(chosen) = files.first().or(shared.as_ref()) {
-        let others: Vec<&PathBuf> = files
-            .iter()
-            .skip(1)
-            .filter(|path| !is_of_colors(name_of(path)))
-            .collect();
-        if !others.is_empty() {
+    let chosen = match (first_camera(&files, notes)?, shared) {
+        (None, Some(shared)) => {
             notes.push(format!(
-                "of {} files with the name of a camera, {} is read",
-                others.len() + 1,
-                chosen.display()
+                "the camera is read from the folder around: {}",
+                name_of(&shared)
             ));
+            let calibration = Calibration::read(&shared)?;
+            Some((shared, calibration))
         }
-        let mut calibration = Calibration::read(chosen)?;
-        if let Some(colors) = files.iter().find(|path| is_of_colors(name_of(path)) && *path != chosen) {
-            let read = Calibration::read(colors)?;
-            calibration.color = Some((read.depth, glam::DAffine3::IDENTITY));
+        (chosen, _) => chosen,
+    };
+    if let Some((chosen, mut calibration)) = chosen {
+        let of_colors = files
+            .iter()
+            .find(|path| is_of_colors(name_of(path)) && **path != chosen);
+        if let Some(colors) = of_colors {
+            calibration.color = Some((Calibration::read(colors)?.depth, glam::DAffine3::IDENTITY));
         }
         return Ok(Some(calibration));
     }
@@ -81,6 +84,38 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
     Ok(None)
 }
 
+/// The first of `files` that tells a camera. One that has to and does not is an error, others are noted.
+fn first_camera(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Option<(PathBuf, Calibration)>, RgbdError> {
+    for path in files {
+        let name = name_of(path).to_ascii_lowercase();
+        let has_to = name.contains("intrinsic") || (has_extension(&name, &["json"]) && name.starts_with("cam"));
+        match Calibration::read(path) {
+            Ok(calibration) => {
+                let others = files
+                    .iter()
+                    .filter(|other| *other != path && !is_of_colors(name_of(other)))
+                    .count();
+                if others > 0 {
+                    let name = path.display();
+                    notes.push(format!(
+                        "of {} files with the name of a camera, {name} is read",
+                        others + 1
+                    ));
+                }
+                return Ok(Some((path.clone(), calibration)));
+            }
+            Err(error) if has_to => return Err(error),
+            Err(error) => notes.push(format!("{error}; it is skipped")),
+        }
+    }
+    Ok(None)
+}
+
+/// Whether a file next to depth images is that of a camera or of poses, by its name.
+pub(super) fn is_known(name: &str) -> bool {
+    is_camera(name) || is_trajectory(name)
+}
+
 /// Gives frames the poses of a file or a folder next to them.
 ///
 /// # Errors
@@ -88,7 +123,7 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
 pub(super) fn take_poses(folder: &Folder, found: &mut FoundRecording) -> Result<(), RgbdError> {
     if let Some(path) = trajectory(folder) {
         found.take_poses(&Trajectory::read(&path)?);
-        if has_extension(name_of(&path), &["txt", "csv"]) {
+        if has_extension(name_of(&path), &["txt", "csv", "npy"]) {
             found.assumptions.push(Assumption::new(
                 Subject::Poses,
                 "camera to world",
@@ -129,7 +164,7 @@ impl Distinct {
 
 /// Says which point clouds next to a recording are not opened.
 pub(super) fn note_of_clouds(folder: &Folder) -> Option<String> {
-    let clouds = folder.clouds();
+    let clouds: Vec<&str> = folder.clouds().into_iter().filter(|name| !is_known(name)).collect();
     let named: Vec<String> = clouds.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
     let more = clouds.len().saturating_sub(NAMED);
     let more = if more > 0 {
@@ -150,7 +185,7 @@ pub(super) fn trajectory(folder: &Folder) -> Option<PathBuf> {
     let named = |word: &'static str| {
         move |name: &str| {
             let name = name.to_ascii_lowercase();
-            has_extension(&name, &["log", "json", "txt", "csv"]) && name.contains(word) && !name.contains("intrinsic")
+            has_extension(&name, TRAJECTORY_FILES) && name.contains(word) && !name.contains("intrinsic")
         }
     };
     TRAJECTORIES

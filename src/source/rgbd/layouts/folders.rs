@@ -20,7 +20,9 @@ pub(super) const DEPTH: &[&str] = &["depth", "depths", "depth_images", "aligned_
 pub(super) const COLOR: &[&str] = &["color", "colour", "rgb", "image", "images", "colors", "rgb_images"];
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    let Some(depth) = folder.sub(DEPTH).filter(|_| !folder.has_clouds()) else {
+    // Arrays of numpy may be cameras and poses.
+    let has_clouds = folder.clouds().iter().any(|name| !beside::is_known(name));
+    let Some(depth) = folder.sub(DEPTH).filter(|_| !has_clouds) else {
         return Ok(None);
     };
     let depths = Folder::read(&depth)?.depth_images();

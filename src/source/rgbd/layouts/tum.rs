@@ -1,5 +1,6 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
+use super::beside;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
 use crate::io::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
@@ -27,7 +28,10 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let pairs = by_time(&depths, &colors);
     let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
     let code = DepthCode::per_metre(UNITS_PER_METRE);
-    let mut found = FoundRecording::of_pairs(paths, pairs, Calibration::usual(CAMERA, "TUM"), code);
+    let mut notes = Vec::new();
+    let calibration = beside::camera(folder, &mut notes)?.unwrap_or_else(|| Calibration::usual(CAMERA, "TUM"));
+    let mut found = FoundRecording::of_pairs(paths, pairs, calibration, code);
+    found.notes.extend(notes);
     found.units = Units::Usual("TUM");
     for (frame, time) in found.frames.iter_mut().zip(times) {
         frame.time = Some(time);
