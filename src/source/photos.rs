@@ -48,7 +48,9 @@ impl PhotoScene {
     /// A dense cloud of a folder counts more than its sparse points: `found` is where these are.
     pub(super) fn of(mut set: ViewSet, found: &Path, input: &Path, options: &OpenOptions) -> Self {
         set.dense_file = if options.dense { None } else { dense_cloud(input, found) };
-        let assumptions = set.dense_file.iter().map(|dense| chosen_dense(dense, &set, found));
+        let model = found.to_string_lossy();
+        let sparse = if input == found { "its file of images" } else { &*model };
+        let assumptions = set.dense_file.iter().map(|dense| chosen_dense(dense, &set, sparse));
         let assumptions: Vec<Assumption> = assumptions.collect();
         let file = set.dense_file.as_deref().or(set.points_file.as_deref());
         Self {
@@ -97,8 +99,8 @@ impl Source for PhotoScene {
 
 /// The cloud that a dense stage made of the photographs of the folder `input`, whose model is at `found`.
 fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
-    // Whoever opens the model itself wants its points.
-    if !input.is_dir() || input == found {
+    // Whoever opens a file of the model wants its points.
+    if !input.is_dir() {
         return None;
     }
     // Of several models each has a stage of its own.
@@ -109,11 +111,10 @@ fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
     files.find(|path| path.is_file())
 }
 
-fn chosen_dense(dense: &Path, set: &ViewSet, found: &Path) -> Assumption {
+fn chosen_dense(dense: &Path, set: &ViewSet, sparse: &str) -> Assumption {
     let why = format!(
-        "it is denser than the {} sparse points: open {} for those",
-        set.points.len(),
-        found.display()
+        "it is denser than the {} sparse points: open {sparse} for those",
+        set.points.len()
     );
     Assumption::new(Subject::Frames, dense.display().to_string(), why, Evidence::Convention).with_option(None)
 }

@@ -32,7 +32,7 @@ fn a_photograph_that_is_nowhere_is_skipped_in_every_format() {
 
 #[test]
 fn infinite_numbers_in_one_line_cost_one_photograph() {
-    for (numbers, what) in [("-inf -inf -inf -inf", 1), ("nan nan nan nan", 1), ("0 0 0 0", 1)] {
+    for numbers in ["-inf -inf -inf -inf", "nan nan nan nan", "0 0 0 0"] {
         let folder = tempfile::tempdir().unwrap();
         Scene::simple().write_colmap_text(folder.path());
         let path = folder.path().join("sparse/0/images.txt");
@@ -46,7 +46,7 @@ fn infinite_numbers_in_one_line_cost_one_photograph() {
         });
         fs::write(&path, lines.collect::<Vec<_>>().join("\n") + "\n").unwrap();
         let set = read(folder.path());
-        assert_eq!(set.photos.len(), 6 - what, "{numbers}: {:?}", set.notes);
+        assert_eq!(set.photos.len(), 5, "{numbers}: {:?}", set.notes);
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! *Names.* Programs write `fx: 525.0` (YAML), `fx_depth = 577.87` (the text next to a scan of ScanNet) or
 //! `Camera.fx: 535.4` with `DepthMapFactor: 5000` (ORB-SLAM); BundleFusion's `info.txt` and the exports of ScanNet write
-//! a matrix behind `m_calibrationDepthIntrinsic = `. A value of the depth camera counts more than one without its name.
+//! a matrix behind `m_calibrationDepthIntrinsic = `, ROS and OpenCV behind `data`. A value of the depth camera counts more than one without its name.
 
 use super::{Calibration, Intrinsics};
 use crate::source::rgbd::error::RgbdError;
@@ -108,7 +108,9 @@ fn of_names(text: &str, because: &str) -> Option<Calibration> {
         &["m_depthheight", "depthheight", "height", "image_height", "h"],
     ];
     let color_size: [&[&str]; 2] = [&["m_colorwidth", "colorwidth"], &["m_colorheight", "colorheight"]];
-    let depth = named.matrix("m_calibrationdepthintrinsic", depth_size).or_else(|| {
+    let matrices = ["m_calibrationdepthintrinsic", "k", "camera_matrix", "data"];
+    let matrix = matrices.iter().find_map(|name| named.matrix(name, depth_size));
+    let depth = matrix.or_else(|| {
         let names: [&[&str]; 4] = [
             &["fx_depth", "fx"],
             &["fy_depth", "fy"],
@@ -153,6 +155,7 @@ mod tests {
             "640 480 577.5 578.5 319.5 239.5",
             "fx: 577.5\nfy: 578.5\ncx: 319.5\ncy: 239.5\n",
             "%YAML:1.0\nCamera.fx: 577.5\nCamera.fy: 578.5\nCamera.cx: 319.5\nCamera.cy: 239.5\n",
+            "image_width: 640\nimage_height: 480\ncamera_matrix:\n  rows: 3\n  data: [577.5, 0., 319.5, 0., 578.5, 239.5, 0., 0., 1.]\n",
             "fx_color = 1.0\nfx_depth = 577.5\nfy_depth = 578.5\nmx_depth = 319.5\nmy_depth = 239.5\n",
             "m_depthShift = 1000\nm_calibrationDepthIntrinsic = 577.5 0 319.5 0 0 578.5 239.5 0 0 0 1 0 0 0 0 1 \n",
         ] {

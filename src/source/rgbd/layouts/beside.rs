@@ -188,9 +188,17 @@ pub(super) fn trajectory(folder: &Folder) -> Option<PathBuf> {
             has_extension(&name, TRAJECTORY_FILES) && name.contains(word) && !name.contains("intrinsic")
         }
     };
+    // ICL-NUIM has those of its images by this extension.
+    let freiburg = || {
+        folder
+            .files(|name| has_extension(name, &["freiburg"]))
+            .into_iter()
+            .next()
+    };
     TRAJECTORIES
         .iter()
         .find_map(|word| folder.files(named(word)).into_iter().next())
+        .or_else(freiburg)
 }
 
 fn is_trajectory(name: &str) -> bool {

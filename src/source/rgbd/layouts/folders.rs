@@ -3,6 +3,7 @@
 
 use super::beside;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
+use crate::source::rgbd::folder::has_extension;
 use crate::source::rgbd::pairs::by_name;
 
 pub(super) const LAYOUT: Layout = Layout {
@@ -25,9 +26,11 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let Some(depth) = folder.sub(DEPTH).filter(|_| !has_clouds) else {
         return Ok(None);
     };
-    let depths = Folder::read(&depth)?.depth_images();
+    let depth = Folder::read(&depth)?;
+    let depths = depth.depth_images();
     if depths.is_empty() {
-        return Ok(None);
+        let has_openexr = !depth.files(|name| has_extension(name, &["exr"])).is_empty();
+        return if has_openexr { Err(openexr(&depth)) } else { Ok(None) };
     }
     let colors = match folder.sub(COLOR) {
         Some(color) => Folder::read(&color)?.images(),
@@ -42,4 +45,11 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     found.notes.extend(notes);
     beside::take_poses(folder, &mut found)?;
     Ok(Some(found))
+}
+
+fn openexr(depth: &Folder) -> RgbdError {
+    RgbdError::NoDepth {
+        path: depth.path.clone(),
+        looked_for: "its images are OpenEXR, which is not read: convert them to .npy, or to TIFF in floats".to_owned(),
+    }
 }

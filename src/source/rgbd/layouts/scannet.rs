@@ -62,5 +62,5 @@ fn calibration(folder: &Folder) -> Result<Option<Calibration>, RgbdError> {
 
 fn is_info(name: &str, folder: &str) -> bool {
     let stem = name.strip_suffix(".txt").unwrap_or_default();
-    !stem.is_empty() && (stem == folder || matches!(stem, "_info" | "info"))
+    !stem.is_empty() && (stem == folder || stem.starts_with("scene") || matches!(stem, "_info" | "info"))
 }

@@ -16,7 +16,9 @@ const UNITS_PER_METRE: f64 = 5000.0;
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    if !folder.has_file("depth.txt") || folder.has_clouds() {
+    // Both lists are no accident: a model next to them was made of the images.
+    let is_certain = folder.has_file("rgb.txt");
+    if !folder.has_file("depth.txt") || (folder.has_clouds() && !is_certain) {
         return Ok(None);
     }
     let depths = stamped(folder, "depth.txt")?;
