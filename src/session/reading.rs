@@ -185,6 +185,7 @@ impl Reading {
             dense: options.dense || self.dense,
             rgbd: RgbdOptions {
                 filters: self.rgbd_filters.unwrap_or(given.filters),
+                filters_are_automatic: self.rgbd_filters.is_none() && given.filters_are_automatic,
                 depth: given.depth.clone().or_else(|| self.depth_images.clone()),
                 color: given.color.clone().or_else(|| self.color_images.clone()),
                 intrinsics: given.intrinsics.clone().or_else(|| self.intrinsics.clone()),
