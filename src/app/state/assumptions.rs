@@ -13,6 +13,7 @@ use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
 use crate::playback::Player;
+use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{ReadSession, Reading};
@@ -69,7 +70,10 @@ impl State {
         }
         match &read[..] {
             [] => {}
-            &[ReadChange::Filters(filters)] => self.filter_depth(filters),
+            // A source with other filters takes them as chosen: only what is opened again has automatic ones.
+            &[ReadChange::Filters(filters)] if filters != Filters::USUAL || !self.can_open_again() => {
+                self.filter_depth(filters);
+            }
             _ => self.read_with(read),
         }
     }

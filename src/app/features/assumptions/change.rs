@@ -47,7 +47,10 @@ impl ReadChange {
             Self::Poses(file) => open.rgbd.poses = file,
             Self::NoData(rule) => open.no_data = rule,
             Self::Fps(fps) => open.fps = fps,
-            Self::Filters(filters) => open.rgbd.filters = filters,
+            Self::Filters(filters) => {
+                open.rgbd.filters = filters;
+                open.rgbd.filters_are_automatic = filters == Filters::USUAL;
+            }
         }
     }
 

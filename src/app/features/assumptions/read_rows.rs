@@ -151,13 +151,8 @@ mod tests {
 
     #[test]
     fn every_offered_value_is_a_choice_and_the_automatic_one_is_none() {
-        let usual = OpenOptions {
-            rgbd: crate::source::RgbdOptions {
-                filters: Filters::USUAL,
-                ..Default::default()
-            },
-            ..OpenOptions::default()
-        };
+        let mut usual = OpenOptions::default();
+        ReadChange::Filters(Filters::USUAL).apply(&mut usual);
         for row in ReadRow::ALL {
             assert_eq!((row.chosen)(&usual), None, "{:?}", row.subject);
             for (label, change) in (row.offered)() {
