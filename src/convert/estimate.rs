@@ -5,8 +5,9 @@
 //! group. Bytes of directories are shared out.
 
 use super::error::ConvertError;
+use super::reel;
 use crate::cloud::{Positions, RawCloud};
-use crate::io::{self, WriteFormat};
+use crate::io::{self, Losses, WriteFormat};
 use crate::measure::{CloudError, ReferenceCloud};
 use crate::progress::Progress;
 use crate::reel::{NewFrame, Precision, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
@@ -28,6 +29,24 @@ pub enum Target {
     Reel(ReelOptions),
     /// A file a frame.
     Files(WriteFormat),
+}
+
+impl Target {
+    /// What it cannot hold of `cloud`.
+    pub fn losses(&self, cloud: &RawCloud) -> Losses {
+        match self {
+            Self::Reel(options) => reel::losses(cloud, options),
+            Self::Files(format) => format.losses(cloud),
+        }
+    }
+
+    /// For people.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Reel(_) => "reel".to_owned(),
+            Self::Files(format) => format.to_string(),
+        }
+    }
 }
 
 /// A frame that conversions are judged by.
@@ -61,6 +80,8 @@ pub struct SampleEstimate {
     pub other_way: Option<OtherWay>,
     /// How far what is left is from the original; `None` of a frame without points.
     pub error: Option<CloudError>,
+    /// What of it the target cannot hold.
+    pub losses: Losses,
 }
 
 /// What a frame comes to in the other way to keep its points: merged, or every one.
@@ -154,6 +175,7 @@ impl SampleFrame {
             bytes_by_stream: None,
             other_way: None,
             error: None,
+            losses: target.losses(cloud),
         };
         let kept = match target {
             Target::Reel(options) => {
@@ -284,6 +306,8 @@ pub struct Estimate {
     pub other_way: Option<OtherWay>,
     /// Errors, where a frame has points.
     pub errors: Option<EstimatedErrors>,
+    /// What of the frames the target cannot hold, a line per kind.
+    pub losses: Losses,
 }
 
 /// Errors of the frames of an [`Estimate`].
@@ -323,6 +347,10 @@ impl Estimate {
                     bytes: mean(&|sample| sample.other_way.map_or(0.0, |other| other.bytes)),
                 }),
             errors: EstimatedErrors::of(&errors),
+            losses: samples.iter().fold(Losses::default(), |mut all, sample| {
+                all.merge(sample.losses.clone());
+                all
+            }),
         })
     }
 

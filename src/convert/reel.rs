@@ -10,6 +10,7 @@ use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
 use super::record::Record;
 use crate::cloud::RawCloud;
+use crate::io::{Loss, Losses};
 use crate::progress::Progress;
 use crate::reel::{EncodedGroup, FilePart, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
 use crate::sequence::{FrameEntry, Sequence};
@@ -137,9 +138,19 @@ pub(super) fn convert(
     let part = part_of(sequence, &record, all_frames, conversion.shard);
     let frames = share(all_frames, conversion.shard);
     let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
-    if !conversion.overwrites && entries.iter().all(|entry| is_finished(output, entry)) {
-        converted.left = frames_of_finished(output, &part)?;
-        return Ok(converted);
+    if !conversion.overwrites && output.symlink_metadata().is_ok() {
+        let left = frames_of_finished(output, &part).map_err(|error| match error {
+            ConvertError::Reel(_) => ConvertError::Exists {
+                path: output.to_owned(),
+                more: 0,
+            },
+            error => error,
+        })?;
+        // Of a source that has changed since, it is made anew.
+        if entries.iter().all(|entry| is_finished(output, entry)) {
+            converted.left = left;
+            return Ok(converted);
+        }
     }
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
@@ -175,6 +186,7 @@ pub(super) fn convert(
             ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
             converted.failed.extend(made.failed);
             converted.warnings.extend(made.warnings);
+            converted.losses.merge(made.losses);
             unfinished.keep(&ledger)?;
             if let Some(group) = made.group {
                 converted.written += group.frame_count();
@@ -193,7 +205,33 @@ struct ConvertedGroup {
     group: Option<EncodedGroup>,
     failed: Vec<(usize, ConvertError)>,
     warnings: Vec<(usize, String)>,
+    losses: Losses,
     is_cancelled: bool,
+}
+
+/// What a sequence file with `options` cannot hold of `cloud`, apart from the precision that they say.
+pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
+    let keeps_points = options.keeps_points();
+    let mut losses = Losses::default();
+    if !cloud.faces.is_empty() {
+        losses.add(Loss::Faces, cloud.faces.len() as f64);
+    }
+    if cloud.texturing.is_some() {
+        losses.add(Loss::Textures, 0.0);
+    }
+    if cloud.grid.is_some() && !options.keep_order {
+        losses.add(Loss::Rows, 0.0);
+    }
+    if !keeps_points {
+        if cloud.attributes.ellipses.is_some() {
+            losses.add(Loss::Field("ellipses of merged points".to_owned()), 0.0);
+        }
+        let holes = cloud.positions.len() - cloud.positions.finite_bounds().0;
+        if holes > 0 {
+            losses.add(Loss::Holes, holes as f64);
+        }
+    }
+    losses
 }
 
 fn encoded(
@@ -213,6 +251,7 @@ fn encoded(
         match conversion.edited(sequence, frame) {
             Ok(mut cloud) => {
                 let warnings = std::mem::take(&mut cloud.warnings);
+                made.losses.merge(losses(&cloud, options));
                 made.warnings
                     .extend(warnings.into_iter().map(|warning| (frame, warning)));
                 clouds.push((cloud, sequence.entry(frame)));
@@ -277,7 +316,8 @@ fn frames_of_finished(output: &Path, part: &FilePart) -> Result<usize, ConvertEr
         Some(there) if there.made_of != part.made_of => Some("it has other frames or options".to_owned()),
         Some(there) if there != part => Some(format!("it is {} there, {} now", there.name(), part.name())),
         None if part.count > 1 => Some(format!("it does not say that it is {}", part.name())),
-        _ => None,
+        None => Some("it does not say what it was made of".to_owned()),
+        Some(_) => None,
     };
     match difference {
         None => Ok(file.frame_count()),

@@ -129,6 +129,7 @@ fn decibels(psnr_db: f64) -> String {
 mod tests {
     use super::*;
     use crate::convert::OtherWay;
+    use crate::io::Losses;
     use crate::reel::StreamKind;
 
     fn savable(unit: &'static str) -> Savable {
@@ -157,6 +158,7 @@ mod tests {
             kept_points: 1000.0,
             frame_bytes: 1250.0,
             bytes_by_stream: Some(bytes_by_stream),
+            losses: Losses::default(),
             other_way: Some(OtherWay {
                 points: 2000.0,
                 bytes: 2500.0,
