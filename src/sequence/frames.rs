@@ -269,6 +269,15 @@ impl Sequence {
         assumptions.sorted()
     }
 
+    /// [`Source::changed_since`]: frames that are to be read again.
+    pub(crate) fn changed_since(&self, since: usize) -> Vec<usize> {
+        let changed = self.source.changed_since(since);
+        for &index in &changed {
+            self.origin.forget(index);
+        }
+        changed
+    }
+
     /// That the reading of frame `index` was cancelled.
     pub(crate) fn cancelled(&self, index: usize) -> FrameError {
         let path = self.entry(index).path.clone();
@@ -433,6 +442,10 @@ impl OriginFrames for Sequence {
         let start = Instant::now();
         let decoded = self.decode_observed(index, Detail::Full, progress)?;
         Ok((decoded.cloud, milliseconds_since(start) as f32))
+    }
+
+    fn may_grow(&self) -> bool {
+        self.source.may_grow()
     }
 
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {

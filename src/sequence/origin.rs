@@ -34,9 +34,19 @@ const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
 
+/// How an origin came about.
+enum Decided {
+    ByFrame(DVec3),
+    /// No frame has a point.
+    ByNone,
+}
+
 /// The frames that an origin is for.
 pub(super) trait OriginFrames: Send + Sync {
     fn frame_count(&self) -> usize;
+
+    /// Whether frames may come or be read again.
+    fn may_grow(&self) -> bool;
 
     /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
     fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError>;
@@ -73,10 +83,16 @@ impl OriginFinder {
                     return None;
                 }
                 let origin = self.decide(frames, progress);
-                if origin.is_none() {
-                    self.given_up.fetch_add(1, Ordering::Relaxed);
+                match origin {
+                    None => {
+                        self.given_up.fetch_add(1, Ordering::Relaxed);
+                        None
+                    }
+                    // The first frame of a folder may still be being written: a later one decides then.
+                    Some(Decided::ByNone) if frames.may_grow() => Some(DVec3::ZERO),
+                    Some(Decided::ByNone) => Some(*self.origin.get_or_init(|| DVec3::ZERO)),
+                    Some(Decided::ByFrame(origin)) => Some(*self.origin.get_or_init(|| origin)),
                 }
-                origin.map(|origin| *self.origin.get_or_init(|| origin))
             })
         })
     }
@@ -108,10 +124,13 @@ impl OriginFinder {
         })
     }
 
-    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<DVec3> {
+    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<Decided> {
         for index in 0..frames.frame_count() {
             if progress.is_cancelled() {
                 return None;
+            }
+            if lock(&self.kept).get(&index).is_some_and(Result::is_err) {
+                continue;
             }
             let decoded = frames.decode_timed(index, progress);
             let bounds = decoded.as_ref().map(|(raw, _)| raw.positions.finite_bounds().1);
@@ -128,7 +147,7 @@ impl OriginFinder {
                         self.sample.get_or_init(|| sample);
                     }
                     lock(&self.kept).insert(index, decoded);
-                    return Some(origin);
+                    return Some(Decided::ByFrame(origin));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok(None) => {}
@@ -138,7 +157,12 @@ impl OriginFinder {
                 }
             }
         }
-        Some(DVec3::ZERO)
+        Some(Decided::ByNone)
+    }
+
+    /// Forgets why frame `index` could not be read, or what was read of it.
+    pub(super) fn forget(&self, index: usize) {
+        lock(&self.kept).remove(&index);
     }
 
     /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.

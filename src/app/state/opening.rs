@@ -95,7 +95,7 @@ impl State {
                     let sequence = found(&inputs, &open, &progress);
                     (open, None, sequence)
                 }
-                Err(reason) => (open, None, Err(NotFound::Because(reason.to_string()))),
+                Err(reason) => (open, None, Err(NotFound::Because(reason.to_string(), Vec::new()))),
             };
             FoundSequence {
                 inputs,
