@@ -1,6 +1,6 @@
 //! What is remembered of a frame after it was looked at.
 
-use crate::cloud::{Frame, Positions, RawCloud};
+use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes};
 use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
@@ -11,7 +11,9 @@ pub struct FrameFacts {
     pub point_count: usize,
     /// Points with three finite coordinates.
     pub finite_count: usize,
-    /// Corners of the box around the finite points.
+    /// Finite points that stand for no measurement.
+    pub missing: MissingPoints,
+    /// Corners of the box around the other finite points.
     pub bounds: Option<(DVec3, DVec3)>,
     /// Names of what each point has.
     pub attributes: Vec<String>,
@@ -31,12 +33,13 @@ pub struct FrameFacts {
 
 impl FrameFacts {
     /// Looks at every point of `raw`.
-    pub fn of(raw: RawCloud) -> Self {
-        let (finite_count, bounds) = raw.positions.finite_bounds();
+    pub fn of(mut raw: RawCloud, no_data: NoData) -> Self {
+        let missing = MissingPoints::find(&raw.positions, no_data);
+        let bounds = missing.bounds;
         let zero_normals = raw.attributes.normals.iter().flatten().enumerate();
         let facts = Self {
             point_count: raw.positions.len(),
-            finite_count,
+            finite_count: missing.present_count + missing.indices.len(),
             bounds,
             attributes: raw.point_names(),
             duplicate_count: duplicates(&raw.positions),
@@ -50,7 +53,9 @@ impl FrameFacts {
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
             warnings: raw.warnings.clone(),
+            missing,
         };
+        make_holes(&mut raw.positions, &facts.missing.indices);
         Self {
             probable_up: probable_up(raw, bounds),
             ..facts

@@ -21,6 +21,8 @@ pub enum FindingKind {
     ChangedAttributes,
     /// Coordinates that are NaN or infinite.
     NonFinitePoints,
+    /// Points that stand for no measurement.
+    NoDataPoints,
     /// Points at exactly the same place.
     DuplicatePoints,
     /// The cloud jumps, or its size does.

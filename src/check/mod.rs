@@ -44,7 +44,8 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
     let facts: Vec<Result<FrameFacts, FrameError>> = (0..sequence.len())
         .into_par_iter()
         .map(|index| {
-            let facts = sequence.decode(index).map(FrameFacts::of);
+            let facts = sequence.decode(index);
+            let facts = facts.map(|raw| FrameFacts::of(raw, sequence.no_data()));
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             facts
         })

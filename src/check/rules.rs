@@ -1,6 +1,7 @@
 //! The rules: from facts to findings.
 
 use super::{Finding, FindingKind, FrameFacts};
+use crate::cloud::MissingPoints;
 use crate::messages::{frame_by_index, frame_with_index};
 use crate::photos::ViewSet;
 use crate::scene::UpAxis;
@@ -59,6 +60,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
             format!("{count} points in {frames} have coordinates that are NaN or infinite: they are left out")
         },
     ));
+    findings.extend(no_data_points(facts));
     findings.extend(counted(
         facts,
         FindingKind::DuplicatePoints,
@@ -124,6 +126,28 @@ fn counted(
     (!frames.is_empty()).then(|| Finding {
         kind,
         message: message(counts.iter().sum(), &named(&frames)),
+        frames,
+    })
+}
+
+/// Points that stand for no measurement, with value and count of the first frame that has some.
+fn no_data_points(facts: &Facts) -> Option<Finding> {
+    let missing = facts.iter().enumerate().filter_map(|(index, facts)| {
+        let missing = &facts.as_ref().ok()?.missing;
+        (!missing.is_empty()).then_some((index, missing))
+    });
+    let (frames, missing): (Vec<usize>, Vec<&MissingPoints>) = missing.unzip();
+    let first = missing.first()?;
+    let count: usize = missing.iter().map(|missing| missing.indices.len()).sum();
+    Some(Finding {
+        kind: FindingKind::NoDataPoints,
+        message: format!(
+            "{count} points in {} stand for no measurement ({}{}): they are neither drawn nor framed, --no-data none \
+             draws them",
+            named(&frames),
+            first.in_words(),
+            if frames.len() > 1 { " in the first" } else { "" }
+        ),
         frames,
     })
 }

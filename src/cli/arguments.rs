@@ -6,6 +6,7 @@ use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
+use crate::cloud::NoData;
 use crate::io::ReadOptions;
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
@@ -42,6 +43,11 @@ pub(super) struct ReadArgs {
     /// Numbers a point in .bin files, 3 to 6 (usually told by statistics)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=6))]
     columns: Option<u8>,
+
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that stands for a
+    /// missing coordinate
+    #[arg(long, value_name = "VALUE|auto|none", default_value_t = NoData::Auto, allow_hyphen_values = true)]
+    no_data: NoData,
 
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
@@ -107,6 +113,7 @@ impl ReadArgs {
                 .with_max_memory(max_memory_bytes)
                 .with_sample_count(self.sample)
                 .with_bin_columns(self.columns),
+            no_data: self.no_data,
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),

@@ -168,10 +168,10 @@ fn statistics_tell_how_many_numbers_a_point_has() {
             let rows = street(is_shuffled);
             let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..width]).collect();
             let cloud = read("scan.bin", &records(&rows)).unwrap();
-            let assumption = cloud.assumption.unwrap();
+            let assumption = &cloud.assumptions[0].value;
             assert_eq!(cloud.positions.len(), rows.len(), "{width}: {assumption}");
             assert!(
-                assumption.starts_with(&format!("{width} numbers a point: x y z")),
+                assumption.starts_with(&format!("{width} values per point: x y z")),
                 "{assumption}"
             );
         }
@@ -188,10 +188,8 @@ fn a_person_says_how_many_numbers_a_point_has() {
     let options = ReadOptions::default().with_bin_columns(Some(3));
     let cloud = read_part(&file, &Part::Whole, &options).unwrap();
     assert_eq!(cloud.positions.len(), 16_000);
-    assert_eq!(
-        cloud.assumption.as_deref(),
-        Some("3 numbers a point: x y z (as asked for)")
-    );
+    assert_eq!(cloud.assumptions[0].value, "3 values per point: x y z");
+    assert!(!cloud.assumptions[0].evidence.is_guess());
 }
 
 #[test]
