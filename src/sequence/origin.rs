@@ -54,6 +54,9 @@ pub(super) trait OriginFrames: Send + Sync {
     /// Handling of points that stand for no measurement.
     fn no_data(&self) -> NoData;
 
+    /// Some points of a few frames after `index`, where they can be read without the others.
+    fn further_samples(&self, index: usize) -> Vec<RawCloud>;
+
     /// Their origin; `None` if deciding it was cancelled.
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
 }
@@ -147,7 +150,11 @@ impl OriginFinder {
                     let shared = beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
                     let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
-                        let sample = Arc::new(ValueSample::of_raw(raw, missing, origin));
+                        let mut sample = ValueSample::of_raw(raw, missing, origin);
+                        for further in frames.further_samples(index) {
+                            sample.add_scalars_of(&further);
+                        }
+                        let sample = Arc::new(sample);
                         self.sample.get_or_init(|| sample);
                     }
                     lock(&self.kept).insert(index, decoded);

@@ -267,6 +267,61 @@ fn roots_of_recordings_have_times_and_poses() {
 }
 
 #[test]
+fn the_root_of_nuscenes_opens_the_lidar_with_its_poses() {
+    let scan = |number: usize| {
+        format!("samples/LIDAR_TOP/n015-2018-07-24-11-22-45+0800__LIDAR_TOP__153240292764795{number}.pcd.bin")
+    };
+    let (one, other) = (scan(1), scan(2));
+    let sample = |token: usize, name: &str| {
+        format!(
+            r#"{{"token": "s", "filename": "{name}", "ego_pose_token": "{token}", "calibrated_sensor_token": "c"}}"#
+        )
+    };
+    let pose = |token: &str, x: usize| {
+        format!(r#"{{"token": "{token}", "translation": [{x}, 0, 0], "rotation": [1, 0, 0, 0]}}"#)
+    };
+    let samples = format!("[{}, {}]", sample(1, &one), sample(2, &other));
+    let poses = format!("[{}, {}]", pose("1", 600), pose("2", 610));
+    let mounting = format!("[{}]", pose("c", 1));
+    let folder = folder_of(&[
+        (&one, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"),
+        (&other, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"),
+        ("samples/RADAR_FRONT/a1.pcd", ""),
+        ("samples/RADAR_FRONT/a2.pcd", ""),
+        ("sweeps/LIDAR_TOP/x1.pcd.bin", ""),
+        ("sweeps/LIDAR_TOP/x2.pcd.bin", ""),
+        ("v1.0-mini/sample_data.json", &samples),
+        ("v1.0-mini/ego_pose.json", &poses),
+        ("v1.0-mini/calibrated_sensor.json", &mounting),
+    ]);
+    let sequence = open(folder.path());
+    assert_eq!(sequence.len(), 2);
+    assert_eq!(first_points(&sequence), [[601.0, 0.0, 0.0], [611.0, 0.0, 0.0]]);
+    let times = times(&sequence).unwrap();
+    assert!((times[1] - times[0] - 1e-6).abs() < 1e-6, "{times:?}");
+}
+
+#[test]
+fn clouds_in_one_coordinate_system_are_not_moved_again() {
+    let wall = |shift: f64| {
+        let mut text = String::from("# x y z\n");
+        for index in 0..2000 {
+            let (x, z) = ((index % 100) as f64 * 0.1 - shift, (index / 100) as f64 * 0.1);
+            text += &format!("{x} {} {z}\n", (0.7 * (x + shift)).sin());
+        }
+        text
+    };
+    let poses = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 3 0 1 0 0 0 0 1 0\n";
+    for (second, is_moved) in [(wall(3.0), true), (wall(0.0), false)] {
+        let folder = folder_of(&[("0.xyz", &wall(0.0)), ("1.xyz", &second), ("poses.txt", poses)]);
+        let sequence = open(folder.path());
+        assert_eq!(sequence.entry(1).pose.is_some(), is_moved);
+        assert_eq!(sequence.source().notes().len(), usize::from(!is_moved));
+        assert_eq!(first_points(&sequence)[1][0], 0.0, "both are in the same place");
+    }
+}
+
+#[test]
 fn the_one_child_is_opened_and_several_are_a_question() {
     let one = folder_of(&[
         ("take/0.ply", ""),

@@ -5,12 +5,13 @@
 //! like a narrower range asks the sequence. The first one that does has a few frames read, evenly spread from first to
 //! last; the widest range among them holds for all frames, whichever was read first.
 
-use super::{FrameEntry, read_frame};
+use super::decode::read_frame;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{ColorDepth, RawCloud};
 use crate::io::{ReadOptions, SharedFile};
 use crate::locks::read;
 use crate::progress::Progress;
+use crate::source::FrameEntry;
 use std::fs;
 use std::sync::{Arc, OnceLock, RwLock};
 

@@ -57,6 +57,7 @@ struct FoundPaths {
     /// Files next to the frames that are not among them.
     skipped: Vec<PathBuf>,
     assumptions: Vec<Assumption>,
+    notes: Vec<String>,
 }
 
 /// The ordered frames of `inputs`; see the module's text for the rules. `progress` counts the files that were looked
@@ -72,9 +73,11 @@ pub(super) fn discover(
         mut companions,
         skipped,
         assumptions,
+        mut notes,
     } = find_paths(inputs, options, known)?;
+    notes.extend(companions.note());
     let mut discovered = Discovered {
-        notes: companions.note().into_iter().collect(),
+        notes,
         assumptions,
         ..Discovered::default()
     };
@@ -154,7 +157,9 @@ impl FoundPaths {
             mut files,
             below,
             skipped,
+            note,
         } = found;
+        self.notes.extend(note);
         self.skipped.extend(skipped);
         if let Some(only) = only {
             keep_only(&mut files, only)?;

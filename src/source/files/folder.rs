@@ -60,6 +60,8 @@ pub(super) struct FoundFiles {
     pub(super) below: Option<PathBuf>,
     /// Clouds next to that folder.
     pub(super) skipped: Vec<PathBuf>,
+    /// A sentence about other sensors.
+    pub(super) note: Option<String>,
 }
 
 /// A folder as it is listed, without hidden entries.
@@ -187,6 +189,7 @@ fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundF
     if found.iter().any(|(_, result)| has_clouds(result)) {
         found.retain(|(_, result)| has_clouds(result));
     }
+    let mut note = None;
     // Key frames with annotations and all frames, as nuScenes has them.
     if found.len() == 2
         && ["samples", "sweeps"]
@@ -194,9 +197,13 @@ fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundF
             .all(|name| found.iter().any(|(child, _)| child.ends_with(name)))
     {
         found.retain(|(child, _)| child.ends_with("samples"));
+        note = Some("the frames of sweeps are skipped: open that folder to see them".to_owned());
     }
     // Of the sensors of a car, the LiDAR on its roof.
     if let Some(place) = found.iter().position(|(child, _)| child.ends_with("LIDAR_TOP")) {
+        if found.len() > 1 {
+            note = Some("of several sensors LIDAR_TOP is shown: open the folder of another one to see it".to_owned());
+        }
         found = vec![found.swap_remove(place)];
     }
     if found.len() > 1 {
@@ -211,6 +218,7 @@ fn below(folder: &Path, listing: &Listing, depth: usize) -> Result<Option<FoundF
     };
     let mut files = result?;
     files.below.get_or_insert(child);
+    files.note = note.or(files.note);
     Ok(Some(files))
 }
 
@@ -268,7 +276,7 @@ fn of_numbered(folder: &Path, numbered: &[PathBuf], depth: usize) -> Result<Opti
         Some(files) => Ok(Some(FoundFiles {
             files,
             below: Some(folder.to_owned()),
-            skipped: Vec::new(),
+            ..FoundFiles::default()
         })),
         None if parts.len() == 1 => {
             let (child, result) = parts.swap_remove(0);

@@ -5,8 +5,8 @@
 //! again as soon as it rests. Of a folder with many frames the newest are looked at each time, the others by turns.
 //! Where frames are numbered evenly, one that jumps ahead waits for those before it for a while.
 
-use super::{FrameBytes, FrameEntry};
 use crate::io::Part;
+use crate::source::{FrameBytes, FrameEntry};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -2,14 +2,17 @@
 
 mod color_depth;
 mod companions;
+mod decode;
 mod discover;
 mod folder;
 mod looks;
 mod names;
 mod numbers;
+mod nuscenes;
 mod oxts;
 mod poses;
 mod recording;
+mod registered;
 mod series;
 mod times;
 
@@ -19,13 +22,12 @@ pub(super) use recording::topics_of;
 
 use super::{DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
 use crate::assumption::Assumption;
-use crate::cloud::RawCloud;
-use crate::io::normals::read_with_normals;
 use crate::io::{self, Part, ReadOptions, SharedFile};
 use crate::locks::{lock, read, write};
 use crate::progress::Progress;
 use color_depth::SharedDepth;
 use companions::Known;
+use decode::{decode, placed};
 use discover::Discovered;
 use looks::Looks;
 use std::collections::{HashMap, HashSet};
@@ -216,39 +218,6 @@ impl Source for Files {
     fn assumptions(&self) -> &[Assumption] {
         &self.assumptions
     }
-}
-
-/// Reads a frame of a file, or bytes in the program, in the coordinates of the sequence.
-pub(super) fn decode(
-    entry: &FrameEntry,
-    options: &ReadOptions,
-    shared: &SharedFile,
-    progress: &Progress,
-) -> Result<RawCloud, DecodeFailure> {
-    read_frame(entry, options, shared, progress).map(|cloud| placed(cloud, entry))
-}
-
-/// Reads a frame of a file, or bytes in the program.
-fn read_frame(
-    entry: &FrameEntry,
-    options: &ReadOptions,
-    shared: &SharedFile,
-    progress: &Progress,
-) -> Result<RawCloud, DecodeFailure> {
-    let path = &entry.path;
-    Ok(match (&entry.content, &entry.normals) {
-        (FrameBytes::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
-        (FrameBytes::File(part), _) => shared.read_part(path, part, options, progress)?,
-        (FrameBytes::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
-    })
-}
-
-/// `cloud` in the coordinates of the sequence.
-fn placed(mut cloud: RawCloud, entry: &FrameEntry) -> RawCloud {
-    if let Some(pose) = &entry.pose {
-        cloud.transform(pose);
-    }
-    cloud
 }
 
 /// What tells frames of one file apart.

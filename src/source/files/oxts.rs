@@ -5,7 +5,7 @@
 //! (2013, *Vision meets Robotics: The KITTI Dataset*) does. `calib_imu_to_velo.txt`, in the folder of the day, leads
 //! from the unit to the LiDAR. The first pose is the identity.
 
-use super::FrameEntry;
+use crate::source::FrameEntry;
 use glam::{DAffine3, DMat3, DVec3};
 use std::fs;
 use std::path::Path;

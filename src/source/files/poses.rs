@@ -7,9 +7,10 @@
 //! those of the LiDAR, and its axes stay (Geiger et al. 2012). KITTI's raw recordings have positions of a GPS with an
 //! inertial unit instead ([`super::oxts`]).
 
-use super::FrameEntry;
-use super::oxts;
+use super::registered::are_registered;
+use super::{nuscenes, oxts};
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::source::FrameEntry;
 use crate::source::rgbd::{Trajectory, matrix, number_lines, read_pose, read_text, rigid};
 use crate::source::{NO_POSES, SequenceError};
 use glam::{DAffine3, DQuat, DVec3};
@@ -87,6 +88,16 @@ pub(super) fn place(
     let Some((poses, why)) = poses else {
         return Ok(found);
     };
+    // What is given is not doubted.
+    if given.is_none() && are_registered(entries, &poses) {
+        let used = std::mem::take(&mut found.used);
+        let list = used.first().map_or(why, |list| list.display().to_string());
+        found.notes.push(format!(
+            "{list} is not used for poses: the frames are in one coordinate system already, as they meet better \
+             without it (--poses FILE uses it all the same)"
+        ));
+        return Ok(found);
+    }
     let lost = poses.iter().filter(|pose| pose.is_none()).count();
     if lost > 0 {
         found.notes.push(format!(
@@ -127,6 +138,11 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
     for folder in folders.iter().flat_map(|folder| FOLDERS.map(|name| folder.join(name))) {
         if let Some(poses) = of_folder(&folder, entries) {
             return Some((poses, folder.display().to_string()));
+        }
+    }
+    for folder in folders {
+        if let Some((poses, tables)) = nuscenes::poses(folder, entries) {
+            return Some((poses, tables.display().to_string()));
         }
     }
     let oxts = folders.iter().map(|folder| folder.join("oxts"));

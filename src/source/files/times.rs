@@ -1,10 +1,10 @@
 //! Times of frames, in order of precedence: those of their files, of their names, of a list next to them, and decimals
 //! in their names.
 
-use super::FrameEntry;
 use super::names::{decimals_of, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::timestamps::{times_of_lines, times_of_names};
+use crate::source::FrameEntry;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
