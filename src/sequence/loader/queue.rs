@@ -415,6 +415,7 @@ impl Queue {
     /// The worker on `index` gave it up.
     pub(super) fn cancel(&mut self, index: usize) {
         self.cache.release(index);
+        self.cache.take_outdated(index);
         self.cancelled += 1;
         self.changed();
     }

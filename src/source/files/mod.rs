@@ -181,10 +181,13 @@ impl Source for Files {
         let mut found = found.into_iter();
         join_late_normals(&mut entries, found.by_ref().take(behind));
         let count_before = entries.len();
+        let mut is_next = true;
         for entry in found {
             let expects_normals = entries.last().is_some_and(|before| before.normals.is_some());
-            if !looks.may_append(&entry, &entries, expects_normals) {
-                break;
+            // All are looked at, and those after one that is not complete wait for it.
+            is_next &= looks.may_append(&entry, &entries, expects_normals);
+            if !is_next {
+                continue;
             }
             looks.note(&entry);
             // A temporary file that was given its name: it has the place of that name.

@@ -152,6 +152,9 @@ pub(super) fn is_list(file: &Path) -> bool {
         "info",
         "config",
     ];
+    if Tier::of(file) == Tier::Cloud {
+        return false;
+    }
     let stem = split_name(file).0.to_lowercase();
     WORDS.iter().any(|word| stem.contains(word)) || stem == "gt" || stem == "imu"
 }
@@ -218,15 +221,22 @@ fn of_one_series(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Ve
 fn groups_of(files: &[PathBuf]) -> Vec<Vec<PathBuf>> {
     let is_folder_per_frame = is_folder_per_frame(files);
     let mut by_letters: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
-    let mut alone = Vec::new();
+    let mut by_name: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
     for file in files {
         let name = SplitName::of(&telling_name(file, is_folder_per_frame), Minus::AfterSeparator);
         if name.numbers.is_empty() {
-            alone.push(vec![file.clone()]);
+            // The same name in several numbered folders: `000/body.ply`, `001/body.ply`.
+            let name = if is_folder_per_frame {
+                file.into()
+            } else {
+                file.file_name().unwrap_or_default().into()
+            };
+            by_name.entry(name).or_default().push(file.clone());
         } else {
             by_letters.entry(name.letters()).or_default().push(file.clone());
         }
     }
+    let mut alone: Vec<Vec<PathBuf>> = by_name.into_values().collect();
     // `scan.ply`, `scan 1.ply`, `scan 2.ply`: a file manager numbers copies so.
     alone.retain(|file| {
         let letters = SplitName::of(&telling_name(&file[0], is_folder_per_frame), Minus::AfterSeparator).letters();
@@ -293,7 +303,13 @@ fn choice_of(series: &[PathBuf], all: &[PathBuf]) -> OpeningChoice {
     };
     let pattern = pattern_of(series, &others);
     let folder = series[0].parent().unwrap_or(Path::new(""));
-    let escaped = glob::Pattern::escape(&folder.to_string_lossy());
+    let is_in_one = series.iter().all(|file| file.parent() == Some(folder));
+    let escaped = if is_in_one {
+        glob::Pattern::escape(&folder.to_string_lossy())
+    } else {
+        let above = folder.parent().unwrap_or(Path::new(""));
+        format!("{}/*", glob::Pattern::escape(&above.to_string_lossy()))
+    };
     OpeningChoice {
         label: format!("{pattern} ({} files)", series.len()),
         option: Some(format!("--only '{pattern}'")),
