@@ -26,7 +26,7 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "N", value_parser = positive_f64)]
     depth_scale: Option<f64>,
 
-    /// A trajectory (TUM, KITTI, Redwood, Open3D) or matrices, sensor to world; none: ignore those found
+    /// Poses, sensor to world (TUM, KITTI, Redwood, Open3D, matrices); none: ignore those found
     #[arg(long, value_name = "FILE|none")]
     poses: Option<PathBuf>,
 
