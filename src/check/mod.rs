@@ -5,12 +5,13 @@
 //! look at its facts, rules about the sequence at the facts of all. What a rule finds is a [`Finding`]: of which kind,
 //! in which frames, said in one sentence.
 
+mod cameras;
 mod facts;
 mod finding;
 mod rules;
 
 pub use facts::FrameFacts;
-pub use finding::{Finding, FindingKind};
+pub use finding::{Finding, FindingKind, Severity};
 pub(crate) use rules::changed_attributes;
 
 use crate::scene::UpAxis;
@@ -51,7 +52,7 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
         })
         .collect();
     let mut findings = rules::findings(sequence, &facts);
-    findings.sort_by_key(|finding| finding.frames.first().copied());
+    findings.sort_by_key(|finding| (std::cmp::Reverse(finding.severity), finding.frames.first().copied()));
     let readable = || facts.iter().flatten();
     let bounds = readable()
         .filter_map(|facts| facts.bounds)

@@ -38,6 +38,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     let mut findings = number_gaps(sequence);
     findings.extend(time_jumps(sequence));
     findings.extend(loose_cameras(sequence));
+    findings.extend(super::cameras::changed_camera(sequence, facts));
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
     let attributes = facts.iter().enumerate();
@@ -125,6 +126,7 @@ fn counted(
     let (frames, counts): (Vec<usize>, Vec<usize>) = counts.unzip();
     (!frames.is_empty()).then(|| Finding {
         kind,
+        severity: kind.severity(),
         message: message(counts.iter().sum(), &named(&frames)),
         frames,
     })
@@ -141,6 +143,7 @@ fn no_data_points(facts: &Facts) -> Option<Finding> {
     let count: usize = missing.iter().map(|missing| missing.indices.len()).sum();
     Some(Finding {
         kind: FindingKind::NoDataPoints,
+        severity: FindingKind::NoDataPoints.severity(),
         message: format!(
             "{count} points in {} stand for no measurement ({}{}): they are neither drawn nor framed, --no-data none \
              draws them",
@@ -194,6 +197,7 @@ fn loose_cameras_of(set: &ViewSet, frame: usize) -> Vec<Finding> {
         let error = error.filter(|error| error.rms_px > most_px)?;
         Some(Finding {
             kind: FindingKind::LooseCamera,
+            severity: FindingKind::LooseCamera.severity(),
             frames: vec![frame],
             message: format!(
                 "the {} points of {} are {:.1} pixels from where its camera shows them: its picture will not meet \
@@ -210,6 +214,7 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
     let gaps = gaps_between(&entries).into_iter();
     gaps.map(|NumberGap { after, count, numbers }| Finding {
         kind: FindingKind::NumberGap,
+        severity: FindingKind::NumberGap.severity(),
         frames: vec![after, after + 1],
         message: format!(
             "{count} {} missing between {} and {} ({} to {}): the frames play one after the other",
@@ -242,6 +247,7 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
         .filter(|&(_, &spacing)| spacing <= 0.0 || (median > 0.0 && spacing > PAUSE_IN_SPACINGS * median));
     odd.map(|(index, spacing)| Finding {
         kind: FindingKind::TimeJump,
+        severity: FindingKind::TimeJump.severity(),
         frames: vec![index, index + 1],
         message: if *spacing > 0.0 {
             format!(
@@ -265,6 +271,7 @@ fn unreadable(facts: &Facts) -> Vec<Finding> {
         let error = facts.as_ref().err()?;
         Some(Finding {
             kind: FindingKind::UnreadableFrame,
+            severity: FindingKind::UnreadableFrame.severity(),
             frames: vec![index],
             message: error.to_string(),
         })
@@ -278,6 +285,7 @@ fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
         let warnings = facts.iter().flat_map(|facts| &facts.warnings);
         warnings.map(move |warning| Finding {
             kind: FindingKind::UnreadablePart,
+            severity: FindingKind::UnreadablePart.severity(),
             frames: vec![index],
             message: warning.clone(),
         })
@@ -304,6 +312,7 @@ pub(crate) fn changed_attributes<'a>(attributes: impl IntoIterator<Item = (usize
         .filter(|(attributes, _)| *attributes != usual)
         .map(|(attributes, frames)| Finding {
             kind: FindingKind::ChangedAttributes,
+            severity: FindingKind::ChangedAttributes.severity(),
             message: format!(
                 "{} has {} where the others have {}: what is missing is estimated, so the picture may change there",
                 named(&frames),
@@ -335,6 +344,7 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
         if moved > JUMP_IN_DIAGONALS * larger || has_grown {
             findings.push(Finding {
                 kind: FindingKind::BoundsJump,
+                severity: FindingKind::BoundsJump.severity(),
                 frames: vec![before, after],
                 message: format!(
                     "from {} to {} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
@@ -363,6 +373,7 @@ fn changed_up_axes(facts: &Facts) -> Option<Finding> {
     // Guesses waver; a few that differ say nothing.
     (frames.len() * 4 > facts.len()).then(|| Finding {
         kind: FindingKind::ChangedUpAxis,
+        severity: FindingKind::ChangedUpAxis.severity(),
         message: format!(
             "{} looks as if another axis than {} was up: --up says which it is",
             named(&frames),
@@ -395,6 +406,7 @@ fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
         let frames: Vec<usize> = unit.iter().map(|&(index, _)| index).collect();
         findings.push(Finding {
             kind: FindingKind::SuspiciousScale,
+            severity: FindingKind::SuspiciousScale.severity(),
             message: format!(
                 "{} is {diagonal:.3e} across, which no scan in metres is: another unit, or an outlier",
                 named(&frames)
@@ -406,6 +418,7 @@ fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
         let frames: Vec<usize> = coarse.iter().map(|&(index, _)| index).collect();
         findings.push(Finding {
             kind: FindingKind::SuspiciousScale,
+            severity: FindingKind::SuspiciousScale.severity(),
             message: format!(
                 "coordinates of {} are of single precision so far from zero that they can only be multiples of \
                  {step:.3e}: write them in double precision, or nearer to zero",

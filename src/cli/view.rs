@@ -2,8 +2,12 @@
 
 use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
 use super::session::{OpenedInputs, open_inputs};
-use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
+use crate::app::{
+    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
+};
+use crate::export::PictureFormat;
 use crate::kept;
+use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::session::ReadSession;
@@ -64,7 +68,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
 
-    /// Write the 3-D picture of the window to this PNG file and end
+    /// Write the 3-D picture of the window to this file (.png, .jpg, .webp or .tif) and end
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
 
@@ -88,6 +92,9 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     if args.picture.is_transparent() {
         bail!("a window has no transparent background: choose colours, or `pointreel render`");
     }
+    if let Some(screenshot) = &args.screenshot {
+        PictureFormat::of_name(screenshot)?;
+    }
     let open = OpenOptions {
         fps: args.fps,
         waits_for_first: args.follow,
@@ -99,11 +106,20 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
     // The window says that it waits for the first frame.
     let waits = args.follow && args.screenshot.is_none() && args.record.is_none() && is_empty_folder(&args.inputs);
-    let (sequence, mut session) = if offers_recent || waits {
-        (None, None)
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (reading_choices, choices_problem) = match args.screenshot {
+        Some(_) => Default::default(),
+        None => ReadingChoices::load(),
+    };
+    let FirstOpened {
+        sequence,
+        mut session,
+        opened_with,
+        problem,
+    } = if offers_recent || waits {
+        FirstOpened::default()
     } else {
-        let OpenedInputs { sequence, session } = open_inputs(&args.inputs, &open)?;
-        (Some(sequence), session)
+        FirstOpened::of(&args.inputs, &open, &reading_choices)?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
@@ -116,7 +132,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let (preferences_file, preferences) = load_preferences(args, session.is_some());
     let kept_problems = [presets.problem(), preferences_file.problem()];
     let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
-    let warnings = warnings.chain(recent_problem).collect();
+    let warnings = warnings.chain(recent_problem).chain(choices_problem).chain(problem);
+    let warnings = warnings.collect();
     let options = Options {
         state: StateOptions {
             preferences,
@@ -128,6 +145,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             paused: args.paused,
             budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
+            reading_choices,
             presets,
             timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
             ..StateOptions::default()
@@ -135,6 +153,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         sequence: sequence.map(Arc::new),
         compare,
         named: args.inputs.clone(),
+        opened_with,
         session: session.map(Box::new),
         // The demo is in the menu, and what is no file is not among the recent ones.
         inputs: args
@@ -158,6 +177,43 @@ fn is_empty_folder(inputs: &[PathBuf]) -> bool {
     let [folder] = inputs else { return false };
     let open = OpenOptions::default();
     folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
+}
+
+/// What the window shows first.
+#[derive(Default)]
+struct FirstOpened {
+    sequence: Option<Sequence>,
+    session: Option<ReadSession>,
+    /// How, if otherwise than the command line says.
+    opened_with: Option<OpenOptions>,
+    /// Why a choice that was made in the window before was not taken.
+    problem: Option<String>,
+}
+
+impl FirstOpened {
+    /// As was chosen for `inputs` in the window before, where nothing else is given.
+    fn of(inputs: &[PathBuf], open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+        let chosen = choices.of(inputs);
+        let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
+        let problem = match as_chosen {
+            Some(Ok((sequence, chosen))) => {
+                return Ok(Self {
+                    sequence: Some(sequence),
+                    opened_with: Some(chosen),
+                    ..Self::default()
+                });
+            }
+            Some(Err(problem)) => Some(problem),
+            None => None,
+        };
+        let OpenedInputs { sequence, session } = open_inputs(inputs, open)?;
+        Ok(Self {
+            sequence: Some(sequence),
+            session,
+            problem,
+            ..Self::default()
+        })
+    }
 }
 
 /// What is given goes before what is kept in a session.

@@ -3,7 +3,7 @@
 use super::edit::Edit;
 use super::error::ConvertError;
 use crate::cloud::RawCloud;
-use crate::io::WriteFormat;
+use crate::io::{Losses, WriteFormat};
 use crate::reel::ReelOptions;
 use crate::sequence::{FrameEntry, Sequence};
 use std::fs;
@@ -23,11 +23,21 @@ pub struct Conversion {
     pub format: WriteFormat,
     /// Where they go.
     pub output: Output,
-    /// Write frames that are there already, whatever options they were written with.
+    /// Write frames that are there already, whoever wrote them with whatever options.
     pub overwrites: bool,
+    /// How the inputs are read, where that changes frames: words for people.
+    pub reading: String,
 }
 
 impl Conversion {
+    /// The format that is written, for people.
+    pub fn target_name(&self) -> String {
+        match self.output {
+            Output::Reel(..) => "reel".to_owned(),
+            Output::File(_) | Output::Folder(_) => self.format.to_string(),
+        }
+    }
+
     /// A frame as it is to be written.
     pub(super) fn edited(&self, sequence: &Sequence, index: usize) -> Result<RawCloud, ConvertError> {
         let mut cloud = sequence.decode(index)?;
@@ -52,6 +62,33 @@ pub struct Shard {
 impl Shard {
     /// Everything.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// The file that this share of the sequence file `output` is written to: `walk.part-1-of-3.reel`; `output` itself
+    /// for everything.
+    pub fn part_of(self, output: &Path) -> PathBuf {
+        if self == Self::WHOLE {
+            return output.to_owned();
+        }
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+        output.with_file_name(format!("{stem}{}", self.suffix()))
+    }
+
+    /// What the names of parts end in.
+    fn suffix(self) -> String {
+        format!(".part-{}-of-{}.reel", self.index + 1, self.count)
+    }
+
+    /// The share that a file of this name is of `output`.
+    pub(super) fn of_part_name(name: &str, output: &Path) -> Option<Self> {
+        let stem = output.file_stem()?.to_str()?;
+        let numbers = name.strip_prefix(stem)?.strip_prefix(".part-")?.strip_suffix(".reel")?;
+        let (index, count) = numbers.split_once("-of-")?;
+        let shard = Self {
+            index: index.parse::<usize>().ok()?.checked_sub(1)?,
+            count: count.parse().ok()?,
+        };
+        (shard.index < shard.count).then_some(shard)
+    }
 }
 
 /// Where frames go.
@@ -59,7 +96,8 @@ impl Shard {
 pub enum Output {
     /// One frame to this file.
     File(PathBuf),
-    /// Frames to files in this folder, named by their number and, if they have one, their time.
+    /// Frames to files in this folder, named as those that they were read from, or by their number and, if they have
+    /// one, their time.
     Folder(PathBuf),
     /// Frames to this sequence file, kept so.
     Reel(PathBuf, ReelOptions),
@@ -76,6 +114,10 @@ pub struct Converted {
     pub failed: Vec<(usize, ConvertError)>,
     /// Frames that were written without a part of their files, and why.
     pub warnings: Vec<(usize, String)>,
+    /// What of the frames the target cannot hold.
+    pub losses: Losses,
+    /// What is to be known of all frames.
+    pub notes: Vec<String>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }

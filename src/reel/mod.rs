@@ -24,6 +24,7 @@
 mod above;
 mod attributes;
 mod coder;
+mod cut;
 mod decoder;
 mod encode;
 mod error;
@@ -32,6 +33,7 @@ mod file;
 mod frame;
 mod memory;
 mod options;
+mod part;
 mod reader;
 #[cfg(test)]
 mod tests;
@@ -45,6 +47,7 @@ pub use file::ReadAt;
 pub use frame::StreamKind;
 pub use memory::write_to_memory;
 pub use options::{Coding, Precision, ReelOptions};
+pub use part::FilePart;
 pub use reader::{FrameInfo, ReelFile};
 pub use writer::ReelWriter;
 

@@ -209,7 +209,7 @@ fn frames_become_files_of_a_folder() {
         texts.iter().any(|text| text.starts_with("Frame 3 is not in it")),
         "{texts:?}"
     );
-    let written = folder.path().join("walk/frame_000005.ply");
+    let written = folder.path().join("walk/frame_0005.ply");
     assert_eq!(fs::metadata(&written).unwrap().len() as f64, estimate.frame_bytes);
     // Another format has no business among them.
     press(&mut harness, SAVE, Key::S);
@@ -328,8 +328,8 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
 fn every_control_of_the_dialog_has_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
-    for precision in ["Sampling density", "Bits", "Length", "Lossless"] {
-        if precision != "Sampling density" {
+    for precision in ["Point spacing", "Bits", "Length", "Lossless"] {
+        if precision != "Point spacing" {
             choose(&mut harness, "Positions", precision);
         }
         wait_for_estimate(&mut harness, 5);

@@ -6,5 +6,6 @@ mod cli;
 mod cli_convert;
 mod cli_video;
 mod compare;
+mod outputs;
 mod serve;
 mod session_files;

@@ -6,7 +6,7 @@
 //! bits.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
-use crate::io::write::{Encoder, WriteSeek};
+use crate::io::write::{Encoder, Held, Loss, WriteSeek};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::io::{Error, Result};
 
@@ -89,6 +89,8 @@ impl Axis {
 pub(in crate::io) const LAS: &Encoder = &Encoder {
     name: "las",
     extension: "las",
+    holds: &[Held::Scalars],
+    lost,
     write: |out, cloud| write(out, cloud, false),
 };
 
@@ -96,8 +98,51 @@ pub(in crate::io) const LAS: &Encoder = &Encoder {
 pub(in crate::io) const LAZ: &Encoder = &Encoder {
     name: "laz",
     extension: "laz",
+    holds: &[Held::Scalars],
+    lost,
     write: |out, cloud| write(out, cloud, true),
 };
+
+/// Scalars that have no field, values that do not fit theirs, and coordinates that do not fit 32 bits.
+fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
+    let points = LasPoints::new(cloud);
+    let fields = [
+        points.intensity.map(|(field, _)| field),
+        points.classification,
+        points.gps_time,
+    ];
+    let is_written = |field: &&ScalarField| fields.into_iter().flatten().any(|known| std::ptr::eq(known, *field));
+    let scalars = cloud.attributes.scalars.iter();
+    let unwritten = scalars.filter(|field| !is_written(field));
+    let mut lost: Vec<(Loss, f64)> = unwritten
+        .map(|field| (Loss::Field(format!("`{}`", field.name)), 0.0))
+        .collect();
+    let mut check = |field: Option<&ScalarField>, scale: f64, largest: f64, what: &str| {
+        let fits = |value: f64| value.fract() == 0.0 && (0.0..=largest).contains(&value);
+        let number = |field: &ScalarField, value: f32| (f64::from(value) + field.offset) * scale;
+        if let Some(field) = field
+            // A fraction of 1 in 16 bits is no more precise in other programs.
+            && (scale == 1.0 || field.values.iter().any(|value| !value.is_finite()))
+            && !field.values.iter().all(|&value| fits(number(field, value)))
+        {
+            lost.push((Loss::Values(field.name.clone(), what.to_owned()), 0.0));
+        }
+    };
+    let scale = points.intensity.map_or(1.0, |(_, scale)| scale);
+    let intensity = points.intensity.map(|(field, _)| field);
+    check(intensity, scale, f64::from(u16::MAX), "whole numbers from 0 to 65535");
+    check(
+        points.classification,
+        1.0,
+        f64::from(u8::MAX),
+        "whole numbers from 0 to 255",
+    );
+    let error = points.largest_error();
+    if error > 0.0 {
+        lost.push((Loss::Precision, error));
+    }
+    lost
+}
 
 /// Writes the finite points of `cloud`, with colours, `intensity`, `classification` and `gps_time` if they are there.
 pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool) -> Result<()> {
@@ -131,6 +176,14 @@ pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool)
     }
 }
 
+/// The share of a coordinate that it is known to.
+fn precision(positions: &Positions) -> f64 {
+    match positions {
+        Positions::F32(_) => f64::from(f32::EPSILON) / 2.0,
+        Positions::F64(_) => 4.0 * f64::EPSILON,
+    }
+}
+
 /// A cloud as the file will have it.
 struct LasPoints<'a> {
     cloud: &'a RawCloud,
@@ -147,10 +200,7 @@ impl<'a> LasPoints<'a> {
     fn new(cloud: &'a RawCloud) -> Self {
         let (count, bounds) = cloud.positions.finite_bounds();
         let (min, max) = bounds.unwrap_or_default();
-        let precision = match cloud.positions {
-            Positions::F32(_) => f64::from(f32::EPSILON) / 2.0,
-            Positions::F64(_) => 4.0 * f64::EPSILON,
-        };
+        let precision = precision(&cloud.positions);
         let axes = std::array::from_fn(|axis| {
             let coordinates = (0..cloud.positions.len())
                 .map(|index| cloud.positions.get(index))
@@ -175,6 +225,26 @@ impl<'a> LasPoints<'a> {
 
     fn total(&self) -> usize {
         self.cloud.positions.len()
+    }
+
+    /// By how much coordinates are off, where that is more than they are known to; else 0.
+    fn largest_error(&self) -> f64 {
+        let precision = precision(&self.cloud.positions);
+        let mut largest = 0.0f64;
+        for index in 0..self.total() {
+            let position = self.cloud.positions.get(index);
+            if !position.is_finite() {
+                continue;
+            }
+            for (axis, scaled) in self.axes.iter().enumerate() {
+                let value = position[axis];
+                let error = (scaled.value(scaled.raw(value)) - value).abs();
+                if error > precision * value.abs() {
+                    largest = largest.max(error);
+                }
+            }
+        }
+        largest
     }
 
     fn format(&self) -> u8 {

@@ -12,6 +12,7 @@ mod header;
 mod kept_columns;
 mod packed_splats;
 mod splats;
+mod writer;
 
 use super::attributes;
 use super::column::Column;
@@ -41,6 +42,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     }
     let PlyRows { columns, count, faces } = read_rows(bytes, &header, progress)?;
     let mut cloud = growing::cloud(&columns, count)?;
+    cloud.convention = writer::convention(bytes);
     splats::apply(&columns, &mut cloud);
     faces.put_into(&mut cloud);
     Ok(cloud)
@@ -97,11 +99,14 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
 pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = PlyHeader::parse(head).ok()?;
-    let rows = match header.encoding {
+    let mut rows = match header.encoding {
         Encoding::Ascii => None,
         Encoding::BinaryLittleEndian => binary::fixed_rows(&header, false),
         Encoding::BinaryBigEndian => binary::fixed_rows(&header, true),
     };
+    if let Some(rows) = &mut rows {
+        rows.convention = writer::convention(head);
+    }
     // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
     // columns.
     let is_of_splats = |name: &str| splats::is_used(name) || packed_splats::is_used(name);

@@ -1,6 +1,8 @@
 //! The formats that are written, by their names.
 
 use super::encoder::Encoder;
+use super::loss::Losses;
+use super::losses::losses;
 use crate::cloud::RawCloud;
 use crate::io::TABLE;
 use std::fmt;
@@ -23,6 +25,17 @@ impl WriteFormat {
     pub fn of_extension(name: &Path) -> Option<Self> {
         let extension = name.extension()?.to_str()?.to_ascii_lowercase();
         Self::all().find(|format| format.extension() == extension)
+    }
+
+    /// What it cannot hold of `cloud`.
+    pub fn losses(self, cloud: &RawCloud) -> Losses {
+        losses(self.0, cloud)
+    }
+
+    /// The names of all, with commas between.
+    pub fn names() -> String {
+        let names: Vec<&str> = Self::all().map(|format| format.0.name).collect();
+        names.join(", ")
     }
 
     /// Extension of its files, without dot.
@@ -64,9 +77,8 @@ impl FromStr for WriteFormat {
     fn from_str(name: &str) -> Result<Self, String> {
         let found = Self::all().find(|format| format.0.name == name);
         found.ok_or_else(|| {
-            let names: Vec<&str> = Self::all().map(|format| format.0.name).collect();
-            let names = names.join(", ");
-            format!("`{name}` is no format that is written: expected one of {names}")
+            let names = Self::names();
+            format!("`{name}` is not a format that is written: expected one of {names}")
         })
     }
 }

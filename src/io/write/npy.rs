@@ -6,13 +6,18 @@
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
-use super::encoder::{Encoder, WriteSeek};
+use super::encoder::{Encoder, Held, WriteSeek};
+use super::loss::Loss;
 use crate::cloud::RawCloud;
+
+const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 
 /// A bare table of numpy: positions, with colours and normals, or with one scalar.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "npy",
     extension: "npy",
+    holds: HOLDS,
+    lost,
     write: |out, cloud| write(out, cloud),
 };
 
@@ -52,6 +57,16 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     out.write_all(&chunk)
 }
 
+/// The columns that are not told by their number.
+fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
+    let all = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
+    let names: Vec<String> = all.iter().map(|column| column.name.clone()).collect();
+    let kept = told_by_number(all, cloud);
+    let is_kept = |name: &String| kept.iter().any(|column| column.name == *name);
+    let lost = names.into_iter().filter(|name| !is_kept(name));
+    lost.map(|name| (Loss::Field(format!("`{name}`")), 0.0)).collect()
+}
+
 fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<WrittenColumn<'a>> {
     let (has_colors, has_normals) = (cloud.attributes.colors.is_some(), cloud.attributes.normals.is_some());
     let scalar = match cloud.attributes.scalars.first() {
@@ -82,7 +97,7 @@ fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
     // Fewer columns are told by their number, and these by the first behind the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
-        let is_looked_at = columns.len() >= 6 && (3..7).contains(&index);
+        let is_looked_at = columns.len() >= 5 && (3..xyz::MAX_GUESSED_COLUMN).contains(&index);
         let rows = if is_looked_at { rows } else { 0 };
         (0..rows).map(|row| column.value(row)).collect()
     });

@@ -18,6 +18,7 @@ use super::folder::{self, FoundFiles};
 use super::names::{is_folder_per_frame, sort, telling_name};
 use super::numbers::number;
 use super::recording::{Recording, topics_of};
+use super::refusal;
 use super::series::{self, note_of_skipped};
 use super::{poses, times};
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -37,6 +38,9 @@ const NAMED_FILES: usize = 6;
 
 /// More NPY files than these are not opened to see whether each holds several frames, unless the first one does.
 const MAX_OPENED: usize = 64;
+
+/// Of more files, text is not opened to see whether it holds several frames.
+const MAX_OPENED_TEXTS: usize = 16;
 
 /// What `inputs` hold.
 #[derive(Debug, Default)]
@@ -83,6 +87,7 @@ pub(super) fn discover(
     };
     let count = paths.len();
     let opens_arrays = opens_arrays(&paths);
+    let opens_text = count <= MAX_OPENED_TEXTS;
     let is_folder_per_frame = is_folder_per_frame(&paths);
     for (done, path) in paths.into_iter().enumerate() {
         progress.set(done, count);
@@ -92,7 +97,7 @@ pub(super) fn discover(
         let normals = companions.normals.remove(&path);
         let folder_name = is_folder_per_frame.then(|| telling_name(&path, true));
         let first = discovered.entries.len();
-        discovered.append_frames(path, options, opens_arrays);
+        discovered.append_frames(path, options, [opens_arrays, opens_text]);
         if let Some(entry) = discovered.entries.get_mut(first) {
             entry.normals = normals;
             if let Some(folder_name) = folder_name {
@@ -253,10 +258,15 @@ impl Discovered {
 
     /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
     /// one frame, which says why when it is decoded.
-    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, opens_arrays: bool) {
+    ///
+    /// Of many files, text and arrays are a frame each, as they would have to be read here to know more: `opens` says
+    /// whether arrays are opened, and text.
+    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, opens: [bool; 2]) {
+        let [opens_arrays, opens_text] = opens;
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
-        let may_hold_many = format.is_none_or(Format::holds_many) && (opens_arrays || !is_array(&path));
+        let may_hold_many = format.is_none_or(|format| format.holds_many() && (opens_text || !format.is_rarely_many()))
+            && (opens_arrays || !is_array(&path));
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed =
             (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
@@ -266,6 +276,9 @@ impl Discovered {
                 self.entries.push(FrameEntry::file(path));
             }
             Some(Ok(contents)) => {
+                let notes = contents.notes.iter();
+                self.notes
+                    .extend(notes.map(|note| format!("{}: {note}", path.display())));
                 let frames = contents.entries.into_iter();
                 self.entries.extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {
@@ -349,10 +362,34 @@ fn common_folder(entries: &[FrameEntry]) -> Option<PathBuf> {
 
 /// The files in or below `folder`. An empty one may be waited for.
 fn find_in_folder(folder: &Path, may_be_empty: bool) -> Result<FoundFiles, SequenceError> {
+    let mut others = Vec::new();
+    let (mut subfolders, mut own) = (Vec::new(), Vec::new());
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if folder::is_hidden(&path) {
+            continue;
+        }
+        if path.is_dir() {
+            subfolders.push(path);
+        } else if has_known_extension(&path) {
+            own.push(path);
+        } else {
+            others.push(path);
+        }
+    }
+    if let Some(refusal) = refusal::of_whole(folder, &own, &others) {
+        return Err(refusal);
+    }
     let found = folder::find(folder)?;
     if found.files.is_empty() && !may_be_empty {
-        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-        let subfolders = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+        let hint = if subfolders.is_empty() {
+            String::new()
+        } else {
+            format!("; else {}", empty_folder_hint(subfolders.clone()))
+        };
+        if let Some(refusal) = refusal::of_files(folder, &mut others, &hint) {
+            return Err(refusal);
+        }
         return Err(SequenceError::EmptyFolder {
             path: folder.to_path_buf(),
             extensions: known_patterns(),

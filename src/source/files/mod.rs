@@ -12,6 +12,7 @@ mod nuscenes;
 mod oxts;
 mod poses;
 mod recording;
+mod refusal;
 mod registered;
 mod series;
 mod times;

@@ -1,0 +1,113 @@
+//! What a target cannot hold of a cloud: said, and never dropped in silence.
+//!
+//! Losses of many frames are summed up in [`Losses`]: a line per kind.
+
+use std::collections::BTreeMap;
+
+/// Something that a written file lacks.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Loss {
+    /// Points without coordinates.
+    Holes,
+    /// Something that a point has, by its name.
+    Field(String),
+    /// Triangles.
+    Faces,
+    /// Pictures on triangles.
+    Textures,
+    /// Rows and columns of an organised cloud.
+    Rows,
+    /// The position of the sensor.
+    Sensor,
+    /// The name of a scalar, and what it is written as.
+    Name(String, String),
+    /// Values of a scalar that are rounded or clamped, and to what.
+    Values(String, String),
+    /// Coordinates that are rounded; the amount is the largest error.
+    Precision,
+}
+
+/// Losses of frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Losses(BTreeMap<Loss, Tally>);
+
+/// How much of something is lost.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Tally {
+    frames: usize,
+    /// How many, or how large the error is.
+    amount: f64,
+}
+
+impl Loss {
+    /// Whether the largest amount of all frames counts, and not their sum.
+    fn is_largest(&self) -> bool {
+        matches!(self, Self::Precision)
+    }
+
+    fn line(&self, format: &str, amount: f64) -> String {
+        match self {
+            Self::Holes => format!("{format} cannot hold points without coordinates: {amount} are not written"),
+            Self::Field(name) => format!("{format} cannot hold {name}: not written"),
+            Self::Faces => format!("{format} cannot hold faces: {amount} are not written, only their points"),
+            Self::Textures => format!("{format} cannot hold texture images: not written"),
+            Self::Rows => {
+                format!(
+                    "{format} cannot hold the rows and columns of an organised cloud: points are written one by one"
+                )
+            }
+            Self::Sensor => format!("{format} cannot hold the position of the sensor: not written"),
+            Self::Name(from, to) => format!("{format} cannot hold the field name `{from}`: it is written as `{to}`"),
+            Self::Values(name, to) => format!("{format} holds {name} as {to}: values are rounded"),
+            Self::Precision => format!("{format} rounds coordinates here, by up to {amount:.3e}"),
+        }
+    }
+}
+
+impl Losses {
+    /// Adds that one frame loses so many of something, or by so much.
+    pub fn add(&mut self, loss: Loss, amount: f64) {
+        self.add_tally(loss, Tally { frames: 1, amount });
+    }
+
+    fn add_tally(&mut self, loss: Loss, more: Tally) {
+        let is_largest = loss.is_largest();
+        let tally = self.0.entry(loss).or_default();
+        tally.frames += more.frames;
+        tally.amount = if is_largest {
+            tally.amount.max(more.amount)
+        } else {
+            tally.amount + more.amount
+        };
+    }
+
+    /// Adds those of other frames.
+    pub fn merge(&mut self, others: Self) {
+        for (loss, tally) in others.0 {
+            self.add_tally(loss, tally);
+        }
+    }
+
+    /// True if nothing is lost.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What is lost.
+    pub fn kinds(&self) -> impl Iterator<Item = &Loss> {
+        self.0.keys()
+    }
+
+    /// A line per kind: what `format` cannot hold, in how many of `frame_count` frames if not in all.
+    pub fn lines(&self, format: &str, frame_count: usize) -> Vec<String> {
+        let line = |(loss, tally): (&Loss, &Tally)| {
+            let line = loss.line(format, tally.amount);
+            match tally.frames {
+                frames if frames >= frame_count => line,
+                frames => format!("{line} ({frames} of {frame_count} frames)"),
+            }
+        };
+        self.0.iter().map(line).collect()
+    }
+}
