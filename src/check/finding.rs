@@ -81,7 +81,8 @@ impl FindingKind {
             | Self::BoundsJump
             | Self::SuspiciousScale
             | Self::ChangedUpAxis
-            | Self::LooseCamera => Severity::Warning,
+            | Self::LooseCamera
+            | Self::ChangedCamera => Severity::Warning,
         }
     }
 }
