@@ -37,6 +37,8 @@ pub enum FindingKind {
     ChangedUpAxis,
     /// A photograph whose camera does not fit the points that were found in it.
     LooseCamera,
+    /// Frames that another camera took than the first ones.
+    ChangedCamera,
 }
 
 /// Weight of a finding.
@@ -79,7 +81,8 @@ impl FindingKind {
             | Self::BoundsJump
             | Self::SuspiciousScale
             | Self::ChangedUpAxis
-            | Self::LooseCamera => Severity::Warning,
+            | Self::LooseCamera
+            | Self::ChangedCamera => Severity::Warning,
         }
     }
 }

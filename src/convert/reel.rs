@@ -84,6 +84,10 @@ impl Unfinished {
             Err(TryLockError::WouldBlock) => Err(ConvertError::Busy {
                 path: output.to_owned(),
             }),
+            // Another process has just ended, and removed it.
+            Ok(()) if !self.lock.exists() => Err(ConvertError::Busy {
+                path: output.to_owned(),
+            }),
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock {
                 _file: file,
                 path: self.lock.clone(),

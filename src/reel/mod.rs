@@ -33,7 +33,6 @@ mod file;
 mod frame;
 mod memory;
 mod options;
-mod part;
 mod reader;
 #[cfg(test)]
 mod tests;
@@ -43,11 +42,10 @@ mod writer;
 pub use decoder::{DecodedFrame, ReelDecoder};
 pub use encode::{EncodedGroup, NewFrame, encode_group};
 pub use error::ReelError;
-pub use file::ReadAt;
+pub use file::{FilePart, ReadAt};
 pub use frame::StreamKind;
 pub use memory::write_to_memory;
 pub use options::{Coding, Precision, ReelOptions};
-pub use part::FilePart;
 pub use reader::{FrameInfo, ReelFile};
 pub use writer::ReelWriter;
 

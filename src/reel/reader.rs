@@ -3,11 +3,10 @@
 use super::cut::note_of_group;
 use super::error::{Fault, ReelError};
 use super::file::{
-    CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, Directory, Head, Index, MAGIC_AND_VERSION_BYTES, SYNC, TRAILER_BYTES,
-    Trailer, VERSION, bytes_at,
+    CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, Directory, FilePart, Head, Index, MAGIC_AND_VERSION_BYTES, SYNC,
+    TRAILER_BYTES, Trailer, VERSION, bytes_at,
 };
 use super::frame::StreamKind;
-use super::part::FilePart;
 use super::{MAGIC, ReadAt};
 use std::cmp::Ordering;
 use std::fmt;

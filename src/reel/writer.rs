@@ -2,9 +2,8 @@
 
 use super::encode::{EncodedGroup, NewFrame, encode_group};
 use super::error::ReelError;
-use super::file::{ChunkHeader, ChunkKind, Head, Index, Trailer, VERSION};
+use super::file::{ChunkHeader, ChunkKind, FilePart, Head, Index, Trailer, VERSION};
 use super::options::ReelOptions;
-use super::part::FilePart;
 use super::reader::ReelFile;
 use super::{MAGIC, ReadAt};
 use std::fs::{File, OpenOptions};

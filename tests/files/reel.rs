@@ -162,7 +162,7 @@ fn what_cannot_be_meant_is_said() {
     };
     let out = folder.path().join("b.reel");
     assert!(said(&["info", text(&reel), "demo.ply"]).contains("open it alone"));
-    assert!(said(&["convert", "demo:", text(&out), "--keep-order"]).contains("lossless"));
+    assert!(said(&["convert", "demo:", text(&out), "--keep-order", "--merge"]).contains("lossless"));
     assert!(said(&["convert", "demo:", text(&out), "--format", "ply"]).contains("sequence file"));
     let plys = folder.path().join("plys");
     assert!(said(&["convert", "demo:", text(&plys), "--bits", "9"]).contains(".reel"));

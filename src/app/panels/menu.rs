@@ -31,6 +31,9 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         } else {
             menus_ui(ui, state);
         }
+        if ui.available_width() <= LEAST_NAME_WIDTH {
+            return;
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.available_width() > CHIP_WIDTH {
                 bound::assumptions_chip(ui, state);

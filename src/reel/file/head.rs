@@ -1,8 +1,8 @@
 //! How the file begins: magic, version, and a chunk that says how it was made.
 
 use super::bytes::{ByteReader, ByteWriter};
+use super::part::FilePart;
 use crate::reel::error::Fault;
-use crate::reel::part::FilePart;
 
 /// Versions with another first number cannot be read; a higher second one adds what may be passed over.
 pub(in crate::reel) const VERSION: [u16; 2] = [3, 2];

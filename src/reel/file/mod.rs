@@ -5,6 +5,7 @@ mod chunk;
 mod directory;
 mod head;
 mod index;
+mod part;
 mod read_at;
 
 pub(super) use bytes::{ByteReader, ByteWriter};
@@ -13,5 +14,6 @@ pub(super) use chunk::{checksum, is_right};
 pub(super) use directory::{Directory, FrameCut, FrameRecord, SectionRecord, StreamRecord};
 pub(super) use head::{Head, MAGIC_AND_VERSION_BYTES, VERSION};
 pub(super) use index::{Index, TRAILER_BYTES, Trailer};
+pub use part::FilePart;
 pub use read_at::ReadAt;
 pub(super) use read_at::bytes_at;

@@ -107,7 +107,7 @@ fn points_of(bytes: &[u8]) -> Vec<(usize, bool)> {
                 "{:?}",
                 file.damage()
             );
-            assert_eq!(frame.is_whole, points == frame.points_in_frame);
+            assert!(!frame.is_whole || points == frame.points_in_frame);
             (points, frame.is_whole)
         })
         .collect()

@@ -142,7 +142,8 @@ proptest! {
             let last = &clouds[clouds.len() - 1];
             let middle = last.positions.get(0);
             let turn = DQuat::from_rotation_y(angle);
-            let moved = positions(last).into_iter().map(|point| middle + turn * (point - middle) + step * extent * 0.01);
+            let step = step * extent * 0.01;
+            let moved = positions(last).into_iter().map(|point| middle + turn * (point - middle) + step);
             clouds.push(RawCloud::from_positions(match last.positions {
                 Positions::F32(_) => Positions::F32(moved.map(|point| point.as_vec3().to_array()).collect()),
                 Positions::F64(_) => Positions::F64(moved.map(|point| point.to_array()).collect()),

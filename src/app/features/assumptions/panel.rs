@@ -19,6 +19,9 @@ pub(in crate::app) const CHIP_WIDTH: f32 = 120.0;
 /// Width of the list at first, points.
 const WIDTH: f32 = 380.0;
 
+/// Its height, points.
+const HEIGHT: f32 = 560.0;
+
 /// Width of a field, points.
 const FIELD_WIDTH: f32 = 150.0;
 
@@ -54,7 +57,7 @@ pub(in crate::app) fn assumptions_ui(ui: &mut Ui, is_open: &mut bool, groups: &[
     let mut changes = Vec::new();
     tool_window(ui.ctx(), PANEL.name(), "Assumptions")
         .open(is_open)
-        .default_size(vec2(WIDTH, 440.0))
+        .default_size(vec2(WIDTH, HEIGHT))
         .pivot(Align2::RIGHT_TOP)
         .default_pos(corner + vec2(-12.0, 12.0))
         .show(ui, |ui| {

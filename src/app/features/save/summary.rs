@@ -59,7 +59,10 @@ pub(super) fn warning(estimate: &Estimate) -> Option<String> {
     let lost = 1.0 - estimate.kept_points / estimate.points.max(1.0);
     (estimate.points > 0.0 && lost > MUCH).then(|| {
         let lost = 100.0 * lost;
-        format!("{lost:.0} % of the points are merged with others. Point spacing without merging, a length, or lossless keep each of them")
+        format!(
+            "{lost:.0} % of the points are merged with others. Point spacing without merging, a length or lossless \
+             keep each of them"
+        )
     })
 }
 

@@ -1,8 +1,8 @@
 //! Which frames of which conversion a file has, so that parts that were written by several machines are joined as they
 //! belong together.
 
-use super::error::Fault;
-use super::file::{ByteReader, ByteWriter};
+use super::bytes::{ByteReader, ByteWriter};
+use crate::reel::error::Fault;
 use std::ops::Range;
 
 /// Which frames of a conversion a file has.
@@ -27,7 +27,7 @@ impl FilePart {
     }
 
     /// The file that all parts are joined to.
-    pub(super) fn whole(&self) -> Self {
+    pub(in crate::reel) fn whole(&self) -> Self {
         Self {
             index: 0,
             count: 1,
