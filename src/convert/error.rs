@@ -44,10 +44,10 @@ pub enum ConvertError {
     },
     /// Files of somebody else have the names of frames.
     #[error(
-        "{} is there already and was not written by this conversion{}: nothing was written, choose another output, or \
-         --overwrite to replace {}",
+        "{} is there already{}, and no record says that this conversion has written it: nothing was written, choose \
+         another output, or --overwrite to replace {}",
         path.display(),
-        if *more > 0 { format!(", nor were {more} more files") } else { String::new() },
+        if *more > 0 { format!(", as are {more} more files") } else { String::new() },
         if *more > 0 { "them" } else { "it" }
     )]
     Exists {

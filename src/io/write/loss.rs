@@ -99,15 +99,27 @@ impl Losses {
         self.0.keys()
     }
 
-    /// A line per kind: what `format` cannot hold, in how many of `frame_count` frames if not in all.
+    /// A line per kind: what `format` cannot hold, in how many of `frame_count` frames if not in all. Fields of as many
+    /// frames are one line.
     pub fn lines(&self, format: &str, frame_count: usize) -> Vec<String> {
-        let line = |(loss, tally): (&Loss, &Tally)| {
-            let line = loss.line(format, tally.amount);
-            match tally.frames {
-                frames if frames >= frame_count => line,
-                frames => format!("{line} ({frames} of {frame_count} frames)"),
-            }
+        let of_frames = |line: String, frames: usize| match frames {
+            frames if frames >= frame_count => line,
+            frames => format!("{line} ({frames} of {frame_count} frames)"),
         };
-        self.0.iter().map(line).collect()
+        let mut fields: BTreeMap<usize, Vec<&str>> = BTreeMap::new();
+        let mut others = Vec::new();
+        for (loss, tally) in &self.0 {
+            match loss {
+                Loss::Field(name) => fields.entry(tally.frames).or_default().push(name),
+                loss => others.push(of_frames(loss.line(format, tally.amount), tally.frames)),
+            }
+        }
+        let line = |(frames, names): (usize, Vec<&str>)| {
+            of_frames(
+                format!("{format} cannot hold {}: not written", names.join(", ")),
+                frames,
+            )
+        };
+        fields.into_iter().rev().map(line).chain(others).collect()
     }
 }
