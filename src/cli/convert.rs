@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
     assumptions::print_guesses(&sequence, None, &[]);
-    tell(&converted?, &conversion.output, sequence.len())
+    tell(&converted?, &conversion, sequence.len())
 }
 
 /// Where frames go by the name of `output`, and in which format.
@@ -150,7 +150,16 @@ fn outputs(
     Ok((output, format))
 }
 
-fn tell(converted: &Converted, output: &Output, count: usize) -> anyhow::Result<()> {
+fn tell(converted: &Converted, conversion: &Conversion, count: usize) -> anyhow::Result<()> {
+    let output = &conversion.output;
+    if !converted.lost.is_empty() {
+        let lost: Vec<&str> = converted.lost.iter().copied().collect();
+        warnings::warn(&format!(
+            "{} files have no place for these, which are lost: {}",
+            conversion.format,
+            lost.join(", ")
+        ));
+    }
     for (frame, warning) in &converted.warnings {
         warnings::warn_of_frame(&format!("{}: {warning}", frame_with_index(*frame, count)));
     }

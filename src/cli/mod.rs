@@ -26,6 +26,7 @@ mod serve;
 mod session;
 mod stream;
 mod style_arguments;
+mod usage;
 mod values;
 mod video;
 mod video_arguments;
@@ -77,6 +78,9 @@ enum Verb {
     CompareFrames(compare_frames::CompareFramesArgs),
 }
 
+/// Exit code of wrong usage, as of what the parser of the command line refuses.
+const WRONG_USAGE: u8 = 2;
+
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
@@ -110,7 +114,11 @@ pub fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             say(&format!("error: {error:#}"));
-            ExitCode::FAILURE
+            if error.is::<usage::UsageError>() {
+                ExitCode::from(WRONG_USAGE)
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }

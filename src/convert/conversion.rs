@@ -6,6 +6,7 @@ use crate::cloud::RawCloud;
 use crate::io::WriteFormat;
 use crate::reel::ReelOptions;
 use crate::sequence::{FrameEntry, Sequence};
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -76,6 +77,8 @@ pub struct Converted {
     pub failed: Vec<(usize, ConvertError)>,
     /// Frames that were written without a part of their files, and why.
     pub warnings: Vec<(usize, String)>,
+    /// What frames had and their files have not, as the format has no place for it.
+    pub lost: BTreeSet<&'static str>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }

@@ -69,8 +69,9 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
     let mut converted = Converted::default();
     for (frame, outcome) in outcomes {
         match outcome {
-            Some(Ok(FrameOutcome::Written { warnings })) => {
+            Some(Ok(FrameOutcome::Written { warnings, lost })) => {
                 converted.written += 1;
+                converted.lost.extend(lost);
                 let warnings = warnings.into_iter().map(|warning| (frame, warning));
                 converted.warnings.extend(warnings);
             }
@@ -84,8 +85,11 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
 
 /// What became of a frame.
 enum FrameOutcome {
-    /// It was written, without what the warnings name.
-    Written { warnings: Vec<String> },
+    /// It was written, without what the warnings name, and what the format has no place for.
+    Written {
+        warnings: Vec<String>,
+        lost: Vec<&'static str>,
+    },
     /// It was finished before.
     Left,
 }
@@ -113,8 +117,10 @@ fn convert_frame(sequence: &Sequence, index: usize, conversion: &Conversion) -> 
         file.sync_data()
     })
     .map_err(|reason| ConvertError::Write { path, reason })?;
+    let lost = conversion.format.lost(&cloud).collect();
     Ok(FrameOutcome::Written {
         warnings: cloud.warnings,
+        lost,
     })
 }
 

@@ -250,7 +250,8 @@ pub(super) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
         _ => {}
     }
     let mut names: Vec<String> = names.into_iter().map(str::to_owned).collect();
-    names.resize(columns.len(), "unknown".to_owned());
+    let unknown = names.len()..columns.len();
+    names.extend(unknown.map(|index| format!("column_{}", index + 1)));
     names
 }
 
@@ -288,7 +289,7 @@ mod tests {
         for (text, expected) in [
             ("1 2 3", "x y z"),
             ("1 2 3 4", "x y z scalar"),
-            ("1 2 3 4 5", "x y z unknown unknown"),
+            ("1 2 3 4 5", "x y z column_4 column_5"),
             ("1 2 3 255 0 1", "x y z red green blue"),
             ("1 2 3 0.5 0.25 0.5", "x y z red green blue"),
             ("1 2 3 0.6 0 -0.8", "x y z nx ny nz"),

@@ -1,5 +1,6 @@
 //! One way to write clouds.
 
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 use std::io::{Seek, Write};
 
@@ -16,4 +17,6 @@ pub(in crate::io) struct Encoder {
     pub(in crate::io) extension: &'static str,
     /// Writes as much of a cloud as the format holds.
     pub(in crate::io) write: fn(&mut dyn WriteSeek, &RawCloud) -> std::io::Result<()>,
+    /// What the format has no place for. Scalar fields are not among it: every format holds them.
+    pub(in crate::io) lost: &'static [Loss],
 }

@@ -1,6 +1,7 @@
 //! The formats that are written, by their names.
 
 use super::encoder::Encoder;
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 use crate::io::TABLE;
 use std::fmt;
@@ -23,6 +24,11 @@ impl WriteFormat {
     pub fn of_extension(name: &Path) -> Option<Self> {
         let extension = name.extension()?.to_str()?.to_ascii_lowercase();
         Self::all().find(|format| format.extension() == extension)
+    }
+
+    /// What of `cloud` is lost in files of this format, a few words each.
+    pub fn lost(self, cloud: &RawCloud) -> impl Iterator<Item = &'static str> {
+        Loss::of(self.0.lost, cloud)
     }
 
     /// Extension of its files, without dot.

@@ -6,6 +6,7 @@
 mod columns;
 mod encoder;
 mod format;
+mod loss;
 pub(super) mod npy;
 pub(super) mod pcd;
 pub(super) mod ply;
@@ -13,3 +14,4 @@ pub(super) mod text;
 
 pub(super) use encoder::{Encoder, WriteSeek};
 pub use format::{WriteFormat, write};
+pub(super) use loss::Loss;

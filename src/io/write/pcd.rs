@@ -5,6 +5,7 @@
 
 use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
 use super::encoder::{Encoder, WriteSeek};
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 /// PCD 0.7, binary: all but ellipses and faces.
@@ -12,6 +13,7 @@ pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "pcd",
     extension: "pcd",
     write: |out, cloud| write(out, cloud),
+    lost: &[Loss::ELLIPSES, Loss::FACES],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {

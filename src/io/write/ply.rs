@@ -2,6 +2,7 @@
 
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_name};
 use super::encoder::{Encoder, WriteSeek};
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 /// PLY, little endian: holds all but ellipses and where the sensor stood.
@@ -9,6 +10,7 @@ pub(in crate::io) const BINARY: &Encoder = &Encoder {
     name: "ply",
     extension: "ply",
     write: |out, cloud| write(out, cloud, false),
+    lost: &[Loss::ELLIPSES, Loss::SENSOR],
 };
 
 /// PLY as text: the same.
@@ -16,6 +18,7 @@ pub(in crate::io) const ASCII: &Encoder = &Encoder {
     name: "ply-ascii",
     extension: "ply",
     write: |out, cloud| write(out, cloud, true),
+    lost: &[Loss::ELLIPSES, Loss::SENSOR],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {

@@ -2,6 +2,7 @@
 
 use super::columns::{CHUNK_BYTES, Colors, WrittenColumn, columns, plain_name};
 use super::encoder::{Encoder, WriteSeek};
+use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 /// A point a line and the names of the columns in its first: all but faces and the sensor.
@@ -9,6 +10,7 @@ pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "xyz",
     extension: "xyz",
     write: |out, cloud| write(out, cloud),
+    lost: &[Loss::ELLIPSES, Loss::FACES, Loss::SENSOR],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
