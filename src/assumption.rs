@@ -238,10 +238,10 @@ impl Assumptions {
 
     /// Adds one frame's or source's assumption.
     pub fn add(&mut self, assumption: &Assumption) {
-        match self.entries.iter_mut().find(|(known, _)| known == assumption) {
-            Some((_, count)) => *count += 1,
-            None if self.entries.len() < Self::MAX => self.entries.push((assumption.clone(), 1)),
-            None => {}
+        if let Some((_, count)) = self.entries.iter_mut().find(|(known, _)| known == assumption) {
+            *count += 1;
+        } else if self.entries.len() < Self::MAX {
+            self.entries.push((assumption.clone(), 1));
         }
     }
 

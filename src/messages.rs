@@ -25,6 +25,28 @@ pub(crate) fn frames_with_indices(first: usize, last: usize) -> String {
     format!("frames {} to {} (indices {first} to {last})", first + 1, last + 1)
 }
 
+/// The sentence that refuses frames `first..=last` asked for by `option` of a sequence of `count` frames; `None` if all of
+/// them are there. The one rule of all commands: a range is never cut in silence.
+pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usize) -> Option<String> {
+    let end = count.checked_sub(1);
+    if end.is_some_and(|end| last <= end) {
+        return None;
+    }
+    let Some(end) = end else {
+        return Some(format!(
+            "there is no frame {first}: the sequence has 0 frames ({option})"
+        ));
+    };
+    let missing = first.max(count);
+    let frames = if count == 1 { "frame" } else { "frames" };
+    let text = format!("there is no frame {missing}: the sequence has {count} {frames}, 0..{end}");
+    Some(if first <= end {
+        format!("{text} (of {option} {first}..{last} it has {first}..{end})")
+    } else {
+        format!("{text} ({option} counts from 0)")
+    })
+}
+
 /// Names with commas between them and `last` before the last.
 pub(crate) fn listed(names: &[String], last: &str) -> String {
     match names {
@@ -112,6 +134,42 @@ mod tests {
         assert_eq!(frame_by_index(2), "frame 3 (index 2)");
         let kinds = [frame_with_index(2, 24), frame_with_index(13, 24)].map(|text| kind_of(&text));
         assert_eq!(kinds[0], kinds[1]);
+    }
+
+    #[test]
+    fn frames_beyond_the_last_are_refused_with_those_that_are_there() {
+        for (first, last, count) in [(0, 0, 1), (0, 11, 12), (11, 11, 12), (3, 7, 12)] {
+            assert_eq!(missing_frames("--frames", first, last, count), None, "{first}..{last}");
+        }
+        for (first, last, count, said) in [
+            (
+                20,
+                30,
+                12,
+                "there is no frame 20: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+            ),
+            (
+                12,
+                12,
+                12,
+                "there is no frame 12: the sequence has 12 frames, 0..11 (--frames counts from 0)",
+            ),
+            (
+                8,
+                30,
+                12,
+                "there is no frame 12: the sequence has 12 frames, 0..11 (of --frames 8..30 it has 8..11)",
+            ),
+            (
+                0,
+                1,
+                1,
+                "there is no frame 1: the sequence has 1 frame, 0..0 (of --frames 0..1 it has 0..0)",
+            ),
+            (0, 3, 0, "there is no frame 0: the sequence has 0 frames (--frames)"),
+        ] {
+            assert_eq!(missing_frames("--frames", first, last, count).as_deref(), Some(said));
+        }
     }
 
     #[test]

@@ -63,6 +63,11 @@ pub(crate) enum HeaderError {
          are numbers"
     )]
     NotUnderstood,
+    #[error(
+        "its values are pickled Python objects, which are code and never run here: save the arrays with numpy.savez, \
+         as in numpy.savez('frames.npz', **arrays), or a single one with numpy.save"
+    )]
+    Pickled,
 }
 
 impl Number {
@@ -95,7 +100,16 @@ impl Header {
             _ => return Err(HeaderError::Version(*major)),
         };
         let (header, _) = bytes[start..].split_at_checked(length).ok_or(HeaderError::Truncated)?;
-        Dictionary::parse(&String::from_utf8_lossy(header), start + length).ok_or(HeaderError::NotUnderstood)
+        let text = String::from_utf8_lossy(header);
+        Dictionary::parse(&text, start + length).ok_or_else(|| {
+            // The type of objects, alone or in a record, with or without the byte order that it does not have.
+            let is_object = ["'|O'", "'O'", "'<O'", "'>O'"].iter().any(|kind| text.contains(kind));
+            if is_object {
+                HeaderError::Pickled
+            } else {
+                HeaderError::NotUnderstood
+            }
+        })
     }
 
     /// Bytes of an entry.

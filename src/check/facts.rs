@@ -1,6 +1,6 @@
 //! What is remembered of a frame after it was looked at.
 
-use crate::cloud::{Frame, Positions, RawCloud};
+use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, most_radius};
 use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
@@ -11,7 +11,9 @@ pub struct FrameFacts {
     pub point_count: usize,
     /// Points with three finite coordinates.
     pub finite_count: usize,
-    /// Corners of the box around the finite points.
+    /// Finite points that stand for no measurement.
+    pub missing: MissingPoints,
+    /// Corners of the box around the other finite points.
     pub bounds: Option<(DVec3, DVec3)>,
     /// Names of what each point has.
     pub attributes: Vec<String>,
@@ -19,6 +21,8 @@ pub struct FrameFacts {
     pub duplicate_count: usize,
     /// Normals of no length or not finite, of finite points.
     pub zero_normal_count: usize,
+    /// Radii that are infinite, not a number, or far larger than the cloud.
+    pub absurd_radius_count: usize,
     /// Whether colours of 8 bits were found in wider fields.
     pub has_narrow_colors: bool,
     /// Whether the file has coordinates of single precision.
@@ -31,12 +35,13 @@ pub struct FrameFacts {
 
 impl FrameFacts {
     /// Looks at every point of `raw`.
-    pub fn of(raw: RawCloud) -> Self {
-        let (finite_count, bounds) = raw.positions.finite_bounds();
+    pub fn of(mut raw: RawCloud, no_data: NoData) -> Self {
+        let missing = MissingPoints::find(&raw.positions, no_data);
+        let bounds = missing.bounds;
         let zero_normals = raw.attributes.normals.iter().flatten().enumerate();
         let facts = Self {
             point_count: raw.positions.len(),
-            finite_count,
+            finite_count: missing.present_count + missing.indices.len(),
             bounds,
             attributes: raw.point_names(),
             duplicate_count: duplicates(&raw.positions),
@@ -46,16 +51,27 @@ impl FrameFacts {
                     (length == 0.0 || !length.is_finite()) && raw.positions.get(*index).is_finite()
                 })
                 .count(),
+            absurd_radius_count: absurd_radii(&raw),
             has_narrow_colors: raw.has_narrow_colors,
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
             warnings: raw.warnings.clone(),
+            missing,
         };
+        make_holes(&mut raw.positions, &facts.missing.indices);
         Self {
             probable_up: probable_up(raw, bounds),
             ..facts
         }
     }
+}
+
+/// How many radii cannot be drawn.
+fn absurd_radii(raw: &RawCloud) -> usize {
+    let Some(radii) = &raw.attributes.radii else { return 0 };
+    let most = most_radius(raw.positions.len(), |index| raw.positions.get(index));
+    let is_absurd = |radius: &&f32| !radius.is_finite() || **radius > most;
+    radii.iter().filter(is_absurd).count()
 }
 
 /// How many finite points lie exactly where another one does that comes before them.

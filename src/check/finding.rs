@@ -21,6 +21,8 @@ pub enum FindingKind {
     ChangedAttributes,
     /// Coordinates that are NaN or infinite.
     NonFinitePoints,
+    /// Points that stand for no measurement.
+    NoDataPoints,
     /// Points at exactly the same place.
     DuplicatePoints,
     /// The cloud jumps, or its size does.
@@ -35,15 +37,78 @@ pub enum FindingKind {
     ChangedUpAxis,
     /// A photograph whose camera does not fit the points that were found in it.
     LooseCamera,
+    /// Radii of splats that are infinite or far larger than the cloud.
+    AbsurdRadii,
+}
+
+/// Weight of a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Good to know; the sequence is shown as it is meant.
+    Note,
+    /// Something may be shown otherwise than it is meant.
+    Warning,
+    /// Something cannot be shown.
+    Error,
+}
+
+impl Severity {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl FindingKind {
+    /// Weight of findings of this kind.
+    pub fn severity(self) -> Severity {
+        match self {
+            Self::UnreadableFrame => Severity::Error,
+            // Scanners write holes, several returns at one place, and classes without colour; what is missing is
+            // estimated.
+            Self::NonFinitePoints | Self::DuplicatePoints | Self::ZeroNormals | Self::NarrowColors => Severity::Note,
+            Self::NumberGap
+            | Self::TimeJump
+            | Self::UnreadablePart
+            | Self::EmptyFrame
+            | Self::ChangedAttributes
+            | Self::NoDataPoints
+            | Self::BoundsJump
+            | Self::SuspiciousScale
+            | Self::ChangedUpAxis
+            | Self::LooseCamera
+            | Self::AbsurdRadii => Severity::Warning,
+        }
+    }
 }
 
 /// Something that a person should look at.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Finding {
     /// What kind of thing it is.
     pub kind: FindingKind,
+    /// Its weight.
+    pub severity: Severity,
     /// Indices of the frames in which it is.
     pub frames: Vec<usize>,
     /// What was found and what to do, in a sentence.
     pub message: String,
+}
+
+impl Finding {
+    /// A finding in `frames` with the weight of its kind.
+    pub fn new(kind: FindingKind, frames: Vec<usize>, message: impl Into<String>) -> Self {
+        Self {
+            kind,
+            severity: kind.severity(),
+            frames,
+            message: message.into(),
+        }
+    }
 }

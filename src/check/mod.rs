@@ -10,7 +10,7 @@ mod finding;
 mod rules;
 
 pub use facts::FrameFacts;
-pub use finding::{Finding, FindingKind};
+pub use finding::{Finding, FindingKind, Severity};
 pub(crate) use rules::changed_attributes;
 
 use crate::scene::UpAxis;
@@ -44,13 +44,14 @@ pub fn check(sequence: &Sequence, progress: &(dyn Fn(usize) + Sync)) -> CheckRep
     let facts: Vec<Result<FrameFacts, FrameError>> = (0..sequence.len())
         .into_par_iter()
         .map(|index| {
-            let facts = sequence.decode(index).map(FrameFacts::of);
+            let facts = sequence.decode(index);
+            let facts = facts.map(|raw| FrameFacts::of(raw, sequence.no_data()));
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             facts
         })
         .collect();
     let mut findings = rules::findings(sequence, &facts);
-    findings.sort_by_key(|finding| finding.frames.first().copied());
+    findings.sort_by_key(|finding| (std::cmp::Reverse(finding.severity), finding.frames.first().copied()));
     let readable = || facts.iter().flatten();
     let bounds = readable()
         .filter_map(|facts| facts.bounds)

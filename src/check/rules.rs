@@ -1,6 +1,7 @@
 //! The rules: from facts to findings.
 
 use super::{Finding, FindingKind, FrameFacts};
+use crate::cloud::MissingPoints;
 use crate::messages::{frame_by_index, frame_with_index};
 use crate::photos::ViewSet;
 use crate::scene::UpAxis;
@@ -59,6 +60,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
             format!("{count} points in {frames} have coordinates that are NaN or infinite: they are left out")
         },
     ));
+    findings.extend(no_data_points(facts));
     findings.extend(counted(
         facts,
         FindingKind::DuplicatePoints,
@@ -78,6 +80,17 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
             format!(
                 "{count} normals in {frames} have no length: they are estimated for the picture, `pointreel \
                 convert --estimate-normals` writes them"
+            )
+        },
+    ));
+    findings.extend(counted(
+        facts,
+        FindingKind::AbsurdRadii,
+        |facts| facts.absurd_radius_count,
+        |count, frames| {
+            format!(
+                "{count} radii in {frames} are not finite or a thousand times as large as the cloud: they are taken for \
+                 missing"
             )
         },
     ));
@@ -123,7 +136,31 @@ fn counted(
     let (frames, counts): (Vec<usize>, Vec<usize>) = counts.unzip();
     (!frames.is_empty()).then(|| Finding {
         kind,
+        severity: kind.severity(),
         message: message(counts.iter().sum(), &named(&frames)),
+        frames,
+    })
+}
+
+/// Points that stand for no measurement, with value and count of the first frame that has some.
+fn no_data_points(facts: &Facts) -> Option<Finding> {
+    let missing = facts.iter().enumerate().filter_map(|(index, facts)| {
+        let missing = &facts.as_ref().ok()?.missing;
+        (!missing.is_empty()).then_some((index, missing))
+    });
+    let (frames, missing): (Vec<usize>, Vec<&MissingPoints>) = missing.unzip();
+    let first = missing.first()?;
+    let count: usize = missing.iter().map(|missing| missing.indices.len()).sum();
+    Some(Finding {
+        kind: FindingKind::NoDataPoints,
+        severity: FindingKind::NoDataPoints.severity(),
+        message: format!(
+            "{count} points in {} stand for no measurement ({}{}): they are neither drawn nor framed, --no-data none \
+             draws them",
+            named(&frames),
+            first.in_words(),
+            if frames.len() > 1 { " in the first" } else { "" }
+        ),
         frames,
     })
 }
@@ -170,6 +207,7 @@ fn loose_cameras_of(set: &ViewSet, frame: usize) -> Vec<Finding> {
         let error = error.filter(|error| error.rms_px > most_px)?;
         Some(Finding {
             kind: FindingKind::LooseCamera,
+            severity: FindingKind::LooseCamera.severity(),
             frames: vec![frame],
             message: format!(
                 "the {} points of {} are {:.1} pixels from where its camera shows them: its picture will not meet \
@@ -186,6 +224,7 @@ fn number_gaps(sequence: &Sequence) -> Vec<Finding> {
     let gaps = gaps_between(&entries).into_iter();
     gaps.map(|NumberGap { after, count, numbers }| Finding {
         kind: FindingKind::NumberGap,
+        severity: FindingKind::NumberGap.severity(),
         frames: vec![after, after + 1],
         message: format!(
             "{count} {} missing between {} and {} ({} to {}): the frames play one after the other",
@@ -218,6 +257,7 @@ fn time_jumps(sequence: &Sequence) -> Vec<Finding> {
         .filter(|&(_, &spacing)| spacing <= 0.0 || (median > 0.0 && spacing > PAUSE_IN_SPACINGS * median));
     odd.map(|(index, spacing)| Finding {
         kind: FindingKind::TimeJump,
+        severity: FindingKind::TimeJump.severity(),
         frames: vec![index, index + 1],
         message: if *spacing > 0.0 {
             format!(
@@ -241,6 +281,7 @@ fn unreadable(facts: &Facts) -> Vec<Finding> {
         let error = facts.as_ref().err()?;
         Some(Finding {
             kind: FindingKind::UnreadableFrame,
+            severity: FindingKind::UnreadableFrame.severity(),
             frames: vec![index],
             message: error.to_string(),
         })
@@ -254,6 +295,7 @@ fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
         let warnings = facts.iter().flat_map(|facts| &facts.warnings);
         warnings.map(move |warning| Finding {
             kind: FindingKind::UnreadablePart,
+            severity: FindingKind::UnreadablePart.severity(),
             frames: vec![index],
             message: warning.clone(),
         })
@@ -280,6 +322,7 @@ pub(crate) fn changed_attributes<'a>(attributes: impl IntoIterator<Item = (usize
         .filter(|(attributes, _)| *attributes != usual)
         .map(|(attributes, frames)| Finding {
             kind: FindingKind::ChangedAttributes,
+            severity: FindingKind::ChangedAttributes.severity(),
             message: format!(
                 "{} has {} where the others have {}: what is missing is estimated, so the picture may change there",
                 named(&frames),
@@ -311,6 +354,7 @@ fn bounds_jumps(facts: &Facts) -> Vec<Finding> {
         if moved > JUMP_IN_DIAGONALS * larger || has_grown {
             findings.push(Finding {
                 kind: FindingKind::BoundsJump,
+                severity: FindingKind::BoundsJump.severity(),
                 frames: vec![before, after],
                 message: format!(
                     "from {} to {} the middle moves by {moved:.4} and the diagonal goes from {:.4} to {:.4}: an \
@@ -339,6 +383,7 @@ fn changed_up_axes(facts: &Facts) -> Option<Finding> {
     // Guesses waver; a few that differ say nothing.
     (frames.len() * 4 > facts.len()).then(|| Finding {
         kind: FindingKind::ChangedUpAxis,
+        severity: FindingKind::ChangedUpAxis.severity(),
         message: format!(
             "{} looks as if another axis than {} was up: --up says which it is",
             named(&frames),
@@ -371,6 +416,7 @@ fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
         let frames: Vec<usize> = unit.iter().map(|&(index, _)| index).collect();
         findings.push(Finding {
             kind: FindingKind::SuspiciousScale,
+            severity: FindingKind::SuspiciousScale.severity(),
             message: format!(
                 "{} is {diagonal:.3e} across, which no scan in metres is: another unit, or an outlier",
                 named(&frames)
@@ -382,6 +428,7 @@ fn suspicious_scales(facts: &Facts) -> Vec<Finding> {
         let frames: Vec<usize> = coarse.iter().map(|&(index, _)| index).collect();
         findings.push(Finding {
             kind: FindingKind::SuspiciousScale,
+            severity: FindingKind::SuspiciousScale.severity(),
             message: format!(
                 "coordinates of {} are of single precision so far from zero that they can only be multiples of \
                  {step:.3e}: write them in double precision, or nearer to zero",

@@ -6,7 +6,8 @@ use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
-use crate::io::ReadOptions;
+use crate::cloud::NoData;
+use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
@@ -39,9 +40,16 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
-    /// Numbers a point in .bin files, 3 to 6 (usually told by statistics)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=6))]
-    columns: Option<u8>,
+    /// Columns of text and .bin files: their number in .bin, such as 7, or which is what, such as
+    /// x=3,y=4,z=5,intensity=7 or x=lon_m,y=lat_m,z=h, or both, such as 7:x=0,y=1,z=2 (counted from 0 or by the names in
+    /// the header; frame=2 for the column of frames, frame=none for one frame; default: names and values decide)
+    #[arg(long, value_name = "COLUMNS")]
+    columns: Option<ColumnMap>,
+
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that stands for a
+    /// missing coordinate
+    #[arg(long, value_name = "VALUE|auto|none", default_value_t = NoData::Auto, allow_hyphen_values = true)]
+    no_data: NoData,
 
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
@@ -95,6 +103,20 @@ impl ReadArgs {
         }
     }
 
+    /// The options that change what frames have, as they are typed; empty where none is given.
+    pub(super) fn in_words(&self) -> String {
+        let mut words: Vec<String> = Vec::new();
+        let mut add = |option: &str, value: Option<String>| {
+            words.extend(value.map(|value| format!("--{option} {value}").trim_end().to_owned()));
+        };
+        let given = |is_given: bool| is_given.then(String::new);
+        add("columns", self.columns.map(|columns| columns.to_string()));
+        add("merge-scans", given(self.merge_scans));
+        add("dense", given(self.dense));
+        words.extend(self.rgbd.in_words());
+        words.join(" ")
+    }
+
     pub(super) fn open_options(&self) -> OpenOptions {
         let default = ReadOptions::default();
         let max_memory_bytes = self.max_memory.unwrap_or(default.max_memory_bytes);
@@ -102,7 +124,8 @@ impl ReadArgs {
             read: default
                 .with_max_memory(max_memory_bytes)
                 .with_sample_count(self.sample)
-                .with_bin_columns(self.columns),
+                .with_columns(self.columns),
+            no_data: self.no_data,
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),

@@ -1,6 +1,6 @@
 //! `pointreel bench`: the suites of the benchmark menu, without a window.
 
-use super::arguments::{DEMO_INPUT, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
+use super::arguments::{DEMO_INPUT, FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use super::output::{answer, say};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
@@ -210,6 +210,11 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         Ok(opened)
     });
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
+    if let Some(first) = arguments.first_frame {
+        for Input { sequence, .. } in &inputs {
+            FrameRange::one(first).check("--first-frame", sequence.len())?;
+        }
+    }
     let default = BenchOptions::new(arguments.suite);
     let options = BenchOptions {
         viewport_px: arguments.size.unwrap_or(default.viewport_px),

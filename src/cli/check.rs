@@ -5,7 +5,7 @@ use super::assumptions;
 use super::output::{answer, say};
 use super::progress::Bar;
 use super::warnings;
-use crate::check::{CheckReport, check};
+use crate::check::{CheckReport, Severity, check};
 use crate::messages::by_kind;
 use anyhow::Context as _;
 use clap::Args;
@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Exit code when something was found.
+/// Exit code of errors and warnings.
 const FOUND: u8 = 3;
 
 /// Arguments of `pointreel check`.
@@ -43,13 +43,21 @@ pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<Exit
     } else {
         answer(text(&report, lists_all).trim_end());
     }
-    Ok(if report.findings.is_empty() {
+    let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
+        let findings = report.findings.iter().filter(|finding| finding.severity == severity);
+        (severity, findings.count())
+    });
+    let words = counts.iter().filter(|(_, count)| *count > 0);
+    let words: Vec<String> = words
+        .map(|(severity, count)| format!("{count} {}{}", severity.name(), if *count == 1 { "" } else { "s" }))
+        .collect();
+    if !words.is_empty() {
+        say(&words.join(", "));
+    }
+    let is_clean = report.findings.iter().all(|finding| finding.severity == Severity::Note);
+    Ok(if is_clean {
         ExitCode::SUCCESS
     } else {
-        say(&match report.findings.len() {
-            1 => "1 finding".to_owned(),
-            count => format!("{count} findings"),
-        });
         ExitCode::from(FOUND)
     })
 }
@@ -57,7 +65,12 @@ pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<Exit
 /// The answer for people: findings of one kind a line, or each of them if all are to be listed, then what is known.
 fn text(report: &CheckReport, lists_all: bool) -> String {
     let mut text = String::new();
-    let messages = report.findings.iter().map(|finding| &*finding.message);
+    let messages: Vec<String> = report
+        .findings
+        .iter()
+        .map(|finding| format!("{}: {}", finding.severity.name(), finding.message))
+        .collect();
+    let messages = messages.iter().map(String::as_str);
     let lines = if lists_all {
         messages.map(|message| (message, 0)).collect()
     } else {

@@ -1,6 +1,7 @@
 //! `pointreel compare`: how far a picture is from another one of the same size.
 
 use super::output::{answer, say};
+use crate::export::{PictureFormat, encode_picture};
 use crate::kept::write_whole;
 use crate::measure::{PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim};
 use anyhow::{Context as _, anyhow, bail};
@@ -33,7 +34,7 @@ pub(super) struct CompareArgs {
     #[arg(long)]
     json: bool,
 
-    /// PNG file to write the FLIP error of each pixel to, from black (0) to pale yellow (1)
+    /// Picture (.png, .jpg, .webp or .tif) to write the FLIP error of each pixel to, from black (0) to pale yellow (1)
     #[arg(long, value_name = "OUT.png")]
     heatmap: Option<PathBuf>,
 }
@@ -208,6 +209,7 @@ fn too_large(path: &Path, claimed: &str) -> anyhow::Error {
 /// A heatmap must not take the place of what it is made from, nor of what is no file.
 fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     let name = heatmap.display();
+    PictureFormat::of_name(heatmap)?;
     let Ok(metadata) = fs::metadata(heatmap) else {
         return Ok(());
     };
@@ -221,10 +223,11 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a PNG file as a whole or not at all.
+/// Writes a picture in the format of its name, as a whole or not at all.
 fn write_picture(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
     let cannot = || format!("{} cannot be written", path.display());
+    let format = PictureFormat::of_name(path)?;
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).with_context(cannot)?;
+    encode_picture(format, image, &mut bytes).with_context(cannot)?;
     write_whole(path, bytes.get_ref()).with_context(cannot)
 }

@@ -1,6 +1,6 @@
 //! `pointreel compare-frames`: how far the points of one frame are from another frame.
 
-use super::arguments::{ReadArgs, open_sequence_and_tell};
+use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::output::answer;
 use super::values::not_negative_f64;
 use super::warnings;
@@ -59,6 +59,8 @@ pub(super) fn run(arguments: &CompareFramesArgs) -> anyhow::Result<()> {
         from, to, threshold, ..
     } = *arguments;
     let count = sequence.len();
+    FrameRange::one(from).check("--from", count)?;
+    FrameRange::one(to).check("--to", count)?;
     let [pose, other] = [sequence.frame(from)?, sequence.frame(to)?];
     for warning in pose.warnings().iter().chain(other.warnings()) {
         warnings::warn_of_frame(warning);

@@ -23,7 +23,8 @@ use std::sync::Arc;
 #[derive(Debug, Args)]
 pub(super) struct ConvertArgs {
     /// A folder, a pattern, or files; `demo:` and `example:lidar` are built in; the last one is the OUTPUT: a file for
-    /// one frame, a sequence file (.reel) for all, else a folder, which is made
+    /// one frame, a sequence file (.reel) for all, or a folder, which is made: a name without extension or with a slash
+    /// at its end. Files in it keep the names of those that they were made from
     #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
@@ -52,7 +53,8 @@ pub(super) struct ConvertArgs {
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
 
-    /// Convert frames anew that are in OUTPUT already
+    /// Replace files that are in OUTPUT already. Without it frames that this very conversion has written before are
+    /// left as they are, and any other file in the way is an error
     #[arg(long)]
     overwrite: bool,
 
@@ -72,13 +74,17 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         bail!("name an input and an output");
     };
     if arguments.join {
+        check_joined(inputs, output, arguments.overwrite)?;
         let count = join(inputs, output)?;
         answer(&format!("{count} frames joined into {}", output.display()));
         return Ok(());
     }
     let open = arguments.read.open_options();
     let sequence = open_sequence_and_tell(inputs, &open)?;
-    let frames = arguments.frames.as_ref().map(FrameRange::bounds);
+    if let Some(frames) = arguments.frames {
+        frames.check("--frames", sequence.len())?;
+    }
+    let frames = arguments.frames.map(FrameRange::bounds);
     let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
     let (output, format) = outputs(arguments, output, &sequence, frame_count)?;
     let conversion = Conversion {
@@ -93,15 +99,54 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         format,
         output,
         overwrites: arguments.overwrite,
+        reading: arguments.read.in_words(),
     };
     let bar = Arc::new(Bar::new(frame_count));
     let shown = Arc::clone(&bar);
     let progress = Progress::told_to(move |progress| shown.set(progress.done()));
-    // An interrupt ends the process; what is finished stays, and the next run goes on from there.
+    cancel_at_interrupt(&progress);
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
     assumptions::print_guesses(&sequence, None, &[]);
     tell(&converted?, &conversion, sequence.len())
+}
+
+/// The first interrupt ends the conversion when the frames that are being written are finished, the second at once.
+fn cancel_at_interrupt(progress: &Progress) {
+    let progress = progress.clone();
+    let cancelled = ctrlc::set_handler(move || {
+        if progress.is_cancelled() {
+            // As a shell says it of a process that an interrupt has ended.
+            std::process::exit(130);
+        }
+        progress.cancel();
+    });
+    if let Err(reason) = cancelled {
+        warnings::warn(&format!("an interrupt will leave hidden files ({reason})"));
+    }
+}
+
+/// Parts must not be replaced by the file that they become, nor another file in silence.
+fn check_joined(parts: &[PathBuf], output: &Path, overwrites: bool) -> anyhow::Result<()> {
+    let Ok(place) = output.canonicalize() else {
+        return Ok(());
+    };
+    if parts
+        .iter()
+        .any(|part| part.canonicalize().is_ok_and(|part| part == place))
+    {
+        bail!(
+            "the output {} is one of the parts: choose another name",
+            output.display()
+        );
+    }
+    if !overwrites {
+        bail!(
+            "{} is there already: choose another name, or --overwrite to replace it",
+            output.display()
+        );
+    }
+    Ok(())
 }
 
 /// Where frames go by the name of `output`, and in which format.
@@ -111,14 +156,8 @@ fn outputs(
     sequence: &Sequence,
     frame_count: usize,
 ) -> anyhow::Result<(Output, WriteFormat)> {
-    let has_extension = |extension: &str| {
-        output
-            .extension()
-            .is_some_and(|found| found.eq_ignore_ascii_case(extension))
-    };
-    let format_by_name = WriteFormat::of_extension(output);
-    let format = arguments.format.or(format_by_name).unwrap_or_default();
-    if has_extension("reel") && !output.is_dir() {
+    let place = NamedPlace::of(output, arguments.format)?;
+    if let NamedPlace::Reel = place {
         if let Some(format) = arguments.format {
             bail!("{} is a sequence file, which has no format {format}", output.display());
         }
@@ -126,46 +165,85 @@ fn outputs(
         if let Some(assumed) = assumed {
             warnings::warn(&assumed);
         }
-        return Ok((Output::Reel(output.to_owned(), options), format));
+        return Ok((Output::Reel(output.to_owned(), options), WriteFormat::default()));
     }
     if arguments.reel.is_given() {
         bail!(
-            "{} is no sequence file: name one that ends with .reel, or leave out what only such files have",
+            "{} is not a sequence file: name one that ends with .reel, or leave out what only such files have",
             output.display()
         );
     }
-    let is_folder = output.is_dir() || format_by_name.is_none();
-    if !is_folder && frame_count != 1 {
-        bail!(
+    match place {
+        NamedPlace::File(_) if frame_count != 1 => bail!(
             "{} is one file, but {frame_count} frames are to be converted: name a folder, a sequence file (.reel), or \
              one frame with --frames",
             output.display()
-        );
+        ),
+        NamedPlace::File(format) => Ok((Output::File(output.to_owned()), format)),
+        NamedPlace::Folder | NamedPlace::Reel => {
+            let format = arguments.format.unwrap_or_default();
+            Ok((Output::Folder(output.to_owned()), format))
+        }
     }
-    let output = if is_folder {
-        Output::Folder(output.to_owned())
-    } else {
-        Output::File(output.to_owned())
-    };
-    Ok((output, format))
+}
+
+/// The kind of output that a name means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum NamedPlace {
+    Reel,
+    File(WriteFormat),
+    Folder,
+}
+
+impl NamedPlace {
+    /// By the extension of `output`. A folder is there already, or has no extension or a slash at its end. An extension
+    /// that no written format has, or another one than `format`, is refused: a file is what its name says.
+    fn of(output: &Path, format: Option<WriteFormat>) -> anyhow::Result<Self> {
+        let text = output.to_string_lossy();
+        let has_slash = text.ends_with(std::path::is_separator);
+        let extension = output
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        let Some(extension) = extension.filter(|_| !output.is_dir() && !has_slash) else {
+            if output.is_file() {
+                bail!("{text} is a file: a folder cannot have its name, choose another one");
+            }
+            return Ok(Self::Folder);
+        };
+        if extension == "reel" {
+            return Ok(Self::Reel);
+        }
+        let Some(by_name) = WriteFormat::of_extension(output) else {
+            bail!(
+                "{text}: .{extension} files are not written. The formats of files are {}, and .reel for a sequence file; \
+                 for a folder of that name add a slash: {text}/",
+                WriteFormat::names()
+            );
+        };
+        match format {
+            Some(format) if format.extension() != by_name.extension() => bail!(
+                "{text} is named as {by_name}, but --format says {format}: name it .{}, or leave out --format",
+                format.extension()
+            ),
+            format => Ok(Self::File(format.unwrap_or(by_name))),
+        }
+    }
 }
 
 fn tell(converted: &Converted, conversion: &Conversion, count: usize) -> anyhow::Result<()> {
-    let output = &conversion.output;
-    if !converted.lost.is_empty() {
-        let lost: Vec<&str> = converted.lost.iter().copied().collect();
-        warnings::warn(&format!(
-            "{} files have no place for these, which are lost: {}",
-            conversion.format,
-            lost.join(", ")
-        ));
-    }
     for (frame, warning) in &converted.warnings {
         warnings::warn_of_frame(&format!("{}: {warning}", frame_with_index(*frame, count)));
     }
     for (frame, error) in &converted.failed {
         warnings::warn_of_frame(&format!("{}: {error}", frame_with_index(*frame, count)));
     }
+    for note in &converted.notes {
+        warnings::warn(note);
+    }
+    for loss in converted.losses.lines(&conversion.target_name(), converted.written) {
+        warnings::lost(&loss);
+    }
+    let output = &conversion.output;
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     answer(&format!(
         "{} frames written to {}, {} were there already, {} failed",
@@ -174,12 +252,17 @@ fn tell(converted: &Converted, conversion: &Conversion, count: usize) -> anyhow:
         converted.left,
         converted.failed.len()
     ));
-    if let (Output::Reel(path, _), false) = (output, converted.is_cancelled) {
+    if converted.is_cancelled {
+        bail!("the conversion was interrupted: the same command goes on with the frames that are missing");
+    }
+    if let Output::Reel(path, _) = output
+        && path.is_file()
+    {
         answer(&ReelInfo::of(&ReelFile::open_path(path)?).line());
     }
     match converted.failed.len() {
         0 => Ok(()),
-        count => bail!("{count} frames could not be converted"),
+        failed => bail!("{failed} frames could not be converted"),
     }
 }
 
@@ -240,6 +323,34 @@ mod tests {
         for wrong in ["0/3", "4/3", "1", "1/0", "a/b", "-1/2"] {
             assert!(shard(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_name_means_a_file_that_is_written_or_a_folder() {
+        let of = |name: &str, format: Option<&str>| {
+            NamedPlace::of(Path::new(name), format.map(|format| format.parse().unwrap()))
+        };
+        let file = |name: &str| NamedPlace::File(name.parse().unwrap());
+        for (name, format, expected) in [
+            ("a.ply", None, file("ply")),
+            ("a.PLY", Some("ply-ascii"), file("ply-ascii")),
+            ("a.laz", None, file("laz")),
+            ("a.Reel", None, NamedPlace::Reel),
+            ("a", None, NamedPlace::Folder),
+            ("a.glb/", None, NamedPlace::Folder),
+            ("out.v2/", Some("pcd"), NamedPlace::Folder),
+            ("/tmp", None, NamedPlace::Folder),
+        ] {
+            assert_eq!(of(name, format).unwrap(), expected, "{name}");
+        }
+        for name in [
+            "g.glb", "g.usd", "g.obj", "g.npz", "g.csv", "g.e57", "g.png", "g.v2", "g.ply.gz", "g.xyz~",
+        ] {
+            let refused = of(name, None).unwrap_err().to_string();
+            assert!(refused.contains("ply, ply-ascii, pcd, las, laz, xyz, npy"), "{refused}");
+            assert!(of(name, Some("ply")).is_err(), "{name}");
+        }
+        assert!(of("a.ply", Some("pcd")).unwrap_err().to_string().contains(".pcd"));
     }
 
     #[test]

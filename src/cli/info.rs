@@ -354,14 +354,21 @@ fn recording_line(recording: &RecordingInfo) -> String {
 
 fn guess_line(guess: &Guess) -> String {
     format!(
-        "shown as {}: {} is up ({}), seen {}; as {}s ({})",
+        "shown as {}: {} is up ({}), seen {}; as {} ({})",
         guess.kind.name(),
         guess.up,
         guess.up_because,
         guess.from,
-        guess.primitive,
+        plural(guess.primitive),
         guess.primitive_because
     )
+}
+
+fn plural(primitive: Primitive) -> String {
+    match primitive {
+        Primitive::Mesh => "a mesh".to_owned(),
+        other => format!("{other}s"),
+    }
 }
 
 /// The file, which part of it where it has several, and the file with its normals.

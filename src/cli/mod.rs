@@ -24,6 +24,7 @@ mod render_arguments;
 mod rgbd_arguments;
 mod serve;
 mod session;
+mod sources;
 mod stream;
 mod style_arguments;
 mod usage;
@@ -59,13 +60,13 @@ struct Arguments {
 enum Verb {
     /// Plays a sequence in a window (the default); without INPUT offers what was opened lately, at first the demo
     View(Box<view::ViewArgs>),
-    /// Renders frames to PNG files, or a video of them, without a window
+    /// Renders frames to pictures, or a video of them, without a window
     Render(Box<render_arguments::RenderArgs>),
     /// Measures drawing and octrees by the protocol of the paper, and errors beside times
     Bench(Box<bench::BenchArgs>),
     /// Says what is in a sequence
     Info(info::InfoArgs),
-    /// Says what may be wrong with a sequence: exit code 0 if nothing, 3 if something was found
+    /// Checks a sequence for problems: exit code 3 for errors and warnings, 0 for notes
     Check(check::CheckArgs),
     /// Writes frames in another format, moved, thinned out, with normals
     Convert(Box<convert::ConvertArgs>),

@@ -1,14 +1,15 @@
-//! `pointreel render`: frames to PNG files, or to a video, with the code that draws the window.
+//! `pointreel render`: frames to pictures, or to a video, with the code that draws the window.
 
 use super::arguments::FrameRange;
 use super::assumptions;
 use super::colors::check_source;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
+use super::sources::check_sources;
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
-use crate::export::{Dressed, FRAME_PLACEHOLDER, numbered, write_picture};
+use crate::export::{Dressed, FRAME_PLACEHOLDER, PictureFormat, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
@@ -17,6 +18,7 @@ use crate::sequence::{Loader, LoaderOptions};
 use crate::session::Session;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
+use std::io::IsTerminal as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -56,8 +58,8 @@ pub(super) fn fill(arguments: &mut RenderArgs, session: &Session, frame_count: u
 }
 
 pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
-    if let (Some(output), Some(range)) = (&arguments.output, arguments.frame) {
-        check_names(output, range)?;
+    if let Some(output) = &arguments.output {
+        check_picture(arguments, output)?;
     }
     let OpenedInputs { sequence, session } =
         open_inputs_and_tell(&arguments.inputs, &arguments.read.picture_options())?;
@@ -69,12 +71,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
     let arguments = &arguments;
     let range = arguments.frame.unwrap_or(FrameRange { first: 0, last: 0 });
-    if range.last >= sequence.len() {
-        bail!(
-            "there is no frame {}: the sequence has {} frames, and --frame counts them from 0",
-            range.last,
-            sequence.len()
-        );
+    range.check("--frame", sequence.len())?;
+    if let Some(output) = &arguments.output {
+        let names = range.bounds().map(|frame| numbered(output, frame, sequence.len()));
+        check_sources(&sequence, names)?;
     }
     let of_session = session.as_ref().map_or_else(Style::default, Session::style);
     let style = arguments.picture.style_over(of_session);
@@ -123,6 +123,25 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         [(_, error)] if asked == 1 => bail!("{error}"),
         failed => bail!("{} of {asked} frames could not be rendered", failed.len()),
     }
+}
+
+/// The name of pictures as which nothing is written but to stdout.
+const STDOUT: &str = "-";
+
+/// Refuses what cannot be written, before anything is read.
+fn check_picture(arguments: &RenderArgs, output: &Path) -> anyhow::Result<()> {
+    if let Some(range) = arguments.frame {
+        check_names(output, range)?;
+    }
+    if output.as_os_str() == STDOUT {
+        if std::io::stdout().is_terminal() {
+            bail!("-o - writes a PNG to stdout, which is a terminal: send it to a file or a program");
+        }
+        return Ok(());
+    }
+    let format = PictureFormat::of_name(output)?;
+    let size = arguments.picture_size();
+    Ok(format.check(size.size_px, size.is_transparent)?)
 }
 
 /// Several frames need several names.
@@ -193,7 +212,12 @@ fn render_frames(
         }
         let path = numbered(output, index, count);
         let size = arguments.picture_size();
-        write_picture(headless, &frame, camera, style, size, &path)?;
+        if output.as_os_str() == STDOUT {
+            let stdout = (std::io::stdout().lock(), Path::new("stdout"));
+            write_png(headless, &frame, camera, style, size, stdout)?;
+        } else {
+            write_picture(headless, &frame, camera, style, size, &path)?;
+        }
         stats.frames.push(headless.stats(&frame));
     }
     Ok(failed)

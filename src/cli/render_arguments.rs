@@ -15,11 +15,12 @@ pub(super) struct RenderArgs {
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 
-    /// PNG file to write; with a range of frames its name must contain {frame}
+    /// Picture to write: .png, .jpg, .webp or .tif, or - for a PNG on stdout; of a range of frames the name must contain
+    /// {frame}. Pictures that are there are replaced
     #[arg(
         short,
         long,
-        value_name = "OUT.png",
+        value_name = "OUT",
         required_unless_present = "video",
         conflicts_with = "video"
     )]

@@ -44,6 +44,27 @@ pub(super) struct RgbdArgs {
 }
 
 impl RgbdArgs {
+    /// What was given, as it was typed.
+    pub(super) fn in_words(&self) -> Vec<String> {
+        let text = |text: &Option<String>| text.clone();
+        let path = |path: &PathBuf| path.display().to_string();
+        let range = |range: &FrameRange| format!("{}..{}", range.first, range.last);
+        let given = [
+            ("depth-images", text(&self.depth_images)),
+            ("color-images", text(&self.color_images)),
+            ("intrinsics", text(&self.intrinsics)),
+            ("depth-scale", self.depth_scale.map(|scale| scale.to_string())),
+            ("poses", self.poses.as_ref().map(path)),
+            ("merge-frames", self.merge_frames.as_ref().map(range)),
+            ("merge-cells", self.merge_cells.map(|edge| edge.to_string())),
+            ("rgbd-filters", self.rgbd_filters.map(|filters| filters.to_string())),
+        ];
+        let given = given.into_iter();
+        given
+            .filter_map(|(option, value)| Some(format!("--{option} {}", value?)))
+            .collect()
+    }
+
     /// What was given; `usual` are the filters where none were.
     pub(super) fn options(&self, usual: Filters) -> RgbdOptions {
         RgbdOptions {

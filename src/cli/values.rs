@@ -1,5 +1,7 @@
 //! Values of options that files of several verbs parse.
 
+use crate::messages::missing_frames;
+use anyhow::bail;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -42,8 +44,24 @@ pub(super) struct FrameRange {
 
 impl FrameRange {
     /// Both ends included.
-    pub(super) fn bounds(&self) -> RangeInclusive<usize> {
+    pub(super) fn bounds(self) -> RangeInclusive<usize> {
         self.first..=self.last
+    }
+
+    /// Fails unless a sequence of `count` frames has all of them; `option` asked for them.
+    pub(super) fn check(self, option: &str, count: usize) -> anyhow::Result<()> {
+        match missing_frames(option, self.first, self.last, count) {
+            Some(missing) => bail!(missing),
+            None => Ok(()),
+        }
+    }
+
+    /// One frame.
+    pub(super) fn one(frame: usize) -> Self {
+        Self {
+            first: frame,
+            last: frame,
+        }
     }
 }
 

@@ -4,9 +4,10 @@ use super::arguments::FrameRange;
 use super::output::answer;
 use super::progress::Bar;
 use super::render_arguments::RenderArgs;
+use super::sources::check_sources;
 use super::video_arguments::VideoArgs;
 use super::warnings;
-use crate::export::{Video, export_video};
+use crate::export::{Video, VideoFormat, export_video, numbered, picture_names};
 use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::progress::Progress;
@@ -44,6 +45,13 @@ pub(super) fn render_video(
         per_second,
         speed,
     };
+    let outputs = if VideoFormat::of_name(output)? == VideoFormat::PngFiles {
+        let (name, count) = (picture_names(output), video.picture_count());
+        (0..count).map(|picture| numbered(&name, picture, count)).collect()
+    } else {
+        vec![output.clone()]
+    };
+    check_sources(headless.sequence(), outputs.into_iter())?;
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
     // An interrupt ends the process; what stands there then has a hidden name.

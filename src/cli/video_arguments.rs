@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Video")]
 pub(super) struct VideoArgs {
-    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named by {frame}
+    /// Video to write: .mp4 (by ffmpeg), .gif, .webp, or PNG files named by {frame}; what is there is replaced
     #[arg(long, value_name = "OUT")]
     pub(super) video: Option<PathBuf>,
 

@@ -4,6 +4,7 @@ use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size
 use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
 use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
+use crate::export::PictureFormat;
 use crate::kept;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence};
@@ -65,7 +66,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     size: Option<[u32; 2]>,
 
-    /// Write the 3-D picture of the window to this PNG file and end
+    /// Write the 3-D picture of the window to this file (.png, .jpg, .webp or .tif) and end
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
 
@@ -88,6 +89,9 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     if args.picture.is_transparent() {
         bail!("a window has no transparent background: choose colours, or `pointreel render`");
+    }
+    if let Some(screenshot) = &args.screenshot {
+        PictureFormat::of_name(screenshot)?;
     }
     let open = OpenOptions {
         fps: args.fps,

@@ -61,6 +61,11 @@ pub(super) fn warn_of_frame(message: &str) {
     note(format!("warning: {message}"), "frames");
 }
 
+/// Prints something that a written file does not hold.
+pub(super) fn lost(message: &str) {
+    note(format!("not kept: {message}"), "like it");
+}
+
 /// Prints something that was decided in the user's place.
 pub(super) fn assumed(message: &str) {
     note(format!("assumed {message}"), "like it");

@@ -12,11 +12,12 @@ pub(crate) const AXES: [AxisConvention; 5] = [
 ];
 
 /// Units, in the order of their numbers.
-pub(crate) const UNITS: [LengthUnit; 4] = [
+pub(crate) const UNITS: [LengthUnit; 5] = [
     LengthUnit::Metre,
     LengthUnit::Millimetre,
     LengthUnit::Foot,
     LengthUnit::SurveyFoot,
+    LengthUnit::Centimetre,
 ];
 
 /// The number of a choice, from 1; 0 for none.

@@ -9,6 +9,7 @@ mod image_grid;
 mod made_from;
 mod mesh;
 mod mesh_records;
+mod no_data;
 mod quantised_normal;
 mod raw;
 mod record;
@@ -20,6 +21,7 @@ mod unit;
 mod value_sample;
 
 pub use attributes::Attributes;
+pub(crate) use attributes::most_radius;
 pub use cells::{Cells, TooManyCells};
 pub(crate) use ellipse::ELLIPSE_STEPS;
 pub use ellipse::{Ellipse, decode_ellipse, encode_ellipse};
@@ -28,6 +30,8 @@ pub use image_grid::ImageGrid;
 pub use made_from::MadeFrom;
 pub use mesh::Mesh;
 pub use mesh_records::MeshRecords;
+pub(crate) use no_data::make_holes;
+pub use no_data::{MissingPoints, MissingValue, NoData};
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,

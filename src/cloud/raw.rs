@@ -36,6 +36,18 @@ impl Positions {
         }
     }
 
+    /// In single precision, if no coordinate loses a digit by that; else as they are.
+    #[must_use]
+    pub(crate) fn narrowed(self) -> Self {
+        let Self::F64(wide) = &self else { return self };
+        let fits = |coordinate: &f64| f64::from(*coordinate as f32) == *coordinate || coordinate.is_nan();
+        if !wide.iter().flatten().all(fits) {
+            return self;
+        }
+        let narrow = wide.iter().map(|point| point.map(|coordinate| coordinate as f32));
+        Self::F32(narrow.collect())
+    }
+
     /// Point `index` in file coordinates. Precondition: `index < len()`.
     pub fn get(&self, index: usize) -> DVec3 {
         match self {

@@ -7,6 +7,8 @@ pub enum LengthUnit {
     Metre,
     /// Millimetres.
     Millimetre,
+    /// Centimetres.
+    Centimetre,
     /// International feet.
     Foot,
     /// Feet of surveys in the United States: two millionths longer.
@@ -19,6 +21,7 @@ impl LengthUnit {
         match self {
             Self::Metre => "m",
             Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
             Self::Foot => "ft",
             Self::SurveyFoot => "ftUS",
         }
@@ -29,6 +32,7 @@ impl LengthUnit {
         match code {
             9001 => Some(Self::Metre),
             1025 => Some(Self::Millimetre),
+            1033 => Some(Self::Centimetre),
             9002 => Some(Self::Foot),
             9003 => Some(Self::SurveyFoot),
             _ => None,
@@ -40,6 +44,7 @@ impl LengthUnit {
         match self {
             Self::Metre => 1.0,
             Self::Millimetre => 0.001,
+            Self::Centimetre => 0.01,
             Self::Foot => 0.3048,
             Self::SurveyFoot => 1200.0 / 3937.0,
         }
@@ -47,7 +52,13 @@ impl LengthUnit {
 
     /// The unit of so many metres.
     pub fn of_metres(metres: f64) -> Option<Self> {
-        let units = [Self::Metre, Self::Millimetre, Self::Foot, Self::SurveyFoot];
+        let units = [
+            Self::Metre,
+            Self::Millimetre,
+            Self::Centimetre,
+            Self::Foot,
+            Self::SurveyFoot,
+        ];
         let is = |unit: &Self| (metres / unit.metres() - 1.0).abs() < 1e-7;
         units.into_iter().find(is)
     }

@@ -47,12 +47,14 @@ pub struct ValueSample {
 }
 
 impl ValueSample {
-    /// A sample of `raw`. Attributes that have not one entry a point are left out.
-    pub(crate) fn of_raw(raw: &RawCloud, origin: DVec3) -> Self {
+    /// A sample of `raw` without the points at the indices `missing`, which ascend. Attributes of another length are
+    /// skipped.
+    pub(crate) fn of_raw(raw: &RawCloud, missing: &[u32], origin: DVec3) -> Self {
         let count = raw.positions.len();
         let position = |index: usize| (raw.positions.get(index) - origin).as_vec3();
         let mut places = even_places(count, MAX_SAMPLE);
-        places.retain(|&index| position(index).is_finite());
+        let is_missing = |index: usize| missing.binary_search(&(index as u32)).is_ok();
+        places.retain(|&index| position(index).is_finite() && !is_missing(index));
         let colors = raw.attributes.colors.as_ref().filter(|colors| colors.len() == count);
         let fields = raw.attributes.scalars.iter();
         let fields = fields.filter(|field| field.values.len() == count);
@@ -167,7 +169,7 @@ mod tests {
         raw.attributes.scalars[0].values[1] = f32::NAN;
         raw.attributes.scalars[0].values[2] = f32::INFINITY;
         raw.attributes.scalars.push(ScalarField::new("short", vec![1.0]));
-        let sample = ValueSample::of_raw(&raw, DVec3::new(1e6, 0.0, 0.0));
+        let sample = ValueSample::of_raw(&raw, &[], DVec3::new(1e6, 0.0, 0.0));
         assert_eq!(sample.positions[3], Vec3::new(3.0, 2.0, 0.0));
         assert_eq!(sample.scalars.len(), 1);
         assert_eq!(sample.sorted(ValueKind::Field(0))[..], [1.0, 4.0]);
@@ -181,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_large_cloud_has_a_sample_of_bounded_size_and_like_percentiles() {
-        let sample = ValueSample::of_raw(&raw(200_000), DVec3::ZERO);
+        let sample = ValueSample::of_raw(&raw(200_000), &[], DVec3::ZERO);
         assert_eq!(sample.positions.len(), MAX_SAMPLE);
         let sorted = sample.sorted(ValueKind::Field(0));
         for share in [0.01, 0.5, 0.99] {

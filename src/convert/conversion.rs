@@ -3,10 +3,9 @@
 use super::edit::Edit;
 use super::error::ConvertError;
 use crate::cloud::RawCloud;
-use crate::io::WriteFormat;
+use crate::io::{Losses, WriteFormat};
 use crate::reel::ReelOptions;
 use crate::sequence::{FrameEntry, Sequence};
-use std::collections::BTreeSet;
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -24,11 +23,21 @@ pub struct Conversion {
     pub format: WriteFormat,
     /// Where they go.
     pub output: Output,
-    /// Write frames that are there already, whatever options they were written with.
+    /// Write frames that are there already, whoever wrote them with whatever options.
     pub overwrites: bool,
+    /// How the inputs are read, where that changes frames: words for people.
+    pub reading: String,
 }
 
 impl Conversion {
+    /// The format that is written, for people.
+    pub fn target_name(&self) -> String {
+        match self.output {
+            Output::Reel(..) => "reel".to_owned(),
+            Output::File(_) | Output::Folder(_) => self.format.to_string(),
+        }
+    }
+
     /// A frame as it is to be written.
     pub(super) fn edited(&self, sequence: &Sequence, index: usize) -> Result<RawCloud, ConvertError> {
         let mut cloud = sequence.decode(index)?;
@@ -60,7 +69,8 @@ impl Shard {
 pub enum Output {
     /// One frame to this file.
     File(PathBuf),
-    /// Frames to files in this folder, named by their number and, if they have one, their time.
+    /// Frames to files in this folder, named as those that they were read from, or by their number and, if they have
+    /// one, their time.
     Folder(PathBuf),
     /// Frames to this sequence file, kept so.
     Reel(PathBuf, ReelOptions),
@@ -77,8 +87,10 @@ pub struct Converted {
     pub failed: Vec<(usize, ConvertError)>,
     /// Frames that were written without a part of their files, and why.
     pub warnings: Vec<(usize, String)>,
-    /// What frames had and their files have not, as the format has no place for it.
-    pub lost: BTreeSet<&'static str>,
+    /// What of the frames the target cannot hold.
+    pub losses: Losses,
+    /// What is to be known of all frames.
+    pub notes: Vec<String>,
     /// True if it was cancelled before the end.
     pub is_cancelled: bool,
 }

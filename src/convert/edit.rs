@@ -38,14 +38,23 @@ pub enum EditError {
 impl Edit {
     /// Changes `cloud`.
     pub fn apply(&self, cloud: &mut RawCloud) -> Result<(), EditError> {
-        if let Some(transform) = &self.transform {
+        if let Some(transform) = self
+            .transform
+            .as_ref()
+            .filter(|transform| **transform != DMat4::IDENTITY)
+        {
             move_by(cloud, transform)?;
         }
+        let face_count = cloud.faces.len();
         if let Some(edge) = self.voxel_edge {
             join_in_cells(cloud, edge)?;
         }
         if let Some(count) = self.sample_count {
             thin_out(cloud, count.get());
+        }
+        if cloud.faces.len() < face_count {
+            let text = format!("its {face_count} faces are not written: --voxel and --sample leave points alone");
+            cloud.warnings.push(text);
         }
         if self.estimates_normals && cloud.attributes.normals.is_none() {
             estimate_normals(cloud)?;
@@ -86,7 +95,12 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
         let position = cloud.positions.get(index);
         transform.transform_point3(position).to_array()
     });
-    cloud.positions = Positions::F64(moved.collect());
+    let moved = Positions::F64(moved.collect());
+    cloud.positions = match cloud.positions {
+        // A move by whole numbers, or a turn of the axes, needs no more digits.
+        Positions::F32(_) => moved.narrowed(),
+        Positions::F64(_) => moved,
+    };
     cloud.made_from = None;
     let of_normals = linear.inverse().transpose();
     let attributes = &mut cloud.attributes;

@@ -30,10 +30,39 @@ pub enum ConvertError {
     /// A sequence file cannot be written or read.
     #[error(transparent)]
     Reel(#[from] crate::reel::ReelError),
+    /// It would be written over what is read, or next to it.
+    #[error(
+        "the output {} is where the input {} is: nothing was written, choose another folder or name",
+        path.display(),
+        input.display()
+    )]
+    OutputIsInput {
+        /// The output.
+        path: PathBuf,
+        /// The input that is there.
+        input: PathBuf,
+    },
+    /// Files of somebody else have the names of frames.
+    #[error(
+        "{} is there already and was not written by this conversion{}: nothing was written, choose another output, or \
+         --overwrite to replace {}",
+        path.display(),
+        if *more > 0 { format!(", nor were {more} more files") } else { String::new() },
+        if *more > 0 { "them" } else { "it" }
+    )]
+    Exists {
+        /// The first file.
+        path: PathBuf,
+        /// How many more there are.
+        more: usize,
+    },
+    /// There are no such frames.
+    #[error("{0}")]
+    NoSuchFrames(String),
     /// The folder holds frames that were converted otherwise.
     #[error(
-        "{} holds frames of another conversion ({difference}): choose another folder, or --overwrite to convert them \
-         anew",
+        "{} holds frames of another conversion ({difference}): nothing was written, choose another folder, or --overwrite \
+         to replace them",
         path.display()
     )]
     OtherConversion {

@@ -5,8 +5,9 @@
 //! group. Bytes of directories are shared out.
 
 use super::error::ConvertError;
+use super::reel;
 use crate::cloud::{Positions, RawCloud};
-use crate::io::{self, WriteFormat};
+use crate::io::{self, Losses, WriteFormat};
 use crate::measure::{CloudError, ReferenceCloud};
 use crate::progress::Progress;
 use crate::reel::{NewFrame, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
@@ -28,6 +29,24 @@ pub enum Target {
     Reel(ReelOptions),
     /// A file a frame.
     Files(WriteFormat),
+}
+
+impl Target {
+    /// What it cannot hold of `cloud`.
+    pub fn losses(&self, cloud: &RawCloud) -> Losses {
+        match self {
+            Self::Reel(options) => reel::losses(cloud, options),
+            Self::Files(format) => format.losses(cloud),
+        }
+    }
+
+    /// For people.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Reel(_) => "reel".to_owned(),
+            Self::Files(format) => format.to_string(),
+        }
+    }
 }
 
 /// A frame that conversions are judged by.
@@ -58,6 +77,8 @@ pub struct SampleEstimate {
     pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
     /// How far what is left is from the original; `None` of a frame without points.
     pub error: Option<CloudError>,
+    /// What of it the target cannot hold.
+    pub losses: Losses,
 }
 
 impl SampleFrame {
@@ -108,6 +129,7 @@ impl SampleFrame {
             bytes: 0.0,
             bytes_by_stream: None,
             error: None,
+            losses: target.losses(cloud),
         };
         let kept = match target {
             Target::Reel(options) => {
@@ -225,6 +247,8 @@ pub struct Estimate {
     pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
     /// Errors, where a frame has points.
     pub errors: Option<EstimatedErrors>,
+    /// What of the frames the target cannot hold, a line per kind.
+    pub losses: Losses,
 }
 
 /// Errors of the frames of an [`Estimate`].
@@ -257,6 +281,10 @@ impl Estimate {
             frame_bytes: mean(&|sample| sample.bytes),
             bytes_by_stream: first.bytes_by_stream.map(|_| std::array::from_fn(of_kind)),
             errors: EstimatedErrors::of(&errors),
+            losses: samples.iter().fold(Losses::default(), |mut all, sample| {
+                all.merge(sample.losses.clone());
+                all
+            }),
         })
     }
 

@@ -1,10 +1,13 @@
 //! What is there already where a conversion would write, for who asks before writing.
 
 use super::conversion::{Conversion, Output};
-use super::record::Record;
+use super::record::{Record, real};
 use super::reel;
-use crate::sequence::Sequence;
-use std::path::{Path, absolute};
+use crate::sequence::{FrameEntry, Sequence};
+use crate::source::FrameBytes;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf, absolute};
+use std::sync::Arc;
 
 /// What is at the place of an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,20 +29,18 @@ pub enum Place {
 impl Place {
     /// Looks for what is there.
     pub fn of(conversion: &Conversion, sequence: &Sequence) -> Self {
+        if source_at(&conversion.output, sequence).is_some() {
+            return Self::Source;
+        }
         match &conversion.output {
             Output::Reel(path, _) => Self::of_reel(path, conversion, sequence),
-            Output::File(path) => Self::of_file(path, sequence),
+            Output::File(path) => Self::of_file(path),
             Output::Folder(folder) => Self::of_folder(folder, conversion, sequence),
         }
     }
 
-    fn of_file(path: &Path, sequence: &Sequence) -> Self {
-        let is_source = |other: &Path| same(other, path);
-        if sequence.source().inputs().iter().any(|input| is_source(input))
-            || sequence.entries().iter().any(|entry| entry.path == path)
-        {
-            Self::Source
-        } else if path.exists() {
+    fn of_file(path: &Path) -> Self {
+        if path.exists() {
             Self::Taken
         } else if path
             .parent()
@@ -52,18 +53,13 @@ impl Place {
     }
 
     fn of_reel(path: &Path, conversion: &Conversion, sequence: &Sequence) -> Self {
-        match Self::of_file(path, sequence) {
+        match Self::of_file(path) {
             Self::Free if reel::is_interrupted(path, &Record::of(conversion, sequence)) => Self::Interrupted,
             place => place,
         }
     }
 
     fn of_folder(folder: &Path, conversion: &Conversion, sequence: &Sequence) -> Self {
-        let entries = sequence.entries();
-        let mut folders = entries.iter().filter_map(|entry| entry.path.parent());
-        if sequence.source().inputs().iter().any(|input| same(input, folder)) || folders.any(|other| other == folder) {
-            return Self::Source;
-        }
         if folder.is_file() {
             return Self::Occupied;
         }
@@ -81,10 +77,50 @@ impl Place {
     }
 }
 
-/// Whether both names are of the same file or folder.
-fn same(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| path.canonicalize().or_else(|_| absolute(path)).ok();
-    real(a).is_some_and(|a| real(b) == Some(a))
+/// Every file that is read of `sequence`, by its one name.
+pub fn source_files(sequence: &Sequence) -> HashSet<PathBuf> {
+    let inputs = sequence.source().inputs().to_vec();
+    let entries = sequence.entries();
+    let is_file = |entry: &&Arc<FrameEntry>| matches!(entry.content, FrameBytes::File(_));
+    let of_entries = entries
+        .iter()
+        .filter(is_file)
+        .flat_map(|entry| std::iter::once(&entry.path).chain(&entry.normals));
+    inputs
+        .iter()
+        .chain(of_entries)
+        .filter(|file| file.is_file())
+        .map(|file| real(file))
+        .collect()
+}
+
+/// The input that would be written over, or written next to, at `output`: the same file or folder by whatever name, and
+/// any folder that a file of the input is in.
+pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
+    let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
+    let place = real(path);
+    let is_folder = matches!(output, Output::Folder(_));
+    // Frames of a folder ask for the same again and again.
+    let mut looked_at = HashSet::new();
+    let mut is_there = |input: &Path| {
+        if real(input) == place {
+            return true;
+        }
+        if !is_folder || input.is_dir() {
+            return false;
+        }
+        let folder = |file: &Path| file.parent().map(Path::to_owned);
+        // Both where it is by its name and, if that is a link, where the file is.
+        [folder(&absolute(input).unwrap_or_default()), folder(&real(input))]
+            .into_iter()
+            .flatten()
+            .any(|folder| looked_at.insert(folder.clone()) && real(&folder) == place)
+    };
+    let inputs = sequence.source().inputs().to_vec();
+    let entries = sequence.entries();
+    let is_file = |entry: &&Arc<FrameEntry>| matches!(entry.content, FrameBytes::File(_));
+    let files = entries.iter().filter(is_file).map(|entry| &entry.path);
+    inputs.iter().chain(files).find(|input| is_there(input)).cloned()
 }
 
 #[cfg(test)]
@@ -95,7 +131,6 @@ mod tests {
     use crate::io::WriteFormat;
     use crate::progress::Progress;
     use crate::reel::ReelOptions;
-    use crate::sequence::FrameEntry;
     use std::fs;
 
     fn conversion(output: Output) -> Conversion {
@@ -106,6 +141,7 @@ mod tests {
             format: WriteFormat::default(),
             output,
             overwrites: false,
+            reading: String::new(),
         }
     }
 

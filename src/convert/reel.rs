@@ -10,8 +10,9 @@ use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
 use super::record::Record;
 use crate::cloud::RawCloud;
+use crate::io::{Loss, Losses};
 use crate::progress::Progress;
-use crate::reel::{EncodedGroup, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
+use crate::reel::{EncodedGroup, NewFrame, Precision, ReelFile, ReelOptions, ReelWriter, encode_group};
 use crate::sequence::{FrameEntry, Sequence};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -128,6 +129,7 @@ pub(super) fn convert(
             ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
             converted.failed.extend(made.failed);
             converted.warnings.extend(made.warnings);
+            converted.losses.merge(made.losses);
             unfinished.keep(&ledger)?;
             if let Some(group) = made.group {
                 converted.written += group.frame_count();
@@ -146,7 +148,33 @@ struct ConvertedGroup {
     group: Option<EncodedGroup>,
     failed: Vec<(usize, ConvertError)>,
     warnings: Vec<(usize, String)>,
+    losses: Losses,
     is_cancelled: bool,
+}
+
+/// What a sequence file with `options` cannot hold of `cloud`, apart from the precision that they say.
+pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
+    let keeps_points = matches!(options.precision, Precision::Length(_) | Precision::Lossless);
+    let mut losses = Losses::default();
+    if !cloud.faces.is_empty() {
+        losses.add(Loss::Faces, cloud.faces.len() as f64);
+    }
+    if cloud.texturing.is_some() {
+        losses.add(Loss::Textures, 0.0);
+    }
+    if cloud.grid.is_some() && !options.keep_order {
+        losses.add(Loss::Rows, 0.0);
+    }
+    if !keeps_points {
+        if cloud.attributes.ellipses.is_some() {
+            losses.add(Loss::Field("ellipses of merged points".to_owned()), 0.0);
+        }
+        let holes = cloud.positions.len() - cloud.positions.finite_bounds().0;
+        if holes > 0 {
+            losses.add(Loss::Holes, holes as f64);
+        }
+    }
+    losses
 }
 
 fn encoded(
@@ -166,6 +194,7 @@ fn encoded(
         match conversion.edited(sequence, frame) {
             Ok(mut cloud) => {
                 let warnings = std::mem::take(&mut cloud.warnings);
+                made.losses.merge(losses(&cloud, options));
                 made.warnings
                     .extend(warnings.into_iter().map(|warning| (frame, warning)));
                 clouds.push((cloud, sequence.entry(frame)));

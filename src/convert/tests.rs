@@ -159,6 +159,7 @@ fn conversion(folder: &Path) -> Conversion {
         format: WriteFormat::default(),
         output: Output::Folder(folder.to_owned()),
         overwrites: false,
+        reading: String::new(),
     }
 }
 
@@ -184,7 +185,7 @@ fn every_frame_is_written_but_the_one_that_fails() {
     assert_eq!(converted.failed.len(), 1);
     assert_eq!(converted.failed[0].0, 3);
     assert_eq!(names(folder.path()).len(), 9);
-    let seventh = crate::io::read(&folder.path().join("frame_000007.ply")).unwrap();
+    let seventh = crate::io::read(&folder.path().join("7.ply")).unwrap();
     assert_eq!(seventh.positions.get(0), DVec3::splat(7.0));
 }
 
@@ -192,7 +193,7 @@ fn every_frame_is_written_but_the_one_that_fails() {
 fn who_starts_again_does_only_what_is_left() {
     let folder = tempfile::tempdir().unwrap();
     run(&conversion(folder.path()));
-    fs::remove_file(folder.path().join("frame_000005.ply")).unwrap();
+    fs::remove_file(folder.path().join("5.ply")).unwrap();
     let again = run(&conversion(folder.path()));
     assert_eq!((again.written, again.left), (1, 8));
     // Other options are another conversion.
@@ -210,6 +211,75 @@ fn who_starts_again_does_only_what_is_left() {
 }
 
 #[test]
+fn files_of_somebody_else_are_not_taken_for_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("5.ply"), "mine").unwrap();
+    let refused = convert(&sequence(), &conversion(folder.path()), &Progress::default());
+    assert!(
+        matches!(refused, Err(ConvertError::Exists { more: 0, .. })),
+        "{refused:?}"
+    );
+    assert_eq!(names(folder.path()), ["5.ply"]);
+    // Nor is a frame whose line in the ledger was cut off when the power went.
+    let anew = Conversion {
+        overwrites: true,
+        ..conversion(folder.path())
+    };
+    assert_eq!(run(&anew).written, 9);
+    let ledger = folder.path().join(".pointreel-convert.1-of-1.jsonl");
+    let text = fs::read(&ledger).unwrap();
+    let last = text.iter().rposition(|&byte| byte == b'{').unwrap();
+    fs::write(&ledger, &text[..last + 9]).unwrap();
+    let refused = convert(&sequence(), &conversion(folder.path()), &Progress::default());
+    assert!(
+        matches!(refused, Err(ConvertError::Exists { more: 0, .. })),
+        "{refused:?}"
+    );
+    // What is appended behind half a line is a line.
+    assert_eq!(run(&anew).written, 9);
+    assert_eq!(run(&conversion(folder.path())).left, 9);
+}
+
+#[test]
+fn another_frame_of_the_same_name_is_not_finished() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&conversion(folder.path()));
+    let other = Sequence::with_decoder(vec![FrameEntry::file("nowhere/deeper/../7.ply")], |_| Ok(cube()));
+    let written = convert(&other, &conversion(folder.path()), &Progress::default());
+    assert!(written.is_err(), "{written:?}");
+}
+
+#[test]
+fn frames_that_are_not_there_are_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    for frames in [20..=30, 8..=10, 10..=10] {
+        let beyond = Conversion {
+            frames: Some(frames),
+            ..conversion(folder.path())
+        };
+        let refused = convert(&sequence(), &beyond, &Progress::default());
+        assert!(matches!(refused, Err(ConvertError::NoSuchFrames(_))), "{refused:?}");
+    }
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn a_move_that_needs_no_more_digits_keeps_single_precision() {
+    let moved = |transform: DMat4| {
+        let mut cloud = RawCloud::from_positions(Positions::F32(vec![[0.1, 2.0, 3.5], [f32::NAN; 3]]));
+        let edit = Edit {
+            transform: Some(transform),
+            ..Edit::default()
+        };
+        edit.apply(&mut cloud).unwrap();
+        matches!(cloud.positions, Positions::F32(_))
+    };
+    assert!(moved(DMat4::IDENTITY));
+    assert!(moved(DMat4::from_scale(DVec3::new(1.0, -1.0, 2.0))));
+    assert!(!moved(DMat4::from_translation(DVec3::splat(1e6))));
+}
+
+#[test]
 fn a_cancelled_conversion_leaves_whole_files_alone() {
     let folder = tempfile::tempdir().unwrap();
     let progress = Progress::told_to(|progress| {
@@ -221,7 +291,7 @@ fn a_cancelled_conversion_leaves_whole_files_alone() {
     assert!(converted.is_cancelled);
     assert_eq!(names(folder.path()).len(), converted.written);
     for name in names(folder.path()) {
-        assert!(name.starts_with("frame_"), "{name}");
+        assert!(name.ends_with(".ply"), "{name}");
         crate::io::read(&folder.path().join(name)).unwrap();
     }
     assert_eq!(run(&conversion(folder.path())).left, converted.written);
@@ -252,7 +322,7 @@ fn times_are_in_the_names() {
     }];
     let stamped = Sequence::with_decoder(sources, |_| Ok(cube()));
     convert(&stamped, &conversion(folder.path()), &Progress::default()).unwrap();
-    assert_eq!(names(folder.path()), ["frame_000000_1305031102.175000000.ply"]);
+    assert_eq!(names(folder.path()), ["a_1305031102.175000000.ply"]);
 }
 
 #[test]

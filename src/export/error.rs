@@ -2,6 +2,7 @@
 
 use super::format::VideoFormat;
 use super::limits::{MAX_EDGE_PX, MAX_PICTURES};
+use super::picture_format::PictureFormat;
 use crate::headless::HeadlessError;
 use crate::render::RenderError;
 use crate::scene::PathError;
@@ -31,13 +32,41 @@ pub enum ExportError {
     },
     /// The name says no format.
     #[error(
-        "{} is no video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a \
+        "{} is not a video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for a file a \
          picture",
         path.display()
     )]
     UnknownFormat {
         /// The name.
         path: PathBuf,
+    },
+    /// The name says no format of pictures.
+    #[error(
+        "{} does not name a picture that is written: expected a name that ends in {}",
+        path.display(),
+        PictureFormat::extensions().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+    )]
+    UnknownPicture {
+        /// The name.
+        path: PathBuf,
+    },
+    /// The format of a picture has no transparency.
+    #[error("{format} has no transparency: choose .png, .webp or .tif, or a background colour")]
+    OpaquePicture {
+        /// The format.
+        format: PictureFormat,
+    },
+    /// The format of a picture has no such sizes.
+    #[error("{format} pictures have edges of at most {max_px} pixels, not {width}x{height}: choose .png")]
+    LargePicture {
+        /// The format.
+        format: PictureFormat,
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+        /// Longest edge.
+        max_px: u32,
     },
     /// The format has no pictures of this size.
     #[error("{format} has no pictures of {width}x{height} pixels: expected {expected}")]

@@ -17,6 +17,8 @@ impl VideoFormat {
             .extension()
             .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {
+            // Elsewhere that is stdout, where no video goes.
+            None if path.as_os_str() == "-" => Err(ExportError::UnknownFormat { path: path.to_owned() }),
             _ if path.is_dir() => Ok(Self::PngFiles),
             None => Ok(Self::PngFiles),
             Some("png") if path.to_string_lossy().contains(FRAME_PLACEHOLDER) => Ok(Self::PngFiles),

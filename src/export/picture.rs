@@ -14,6 +14,7 @@
 use super::error::ExportError;
 use super::limits::MAX_EDGE_PX;
 use super::overlay::{OverlayCanvas, PaintedLabels, draw_legend};
+use super::picture_format::{PictureFormat, encode_picture};
 use super::scale_bar::PaintedBar;
 use crate::headless::{Headless, HeadlessError};
 use crate::kept::Partial;
@@ -22,8 +23,7 @@ use crate::render::{AnyRenderer, RenderError, scaled_to};
 use crate::scene::{Background, Camera, Legend, ScenePacket, Style, halo_px};
 use crate::sequence::PreparedFrame;
 use image::{RgbaImage, imageops};
-use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Longest edge of a part: its targets take a quarter of a GiB on the GPU.
@@ -81,20 +81,28 @@ pub fn draw_picture(
     style: &Style,
     size: PictureSize,
 ) -> Result<RgbaImage, ExportError> {
+    draw_observed(headless, (frame, camera, style, size), &Progress::default())
+}
+
+fn draw_observed(
+    headless: &mut Headless,
+    (frame, camera, style, size): Drawn<'_>,
+    progress: &Progress,
+) -> Result<RgbaImage, ExportError> {
     let mut pixels = Vec::new();
     let take = &mut |strip: RgbaImage| {
         pixels.extend_from_slice(&strip);
         Ok(())
     };
-    for_each_strip(headless, frame, camera, style, size, (take, &Progress::default()))?;
+    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
     let [width, height] = size.size_px;
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
 }
 
-/// Draws a picture to a PNG file, which is replaced as a whole.
+/// Draws a picture to a file in the format of its name, which is replaced as a whole.
 ///
 /// # Errors
-/// As [`draw_picture`], and if the file cannot be written.
+/// As [`draw_picture`], of names and pictures that [`PictureFormat`] refuses, and if the file cannot be written.
 pub fn write_picture(
     headless: &mut Headless,
     frame: &PreparedFrame,
@@ -124,18 +132,68 @@ pub fn write_picture_observed(
         path: output.to_owned(),
         reason,
     };
+    let format = PictureFormat::of_name(output)?;
+    format.check(size.size_px, size.is_transparent)?;
     let (partial, file) = Partial::create(output).map_err(failed)?;
-    let mut png = start_png(file, size.size_px).map_err(failed)?;
-    let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
-    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
-    png.finish()
-        .map_err(io::Error::from)
-        .and_then(|()| partial.finish())
-        .map_err(failed)
+    let drawn = (frame, camera, style, size);
+    if format == PictureFormat::Png {
+        stream_png(headless, drawn, (file, output), progress)?;
+    } else {
+        let picture = draw_observed(headless, drawn, progress)?;
+        let mut file = BufWriter::new(file);
+        encode_picture(format, &picture, &mut file)
+            .and_then(|()| file.flush())
+            .map_err(failed)?;
+    }
+    partial.finish().map_err(failed)
 }
 
-fn start_png(file: File, [width, height]: [u32; 2]) -> io::Result<png::StreamWriter<'static, BufWriter<File>>> {
-    let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
+/// Draws a picture as PNG to `out`, which is named `name` in errors.
+///
+/// # Errors
+/// As [`draw_picture`], and if it cannot be written.
+pub fn write_png(
+    headless: &mut Headless,
+    frame: &PreparedFrame,
+    camera: &Camera,
+    style: &Style,
+    size: PictureSize,
+    (out, name): (impl Write + 'static, &Path),
+) -> Result<(), ExportError> {
+    check_size(size.size_px)?;
+    stream_png(
+        headless,
+        (frame, camera, style, size),
+        (out, name),
+        &Progress::default(),
+    )
+}
+
+/// What a picture shows, and how.
+type Drawn<'a> = (&'a PreparedFrame, &'a Camera, &'a Style, PictureSize);
+
+/// Writes strips as they are drawn.
+fn stream_png(
+    headless: &mut Headless,
+    (frame, camera, style, size): Drawn<'_>,
+    (out, name): (impl Write + 'static, &Path),
+    progress: &Progress,
+) -> Result<(), ExportError> {
+    let failed = |reason: io::Error| ExportError::Write {
+        path: name.to_owned(),
+        reason,
+    };
+    let mut png = start_png(out, size.size_px).map_err(failed)?;
+    let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
+    for_each_strip(headless, frame, camera, style, size, (take, progress))?;
+    png.finish().map_err(io::Error::from).map_err(failed)
+}
+
+fn start_png<W: Write + 'static>(
+    out: W,
+    [width, height]: [u32; 2],
+) -> io::Result<png::StreamWriter<'static, BufWriter<W>>> {
+    let mut encoder = png::Encoder::new(BufWriter::new(out), width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);

@@ -21,6 +21,15 @@ pub fn numbered(name: &Path, index: usize, count: usize) -> PathBuf {
     )
 }
 
+/// The name, with a place for the number, of the pictures of a video to `output`: a folder, or such a name.
+pub fn picture_names(output: &Path) -> PathBuf {
+    if !output.is_dir() && output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
+        output.to_owned()
+    } else {
+        output.join("{frame}.png")
+    }
+}
+
 /// Files that get their names when all of them are there.
 pub(super) struct PngFiles {
     name: PathBuf,
@@ -33,12 +42,7 @@ pub(super) struct PngFiles {
 impl PngFiles {
     /// `output` is a folder, or a name with a place for the number.
     pub(super) fn create(output: &Path, stream: &VideoStream) -> Result<Self, ExportError> {
-        let is_name = !output.is_dir() && output.to_string_lossy().contains(FRAME_PLACEHOLDER);
-        let name = if is_name {
-            output.to_owned()
-        } else {
-            output.join("{frame}.png")
-        };
+        let name = picture_names(output);
         let folder = numbered(&name, 0, stream.count);
         let folder = folder
             .parent()

@@ -1,18 +1,21 @@
-//! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity) and nuScenes' `.pcd.bin` (x y z intensity ring).
+//! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity), nuScenes' `.pcd.bin` (x y z intensity ring), radars
+//! of seven floats and more.
 //!
 //! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is
-//! told by statistics:
+//! estimated:
 //!
-//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A person may say
-//!    it as well.
+//! 1. The name decides where it can: `.pcd.bin` is five numbers, as only nuScenes names its files so. A user may say it
+//!    as well, with the columns that are coordinates (`--columns`).
 //! 2. A width is possible if the size of the file is a multiple of it and all coordinates are plausible: finite, no
 //!    more than a million away from the origin (sensors see some hundred metres, map projections some million), and not
 //!    tiny but for zero: other data read as floats is full of numbers like 1e-38.
 //! 3. Read at the right width a column holds numbers of one kind, which change little from a point to the next; at a
 //!    wrong one it holds coordinates and intensities by turns. So the width is taken whose columns change least
-//!    ([`roughness`]). Where that does not decide, it is the most common one.
+//!    ([`roughness`]). Where that does not decide, it is the most common one. Multiples of the right width are as smooth,
+//!    so the smallest of equals is taken, and rare widths have to be clearly smoother.
 
 use super::column::{Column, Scalar, Values};
+use super::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
@@ -32,29 +35,33 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 
 const FLOAT_BYTES: usize = 4;
 /// Widths, the most common first.
-const WIDTHS: [usize; 4] = [4, 3, 5, 6];
+const WIDTHS: [usize; 14] = [4, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];
+/// Widths that need no better evidence than others.
+const COMMON_WIDTHS: usize = 4;
 const NUSCENES_WIDTH: usize = 5;
-const COORDINATES: usize = 3;
 const INTENSITY: usize = 3;
 const RING: usize = 4;
-const MOST_DISTANCE: f32 = 1e6;
+const MAX_DISTANCE: f32 = 1e6;
 /// A thousandth of a micrometre, if the unit is the metre.
-const LEAST_DISTANCE: f32 = 1e-9;
+const MIN_DISTANCE: f32 = 1e-9;
 /// Velodyne's intensities are 0 to 255, those of others up to 16 bits.
-const MOST_INTENSITY: f32 = 65_535.0;
-const MOST_RING: f32 = 255.0;
+const MAX_INTENSITY: f32 = 65_535.0;
+const MAX_RING: f32 = 255.0;
 /// Another width is believed in place of a more common one if the logarithm of its roughness is so much less.
 const CLEARLY_SMOOTHER: f64 = 0.15;
+/// A rare one.
+const MUCH_SMOOTHER: f64 = 0.3;
 /// Points that statistics are of, at most.
-const MOST_SAMPLED: usize = 1 << 16;
+const MAX_SAMPLED: usize = 1 << 16;
 
-/// `name` tells the width where it is nuScenes', `columns` where a person does.
-pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<RawCloud, Fault> {
+/// `name` tells the width where it is nuScenes', `map` where a user does.
+pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Result<RawCloud, Fault> {
     let is_nuscenes = name
         .file_name()
         .is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin"));
-    let (widths, told_by, evidence) = match columns {
-        Some(columns) => (vec![usize::from(columns)], "as given", Evidence::File),
+    let given = map.and_then(ColumnMap::width);
+    let (widths, why, evidence) = match given {
+        Some(width) => (vec![width], "as given", Evidence::File),
         None if is_nuscenes => (vec![NUSCENES_WIDTH], "files named .pcd.bin are", Evidence::Convention),
         None => (
             WIDTHS.to_vec(),
@@ -62,31 +69,32 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
             Evidence::Statistics,
         ),
     };
-    let mut problem = None;
-    let mut best: Option<(usize, f64)> = None;
-    for &width in &widths {
-        if width == 0 || !bytes.len().is_multiple_of(width * FLOAT_BYTES) {
-            continue;
-        }
-        if let Some(found) = implausible(bytes, width) {
-            problem = problem.or(Some(found));
-            continue;
-        }
-        let roughness = roughness(bytes, width);
-        if best.is_none_or(|(_, least)| roughness < least - CLEARLY_SMOOTHER) {
-            best = Some((width, roughness));
-        }
+    let roles = map.map_or(&[][..], ColumnMap::roles);
+    let positions = positions(roles)?;
+    let named = roles.iter().filter_map(|(_, column)| index_of(column).ok());
+    let fewest = positions.into_iter().chain(named).max().unwrap_or(0) + 1;
+    if let Some(width) = given.filter(|&width| width < fewest) {
+        return Err(Fault::header(format!(
+            "--columns names column {}, and says that there are {width}, counted from 0",
+            fewest - 1
+        )));
     }
-    let Some((width, _)) = best else {
-        return Err(problem.unwrap_or_else(|| wrong_size(bytes.len(), &widths)));
+    let Some(estimate) = estimate(bytes, &widths, positions, fewest)? else {
+        return Err(wrong_size(bytes.len(), given.is_some(), &widths));
+    };
+    let width = estimate.width;
+    let (why, evidence) = if estimate.is_clear || evidence != Evidence::Statistics {
+        (why, evidence)
+    } else {
+        ("it is the most common width of those that fit", Evidence::Fallback)
     };
     let step = width * FLOAT_BYTES;
-    let names = names(bytes, width);
+    let names = names(bytes, width, roles)?;
     let columns: Vec<Column<'_>> = names
         .iter()
         .enumerate()
         .map(|(index, name)| Column {
-            name: (*name).to_owned(),
+            name: name.clone(),
             scalar: Scalar::F32,
             values: Values::Packed {
                 bytes,
@@ -100,20 +108,100 @@ pub(super) fn decode(name: &Path, bytes: &[u8], columns: Option<u8>) -> Result<R
     cloud.assumptions.push(Assumption::new(
         Subject::Columns,
         format!("{width} values per point: {}", names.join(" ")),
-        told_by,
+        why,
         evidence,
     ));
     Ok(cloud)
 }
 
-fn wrong_size(byte_count: usize, widths: &[usize]) -> Fault {
+/// The columns of the coordinates.
+fn positions(roles: &[(String, ColumnName)]) -> Result<[usize; 3], Fault> {
+    let mut positions = [0, 1, 2];
+    let given = |axis: &str| roles.iter().find(|(role, _)| role == axis);
+    let axes = ["x", "y", "z"];
+    let is_given = axes.iter().any(|axis| given(axis).is_some());
+    for (axis, position) in axes.into_iter().zip(&mut positions) {
+        match given(axis) {
+            Some((_, column)) => *position = index_of(column)?,
+            None if is_given => {
+                return Err(Fault::header(format!("--columns does not say which column is {axis}")));
+            }
+            None => {}
+        }
+    }
+    Ok(positions)
+}
+
+fn index_of(column: &ColumnName) -> Result<usize, Fault> {
+    match column {
+        ColumnName::Index(index) => Ok(*index),
+        ColumnName::Name(name) => Err(Fault::header(format!(
+            "there is no column `{name}`: the columns of a .bin file have no names, and are counted from 0"
+        ))),
+    }
+}
+
+/// The width of records, and whether their values speak for it.
+struct Estimate {
+    width: usize,
+    is_clear: bool,
+}
+
+/// The width among `widths` that fits best; `None` where the file has no such size, an error where its values are none
+/// at all widths.
+fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], fewest: usize) -> Result<Option<Estimate>, Fault> {
+    let mut problem = None;
+    let mut smooth: Vec<(usize, f64)> = Vec::new();
+    for &width in widths.iter().filter(|&&width| width >= fewest) {
+        if bytes.is_empty() || !bytes.len().is_multiple_of(width * FLOAT_BYTES) {
+            continue;
+        }
+        match implausible(bytes, width, positions) {
+            Some(found) => problem = problem.or(Some(found)),
+            None => smooth.push((width, roughness(bytes, width))),
+        }
+    }
+    let mut best: Option<(usize, f64)> = None;
+    let mut is_clear = false;
+    for (width, roughness) in smooth {
+        let is_rare = WIDTHS
+            .iter()
+            .position(|known| *known == width)
+            .is_some_and(|place| place >= COMMON_WIDTHS);
+        let margin = if is_rare { MUCH_SMOOTHER } else { CLEARLY_SMOOTHER };
+        match best {
+            Some((_, least)) if roughness < least - margin => {
+                best = Some((width, roughness));
+                is_clear = true;
+            }
+            // A multiple of a width is as smooth.
+            Some((known, least)) => is_clear |= roughness > least + CLEARLY_SMOOTHER && width % known != 0,
+            None => best = Some((width, roughness)),
+        }
+    }
+    match (best, problem) {
+        (Some((width, _)), _) => Ok(Some(Estimate { width, is_clear })),
+        (None, Some(problem)) => Err(problem),
+        (None, None) => Ok(None),
+    }
+}
+
+fn wrong_size(byte_count: usize, is_given: bool, widths: &[usize]) -> Fault {
     let expected: Vec<String> = widths.iter().map(|width| (width * FLOAT_BYTES).to_string()).collect();
+    let list = match expected.as_slice() {
+        [first, .., last] => format!("{first} to {last}"),
+        _ => expected.join(" or "),
+    };
+    let advice = if is_given {
+        "--columns says another number than the file has"
+    } else {
+        "say how many values a point has with --columns N, if it is a list of points"
+    };
     Fault::new(
         Place::Byte(byte_count),
         format!(
-            "the file has {byte_count} bytes, which is no multiple of a record of {} bytes: it is truncated, or no \
-             list of points",
-            expected.join(" or ")
+            "the file has {byte_count} bytes, which is not a multiple of a record of {list} bytes: it is truncated, \
+             or {advice}"
         ),
     )
 }
@@ -125,22 +213,26 @@ fn records(bytes: &[u8], width: usize) -> impl Iterator<Item = &[[u8; FLOAT_BYTE
 }
 
 /// The first record whose coordinates are none.
-fn implausible(bytes: &[u8], width: usize) -> Option<Fault> {
+fn implausible(bytes: &[u8], width: usize, positions: [usize; 3]) -> Option<Fault> {
     for (index, record) in records(bytes, width).enumerate() {
         for (column, raw) in record.iter().enumerate() {
             let value = f32::from_le_bytes(*raw);
             // NaN is within no range.
-            let is_plausible = if column < COORDINATES {
-                value == 0.0 || (LEAST_DISTANCE..MOST_DISTANCE).contains(&value.abs())
+            let axis = positions.iter().position(|position| *position == column);
+            let is_plausible = if axis.is_some() {
+                value == 0.0 || (MIN_DISTANCE..MAX_DISTANCE).contains(&value.abs())
             } else {
                 value.is_finite()
             };
             if !is_plausible {
-                let place = ["x", "y", "z"].get(column).unwrap_or(&"value of a point");
+                let place = axis.map_or("value of a point", |axis| ["x", "y", "z"][axis]);
                 return Some(Fault::entry(
                     "point",
                     index,
-                    format!("{value:e} is no {place}: this is not a file of {width} floats a point"),
+                    format!(
+                        "{value:e} is not {place}: this is not a file of {width} floats per point (--columns N or \
+                         --columns N:x=0,y=1,z=2 says another layout)"
+                    ),
                 ));
             }
         }
@@ -153,7 +245,7 @@ fn implausible(bytes: &[u8], width: usize) -> Option<Fault> {
 fn roughness(bytes: &[u8], width: usize) -> f64 {
     let mut steps = vec![0.0f64; width];
     let (mut sizes, mut count) = (0.0, 0.0);
-    let sampled = || records(bytes, width).take(MOST_SAMPLED);
+    let sampled = || records(bytes, width).take(MAX_SAMPLED);
     for (before, now) in sampled().zip(sampled().skip(1)) {
         for (step, (before, now)) in steps.iter_mut().zip(before.iter().zip(now)) {
             let [before, now] = [*before, *now].map(|raw| f64::from(f32::from_le_bytes(raw)));
@@ -168,18 +260,33 @@ fn roughness(bytes: &[u8], width: usize) -> f64 {
     logarithms.sum::<f64>() / width as f64 - f64::ln(f64::max(count, 1.0))
 }
 
-/// What the columns are by all that is known: intensities are never negative, and rings are whole numbers.
-fn names(bytes: &[u8], width: usize) -> Vec<&'static str> {
-    let mut names = vec!["x", "y", "z", "value_4", "value_5", "value_6"];
-    names.truncate(width);
+/// Names by the user, and by all that is known: intensities are never negative, and rings are whole numbers.
+fn names(bytes: &[u8], width: usize, roles: &[(String, ColumnName)]) -> Result<Vec<String>, Fault> {
+    let mut names: Vec<String> = (1..=width).map(|column| format!("value_{column}")).collect();
+    let roles: Vec<&(String, ColumnName)> = roles.iter().filter(|(role, _)| role != FRAME_ROLE).collect();
+    if roles.iter().any(|(role, _)| role == "x") {
+        for (role, column) in roles {
+            names[index_of(column)?].clone_from(role);
+        }
+        return Ok(names);
+    }
+    for (name, axis) in names.iter_mut().zip(["x", "y", "z"]) {
+        axis.clone_into(name);
+    }
     let all = |column: usize, is_one: fn(f32) -> bool| {
         width > column && records(bytes, width).all(|record| is_one(f32::from_le_bytes(record[column])))
     };
-    if all(INTENSITY, |value| (0.0..=MOST_INTENSITY).contains(&value)) {
-        names[INTENSITY] = "intensity";
-        if all(RING, |value| value.fract() == 0.0 && (0.0..=MOST_RING).contains(&value)) {
-            names[RING] = "ring";
+    if all(INTENSITY, |value| (0.0..=MAX_INTENSITY).contains(&value)) {
+        "intensity".clone_into(&mut names[INTENSITY]);
+        if all(RING, |value| value.fract() == 0.0 && (0.0..=MAX_RING).contains(&value)) {
+            "ring".clone_into(&mut names[RING]);
         }
     }
-    names
+    for (role, column) in roles {
+        let column = index_of(column)?;
+        if let Some(name) = names.get_mut(column) {
+            name.clone_from(role);
+        }
+    }
+    Ok(names)
 }

@@ -77,11 +77,34 @@ macro_rules! walk {
     }};
 }
 
+/// Whether the decimal number `value` is what a number of single precision is written as: the nearest of these is off by
+/// less than half of the last digit.
+fn is_written_single(value: f64) -> bool {
+    /// More than single precision has, of numbers near 1.
+    const MOST_DECIMALS: i32 = 12;
+    let error = (f64::from(value as f32) - value).abs();
+    if error == 0.0 || !value.is_finite() {
+        return true;
+    }
+    let is_last_digit = |decimals: &i32| {
+        let scale = 10f64.powi(*decimals);
+        (value * scale).round() / scale == value
+    };
+    let decimals = (0..=MOST_DECIMALS).find(is_last_digit);
+    decimals.is_some_and(|decimals| error <= 0.5 * 10f64.powi(-decimals))
+}
+
 impl Column<'_> {
-    /// Whether coordinates are kept with all digits. Text has the digits that were written, whatever its header calls
-    /// them.
+    /// Whether coordinates need double precision. Text does where it has more digits than the single precision that its
+    /// header declares: some writers call all numbers `float`.
     pub(super) fn is_wide(&self) -> bool {
-        matches!(self.values, Values::Parsed(_)) || self.scalar.is_wide()
+        match &self.values {
+            Values::Parsed(values) if self.scalar == Scalar::F32 => {
+                !values.iter().all(|&value| is_written_single(value))
+            }
+            Values::Parsed(_) => true,
+            Values::Packed { .. } => self.scalar.is_wide(),
+        }
     }
 
     /// Hands over the numbers of `range` with their indices. Precondition: the column has them.
@@ -182,6 +205,23 @@ pub(super) mod tests {
                 step,
                 big_endian,
             },
+        }
+    }
+
+    #[test]
+    fn text_is_wide_where_it_has_more_digits_than_its_header_declares() {
+        for (values, is_wide) in [
+            (&[0.1, -3.25, 1e-7, f64::NAN][..], false),
+            (&[1.234_567, 12_345.678, -0.001_234_567], false),
+            // As `%f` writes an f32.
+            (&[f64::from(0.1f32), 123.456_787], false),
+            (&[0.1, 691_234.56], true),
+            (&[0.123_456_789_1], true),
+            (&[5_334_567.125, 0.001], true),
+        ] {
+            let column = parsed(values, Scalar::F32);
+            assert_eq!(column.is_wide(), is_wide, "{values:?}");
+            assert!(parsed(values, Scalar::F64).is_wide());
         }
     }
 

@@ -16,7 +16,7 @@ pub enum Part {
     Scan(usize),
     /// The pose at this time of an animation (glTF).
     Moment(Duration),
-    /// A layer of an array of T × N × 3 (NPZ), counted from 0.
+    /// A layer of an array of T × N × 3 (NPZ), or a frame of a text, counted from 0.
     Layer(usize),
     /// A file within an archive.
     Member(Member),
@@ -67,6 +67,10 @@ pub struct Contents {
     /// The topics with point clouds of a recording, or the sensors of a capture, in the order of their names; other
     /// files have none.
     pub topics: Vec<Topic>,
+    /// Parts of the file that are skipped or assumed, a sentence each.
+    pub notes: Vec<String>,
+    /// The content of a file without frames, and what to do, as the end of a sentence; else empty.
+    pub without_frames: String,
 }
 
 impl Contents {
@@ -74,7 +78,7 @@ impl Contents {
     pub(super) fn of_entries(entries: Vec<Entry>) -> Self {
         Self {
             entries,
-            topics: Vec::new(),
+            ..Self::default()
         }
     }
 }

@@ -1,7 +1,11 @@
-//! Which format a file is in: its first bytes decide, its extension only where they cannot.
+//! The format of a file: its first bytes decide, its extension only where they cannot.
+//!
+//! The order: first bytes of a format that is read, content of a kind that is not read ([`foreign`]), structure of a
+//! format that is read, extension.
 
 use super::TABLE;
 use super::codec::Codec;
+use super::foreign;
 use super::format::Format;
 use std::path::Path;
 
@@ -23,9 +27,12 @@ impl Format {
 
     /// The format of a file with this name and these first bytes.
     pub fn detect(name: &Path, bytes: &[u8]) -> Option<Self> {
+        let by_magic = formats().find(|format| format.has_magic(name, bytes));
+        if by_magic.is_some() || foreign::by_content(name, bytes).is_some() {
+            return by_magic;
+        }
         formats()
-            .find(|format| format.has_magic(name, bytes))
-            .or_else(|| formats().find(|format| format.looks_like(name, bytes)))
+            .find(|format| format.looks_like(name, bytes))
             .or_else(|| Self::of_extension(name))
     }
 

@@ -1,5 +1,6 @@
 //! Why a file cannot be read: which one, where in it, what was expected and what to do.
 
+use super::foreign::{self, Foreign};
 use super::format::Format;
 use super::options::ReadOptions;
 use std::fmt;
@@ -30,6 +31,14 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// A kind of file that is known and not read.
+    #[error("{} is {kind}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// Its name, the programs that write it, and the way to a file that is read.
+        kind: &'static Foreign,
+    },
     /// Neither the first bytes nor the extension are of a format that is read.
     #[error(
         "{} is not in a format that pointreel reads ({formats}): convert it to one of them",
@@ -48,12 +57,14 @@ pub enum IoError {
         path: PathBuf,
     },
     /// An archive or recording without a point cloud.
-    #[error("{} holds no point cloud ({format} file): check that it is the right file", path.display())]
+    #[error("{} holds no point cloud ({format} file): {holds}", path.display())]
     NoFrame {
         /// The file.
         path: PathBuf,
         /// Its format.
         format: Format,
+        /// Its content, and what to do.
+        holds: String,
     },
     /// The file breaks the rules of its format.
     #[error("{}, {place}: {problem} ({format} file)", path.display())]
@@ -95,6 +106,20 @@ impl fmt::Display for Place {
             Self::Line(line) => write!(f, "line {line}"),
             Self::Byte(byte) => write!(f, "byte {byte}"),
             Self::Entry { list, index } => write!(f, "{list} {index}"),
+        }
+    }
+}
+
+impl IoError {
+    /// The file at `path` begins with `bytes` and is in no format that is read.
+    pub(super) fn unknown(path: &Path, bytes: &[u8]) -> Self {
+        let path = path.to_owned();
+        match foreign::recognise(&path, bytes) {
+            Some(kind) => Self::Foreign { path, kind },
+            None => Self::UnknownFormat {
+                path,
+                formats: Format::all_names(),
+            },
         }
     }
 }

@@ -15,7 +15,7 @@ use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
 use super::growing::Growing;
 use super::watched::cancelled;
-use crate::cloud::{ImageGrid, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
 use glam::DVec3;
@@ -57,6 +57,8 @@ pub(super) struct FixedRows {
     pub(super) fields: Vec<RowField>,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
+    /// See [`RawCloud::convention`].
+    pub(super) convention: Option<AxisConvention>,
     /// See [`RawCloud::grid`].
     pub(super) grid: Option<ImageGrid>,
 }
@@ -148,6 +150,7 @@ impl FixedRows {
     fn finished(&self, growing: Growing) -> RawCloud {
         RawCloud {
             sensor: self.sensor,
+            convention: self.convention,
             grid: self.grid,
             ..growing.finish()
         }
@@ -252,6 +255,7 @@ mod tests {
             big_endian,
             fields: fields.into(),
             sensor: None,
+            convention: None,
             grid: None,
         }
     }

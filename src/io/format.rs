@@ -42,6 +42,8 @@ pub(super) enum Holding {
     Moments,
     /// Layers of an array.
     Layers,
+    /// Rows of text, which may be those of several frames.
+    Blocks,
     /// Files.
     Members,
     /// Messages with clouds among others.
@@ -51,6 +53,7 @@ pub(super) enum Holding {
 }
 
 /// Bytes that a file has at a place.
+#[derive(Debug)]
 pub(super) struct Magic {
     pub(super) offset: usize,
     pub(super) bytes: &'static [u8],
@@ -60,6 +63,12 @@ impl Magic {
     /// What a file begins with.
     pub(super) const fn start(bytes: &'static [u8]) -> Self {
         Self { offset: 0, bytes }
+    }
+
+    /// Whether a file that begins with `bytes` has them.
+    pub(super) fn is_in(&self, bytes: &[u8]) -> bool {
+        let there = bytes.get(self.offset..);
+        there.is_some_and(|there| there.starts_with(self.bytes))
     }
 }
 
@@ -104,12 +113,8 @@ impl Format {
 
     /// Whether a file of this name that begins with `bytes` has its magic.
     pub(super) fn has_magic(self, name: &Path, bytes: &[u8]) -> bool {
-        let has = |magic: &Magic| {
-            let there = bytes.get(magic.offset..);
-            there.is_some_and(|there| there.starts_with(magic.bytes))
-        };
         let is_meant = !self.0.needs_extension || self.has_extension_of(name);
-        is_meant && self.0.magic.iter().any(has)
+        is_meant && self.0.magic.iter().any(|magic| magic.is_in(bytes))
     }
 
     /// Whether a file without a magic, of this name and with these first bytes, is of the format.
@@ -130,6 +135,11 @@ impl Format {
     /// Whether a file of this format may hold more than one frame.
     pub fn holds_many(self) -> bool {
         self.0.holds != Holding::Cloud
+    }
+
+    /// Whether a file of this format is text, which nearly always is one frame and has to be read to know.
+    pub fn is_rarely_many(self) -> bool {
+        self.0.holds == Holding::Blocks
     }
 
     /// Whether a file of this format may hold several scans that are one cloud together.

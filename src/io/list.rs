@@ -44,8 +44,8 @@ pub(super) fn list_format(
     let entries = match format.holds() {
         Holding::Messages => return recording::list(path, format, topic, options),
         Holding::Turns => return packets::list(path, topic, options),
-        Holding::Members => archive::list(path, format, options)?,
-        Holding::Cloud | Holding::Scans | Holding::Moments | Holding::Layers => {
+        Holding::Members => return archive::list(path, format, options),
+        Holding::Cloud | Holding::Scans | Holding::Moments | Holding::Layers | Holding::Blocks => {
             match format.codec().and_then(|codec| codec.list) {
                 Some(list) => list(path, options)?,
                 None => vec![Entry::whole()],

@@ -14,13 +14,18 @@ mod beside;
 mod bin;
 mod codec;
 mod column;
+mod column_map;
+mod column_names;
 mod containers;
 mod contents;
 mod detect;
 mod draco;
 mod e57;
+mod elevation_grid;
 mod error;
 mod fixed_rows;
+pub(crate) mod foreign;
+mod foreign_files;
 mod format;
 mod gltf;
 mod growing;
@@ -42,7 +47,6 @@ mod ptx;
 pub(crate) mod raster;
 mod read;
 pub(crate) mod recording;
-mod rows;
 mod shared;
 mod splats;
 mod stl;
@@ -54,9 +58,12 @@ mod write;
 mod xyz;
 
 pub use archive::Member;
+pub use column_map::ColumnMap;
 pub use contents::{Contents, Entry, Part, Topic};
 pub use detect::supported_extensions;
 pub use error::{IoError, Place};
+pub use foreign::Foreign;
+pub(crate) use foreign_files::kinds_of;
 pub use format::Format;
 pub(crate) use list::cameras;
 pub use list::{contents, list};
@@ -66,7 +73,7 @@ pub(crate) use read::read_sample;
 pub use read::{read, read_bytes, read_part, read_part_observed};
 pub use recording::Message;
 pub use shared::SharedFile;
-pub use write::{WriteFormat, write};
+pub use write::{Loss, Losses, WriteFormat, write};
 
 use codec::{Codec, NamedColumns};
 use write::{npy as npy_write, pcd as pcd_write, ply as ply_write, text as text_write};
@@ -103,9 +110,16 @@ const TABLE: &[Codec] = &[
     },
     Codec::reading(draco::FORMAT, |file| draco::decode(file.bytes, file.options)),
     Codec {
+        list: Some(xyz::list),
         encoders: &[text_write::ENCODER],
-        ..Codec::reading(xyz::FORMAT, |file| xyz::decode(file.bytes, file.progress))
+        ..Codec::reading(xyz::FORMAT, xyz::decode)
     },
+    Codec::reading(elevation_grid::ESRI, |file| {
+        elevation_grid::decode_esri(file.bytes, file.progress)
+    }),
+    Codec::reading(elevation_grid::SURFER, |file| {
+        elevation_grid::decode_surfer(file.bytes, file.progress)
+    }),
     Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.progress)),
     Codec::reading(obj::FORMAT, obj::decode),
     Codec::reading(off::FORMAT, |file| off::decode(file.bytes)),
@@ -131,7 +145,7 @@ const TABLE: &[Codec] = &[
     }),
     Codec::reading(splats::bare::FORMAT, |file| splats::bare::decode(file.bytes)),
     Codec::reading(bin::FORMAT, |file| {
-        bin::decode(file.name, file.bytes, file.options.bin_columns)
+        bin::decode(file.name, file.bytes, file.options.columns)
     }),
     Codec::container(containers::MCAP),
     Codec::container(containers::BAG),

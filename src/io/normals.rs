@@ -121,10 +121,7 @@ fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoErr
         path: path.to_owned(),
         source,
     })?;
-    let unknown = || IoError::UnknownFormat {
-        path: path.to_owned(),
-        formats: Format::all_names(),
-    };
+    let unknown = || IoError::unknown(path, &bytes);
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
     let columns = format.codec().and_then(|codec| codec.columns.as_ref());
     let normals = match columns {

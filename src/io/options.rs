@@ -1,5 +1,6 @@
 //! What reading may take, and what it makes of meshes.
 
+use super::column_map::ColumnMap;
 use super::format::Format;
 use std::num::NonZeroUsize;
 
@@ -17,8 +18,8 @@ pub struct ReadOptions {
     /// Whether the colours of vertices are without the textures on the faces between them, which are handed over apart,
     /// for those who draw faces.
     pub keeps_textures: bool,
-    /// How many numbers a point has in files without a header (`.bin`), 3 to 6; told by statistics if `None`.
-    pub bin_columns: Option<u8>,
+    /// Meaning of the columns of text and of files without a header (`.bin`); their names and values decide if `None`.
+    pub columns: Option<ColumnMap>,
 }
 
 impl ReadOptions {
@@ -40,10 +41,10 @@ impl ReadOptions {
         }
     }
 
-    /// The same with so many numbers a point in files without a header.
+    /// The same with other columns of text and of files without a header.
     #[must_use]
-    pub fn with_bin_columns(self, bin_columns: Option<u8>) -> Self {
-        Self { bin_columns, ..self }
+    pub fn with_columns(self, columns: Option<ColumnMap>) -> Self {
+        Self { columns, ..self }
     }
 
     /// The same for the vertices of meshes, with their faces and textures.
@@ -78,7 +79,7 @@ impl Default for ReadOptions {
         Self {
             max_memory_bytes: machine_bytes.map_or(Self::FALLBACK_BYTES, |bytes| bytes / 2),
             sample_count: None,
-            bin_columns: None,
+            columns: None,
             mesh_sample_count: None,
             keeps_textures: false,
         }

@@ -9,8 +9,8 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
-use super::rows::{self, Dialect};
-use super::xyz;
+use super::xyz::rows::{self, Kind};
+use super::xyz::{self, Dialect};
 use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud};
 use crate::progress::Progress;
 use glam::{DMat4, DVec3, DVec4};
@@ -40,8 +40,9 @@ const NAMES: [(&str, Scalar); 7] = [
     ("blue", Scalar::U8),
 ];
 /// Coordinates, and with them intensity and colour.
-const WIDTHS: [usize; 3] = [3, 4, 7];
-const DIALECT: Dialect = Dialect { decimal_comma: false };
+const WIDTHS: [usize; 3] = [3, 4, MAX_WIDTH];
+const MAX_WIDTH: usize = NAMES.len();
+const DIALECT: Dialect = Dialect::MIXED;
 
 /// True when the first lines are a header: no other text has numbers in lines of one, three and four like it.
 pub(super) fn is_ptx(start: &[u8]) -> bool {
@@ -74,7 +75,11 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
                 ));
             }
         };
-        let mut rows = rows::parse(text, first_line, width, DIALECT, progress)?;
+        let kinds = [Kind::Required; MAX_WIDTH];
+        let mut rows = rows::parse(text, first_line, &kinds[..width], DIALECT, progress)?;
+        if let Some(fault) = rows.odd_lines.fault() {
+            return Err(fault);
+        }
         if rows.len() != count {
             let line = rows.lones.first().map_or(first_line, |lone| lone.line);
             return Err(Fault::new(
@@ -126,10 +131,11 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
 
 /// Numbers in the first line of `text` that has any.
 fn width(text: &[u8]) -> Option<usize> {
-    let mut numbers = Vec::new();
-    text.split(|&byte| byte == b'\n')
-        .filter_map(|line| DIALECT.parse_line(line.trim_ascii(), &mut numbers).ok())
-        .find(|&found| found > 0)
+    let lines = text.split(|&byte| byte == b'\n');
+    let mut counts = lines
+        .filter_map(|line| rows::numbers_in(line, DIALECT))
+        .map(|numbers| numbers.len());
+    counts.find(|&found| found > 0)
 }
 
 /// Lines that are not empty, one after the other.
@@ -180,7 +186,6 @@ impl<'a> Lines<'a> {
 
     /// Columns and rows, and pose of the next scan.
     fn header(&mut self) -> Result<([f64; 2], DMat4), Fault> {
-        let mut numbers: Vec<f64> = Vec::new();
         let mut matrix = [DVec4::ZERO; 4];
         let mut sides = [0.0; 2];
         for (index, expected) in HEADER_WIDTHS.into_iter().enumerate() {
@@ -197,8 +202,8 @@ impl<'a> Lines<'a> {
                 }
             };
             let fault = |problem: String| Err(Fault::new(Place::Line(self.number - 1), problem));
-            numbers.clear();
-            let found = DIALECT.parse_line(line, &mut numbers).unwrap_or(0);
+            let numbers = rows::numbers_in(line, DIALECT).unwrap_or_default();
+            let found = numbers.len();
             if found != expected {
                 return fault(format!(
                     "found {found} numbers in line {} of the header of a scan, expected {expected}",

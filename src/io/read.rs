@@ -57,17 +57,22 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         Part::Whole | Part::Scan(_) | Part::Moment(_) | Part::Layer(_) => {}
     }
     let magic = first_bytes(path)?;
+    if magic.is_empty() {
+        return Err(IoError::Empty { path: path.to_owned() });
+    }
+    // A file of a kind that is not read may be larger than the memory.
+    let Some(format) = Format::detect(path, &magic) else {
+        return Err(IoError::unknown(path, &magic));
+    };
     // Archives and recordings may be larger than the memory: their first frame is read alone.
-    if *part == Part::Whole
-        && let Some(format) = Format::detect(path, &magic)
-        && format.is_container()
-    {
-        let entries = list_format(path, format, None, options)?.entries;
-        return match entries.first() {
+    if *part == Part::Whole && format.is_container() {
+        let contents = list_format(path, format, None, options)?;
+        return match contents.entries.first() {
             Some(first) if first.part != Part::Whole => read_watched(path, &first.part, options, progress),
             _ => Err(IoError::NoFrame {
                 path: path.to_owned(),
                 format,
+                holds: contents.without_frames,
             }),
         };
     }
@@ -140,10 +145,7 @@ fn read_bytes_with(
     if bytes.is_empty() {
         return Err(IoError::Empty { path: name.to_owned() });
     }
-    let unknown = || IoError::UnknownFormat {
-        path: name.to_owned(),
-        formats: Format::all_names(),
-    };
+    let unknown = || IoError::unknown(name, bytes);
     let format = Format::detect(name, bytes).ok_or_else(unknown)?;
     let codec = format.codec().ok_or_else(unknown)?;
     let options = &options.of_format(format);

@@ -8,14 +8,15 @@ use super::npy::{self, Arrays};
 use super::options::ReadOptions;
 use super::read::{finished, read_part_observed};
 use super::watched;
+use super::xyz::{self, Table};
 use crate::cloud::RawCloud;
 use crate::locks::lock;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// The last file of which several frames were read from something that they share: the scene of an animation or arrays
-/// with layers, once for each way to read it. Other formats have their frames one by one.
+/// The last file of which several frames were read from something that they share: the scene of an animation, arrays
+/// with layers or the rows of a text, once for each way to read it. Other formats have their frames one by one.
 #[derive(Default)]
 pub struct SharedFile {
     last: Mutex<Vec<Opened>>,
@@ -32,6 +33,7 @@ struct Opened {
 enum Content {
     Scene(Arc<Scene<'static>>),
     Arrays(Arc<Arrays>),
+    Table(Arc<Table>),
 }
 
 impl std::fmt::Debug for SharedFile {
@@ -56,6 +58,7 @@ impl SharedFile {
         let (format, decoded) = match (self.content(path, options, progress)?, part) {
             (Content::Scene(scene), Part::Moment(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
             (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part))),
+            (Content::Table(table), part) => (xyz::FORMAT, table.frame(npy::layer_of(part))),
             // The file is another one than that whose frames were listed.
             (Content::Scene(_), _) => return read_part_observed(path, part, options, progress).map_err(Arc::new),
         };
@@ -93,6 +96,11 @@ fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Conte
         let arrays = Arrays::open(&bytes, &options.of_format(format));
         let arrays = arrays.map_err(|fault| fault.of(path, format))?;
         return Ok(Content::Arrays(Arc::new(arrays)));
+    }
+    let format = xyz::FORMAT;
+    if Format::detect(path, &bytes) == Some(format) {
+        let table = Table::open(path, &bytes, &options.of_format(format), progress);
+        return Ok(Content::Table(Arc::new(table.map_err(|fault| fault.of(path, format))?)));
     }
     let format = gltf::FORMAT;
     let scene = Scene::open(path, &bytes, &options.of_format(format));

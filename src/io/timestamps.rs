@@ -56,6 +56,24 @@ pub(crate) fn times_of_lines(text: &str) -> Option<Vec<Duration>> {
     text.trim_end().lines().map(time).collect()
 }
 
+/// The time in `text`: a date with a time of day, or that alone, `13:02:25.964`. `None` of other words.
+pub(crate) fn time_of_text(text: &str) -> Option<Duration> {
+    date(&runs(text)).or_else(|| time_of_day(text))
+}
+
+/// Hours, minutes and seconds since midnight.
+fn time_of_day(text: &str) -> Option<Duration> {
+    let mut parts = text.trim_end_matches(['Z', 'z']).split(':');
+    let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
+    if parts.next().is_some() || hours.len() > 2 || minutes.len() != 2 {
+        return None;
+    }
+    let [hours, minutes]: [u8; 2] = [hours.parse().ok()?, minutes.parse().ok()?];
+    let seconds: f64 = seconds.parse().ok().filter(|seconds| (0.0..=60.0).contains(seconds))?;
+    let whole = u32::from(hours) * 3600 + u32::from(minutes) * 60;
+    (hours < 24 && minutes < 60).then(|| Duration::from_secs(u64::from(whole)) + Duration::from_secs_f64(seconds))
+}
+
 fn time_of_name(name: &str) -> Option<(TimeNotation, Duration)> {
     let path = Path::new(name);
     let file = path.file_name()?.to_str()?;

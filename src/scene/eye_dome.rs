@@ -10,14 +10,16 @@
 //!   slope is as dark in small pictures as in large ones.
 //! - Nothing stands before what has only background beside it. Where a surface ends there, its last pixels get
 //!   [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
-//!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours.
+//!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours. Wider points
+//!   have borders of their own, so there are no edges where these are drawn.
 //!
 //! Orthographic views are drawn from very far away, where all distances are alike. Steps are scaled by how much farther
 //! that is than the camera's distance (`ViewTransform::telephoto`): they are then relative to that distance, as they
 //! are in perspective around the target.
 
+use super::Primitive;
 use super::ScenePacket;
-use super::style::EyeDome;
+use super::style::{EyeDome, PointSizing};
 
 /// Distance of neighbours in a picture 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
@@ -63,8 +65,21 @@ impl EyeDomeLight {
         let style = &packet.style;
         let strength = style.light.eye_dome_strength;
         let is_on = style.light.eye_dome == EyeDome::On && strength > 0.0;
-        (is_on && style.leaves_depths())
-            .then(|| Self::new(packet.whole_height_px().round(), packet.view.telephoto, strength))
+        (is_on && style.leaves_depths()).then(|| {
+            let light = Self::new(packet.whole_height_px().round(), packet.view.telephoto, strength);
+            let are_dots = style.primitive == Primitive::Point && style.points.sizing == PointSizing::Pixels;
+            if are_dots && light.frames_dots(style.points.size_px) {
+                Self { edge: 0.0, ..light }
+            } else {
+                light
+            }
+        })
+    }
+
+    /// True if the sides of a dot that stands alone were taken for borders of a surface, and its corners were not: it
+    /// would look like a cross.
+    fn frames_dots(&self, size_px: f32) -> bool {
+        size_px > 2.0 * self.reach_px[0] as f32
     }
 
     fn new(whole_height_px: f32, telephoto: f32, strength: f32) -> Self {

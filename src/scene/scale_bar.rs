@@ -39,6 +39,7 @@ impl ScaleBar {
         let (number, symbol) = match self.unit {
             Some(LengthUnit::Metre) => metric(length),
             Some(LengthUnit::Millimetre) => metric(length / 1000.0),
+            Some(LengthUnit::Centimetre) => metric(length / 100.0),
             Some(unit) => (length, unit.symbol()),
             None if length == 1.0 => (length, "unit"),
             None => (length, "units"),

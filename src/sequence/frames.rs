@@ -5,7 +5,7 @@ use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
 use crate::assumption::{Assumption, Assumptions};
-use crate::cloud::{CloudError, Frame, Mesh, RawCloud};
+use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
@@ -35,6 +35,7 @@ pub struct Sequence {
     decode_count: AtomicU64,
     origin: OriginFinder,
     fps: Option<f64>,
+    no_data: NoData,
     stamps: Mutex<Stamps>,
     /// Of the frames that were decoded so far.
     assumptions: Mutex<Assumptions>,
@@ -54,10 +55,10 @@ pub(crate) struct LoadedFrame {
 impl Sequence {
     /// The frames of `source`.
     pub fn of(source: impl Source + 'static) -> Self {
-        Self::of_shared(Arc::new(source), None)
+        Self::of_shared(Arc::new(source), None, NoData::Auto)
     }
 
-    fn of_shared(source: Arc<dyn Source>, fps: Option<f64>) -> Self {
+    fn of_shared(source: Arc<dyn Source>, fps: Option<f64>, no_data: NoData) -> Self {
         Self {
             source,
             decoders: Mutex::default(),
@@ -65,6 +66,7 @@ impl Sequence {
             decode_count: AtomicU64::new(0),
             origin: OriginFinder::default(),
             fps,
+            no_data,
             stamps: Mutex::default(),
             assumptions: Mutex::default(),
         }
@@ -91,7 +93,7 @@ impl Sequence {
         progress: &Progress,
     ) -> Result<Self, SequenceError> {
         let source = source::open(inputs, options, progress)?;
-        Ok(Self::of_shared(source, options.fps))
+        Ok(Self::of_shared(source, options.fps, options.no_data))
     }
 
     /// The sequence embedded in the program: 24 poses of about 8,000 coloured points.
@@ -101,7 +103,7 @@ impl Sequence {
 
     /// An example embedded in the program.
     pub fn example(example: Example) -> Self {
-        Self::of_shared(example.source(), None)
+        Self::of_shared(example.source(), None, NoData::Auto)
     }
 
     /// Frames that one function decodes: see [`FrameList`].
@@ -115,14 +117,19 @@ impl Sequence {
     /// The same frames, of which nothing is decoded yet and the origin is not decided.
     #[must_use]
     pub(crate) fn anew(&self) -> Self {
-        Self::of_shared(Arc::clone(&self.source), self.fps)
+        Self::of_shared(Arc::clone(&self.source), self.fps, self.no_data)
     }
 
     /// The same frames with other filters of depth images; `None` where frames are none: see [`Source::filtered`].
     #[must_use]
     pub fn filtered(&self, filters: Filters) -> Option<Self> {
         let source = self.source.filtered(filters)?;
-        Some(Self::of_shared(source, self.fps))
+        Some(Self::of_shared(source, self.fps, self.no_data))
+    }
+
+    /// Handling of points that stand for no measurement.
+    pub fn no_data(&self) -> NoData {
+        self.no_data
     }
 
     /// Where the frames come from.
@@ -255,6 +262,13 @@ impl Sequence {
             return Err(self.cancelled(index));
         }
         progress.set(0, 0);
+        let decoded = decoded.map(|mut decoded| {
+            // A user's word holds for every command, statistics for pictures alone.
+            if let NoData::Value(_) = self.no_data {
+                self.drop_missing(&mut decoded.cloud);
+            }
+            decoded
+        });
         if let Ok(decoded) = &decoded {
             lock(&self.assumptions).extend(&decoded.cloud.assumptions);
         }
@@ -310,6 +324,8 @@ impl Sequence {
             (decoded, milliseconds_since(start) as f32)
         };
         let start = Instant::now();
+        let mut decoded = decoded;
+        self.drop_missing(&mut decoded.cloud);
         let has_levels = decoded.level.is_some();
         let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
@@ -336,6 +352,19 @@ impl Sequence {
         Mesh::from_raw(decoded.cloud, origin).map_err(|reason| self.invalid(index, reason))
     }
 
+    /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
+    /// already.
+    fn drop_missing(&self, cloud: &mut RawCloud) -> MissingPoints {
+        let rule = match cloud.made_from {
+            Some(_) => NoData::None,
+            None => self.no_data,
+        };
+        let missing = MissingPoints::find(&cloud.positions, rule);
+        make_holes(&mut cloud.positions, &missing.indices);
+        lock(&self.assumptions).extend(missing.assumption(rule).iter());
+        missing
+    }
+
     fn invalid(&self, index: usize, reason: CloudError) -> FrameError {
         let path = self.entry(index).path.clone();
         FrameError::Invalid { index, path, reason }
@@ -355,9 +384,10 @@ impl Sequence {
                 reason: reason.into(),
             })
         });
-        let (sample, point_count) = sampled.ok().flatten()?;
+        let (mut sample, point_count) = sampled.ok().flatten()?;
+        let present = self.drop_missing(&mut sample.cloud).bounds;
         let origin = match index {
-            0 => self.origin.decided_by(&sample.cloud)?,
+            0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,
         };
         let decoder_ms = milliseconds_since(start) as f32;
@@ -433,6 +463,10 @@ impl OriginFrames for Sequence {
         let start = Instant::now();
         let decoded = self.decode_observed(index, Detail::Full, progress)?;
         Ok((decoded.cloud, milliseconds_since(start) as f32))
+    }
+
+    fn no_data(&self) -> NoData {
+        self.no_data
     }
 
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {

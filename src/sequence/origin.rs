@@ -16,7 +16,7 @@
 //! was cancelled.
 
 use super::error::FrameError;
-use crate::cloud::{RawCloud, ValueSample};
+use crate::cloud::{MissingPoints, NoData, RawCloud, ValueSample};
 use crate::locks::lock;
 use crate::progress::Progress;
 use glam::DVec3;
@@ -40,6 +40,9 @@ pub(super) trait OriginFrames: Send + Sync {
 
     /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
     fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError>;
+
+    /// Handling of points that stand for no measurement.
+    fn no_data(&self) -> NoData;
 
     /// Their origin; `None` if deciding it was cancelled.
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
@@ -94,14 +97,13 @@ impl OriginFinder {
         self.origin.get().copied()
     }
 
-    /// The origin, decided by some points of the first frame if it is not known; `None` where it depends on another
-    /// sequence.
-    pub(super) fn decided_by(&self, sample: &RawCloud) -> Option<DVec3> {
+    /// The origin, decided by the box around some points of the first frame if it is not known; `None` where it depends
+    /// on another sequence.
+    pub(super) fn decided_by(&self, present: Option<(DVec3, DVec3)>) -> Option<DVec3> {
         self.known().or_else(|| {
             let _turn = lock(&self.deciding);
             self.known().or_else(|| {
-                let (_, bounds) = sample.positions.finite_bounds();
-                let (min, max) = bounds.filter(|_| self.beside.get().is_none())?;
+                let (min, max) = present.filter(|_| self.beside.get().is_none())?;
                 let origin = origin_of_bounds(min, max);
                 Some(*self.origin.get_or_init(|| origin))
             })
@@ -114,9 +116,11 @@ impl OriginFinder {
                 return None;
             }
             let decoded = frames.decode_timed(index, progress);
-            let bounds = decoded.as_ref().map(|(raw, _)| raw.positions.finite_bounds().1);
-            match bounds {
-                Ok(Some((min, max))) => {
+            let missing = decoded
+                .as_ref()
+                .map(|(raw, _)| MissingPoints::find(&raw.positions, frames.no_data()));
+            match missing.as_ref().map(|missing| (missing.bounds, &missing.indices)) {
+                Ok((Some((min, max)), missing)) => {
                     let beside = match self.beside.get() {
                         Some(other) => Some(other.origin_observed(progress)?),
                         None => None,
@@ -124,14 +128,14 @@ impl OriginFinder {
                     let shared = beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
                     let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
-                        let sample = Arc::new(ValueSample::of_raw(raw, origin));
+                        let sample = Arc::new(ValueSample::of_raw(raw, missing, origin));
                         self.sample.get_or_init(|| sample);
                     }
                     lock(&self.kept).insert(index, decoded);
                     return Some(origin);
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
-                Ok(None) => {}
+                Ok((None, _)) => {}
                 Err(FrameError::Cancelled { .. }) => return None,
                 Err(_) => {
                     lock(&self.kept).insert(index, decoded);

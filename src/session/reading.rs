@@ -3,7 +3,7 @@
 
 use super::SessionError;
 use super::paths::{as_text, joined};
-use crate::io::ReadOptions;
+use crate::io::{ColumnMap, ReadOptions};
 use crate::rgbd::Filters;
 use crate::source::{OpenOptions, RgbdOptions};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -27,9 +27,13 @@ pub struct Reading {
     /// Points sampled from the faces of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample: Option<NonZeroUsize>,
-    /// Numbers a point in files without a header, 3 to 6.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "columns")]
-    pub columns: Option<u8>,
+    /// Columns of text and of files without a header: their number, or which is what.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "write_columns",
+        deserialize_with = "columns"
+    )]
+    pub columns: Option<ColumnMap>,
     /// Points of photographs are made by stereo.
     #[serde(skip_serializing_if = "is_false")]
     pub dense: bool,
@@ -88,15 +92,30 @@ fn not_negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64
     }
 }
 
-fn columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u8>, D::Error> {
-    let value = Option::<u8>::deserialize(deserializer)?;
-    match value {
-        Some(columns) if !(3..=6).contains(&columns) => {
-            let text = format!("{columns} columns: expected 3 to 6");
-            Err(serde::de::Error::custom(text))
-        }
-        value => Ok(value),
-    }
+/// Their number as such, as sessions have always had it, other text as it is.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Columns {
+    Number(usize),
+    Text(String),
+}
+
+#[expect(clippy::ref_option, reason = "serde calls it so")]
+fn write_columns<S: Serializer>(columns: &Option<ColumnMap>, serializer: S) -> Result<S::Ok, S::Error> {
+    let written = |columns: &ColumnMap| {
+        let text = columns.to_string();
+        text.parse().map_or(Columns::Text(text), Columns::Number)
+    };
+    columns.as_ref().map(written).serialize(serializer)
+}
+
+fn columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<ColumnMap>, D::Error> {
+    let text = Option::<Columns>::deserialize(deserializer)?.map(|columns| match columns {
+        Columns::Number(number) => number.to_string(),
+        Columns::Text(text) => text,
+    });
+    text.map(|text| text.parse().map_err(serde::de::Error::custom))
+        .transpose()
 }
 
 #[expect(clippy::ref_option, reason = "serde calls it so")]
@@ -119,7 +138,7 @@ impl Reading {
             fps: options.fps,
             merge_scans: options.merge_scans,
             sample: read.sample_count,
-            columns: read.bin_columns,
+            columns: read.columns,
             dense: options.dense,
             rgbd_filters: (rgbd.filters != Filters::USUAL).then_some(rgbd.filters),
             depth_images: rgbd.depth.clone(),
@@ -140,7 +159,7 @@ impl Reading {
         OpenOptions {
             read: read
                 .with_sample_count(read.sample_count.or(self.sample))
-                .with_bin_columns(read.bin_columns.or(self.columns)),
+                .with_columns(read.columns.or(self.columns)),
             fps: options.fps.or(self.fps),
             merge_scans: options.merge_scans || self.merge_scans,
             topic: options.topic.clone().or_else(|| self.topic.as_deref().map(Arc::from)),

@@ -25,6 +25,14 @@ pub enum SequenceError {
         /// What to do.
         hint: String,
     },
+    /// A folder whose files are known, and not read.
+    #[error("the folder {} holds no point cloud that is read: {found}", path.display())]
+    ForeignFolder {
+        /// The folder as given.
+        path: PathBuf,
+        /// Its kinds of files, with the way to files that are read.
+        found: String,
+    },
     /// A pattern without a match.
     #[error("no file matches {pattern}: check the pattern, or name the folder instead")]
     NoMatch {

@@ -1,6 +1,7 @@
 //! How inputs are opened.
 
 use super::rgbd::RgbdOptions;
+use crate::cloud::NoData;
 use crate::io::ReadOptions;
 use crate::stereo::SharedMatcher;
 use std::sync::Arc;
@@ -10,6 +11,8 @@ use std::sync::Arc;
 pub struct OpenOptions {
     /// How files are read.
     pub read: ReadOptions,
+    /// Handling of points that stand for no measurement.
+    pub no_data: NoData,
     /// Frames a second, in place of what time stamps say.
     pub fps: Option<f64>,
     /// The scans of an E57 file are one frame, not a frame each.

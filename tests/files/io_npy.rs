@@ -287,13 +287,7 @@ fn an_array_with_layers_is_a_sequence() {
             assert_eq!(cloud.attributes.normals.as_ref().unwrap()[2], [1.0, 0.0, 0.0]);
             let intensity = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][t];
             assert_eq!(cloud.attributes.scalars[0].values, intensity);
-            assert!(
-                cloud
-                    .assumption
-                    .as_ref()
-                    .unwrap()
-                    .contains("each of 2 layers of 3 points")
-            );
+            assert_eq!(cloud.assumptions[0].value, "2 frames of 3 points");
             let same = shared.read_part(&path, &entry.part, &options, &Progress::default());
             assert_eq!(same.unwrap(), cloud);
         }
@@ -344,7 +338,7 @@ fn an_array_of_images_of_points_is_a_sequence_of_organised_clouds() {
         assert!(positions(&cloud)[2][0].is_nan() && positions(&cloud)[6][0].is_nan());
         assert_eq!(cloud.attributes.scalars[0].values[7], 8.0 * frame as f32 + 7.0);
         assert_eq!(cloud.attributes.colors.as_ref().unwrap()[1][0], 24 * frame as u8 + 3);
-        assert_eq!(cloud.assumption, None);
+        assert_eq!(cloud.assumptions, []);
     }
     let one = write(1, &values[..24], &confidence[..8], &colors[..24]);
     assert_eq!(one.len(), 1);

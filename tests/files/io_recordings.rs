@@ -1,7 +1,9 @@
 //! Recordings written here, with clouds whose points are known, in every container, packing and byte order.
 
 mod foxglove;
+mod livox;
 mod topics;
+mod unread;
 
 use pointreel::cloud::{ImageGrid, RawCloud};
 use pointreel::io::{self, Entry, IoError, Part, ReadOptions};

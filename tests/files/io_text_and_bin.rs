@@ -1,7 +1,7 @@
 //! Text as people have it, PTX scans and bare records, with known answers.
 
 use pointreel::cloud::RawCloud;
-use pointreel::io::{self, IoError, Part, ReadOptions, read_part};
+use pointreel::io::{self, ColumnMap, IoError, Part, ReadOptions, read_part};
 use std::path::Path;
 
 fn read(name: &str, bytes: &[u8]) -> Result<RawCloud, IoError> {
@@ -168,10 +168,10 @@ fn statistics_tell_how_many_numbers_a_point_has() {
             let rows = street(is_shuffled);
             let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..width]).collect();
             let cloud = read("scan.bin", &records(&rows)).unwrap();
-            let assumption = cloud.assumption.unwrap();
+            let assumption = cloud.assumptions[0].to_string();
             assert_eq!(cloud.positions.len(), rows.len(), "{width}: {assumption}");
             assert!(
-                assumption.starts_with(&format!("{width} numbers a point: x y z")),
+                assumption.starts_with(&format!("columns: {width} values per point: x y z")),
                 "{assumption}"
             );
         }
@@ -185,13 +185,10 @@ fn a_person_says_how_many_numbers_a_point_has() {
     let rows: Vec<[f32; 6]> = street(false);
     let rows: Vec<&[f32]> = rows.iter().map(|row| &row[..4]).collect();
     std::fs::write(&file, records(&rows)).unwrap();
-    let options = ReadOptions::default().with_bin_columns(Some(3));
+    let options = ReadOptions::default().with_columns(Some(ColumnMap::of_width(3)));
     let cloud = read_part(&file, &Part::Whole, &options).unwrap();
     assert_eq!(cloud.positions.len(), 16_000);
-    assert_eq!(
-        cloud.assumption.as_deref(),
-        Some("3 numbers a point: x y z (as asked for)")
-    );
+    assert_eq!(cloud.assumptions[0].value, "3 values per point: x y z");
 }
 
 #[test]

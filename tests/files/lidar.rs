@@ -2,10 +2,13 @@
 //! manuals, in double precision.
 
 mod captures;
+mod clocks;
 mod containers;
 mod hdl_64;
 mod hostile;
 mod live;
+mod lost;
 mod ouster;
 mod sensors;
 mod velodyne;
+mod windows;

@@ -64,6 +64,7 @@ fn conversion(output: &Path, keyframes: u32, shard: Shard) -> Conversion {
         format: WriteFormat::default(),
         output: Output::Reel(output.to_owned(), lossless(keyframes)),
         overwrites: false,
+        reading: String::new(),
     }
 }
 

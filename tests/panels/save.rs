@@ -209,7 +209,7 @@ fn frames_become_files_of_a_folder() {
         texts.iter().any(|text| text.starts_with("Frame 3 is not in it")),
         "{texts:?}"
     );
-    let written = folder.path().join("walk/frame_000005.ply");
+    let written = folder.path().join("walk/frame_0005.ply");
     assert_eq!(fs::metadata(&written).unwrap().len() as f64, estimate.frame_bytes);
     // Another format has no business among them.
     press(&mut harness, SAVE, Key::S);

@@ -3,12 +3,13 @@
 use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, sphere, surfels};
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use pointreel::cloud::VoxelRecord;
+use pointreel::cloud::{PointRecord, VoxelRecord};
 use pointreel::measure::{mean_squared_error, psnr_db};
 use pointreel::scene::{
     Background, Camera, Content, EyeDome, GroundPlane, Lighting, PointStyle, Primitive, Projection, ScenePacket,
     Splatting, Strategy, Style, UpAxis,
 };
+use std::sync::Arc;
 
 const GRAY: [u8; 3] = [200; 3];
 
@@ -149,6 +150,7 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
 
     // Nothing but background at the right.
     let mut packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
+    packet.style.points.size_px = 2.0;
     let points = packet.content.points().unwrap();
     let left = points.iter().filter(|point| point.position[0] < 0.0);
     packet.content = Content::Points(std::sync::Arc::new(left.copied().collect()));
@@ -160,6 +162,23 @@ fn a_deep_step_keeps_some_color_and_one_without_an_end_is_an_edge() {
         assert!((f32::from(row[end - 1]) - edge).abs() < 1.0, "{row:?}");
         assert!(row[..end - 1].iter().all(|&channel| channel == 200));
         assert!(row[end..].iter().all(|&channel| channel == behind[0]));
+    }
+}
+
+#[test]
+fn a_wide_point_that_stands_alone_has_one_color() {
+    for size_px in [3.0, 6.0, 10.0] {
+        let mut packet = step([0.0, 0.0], 1.0, STEP_SIZE, Projection::Perspective);
+        packet.style.points.size_px = size_px;
+        let points = Arc::clone(packet.content.points().unwrap());
+        packet.content = Content::Points(Arc::new(vec![PointRecord {
+            position: [0.0; 3],
+            ..points[0]
+        }]));
+        for picture in [draw_on_cpu(&packet), draw(&packet)] {
+            let edge = size_px as usize;
+            assert_eq!(common::count_color(&picture, GRAY), edge * edge, "{size_px}");
+        }
     }
 }
 

@@ -140,7 +140,7 @@ fn the_job_file_spreads_a_sequence() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     assert!(run("3").starts_with("2 frames written"));
-    assert_eq!(names(&out), ["frame_000002.pcd", "frame_000005.pcd"]);
+    assert_eq!(names(&out), ["scan_3.pcd", "scan_6.pcd"]);
     assert!(run("1").starts_with("3 frames written"));
     assert!(run("1").starts_with("0 frames written"));
     assert!(run("2").starts_with("2 frames written"));

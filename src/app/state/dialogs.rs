@@ -2,6 +2,7 @@
 
 use crate::app::features::benchmark::ReportFormat;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
+use crate::export::PictureFormat;
 use crate::io;
 use crate::session::EXTENSION;
 use std::path::PathBuf;
@@ -158,7 +159,11 @@ fn show_dialog(kind: DialogKind, file_name: Option<String>) -> Option<Vec<PathBu
         }
         DialogKind::SaveSession => one(dialog.add_filter("Session", &[EXTENSION]).save_file()),
         DialogKind::SaveReel => one(dialog.add_filter("Sequence file", &["reel"]).save_file()),
-        DialogKind::SavePicture => one(dialog.add_filter("PNG image", &["png"]).save_file()),
+        DialogKind::SavePicture => one(PictureFormat::filters()
+            .fold(dialog, |dialog, (name, extensions)| {
+                dialog.add_filter(format!("{name} image"), extensions)
+            })
+            .save_file()),
         DialogKind::RecordTo => one(dialog
             .add_filter("Recording of a stream", &["pointreel-stream"])
             .save_file()),

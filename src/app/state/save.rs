@@ -140,6 +140,10 @@ impl State {
                 let frames = converted.written + converted.left;
                 self.notices.info(format!("Saved {frames} frames: {place}"));
                 self.tell_lost(&converted);
+                let losses = converted.losses.lines(&conversion.target_name(), converted.written);
+                for text in converted.notes.iter().chain(&losses) {
+                    self.notices.warn(text.clone());
+                }
             }
             Err(error) => self.notices.error(format!("Nothing was saved: {error}")),
         }

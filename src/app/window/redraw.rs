@@ -13,7 +13,7 @@ use crate::app::present::Panels;
 use crate::app::side::Side;
 use crate::app::state::{PictureStage, VisibleChange, WindowRequest};
 use crate::app::trial::Processor;
-use crate::app::work::files::save_png;
+use crate::app::work::files::save_image;
 use crate::render::RenderError;
 use egui::FullOutput;
 use std::path::PathBuf;
@@ -285,7 +285,7 @@ impl App {
             let Some(image) = self.read_joined(screen)? else {
                 return Ok(());
             };
-            self.end = save_png(&image, path).map_err(AppError::Screenshot);
+            self.end = save_image(&image, path).map_err(AppError::Screenshot);
             event_loop.exit();
         } else if let Some(failure) = player.failure()
             && (!player.is_playing() || player.loader().stats().failed_frames == player.sequence().len())

@@ -1,8 +1,10 @@
 //! Files that are written on a thread: pictures and reports.
 
 use super::tasks::TaskFailed;
+use crate::export::{PictureFormat, encode_picture};
+use crate::kept::write_whole_with;
 use std::fs;
-use std::io::Write as _;
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// A file was written.
@@ -34,7 +36,7 @@ pub(in crate::app) fn save_bytes(path: PathBuf, bytes: &[u8]) -> Result<SavedFil
 /// Writes `image` to its place, or under a name made from the stem that no file has yet.
 pub(in crate::app) fn save_picture(image: &image::RgbaImage, place: PicturePlace) -> Result<SavedFile, TaskFailed> {
     let saved = match place {
-        PicturePlace::File(path) => save_png(image, &path).map(|()| path),
+        PicturePlace::File(path) => save_image(image, &path).map(|()| path),
         PicturePlace::New { folder, stem } => save_new_png(image, &folder, &stem),
     };
     saved.map(SavedFile).map_err(TaskFailed)
@@ -47,11 +49,15 @@ fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> String {
     )
 }
 
-/// Writes a PNG, replacing the file.
-pub(in crate::app) fn save_png(image: &image::RgbaImage, path: &Path) -> Result<(), String> {
-    image
-        .save_with_format(path, image::ImageFormat::Png)
-        .map_err(|reason| cannot_write(path, &reason))
+/// Writes a picture in the format of its name, replacing the file as a whole.
+pub(in crate::app) fn save_image(image: &image::RgbaImage, path: &Path) -> Result<(), String> {
+    let format = PictureFormat::of_name(path).map_err(|refused| refused.to_string())?;
+    let written = write_whole_with(path, |file| {
+        let mut file = BufWriter::new(file);
+        encode_picture(format, image, &mut file)?;
+        file.flush()
+    });
+    written.map_err(|reason| cannot_write(path, &reason))
 }
 
 /// Names of new files that are tried.
@@ -131,11 +137,30 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_is_what_its_name_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = image::RgbaImage::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
+        for (name, first) in [
+            ("a.jpg", &b"\xff\xd8"[..]),
+            ("a.webp", b"RIFF"),
+            ("a.tif", b"II*\0"),
+            ("a.png", b"\x89PNG"),
+        ] {
+            let path = folder.path().join(name);
+            save_image(&image, &path).unwrap();
+            assert!(fs::read(&path).unwrap().starts_with(first), "{name}");
+        }
+        let refused = save_image(&image, &folder.path().join("a.exr")).unwrap_err();
+        assert!(refused.contains(".webp"), "{refused}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
     fn a_folder_that_is_not_there_is_said() {
         let folder = tempfile::tempdir().unwrap();
         let image = image::RgbaImage::new(1, 1);
         let path = folder.path().join("missing/picture.png");
-        let error = save_png(&image, &path).unwrap_err();
+        let error = save_image(&image, &path).unwrap_err();
         assert!(error.contains("picture.png"), "{error}");
         assert!(save_new_png(&image, &folder.path().join("missing"), "a").is_err());
     }

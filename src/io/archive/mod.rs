@@ -5,12 +5,13 @@
 //! compressed TAR cannot be entered in the middle, so it is unpacked once into memory that its members share.
 
 mod member;
+mod refusal;
 mod tar;
 mod zip;
 
 pub use member::Member;
 
-use super::contents::{Entry, Part};
+use super::contents::{Contents, Entry, Part};
 use super::error::IoError;
 use super::error::{Fault, Place};
 use super::format::Format;
@@ -27,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The frames in the archive at `path`, in natural order of their names.
-pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result<Contents, IoError> {
     let failed = io_error(path);
     let mut file = File::open(path).map_err(failed)?;
     let invalid = |fault: Fault| fault.of(path, format);
@@ -48,14 +49,14 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
             )));
         }
         if !tar::is_header(&start) {
-            return Ok(vec![Entry {
+            return Ok(Contents::of_entries(vec![Entry {
                 name: String::new(),
                 time: None,
                 part: Part::Member(Member {
                     name: clean(&path.file_stem().unwrap_or_default().to_string_lossy()),
                     place: MemberPlace::Gzip,
                 }),
-            }]);
+            }]));
         }
         file.rewind().map_err(failed)?;
         let bytes = unpack_unknown(Packing::Gzip, file, options)
@@ -64,24 +65,30 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
     } else {
         tar::members_of_file(file).map_err(invalid)?
     };
+    let all = members.clone();
     members.retain(|member| is_frame(path, member));
     let is_text = |member: &Member| Format::of_extension(Path::new(&member.name)) == Some(xyz::FORMAT);
-    // Text beside clouds of other formats is about them: README.txt, poses.txt.
-    if !members.iter().all(is_text) {
+    // Text next to clouds of other formats is about them: README.txt, poses.txt.
+    if members.iter().all(is_text) {
+        refusal::check(path, &all)?;
+    } else {
         members.retain(|member| !is_text(member));
+    }
+    if members.is_empty() {
+        return Ok(Contents {
+            without_frames: refusal::describe(&all),
+            ..Contents::default()
+        });
     }
     members.sort_by(|left, right| natural_order(Path::new(&left.name), Path::new(&right.name)));
     let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
     let times = timestamps::times_of_names(&names);
-    Ok(members
-        .into_iter()
-        .zip(times)
-        .map(|(member, time)| Entry {
-            name: member.name.clone(),
-            time,
-            part: Part::Member(member),
-        })
-        .collect())
+    let entries = members.into_iter().zip(times).map(|(member, time)| Entry {
+        name: member.name.clone(),
+        time,
+        part: Part::Member(member),
+    });
+    Ok(Contents::of_entries(entries.collect()))
 }
 
 /// Name (the archive's path and the member's within it) and bytes of a member; `progress` is told of the packed ones.

@@ -56,8 +56,24 @@ pub(in crate::io) fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     raw
 }
 
+/// True for the first section of a well log, behind comments.
+fn is_well_log(bytes: &[u8]) -> bool {
+    const LOOKED_AT_BYTES: usize = 4096;
+    let head = &bytes[..bytes.len().min(LOOKED_AT_BYTES)];
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let mut lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));
+    first.is_some_and(|line| matches!(line, [b'~', b'V' | b'v', ..]))
+}
+
 impl LasHeader {
     pub(super) fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        if is_well_log(bytes) {
+            return Err(Fault::header(
+                "this is a well log (Log ASCII Standard of the CWLS), which has the same extension as LiDAR files: it \
+                 holds curves along a borehole and is not a point cloud",
+            ));
+        }
         if bytes.len() < MIN_HEADER_BYTES || !bytes.starts_with(b"LASF") {
             return Err(Fault::header(format!(
                 "a LAS file begins with LASF and a header of {MIN_HEADER_BYTES} bytes at least, this one has {} bytes: \

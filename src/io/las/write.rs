@@ -8,7 +8,7 @@
 
 use super::write_fields::{self, ExtraBytes, StandardFields};
 use crate::cloud::{Positions, RawCloud};
-use crate::io::write::{Encoder, Loss, WriteSeek};
+use crate::io::write::{Encoder, Held, Loss, WriteSeek};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::io::{Error, Result};
 
@@ -87,34 +87,34 @@ impl Axis {
     }
 }
 
-/// What points of LAS have no place for.
-const LOST: &[Loss] = &[
-    Loss::NORMALS,
-    Loss::RADII,
-    Loss::ELLIPSES,
-    Loss::ALPHA,
-    Loss::HOLES,
-    Loss::new("digits of intensities beyond 16 bits", write_fields::rounds_intensities),
-    Loss::new("the scalar fields beyond 341", write_fields::has_too_many),
-    Loss::FACES,
-    Loss::SENSOR,
-];
-
 /// LAS.
 pub(in crate::io) const LAS: &Encoder = &Encoder {
     name: "las",
     extension: "las",
+    holds: &[Held::Scalars],
+    lost,
     write: |out, cloud| write(out, cloud, false),
-    lost: LOST,
 };
 
 /// LAS, compressed.
 pub(in crate::io) const LAZ: &Encoder = &Encoder {
     name: "laz",
     extension: "laz",
+    holds: &[Held::Scalars],
+    lost,
     write: |out, cloud| write(out, cloud, true),
-    lost: LOST,
 };
+
+/// Fields beyond those that can be described, values that do not fit their field, and coordinates that do not fit 32
+/// bits.
+fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
+    let mut lost = write_fields::lost(&cloud.attributes.scalars);
+    let error = LasPoints::new(cloud).largest_error();
+    if error > 0.0 {
+        lost.push((Loss::Precision, error));
+    }
+    lost
+}
 
 /// Writes the finite points of `cloud`, with colours and all scalar fields.
 pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool) -> Result<()> {
@@ -148,6 +148,14 @@ pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool)
     }
 }
 
+/// The share of a coordinate that it is known to.
+fn precision(positions: &Positions) -> f64 {
+    match positions {
+        Positions::F32(_) => f64::from(f32::EPSILON) / 2.0,
+        Positions::F64(_) => 4.0 * f64::EPSILON,
+    }
+}
+
 /// A cloud as the file will have it.
 struct LasPoints<'a> {
     cloud: &'a RawCloud,
@@ -163,10 +171,7 @@ impl<'a> LasPoints<'a> {
     fn new(cloud: &'a RawCloud) -> Self {
         let (count, bounds) = cloud.positions.finite_bounds();
         let (min, max) = bounds.unwrap_or_default();
-        let precision = match cloud.positions {
-            Positions::F32(_) => f64::from(f32::EPSILON) / 2.0,
-            Positions::F64(_) => 4.0 * f64::EPSILON,
-        };
+        let precision = precision(&cloud.positions);
         let axes = std::array::from_fn(|axis| {
             let coordinates = (0..cloud.positions.len())
                 .map(|index| cloud.positions.get(index))
@@ -187,6 +192,26 @@ impl<'a> LasPoints<'a> {
 
     fn total(&self) -> usize {
         self.cloud.positions.len()
+    }
+
+    /// By how much coordinates are off, where that is more than they are known to; else 0.
+    fn largest_error(&self) -> f64 {
+        let precision = precision(&self.cloud.positions);
+        let mut largest = 0.0f64;
+        for index in 0..self.total() {
+            let position = self.cloud.positions.get(index);
+            if !position.is_finite() {
+                continue;
+            }
+            for (axis, scaled) in self.axes.iter().enumerate() {
+                let value = position[axis];
+                let error = (scaled.value(scaled.raw(value)) - value).abs();
+                if error > precision * value.abs() {
+                    largest = largest.max(error);
+                }
+            }
+        }
+        largest
     }
 
     fn format(&self) -> u8 {

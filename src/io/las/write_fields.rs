@@ -4,7 +4,8 @@
 //! case, as other programs look for them nowhere else: intensities are rounded to 16 bits.
 
 use super::points::ANGLE_STEP;
-use crate::cloud::{RawCloud, ScalarField};
+use crate::cloud::ScalarField;
+use crate::io::write::Loss;
 
 /// Bytes that describe a field of extra bytes.
 const DESCRIPTION_BYTES: usize = 192;
@@ -171,18 +172,38 @@ impl<'a> ExtraBytes<'a> {
     }
 }
 
-/// Whether `cloud` has intensities that are not whole numbers of 16 bits.
-pub(super) fn rounds_intensities(cloud: &RawCloud) -> bool {
-    let fields = StandardFields::of(&cloud.attributes.scalars);
-    let fits = |value: f64| (0.0..=65_535.0).contains(&value) && value.fract() == 0.0;
-    fields.intensity.is_some_and(|(field, _)| !numbers(field).all(fits))
-}
-
-/// Whether `cloud` has more scalar fields than can be described.
-pub(super) fn has_too_many(cloud: &RawCloud) -> bool {
-    let scalars = &cloud.attributes.scalars;
+/// What is lost of `scalars`: fields beyond those that can be described, and values that their place rounds.
+pub(super) fn lost(scalars: &[ScalarField]) -> Vec<(Loss, f64)> {
     let standard = StandardFields::of(scalars);
-    scalars.iter().filter(|field| !standard.has(field)).count() > MAX_EXTRA_FIELDS
+    let extra = scalars.iter().filter(|field| !standard.has(field));
+    let beyond = extra.skip(MAX_EXTRA_FIELDS);
+    let mut lost: Vec<(Loss, f64)> = beyond
+        .map(|field| (Loss::Field(format!("`{}`", field.name)), 0.0))
+        .collect();
+    let mut check = |field: Option<&ScalarField>, scale: f64, largest: f64, what: &str| {
+        let fits = |value: f64| value.fract() == 0.0 && (0.0..=largest).contains(&value);
+        if let Some(field) = field
+            // A fraction of 1 in 16 bits is no more precise in other programs.
+            && (scale == 1.0 || field.values.iter().any(|value| !value.is_finite()))
+            && !numbers(field).all(|value| fits(value * scale))
+        {
+            lost.push((Loss::Values(field.name.clone(), what.to_owned()), 0.0));
+        }
+    };
+    let (intensity, scale) = standard.intensity.unzip();
+    check(
+        intensity,
+        scale.unwrap_or(1.0),
+        f64::from(u16::MAX),
+        "whole numbers from 0 to 65535",
+    );
+    check(
+        standard.classification,
+        1.0,
+        f64::from(u8::MAX),
+        "whole numbers from 0 to 255",
+    );
+    lost
 }
 
 /// Whether single precision does not hold the numbers.

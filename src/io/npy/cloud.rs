@@ -293,7 +293,7 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
     // What the columns behind the coordinates are is told by the same rule as for text.
     let told_by: Vec<Vec<f64>> = (0..width)
         .map(|index| match width {
-            6.. if (3..7).contains(&index) => column(index).to_f64(count),
+            5.. if (3..xyz::MAX_GUESSED_COLUMN).contains(&index) => column(index).to_f64(count),
             _ => Vec::new(),
         })
         .collect();

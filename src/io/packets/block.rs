@@ -28,6 +28,8 @@ pub(super) struct InBlock {
     pub(super) link: Link,
     /// Where in the block its bytes are.
     pub(super) bytes: Range<usize>,
+    /// Whether it was longer than what was captured of it.
+    pub(super) is_cut: bool,
 }
 
 /// The byte order of a block that begins with `head`, of which there are [`HEAD_BYTES`].
@@ -91,11 +93,13 @@ pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> 
             time: Some(interface.time(u64::from(block.ts_high) << 32 | u64::from(block.ts_low))),
             link: interface.link,
             bytes: range(block.data, block.caplen),
+            is_cut: block.caplen < block.origlen,
         }),
         Block::SimplePacket(block) => interface(layout, 0).map(|interface| InBlock {
             time: None,
             link: interface.link,
             bytes: range(block.data, block.origlen),
+            is_cut: block.data.len() < block.origlen as usize,
         }),
         _ => None,
     })

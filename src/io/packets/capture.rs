@@ -8,6 +8,7 @@
 
 use super::super::error::{Fault, Place};
 use super::block;
+use super::clock::{Clock, Fractions};
 use super::layout::{ByteOrder, Layout, Records, Section};
 use super::link::Link;
 use super::window::Window;
@@ -38,6 +39,8 @@ pub(super) struct Packet<'a> {
     pub(super) link: Link,
     /// From the header of the link on, as much of it as was captured.
     pub(super) bytes: &'a [u8],
+    /// Whether it was longer than what was captured of it.
+    pub(super) is_cut: bool,
 }
 
 /// A packet, and what tells of it.
@@ -50,13 +53,16 @@ pub(super) struct Capture {
     layout: Arc<Layout>,
     /// Of the packet before.
     time: Duration,
+    clock: Clock,
+    fractions: Fractions,
 }
 
 impl Capture {
-    /// The whole of `file`.
-    pub(super) fn open(file: File) -> Result<Self, Fault> {
+    /// The whole of `file`, whose times are read as `clock` says.
+    pub(super) fn open(file: File, clock: Clock) -> Result<Self, Fault> {
         let failed = |error| unreadable(0, &error);
         let mut window = Window::at(file, 0).map_err(failed)?;
+        let mut fractions = Fractions::default();
         let head = window.peek(FILE_HEADER_BYTES).map_err(failed)?;
         let layout = if head.starts_with(&block::SECTION) {
             Layout::Blocks(Section {
@@ -71,6 +77,8 @@ impl Capture {
                 ));
             };
             window.take(FILE_HEADER_BYTES);
+            let is_nanoseconds = header.is_nanosecond_precision();
+            fractions.is_nanoseconds = Some(is_nanoseconds);
             Layout::Records(Records {
                 order: if header.is_bigendian() {
                     ByteOrder::Big
@@ -78,7 +86,12 @@ impl Capture {
                     ByteOrder::Little
                 },
                 is_modified: header.is_modified_format(),
-                nanos_per_tick: if header.is_nanosecond_precision() { 1 } else { 1000 },
+                nanos_per_tick: match clock {
+                    Clock::NanosecondParts => 1,
+                    Clock::MicrosecondParts => 1000,
+                    Clock::Stated | Clock::Nanoseconds if is_nanoseconds => 1,
+                    Clock::Stated | Clock::Nanoseconds => 1000,
+                },
                 // The upper bits tell of checksums behind frames.
                 link: Link::of(header.network.0 & 0xffff),
             })
@@ -87,15 +100,24 @@ impl Capture {
             window,
             layout: Arc::new(layout),
             time: Duration::ZERO,
+            clock,
+            fractions,
         })
     }
 
-    /// `file` from byte `offset` on, where a record begins that `layout` tells of.
+    /// The parts of seconds of the records so far.
+    pub(super) fn fractions(&self) -> Fractions {
+        self.fractions
+    }
+
+    /// `file` from byte `offset` on, where a record begins that `layout` tells of; its times do not matter.
     pub(super) fn resume(file: File, layout: Arc<Layout>, offset: u64) -> io::Result<Self> {
         Ok(Self {
             window: Window::at(file, offset)?,
             layout,
             time: Duration::ZERO,
+            clock: Clock::default(),
+            fractions: Fractions::default(),
         })
     }
 
@@ -134,12 +156,16 @@ impl Capture {
             ByteOrder::Big => parse_pcap_frame_be(bytes),
         };
         let (_, frame) = parsed.map_err(|_| cut(offset))?;
+        self.fractions.largest = self.fractions.largest.max(frame.ts_usec);
         let nanos = u64::from(frame.ts_usec) * u64::from(records.nanos_per_tick);
         let packet = Packet {
             offset,
-            time: Duration::from_secs(u64::from(frame.ts_sec)) + Duration::from_nanos(nanos),
+            time: self
+                .clock
+                .time(Duration::from_secs(u64::from(frame.ts_sec)) + Duration::from_nanos(nanos)),
             link: records.link,
             bytes: frame.data,
+            is_cut: frame.caplen < frame.origlen,
         };
         Ok(Some((packet, &self.layout)))
     }
@@ -168,12 +194,13 @@ impl Capture {
             let bytes = self.window.taken(count);
             let found = block::read(&mut self.layout, bytes, order);
             if let Some(found) = found.map_err(|_| damaged(offset, length))? {
-                self.time = found.time.unwrap_or(self.time);
+                self.time = found.time.map_or(self.time, |time| self.clock.time(time));
                 let packet = Packet {
                     offset,
                     time: self.time,
                     link: found.link,
                     bytes: self.window.taken(count).get(found.bytes).unwrap_or_default(),
+                    is_cut: found.is_cut,
                 };
                 return Ok(Some((packet, &self.layout)));
             }

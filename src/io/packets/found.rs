@@ -1,21 +1,29 @@
-//! What sensors are in a capture, and where each of their turns is.
+//! The sensors in a capture, and the places of their revolutions.
 //!
-//! **How it works.** Packet by packet: the head of the datagram tells the sensor (who sent it, and to which port), and
-//! its first bytes whether a turn begins in it. Datagrams in fragments are not joined for that, as their first fragment
-//! says enough; later ones only move the end of the turn. What is kept is a row a turn.
+//! **How it works.** Two walks. The first ([`FoundSensors::probe`]) looks at the beginning of the capture: which sensors
+//! there are, in which azimuths they measure ([`super::seam`]), and whether the capture's clock is right
+//! ([`super::clock`]). The second ([`FoundSensors::add`]) notes where each revolution begins and ends, a row each.
+//! Datagrams in fragments are joined in both ([`super::fragments`]).
 //!
-//! A turn begins where the azimuth passes 0 (Velodyne) or where the number of the frame changes (Ouster). Packets of
-//! Ouster that come late are found with the frame that they are of, if it is the one before.
+//! A revolution begins where the azimuth passes the seam (Velodyne) or where the number of the frame changes (Ouster).
+//! Packets of Ouster that come late are found with the frame that they are of, if it is the one before. Datagrams that no
+//! sensor sent are counted for messages ([`super::traffic`]).
 
 use super::super::contents::{Contents, Entry, Part, Topic};
 use super::super::options::ReadOptions;
 use super::capture::Packet;
+use super::clock::{self, Clock, Fractions, Samples};
 use super::companions::{self, Beside};
+use super::fragments::Fragments;
 use super::layout::Layout;
 use super::link::{Content, Datagram};
+use super::makers::maker_of;
 use super::ouster::{self, Metadata};
-use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
-use super::turn::{Turn, TurnPart, TurnPlace};
+use super::rows::{Row, Rows};
+use super::seam::{Coverage, TURN};
+use super::sensor::{Kind, LEAST_OUSTER_BYTES};
+use super::traffic::{Traffic, said_cut};
+use super::turn::{Turn, TurnPart};
 use super::velodyne::DataPacket;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -31,25 +39,27 @@ pub(super) struct FoundSensors<'a> {
     path: &'a Path,
     options: &'a ReadOptions,
     sensors: BTreeMap<(IpAddr, u16), Sensor>,
+    fragments: Fragments,
+    traffic: Traffic,
     /// Read once it is needed.
     beside: Option<Beside>,
 }
 
-/// Who sends packets.
+/// A sender of packets.
 struct Sensor {
     kind: Kind,
-    packets: u64,
-    turns: Vec<Row>,
-    /// Of an Ouster, the turn that its last packet is of.
-    current: usize,
+    coverage: Coverage,
+    samples: Samples,
+    rows: Rows,
 }
 
-/// A turn.
-struct Row {
-    place: TurnPlace,
+/// A datagram that is whole, and its place in the capture.
+struct Received<'a> {
+    datagram: Datagram<'a>,
     time: Duration,
-    packets: u64,
-    layout: Arc<Layout>,
+    /// Where in the file the record of its first piece begins, and that of its last one.
+    begin: u64,
+    last: u64,
 }
 
 impl<'a> FoundSensors<'a> {
@@ -59,57 +69,102 @@ impl<'a> FoundSensors<'a> {
             path,
             options,
             sensors: BTreeMap::new(),
+            fragments: Fragments::default(),
+            traffic: Traffic::default(),
             beside: None,
         }
     }
 
+    /// Looks at a packet of the beginning of the capture.
+    pub(super) fn probe(&mut self, packet: &Packet<'_>) {
+        self.receive(packet, |found, received| {
+            if let Some(sensor) = found.sensor(&received.datagram) {
+                sensor.probe(received);
+            }
+        });
+    }
+
+    /// Ends the first walk: revolutions are cut where the sensors do not measure. The clock of the capture.
+    pub(super) fn end_probe(&mut self, fractions: Fractions) -> Clock {
+        self.fragments = Fragments::default();
+        self.traffic = Traffic::default();
+        for sensor in self.sensors.values_mut() {
+            sensor.kind.set_seam(sensor.coverage.seam());
+        }
+        let samples: Vec<Samples> = self.sensors.values().map(|sensor| sensor.samples).collect();
+        clock::of(fractions, &samples)
+    }
+
     /// Looks at the next packet, which `layout` tells of.
     pub(super) fn add(&mut self, packet: &Packet<'_>, layout: &Arc<Layout>) {
-        let datagram = match packet.link.content(packet.bytes) {
-            Content::Datagram(datagram) => datagram,
-            Content::Fragment(fragment) => {
-                let Some(first) = fragment.first() else {
-                    self.move_end(fragment.of.0, packet.offset);
-                    return;
+        self.receive(packet, |found, received| match found.sensor(&received.datagram) {
+            Some(sensor) => sensor.add(received, layout),
+            None => found.traffic.add(&received.datagram),
+        });
+    }
+
+    /// Hands `packet`, or the datagram that it is the last piece of, to `each`.
+    fn receive(&mut self, packet: &Packet<'_>, each: impl FnOnce(&mut Self, &Received<'_>)) {
+        match packet.link.content(packet.bytes) {
+            Content::Datagram(datagram) if datagram.bytes.len() < datagram.byte_count => {
+                self.traffic.add_cut(&datagram, packet.bytes.len());
+            }
+            Content::Datagram(datagram) => {
+                let received = Received {
+                    datagram,
+                    time: packet.time,
+                    begin: packet.offset,
+                    last: packet.offset,
                 };
-                first
+                each(self, &received);
             }
-            Content::Other => return,
-        };
-        if let Some(data) = DataPacket::of(datagram.bytes) {
-            let sensor = self.sensor(&datagram, |found| Some(found.velodyne(data)));
-            if let Some(sensor) = sensor {
-                sensor.velodyne(data, packet, layout);
+            Content::Fragment(fragment) if packet.is_cut => {
+                if let Some(first) = fragment.first() {
+                    self.traffic.add_cut(&first, packet.bytes.len());
+                }
             }
-        } else if datagram.byte_count >= LEAST_OUSTER_BYTES {
-            let sensor = self.sensor(&datagram, |found| found.ouster(&datagram));
-            if let Some(sensor) = sensor {
-                sensor.ouster(&datagram, packet, layout);
+            Content::Fragment(fragment) => {
+                let joined = self.fragments.add(&fragment, packet.offset);
+                if let Some(joined) = joined
+                    && let Some(datagram) = Datagram::of(fragment.of.0, &joined.bytes)
+                {
+                    let received = Received {
+                        datagram,
+                        time: packet.time,
+                        begin: joined.begin,
+                        last: packet.offset,
+                    };
+                    each(self, &received);
+                }
             }
+            Content::Other => self.traffic.add_other(),
         }
     }
 
-    /// The sensor that sent `datagram`; `make` tells of a new one, if it is one.
-    fn sensor(&mut self, datagram: &Datagram<'_>, make: impl FnOnce(&mut Self) -> Option<Kind>) -> Option<&mut Sensor> {
+    /// The sensor that sent `datagram`, if it is one that is known.
+    fn sensor(&mut self, datagram: &Datagram<'_>) -> Option<&mut Sensor> {
         let key = (datagram.source, datagram.port);
+        let data = DataPacket::of(datagram.bytes);
+        if data.is_none() && datagram.byte_count < LEAST_OUSTER_BYTES {
+            return None;
+        }
         if !self.sensors.contains_key(&key) {
             if self.sensors.len() == MOST_SENSORS {
                 return None;
             }
-            let kind = make(self)?;
+            let kind = match data {
+                Some(data) => Kind::velodyne(data, || companions::calibration(self.path, self.options)),
+                None => self.ouster(datagram)?,
+            };
             let sensor = Sensor {
                 kind,
-                packets: 0,
-                turns: Vec::new(),
-                current: 0,
+                coverage: Coverage::default(),
+                samples: Samples::default(),
+                rows: Rows::default(),
             };
             self.sensors.insert(key, sensor);
         }
         self.sensors.get_mut(&key)
-    }
-
-    fn velodyne(&self, data: DataPacket<'_>) -> Kind {
-        Kind::velodyne(data, || companions::calibration(self.path, self.options))
     }
 
     fn ouster(&mut self, datagram: &Datagram<'_>) -> Option<Kind> {
@@ -134,6 +189,7 @@ impl<'a> FoundSensors<'a> {
                 }
                 Some(Kind::ouster(metadata))
             }
+            None if maker_of(datagram.port, datagram.bytes).is_some() => None,
             None if ouster::may_be(datagram.byte_count) => Some(Kind::Unread(companions::no_metadata(
                 self.path,
                 datagram.byte_count,
@@ -143,57 +199,72 @@ impl<'a> FoundSensors<'a> {
         }
     }
 
-    /// A later fragment of what `source` sent is at `offset`.
-    fn move_end(&mut self, source: IpAddr, offset: u64) {
-        for (_, sensor) in self.sensors.range_mut((source, 0)..=(source, u16::MAX)) {
-            // Packets of Velodyne are none that networks would take apart.
-            if matches!(sensor.kind, Kind::Ouster { .. })
-                && let Some(row) = sensor.turns.get_mut(sensor.current)
-            {
-                row.place.last = offset;
-            }
-        }
-    }
-
-    /// All sensors, and the turns of `wanted`; of the one that sent most packets if `None`.
+    /// All sensors, and the revolutions of `wanted`; of the one that sent most packets if `None`.
     ///
     /// # Errors
     /// Why no sensor's packets can be read.
-    pub(super) fn contents(self, wanted: Option<&str>) -> Result<Contents, String> {
+    pub(super) fn contents(self, wanted: Option<&str>, clock: Clock) -> Result<Contents, String> {
         let mut problems = Vec::new();
         let mut read: Vec<(String, (IpAddr, u16), Sensor)> = Vec::new();
-        for (key, mut sensor) in self.sensors {
+        let mut notes: Vec<String> = clock.note().map(str::to_owned).into_iter().collect();
+        let lost = self.fragments.finish();
+        for (key, sensor) in self.sensors {
             match &sensor.kind {
                 Kind::Unread(problem) => problems.push(problem.clone()),
-                Kind::Velodyne { .. } | Kind::Ouster { .. } => {
-                    sensor.leave_out_rest_of_turn();
-                    read.push((name(key), key, sensor));
-                }
+                Kind::Velodyne { .. } | Kind::Ouster { .. } => read.push((name(key), key, sensor)),
             }
         }
-        if read.is_empty() && !problems.is_empty() {
-            problems.truncate(1);
-            return Err(problems.remove(0));
+        if read.is_empty() {
+            if let Some(problem) = problems.into_iter().next() {
+                return Err(problem);
+            }
+            let mut without_frames = self.traffic.describe();
+            let count: u64 = lost.values().sum();
+            if count > 0 {
+                without_frames += &format!("; {}", said_lost(count));
+            }
+            return Ok(Contents {
+                notes,
+                without_frames,
+                ..Contents::default()
+            });
         }
-        for problem in problems {
-            log::warn!("{}: a sensor is left out: {problem}", self.path.display());
-        }
+        notes.extend(problems.iter().map(|problem| format!("a sensor is skipped: {problem}")));
+        notes.extend(self.traffic.notes());
         // Addresses are in the order of numbers, topics in that of names.
         read.sort_by(|left, right| left.0.cmp(&right.0));
-        let most = read.iter().map(|(_, _, sensor)| sensor.packets).max();
+        let most = read.iter().map(|(_, _, sensor)| sensor.rows.packets).max();
         let chosen = read.iter().position(|(name, _, sensor)| match wanted {
             Some(wanted) => name == wanted,
-            None => Some(sensor.packets) == most,
+            None => Some(sensor.rows.packets) == most,
         });
+        for (index, (name, key, sensor)) in read.iter_mut().enumerate() {
+            let stubs = sensor.rows.drop_stubs();
+            if Some(index) == chosen {
+                let cut = self.traffic.cut_of(*key);
+                let lost = lost.get(&key.0).copied();
+                let skipped = [
+                    stubs,
+                    lost.map(said_lost),
+                    cut.map(|cut| said_cut(cut.count, cut.captured_bytes)),
+                ];
+                notes.extend(skipped.into_iter().flatten().map(|note| format!("{name}: {note}")));
+            }
+        }
         let topics = read.iter().enumerate().map(|(index, (name, _, sensor))| Topic {
             name: name.clone(),
-            cloud_count: sensor.turns.len(),
+            cloud_count: sensor.rows.all.len(),
             is_read: Some(index) == chosen,
         });
         let topics = topics.collect();
         let entries = chosen.map(|index| read.swap_remove(index));
         let entries = entries.map_or_else(Vec::new, |(name, key, sensor)| sensor.entries(&name, key));
-        Ok(Contents { entries, topics })
+        Ok(Contents {
+            entries,
+            topics,
+            notes,
+            ..Contents::default()
+        })
     }
 }
 
@@ -202,79 +273,54 @@ fn name((address, port): (IpAddr, u16)) -> String {
     std::net::SocketAddr::new(address, port).to_string()
 }
 
+fn said_lost(count: u64) -> String {
+    format!("fragments of {count} datagrams are missing: these packets are skipped")
+}
+
 impl Sensor {
-    fn velodyne(&mut self, data: DataPacket<'_>, packet: &Packet<'_>, layout: &Arc<Layout>) {
-        self.packets += 1;
-        let Kind::Velodyne { turning, .. } = &mut self.kind else {
-            return;
-        };
-        let begins_at = turning.begins_at(data);
-        let last = self.turns.last_mut();
-        let is_over = last
-            .as_ref()
-            .is_some_and(|row| row.packets >= MOST_PACKETS || packet.time.saturating_sub(row.time) >= LONGEST_TURN);
-        let begins_at = begins_at.or(is_over.then_some(0));
-        if let Some(row) = last
-            && begins_at != Some(0)
-        {
-            row.packets += 1;
-            row.place.last = packet.offset;
-            if let TurnPart::Cycles { end, .. } = &mut row.place.part {
-                *end = begins_at.unwrap_or(u8::MAX);
+    /// Notes the azimuths of a packet, and its times.
+    fn probe(&mut self, received: &Received<'_>) {
+        let bytes = received.datagram.bytes;
+        match &self.kind {
+            Kind::Velodyne { turning, .. } => {
+                let Some(data) = DataPacket::of(bytes) else {
+                    return;
+                };
+                turning.azimuths(data).for_each(|azimuth| self.coverage.add(azimuth));
+                let measured = Duration::from_micros(data.time_us().into());
+                self.samples.add(received.time, measured);
             }
-        }
-        if let Some(first) = begins_at {
-            self.turns.push(Row {
-                place: TurnPlace {
-                    begin: packet.offset,
-                    last: packet.offset,
-                    part: TurnPart::Cycles { first, end: u8::MAX },
-                },
-                time: packet.time,
-                packets: 1,
-                layout: Arc::clone(layout),
-            });
+            Kind::Ouster { shape, columns, .. } if bytes.len() == shape.packet_bytes() => {
+                let mut first_ns = None;
+                for column in shape.columns(bytes) {
+                    first_ns.get_or_insert(column.time_ns);
+                    let azimuth = usize::from(column.measurement) * TURN as usize / columns;
+                    self.coverage.add(azimuth as i32);
+                }
+                if let Some(first_ns) = first_ns {
+                    self.samples.add(received.time, Duration::from_nanos(first_ns));
+                }
+            }
+            Kind::Ouster { .. } | Kind::Unread(_) => {}
         }
     }
 
-    fn ouster(&mut self, datagram: &Datagram<'_>, packet: &Packet<'_>, layout: &Arc<Layout>) {
-        self.packets += 1;
-        let Kind::Ouster { shape, .. } = self.kind else {
-            return;
-        };
-        let is_whole = datagram.byte_count == shape.packet_bytes();
-        let Some(frame) = shape.frame_id(datagram.bytes).filter(|_| is_whole) else {
-            return;
-        };
-        let mut recent = self.turns.iter().enumerate().rev().take(2);
-        let is_its = |(_, row): &(usize, &Row)| row.place.part == TurnPart::Frame(frame);
-        if let Some((index, _)) = recent.find(is_its) {
-            let row = &mut self.turns[index];
-            row.packets += 1;
-            row.place.last = packet.offset;
-            self.current = index;
-            return;
-        }
-        self.current = self.turns.len();
-        self.turns.push(Row {
-            place: TurnPlace {
-                begin: packet.offset,
-                last: packet.offset,
-                part: TurnPart::Frame(frame),
-            },
-            time: packet.time,
-            packets: 1,
-            layout: Arc::clone(layout),
-        });
-    }
-
-    /// A capture begins in the middle of a turn. The rest of that turn is no frame where it is less than half of one:
-    /// the view would be set up for it.
-    fn leave_out_rest_of_turn(&mut self) {
-        if let [first, second, _, ..] = self.turns.as_slice()
-            && first.packets * 2 < second.packets
-        {
-            self.turns.remove(0);
+    fn add(&mut self, received: &Received<'_>, layout: &Arc<Layout>) {
+        let bytes = received.datagram.bytes;
+        let row = |part| Row::new(received.begin..received.last, part, received.time, layout);
+        match &mut self.kind {
+            Kind::Velodyne { turning, .. } => {
+                if let Some(data) = DataPacket::of(bytes) {
+                    let begins_at = turning.begins_at(data);
+                    self.rows.add_cycles(begins_at, row);
+                }
+            }
+            Kind::Ouster { shape, seam, .. } if bytes.len() == shape.packet_bytes() => {
+                if let Some(frame) = shape.frame_of(bytes, *seam) {
+                    self.rows.add_frame(row(TurnPart::Frame(frame)));
+                }
+            }
+            Kind::Ouster { .. } | Kind::Unread(_) => {}
         }
     }
 
@@ -292,6 +338,6 @@ impl Sensor {
                 layout: row.layout,
             }),
         };
-        self.turns.into_iter().enumerate().map(entry).collect()
+        self.rows.all.into_iter().enumerate().map(entry).collect()
     }
 }

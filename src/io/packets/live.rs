@@ -6,6 +6,7 @@
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
+use super::frame_id::FrameId;
 use super::ouster::{self, Metadata};
 use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
 use super::turn::{Scanner, TurnPart};
@@ -114,8 +115,8 @@ impl LiveTurns {
                 let scanner = Arc::clone(scanner);
                 self.velodyne(begins_at, scanner, time, bytes)
             }
-            (Kind::Ouster { shape, scanner }, None) if bytes.len() == shape.packet_bytes() => {
-                let (frame, scanner) = (shape.frame_id(bytes), Arc::clone(scanner));
+            (Kind::Ouster { shape, scanner, .. }, None) if bytes.len() == shape.packet_bytes() => {
+                let (frame, scanner) = (shape.frame_of(bytes, 0), Arc::clone(scanner));
                 frame.and_then(|frame| self.ouster_packet(TurnPart::Frame(frame), scanner, time, bytes))
             }
             _ => None,
@@ -185,7 +186,7 @@ impl LiveTurns {
         bytes: &[u8],
     ) -> Option<LiveTurn> {
         let is_before = |now: TurnPart| match (part, now) {
-            (TurnPart::Frame(frame), TurnPart::Frame(now)) => frame.wrapping_add(1) == now,
+            (TurnPart::Frame(frame), TurnPart::Frame(now)) => is_next(frame, now),
             _ => false,
         };
         let now = self.current.as_ref().map(|turn| turn.part);
@@ -220,6 +221,12 @@ impl LiveTurns {
         let was_whole = std::mem::replace(&mut self.is_whole, true);
         was_whole.then_some(before)
     }
+}
+
+/// Whether frame `now` follows `frame`: numbers have 16 bits, or 32.
+fn is_next(frame: FrameId, now: FrameId) -> bool {
+    let is_end = frame.number == u32::from(u16::MAX) && now.number == 0;
+    is_end || frame.number.wrapping_add(1) == now.number
 }
 
 impl LiveTurn {

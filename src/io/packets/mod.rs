@@ -11,15 +11,21 @@
 
 mod block;
 mod capture;
+mod clock;
 mod companions;
 mod found;
 mod fragments;
+mod frame_id;
 mod layout;
 mod link;
 mod live;
+mod makers;
 mod ouster;
 mod points;
+mod rows;
+mod seam;
 mod sensor;
+mod traffic;
 mod turn;
 mod unpacking;
 mod velodyne;
@@ -35,12 +41,16 @@ use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use capture::{Capture, Packet};
+use clock::Clock;
 use found::FoundSensors;
 use fragments::Fragments;
 use link::{Content, Datagram};
 use std::fs::File;
 use std::path::Path;
 use unpacking::{Position, Unpacking};
+
+/// Bytes of a capture that its sensors are learned from: several revolutions of the largest one.
+const PROBE_BYTES: u64 = 48 << 20;
 
 /// Packets between two looks at whether the turn is still wanted.
 const PACKETS_PER_LOOK: u32 = 256;
@@ -51,27 +61,42 @@ pub(super) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> 
         path: path.to_owned(),
         source,
     };
-    let file = File::open(path).map_err(failed)?;
-    let mut capture = Capture::open(file).map_err(|fault| fault.of(path, FORMAT))?;
+    let open = |clock| {
+        let file = File::open(path).map_err(failed)?;
+        Capture::open(file, clock).map_err(|fault| fault.of(path, FORMAT))
+    };
     let mut found = FoundSensors::new(path, options);
+    let mut beginning = open(Clock::Stated)?;
+    while beginning.offset() < PROBE_BYTES
+        && let Ok(Some((packet, _))) = beginning.next()
+    {
+        found.probe(&packet);
+    }
+    let clock = found.end_probe(beginning.fractions());
+    let mut capture = open(clock)?;
+    let mut end = None;
     loop {
         match capture.next() {
-            Ok(Some(packet)) => found.add(&packet.0, packet.1),
+            Ok(Some((packet, layout))) => found.add(&packet, layout),
             Ok(None) => break,
             Err(fault) => {
-                log::warn!(
-                    "{}, {}: {}: what lies before is read",
-                    path.display(),
-                    fault.place,
-                    fault.problem
-                );
+                end = Some(format!(
+                    "{}: {}: the packets before that are read",
+                    fault.place, fault.problem
+                ));
                 break;
             }
         }
     }
-    found
-        .contents(wanted)
-        .map_err(|problem| Fault::header(problem).of(path, FORMAT))
+    let contents = found.contents(wanted, clock);
+    let mut contents = contents.map_err(|problem| Fault::header(problem).of(path, FORMAT))?;
+    if let Some(end) = end {
+        if contents.entries.is_empty() {
+            contents.without_frames += &format!("; {end}");
+        }
+        contents.notes.push(end);
+    }
+    Ok(contents)
 }
 
 /// The points of a turn.
@@ -136,24 +161,24 @@ struct Reading<'a> {
 impl Reading<'_> {
     fn packet(&mut self, packet: &Packet<'_>) {
         match packet.link.content(packet.bytes) {
-            Content::Datagram(datagram) => self.datagram(&datagram, packet.offset),
+            Content::Datagram(datagram) => self.datagram(&datagram, packet.offset, packet.offset),
             Content::Fragment(fragment) if fragment.of.0 == self.turn.sensor.0 => {
-                if let Some(bytes) = self.fragments.add(&fragment)
-                    && let Some(datagram) = Datagram::of(fragment.of.0, &bytes)
+                if let Some(joined) = self.fragments.add(&fragment, packet.offset)
+                    && let Some(datagram) = Datagram::of(fragment.of.0, &joined.bytes)
                 {
-                    self.datagram(&datagram, packet.offset);
+                    self.datagram(&datagram, joined.begin, packet.offset);
                 }
             }
             Content::Fragment(_) | Content::Other => {}
         }
     }
 
-    /// A datagram whose last piece is in the record at `offset`.
-    fn datagram(&mut self, datagram: &Datagram<'_>, offset: u64) {
+    /// A datagram whose pieces are in the records from `begin` to `last`.
+    fn datagram(&mut self, datagram: &Datagram<'_>, begin: u64, last: u64) {
         if (datagram.source, datagram.port) == self.turn.sensor {
             let position = Position {
-                is_first: offset == self.turn.place.begin,
-                is_last: offset == self.turn.place.last,
+                is_first: begin == self.turn.place.begin,
+                is_last: last == self.turn.place.last,
             };
             self.unpacking.add(datagram.bytes, position);
         }

@@ -21,7 +21,7 @@ pub(super) struct Measured {
 }
 
 /// Most numbers that a sensor has of a point beside the others.
-pub(super) const MOST_VALUES: usize = 3;
+pub(super) const MOST_VALUES: usize = 4;
 
 /// The points of a turn.
 #[derive(Debug)]

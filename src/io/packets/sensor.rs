@@ -1,6 +1,7 @@
 //! Sensors that packets tell of.
 
 use super::ouster::{self, Metadata, PacketShape};
+use super::seam::{Seam, TURN};
 use super::turn::Scanner;
 use super::velodyne::{self, Calibration, DataPacket, Model, Turning};
 use std::sync::Arc;
@@ -21,6 +22,10 @@ pub(super) enum Kind {
     },
     Ouster {
         shape: PacketShape,
+        /// Measurements of a revolution.
+        columns: usize,
+        /// The measurement at which frames begin.
+        seam: u16,
         scanner: Arc<Scanner>,
     },
     /// Its packets cannot be read; why.
@@ -35,7 +40,8 @@ impl Kind {
             Err(byte) => {
                 return Self::Unread(format!(
                     "it has packets of a sensor of Velodyne whose model is {byte:#04x}, expected one of VLP-16 (0x22), \
-                     Puck Hi-Res (0x24), HDL-32E (0x21), VLP-32C (0x28), VLS-128 (0xa1), or an HDL-64E"
+                     Puck Hi-Res (0x24), HDL-32E (0x21), VLP-32C (0x28), VLS-128 (0xa1), or an HDL-64E; other makers, \
+                     such as LSLiDAR, send packets of the same form: convert the capture to PCD with their program"
                 ));
             }
         };
@@ -49,10 +55,21 @@ impl Kind {
         }
     }
 
+    /// Revolutions begin at `seam` from the next packet on.
+    pub(super) fn set_seam(&mut self, of_all: Seam) {
+        match self {
+            Self::Velodyne { turning, .. } => turning.set_seam(of_all),
+            Self::Ouster { columns, seam, .. } => *seam = (of_all.azimuth as usize * *columns / TURN as usize) as u16,
+            Self::Unread(_) => {}
+        }
+    }
+
     /// The sensor of Ouster that `metadata` tells of.
     pub(super) fn ouster(metadata: &Metadata) -> Self {
         Self::Ouster {
             shape: metadata.shape,
+            columns: metadata.columns,
+            seam: 0,
             scanner: Arc::new(Scanner::Ouster(Box::new(ouster::Scanner::new(metadata.clone())))),
         }
     }

@@ -1,5 +1,6 @@
 //! Where a turn of a laser scanner is in a capture.
 
+use super::frame_id::FrameId;
 use super::layout::Layout;
 use super::{ouster, velodyne};
 use std::net::IpAddr;
@@ -30,8 +31,8 @@ pub(super) struct TurnPlace {
 pub(super) enum TurnPart {
     /// From this cycle of the first packet to before that cycle of the last one.
     Cycles { first: u8, end: u8 },
-    /// Those of this frame.
-    Frame(u16),
+    /// The columns of a frame.
+    Frame(FrameId),
 }
 
 /// A sensor, and all that is needed to make points of its packets.

@@ -1,6 +1,7 @@
 //! From the packets of a turn to its points, whichever sensor sent them.
 
 use super::super::containers::CAPTURE;
+use super::frame_id::FrameId;
 use super::points::Points;
 use super::turn::{Scanner, TurnPart};
 use super::velodyne::DataPacket;
@@ -44,7 +45,10 @@ impl<'a> Unpacking<'a> {
                 (Maker::Velodyne { unpacking, first, end }, velodyne::NAMES)
             }
             Scanner::Ouster(scanner) => {
-                let frame = if let TurnPart::Frame(frame) = part { frame } else { 0 };
+                let frame = match part {
+                    TurnPart::Frame(frame) => frame,
+                    TurnPart::Cycles { .. } => FrameId { number: 0, seam: 0 },
+                };
                 (Maker::Ouster(ouster::Unpacking::new(scanner, frame)), scanner.names())
             }
         };

@@ -12,7 +12,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
-use crate::cloud::{ImageGrid, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
 use header::{Encoding, Header, PcdField};
@@ -28,6 +28,7 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
     name: "PCD",
     extensions: &["pcd"],
     looks_like: Some(|_, bytes| begins_like_pcd(bytes)),
+    convention: Some(AxisConvention::UsuallyZUp),
     ..Traits::PLAIN
 });
 
@@ -77,6 +78,7 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let rows = Table::new(&header, &[]).ok().filter(|_| is_plain)?;
     Some(FixedRows {
         sensor: sensor(&header),
+        convention: FORMAT.convention(),
         grid: grid(&header),
         ..rows.rows(header.byte_size)
     })
@@ -207,6 +209,7 @@ impl Table {
             big_endian: false,
             fields: self.numbers().into_iter().map(field).collect(),
             sensor: None,
+            convention: FORMAT.convention(),
             grid: None,
         }
     }

@@ -78,6 +78,7 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
         big_endian,
         fields,
         sensor: None,
+        convention: None,
         grid: None,
     })
 }

@@ -13,6 +13,7 @@ mod kept_columns;
 mod moving_splats;
 mod packed_splats;
 mod splats;
+mod writer;
 
 use super::attributes;
 use super::column::Column;
@@ -50,6 +51,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         }
         Err(columns) => growing::cloud(&columns, count)?,
     };
+    cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
     cloud.warnings.extend(header.warnings);
     Ok(cloud)
@@ -106,11 +108,14 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
 pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = PlyHeader::parse(head).ok()?;
-    let rows = match header.encoding {
+    let mut rows = match header.encoding {
         Encoding::Ascii => None,
         Encoding::BinaryLittleEndian => binary::fixed_rows(&header, false),
         Encoding::BinaryBigEndian => binary::fixed_rows(&header, true),
     };
+    if let Some(rows) = &mut rows {
+        rows.convention = writer::convention(head);
+    }
     // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
     // columns. What there is to say of the header the reading of whole files says.
     rows.filter(|rows| {

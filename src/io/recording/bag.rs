@@ -36,6 +36,8 @@ struct RecordHeader {
     kind: Option<String>,
     compression: Option<String>,
     unpacked_bytes: Option<u32>,
+    /// Messages of a connection in a chunk.
+    count: Option<u32>,
 }
 
 impl RecordHeader {
@@ -60,6 +62,7 @@ impl RecordHeader {
                 b"topic" => header.topic = text(),
                 b"type" => header.kind = text(),
                 b"compression" => header.compression = text(),
+                b"count" => header.count = number.u32(),
                 b"size" => header.unpacked_bytes = number.u32(),
                 _ => {}
             }
@@ -86,7 +89,9 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     while walk.left() > 0 {
         let start = walk.position();
         if record(walk, &mut found, &mut chunks).is_none() {
-            log::warn!("the bag breaks off in the record at byte {start}: what lies before is read");
+            found.skip(format!(
+                "the bag ends early, in the record at byte {start}: the messages before it are read"
+            ));
             break;
         }
     }
@@ -98,11 +103,11 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
             continue;
         }
         match walk.unpack(&chunk, options) {
-            Ok(bytes) => records_of(&bytes, chunk, &mut found),
-            Err(problem) => log::warn!(
-                "the messages at byte {} of the bag are left out: {problem}",
+            Ok(bytes) => records_of(&bytes, chunk, connections.is_empty(), &mut found),
+            Err(problem) => found.skip(format!(
+                "the messages in the chunk at byte {} are skipped: {problem}",
                 chunk.offset
-            ),
+            )),
         }
     }
     Ok(found)
@@ -133,6 +138,7 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
                 offset,
                 byte_count: data_bytes,
             };
+            found.count(header.connection.unwrap_or_default(), 1);
             message(&header, &start, place, found);
         }
         CHUNK => {
@@ -141,10 +147,11 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
                 Some("lz4") => Some(Packing::Lz4),
                 Some("bz2") => Some(Packing::Bzip2),
                 other => {
-                    log::warn!(
-                        "a chunk at byte {offset} is packed by {}, expected lz4, bz2 or none: it is left out",
-                        other.unwrap_or("nothing that is named")
-                    );
+                    found.skip(format!(
+                        "the messages in the chunk at byte {offset} are skipped: it is packed by {}, expected lz4, bz2 \
+                         or none",
+                        other.unwrap_or("a method without a name")
+                    ));
                     None
                 }
             };
@@ -162,6 +169,7 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
         INDEX => {
             if let (Some((_, connections)), Some(connection)) = (chunks.last_mut(), header.connection) {
                 connections.push(connection);
+                found.count(connection, header.count.unwrap_or(0).into());
             }
         }
         _ => {}
@@ -169,8 +177,8 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
     walk.go_to(end)
 }
 
-/// Reads what is in a chunk.
-fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut FoundMessages) {
+/// Reads the records in a chunk; counts its messages where no index does.
+fn records_of(bytes: &[u8], chunk: MessageChunk, is_unindexed: bool, found: &mut FoundMessages) {
     let mut records = Bytes::new(bytes);
     while !records.is_empty() {
         let mut next = || {
@@ -179,7 +187,10 @@ fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut FoundMessages) {
             Some((header, records.position() - data.len(), data))
         };
         let Some((header, offset, data)) = next() else {
-            log::warn!("a chunk at byte {} breaks off", chunk.offset);
+            found.skip(format!(
+                "the chunk at byte {} ends early: the messages before that are read",
+                chunk.offset
+            ));
             return;
         };
         match header.op {
@@ -190,6 +201,9 @@ fn records_of(bytes: &[u8], chunk: MessageChunk, found: &mut FoundMessages) {
                     offset: offset as u64,
                     byte_count: data.len() as u64,
                 };
+                if is_unindexed {
+                    found.count(header.connection.unwrap_or_default(), 1);
+                }
                 message(&header, data, place, found);
             }
             _ => {}

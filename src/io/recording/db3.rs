@@ -95,16 +95,17 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
         let Some(topic) = u32::try_from(topic).ok() else {
             continue;
         };
+        found.count(topic, 1);
         if !found.has_topic(topic) {
             continue;
         }
-        // The first bytes alone, not all that a query would read of a message.
-        let mut start = Vec::with_capacity(START_BYTES as usize);
-        let message = database.blob_open("main", "messages", "data", id, true)?;
-        message
-            .take(START_BYTES)
-            .read_to_end(&mut start)
-            .map_err(|error| Failure::Said(format!("message {id} is not readable ({error})")))?;
+        let start = match start_of(&database, id) {
+            Ok(start) => start,
+            Err(problem) => {
+                found.skip(format!("message {id} is skipped: {problem}"));
+                continue;
+            }
+        };
         if start.starts_with(&ZSTD_MAGIC) {
             return Err(Failure::Said(
                 "the messages are packed one by one with zstd, which is not read: convert the bag with `ros2 bag \
@@ -116,6 +117,16 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
         found.add(topic, log_time, &start, MessagePlace::Row(id));
     }
     Ok(found)
+}
+
+/// The first bytes of message `id` alone, not all that a query would read of it.
+fn start_of(database: &Connection, id: i64) -> Result<Vec<u8>, String> {
+    let mut start = Vec::with_capacity(START_BYTES as usize);
+    let message = database.blob_open("main", "messages", "data", id, true);
+    let message = message.map_err(|error| format!("it is not readable ({error})"))?;
+    let read = message.take(START_BYTES).read_to_end(&mut start);
+    read.map_err(|error| format!("it is not readable ({error})"))?;
+    Ok(start)
 }
 
 /// The messages of a database that was opened.

@@ -3,7 +3,7 @@
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
 use super::serialisation::Serialisation;
-use super::{foxglove, pointcloud2};
+use super::{foxglove, livox, pointcloud2};
 use crate::cloud::RawCloud;
 use std::time::Duration;
 
@@ -12,6 +12,8 @@ use std::time::Duration;
 pub(super) enum Encoding {
     /// `sensor_msgs/PointCloud2` as ROS writes it.
     Ros(Serialisation),
+    /// `CustomMsg` of Livox as ROS writes it.
+    Livox(Serialisation),
     /// `foxglove.PointCloud` in Protocol Buffers.
     Protobuf,
     /// `foxglove.PointCloud` in JSON.
@@ -22,7 +24,7 @@ impl Encoding {
     /// When the cloud was taken, if `start`, the first bytes of the message, says so.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         match self {
-            Self::Ros(serialisation) => serialisation.stamp(start),
+            Self::Ros(serialisation) | Self::Livox(serialisation) => serialisation.stamp(start),
             Self::Protobuf => foxglove::protobuf_stamp(start),
             Self::Json => foxglove::json_stamp(start),
         }
@@ -32,6 +34,7 @@ impl Encoding {
     pub(super) fn decode(self, message: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
         match self {
             Self::Ros(serialisation) => pointcloud2::decode(message, serialisation, options),
+            Self::Livox(serialisation) => livox::decode(message, serialisation, options),
             Self::Protobuf => foxglove::decode_protobuf(message, options),
             Self::Json => foxglove::decode_json(message, options),
         }
@@ -45,6 +48,7 @@ pub(super) fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
         ("sensor_msgs/PointCloud2" | "sensor_msgs/msg/PointCloud2", _) => {
             Serialisation::of(encoding).map(Encoding::Ros)
         }
+        (kind, _) if livox::is_type(kind) => Serialisation::of(encoding).map(Encoding::Livox),
         ("foxglove.PointCloud", "protobuf") => Some(Encoding::Protobuf),
         ("foxglove.PointCloud", "json") => Some(Encoding::Json),
         _ => None,

@@ -5,6 +5,7 @@ use super::camera::{CameraMessage, CameraTopic, CameraTopics};
 use super::encoding::{Encoding, encoding_of};
 use super::message::{Message, MessagePlace};
 use super::serialisation::Serialisation;
+use super::unread::{self, UnreadTopic};
 use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
@@ -35,8 +36,21 @@ pub(super) struct FoundMessages {
     wanted: Wanted,
     /// Topics by the number that messages call them by; `None` for those that are not looked for.
     topics: HashMap<u32, Option<FoundTopic>>,
+    /// The name and type of every topic.
+    all: HashMap<u32, (String, String)>,
+    /// Messages of every topic, as far as they were met or the recording counts them.
+    counts: HashMap<u32, u64>,
     messages: Vec<(u32, Duration, Message)>,
     has_clouds: bool,
+    skipped: Skipped,
+}
+
+/// Parts of a recording that cannot be read.
+#[derive(Debug, Default)]
+struct Skipped {
+    count: usize,
+    /// The first of them, a sentence.
+    first: String,
 }
 
 impl FoundMessages {
@@ -44,8 +58,55 @@ impl FoundMessages {
         Self {
             wanted,
             topics: HashMap::new(),
+            all: HashMap::new(),
+            counts: HashMap::new(),
             messages: Vec::new(),
             has_clouds: false,
+            skipped: Skipped::default(),
+        }
+    }
+
+    /// Notes that a part of the recording is skipped: a sentence with its place and the reason.
+    pub(super) fn skip(&mut self, part: String) {
+        if self.skipped.count == 0 {
+            self.skipped.first = part;
+        }
+        self.skipped.count += 1;
+    }
+
+    /// Counts messages of a topic, whether they are looked for or not.
+    pub(super) fn count(&mut self, topic: u32, messages: u64) {
+        let count = self.counts.entry(topic).or_default();
+        *count = count.saturating_add(messages);
+    }
+
+    /// Parts of the recording that are skipped, a sentence each.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let Skipped { count, first } = &self.skipped;
+        match count {
+            0 => Vec::new(),
+            1 => vec![first.clone()],
+            more => vec![format!("{first}; as {} more parts of it", more - 1)],
+        }
+    }
+
+    /// The content of a recording without point clouds.
+    fn describe(&self) -> String {
+        let mut by_name: BTreeMap<(&str, &str), u64> = BTreeMap::new();
+        for (id, (name, kind)) in &self.all {
+            *by_name.entry((name.as_str(), kind.as_str())).or_default() += self.counts.get(id).copied().unwrap_or(0);
+        }
+        let topics = by_name.into_iter().map(|((name, kind), count)| UnreadTopic {
+            name: name.to_owned(),
+            kind: kind.to_owned(),
+            count,
+        });
+        let skipped = self.notes().join("; ");
+        let described = unread::describe(&mut topics.collect::<Vec<_>>());
+        if skipped.is_empty() {
+            described
+        } else {
+            format!("{described}; {skipped}")
         }
     }
 
@@ -54,6 +115,7 @@ impl FoundMessages {
         let of_clouds = encoding_of(kind, encoding);
         self.has_clouds |= of_clouds.is_some();
         let name = name.to_owned();
+        self.all.insert(id, (name.clone(), kind.to_owned()));
         let topic = match self.wanted {
             Wanted::Clouds => of_clouds.map(|encoding| FoundTopic {
                 name,
@@ -127,6 +189,8 @@ impl FoundMessages {
     /// All topics with point clouds, and the messages of `wanted` in the order of time; of the topic that has the most
     /// if `None`.
     pub(super) fn contents(self, wanted: Option<&str>) -> Contents {
+        let notes = self.notes();
+        let described = self.describe();
         // The same topic may have several numbers, one for each of its publishers.
         let mut by_name: BTreeMap<&str, Vec<(Duration, Message)>> = BTreeMap::new();
         for topic in self.topics.values().flatten() {
@@ -159,9 +223,13 @@ impl FoundMessages {
             time: Some(time),
             part: Part::Message(message),
         });
+        let entries: Vec<Entry> = entries.collect();
+        let without_frames = if entries.is_empty() { described } else { String::new() };
         Contents {
-            entries: entries.collect(),
+            entries,
             topics,
+            notes,
+            without_frames,
         }
     }
 }

@@ -23,6 +23,8 @@ const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Of a chunk, what stands before its bytes; of a message, what stands before its own, and its time stamp, even in
 /// words.
 const START_BYTES: u64 = 256;
+/// Of an index: time and place.
+const INDEX_ENTRY_BYTES: u32 = 16;
 /// Channel, sequence, two times.
 const MESSAGE_HEAD_BYTES: u64 = 22;
 
@@ -59,7 +61,9 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
             Some(FOOTER) => break,
             Some(_) => {}
             None => {
-                log::warn!("the MCAP file breaks off in the record at byte {start}: what lies before is read");
+                finder.found.skip(format!(
+                    "the file ends early, in the record at byte {start}: the messages before it are read"
+                ));
                 break;
             }
         }
@@ -72,11 +76,11 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
             continue;
         }
         match walk.unpack(&chunk, options) {
-            Ok(bytes) => finder.records_of(&bytes, chunk),
-            Err(problem) => log::warn!(
-                "the messages at byte {} of the MCAP file are left out: {problem}",
+            Ok(bytes) => finder.records_of(&bytes, chunk, channels.is_empty()),
+            Err(problem) => finder.found.skip(format!(
+                "the messages in the chunk at byte {} are skipped: {problem}",
                 chunk.offset
-            ),
+            )),
         }
     }
     Ok(finder.found)
@@ -100,6 +104,7 @@ impl Finder {
             }
             MESSAGE => {
                 let bytes = walk.take(length.min(START_BYTES))?;
+                self.count(&bytes);
                 self.message(&bytes, |head| MessagePlace::File {
                     offset: body + head,
                     byte_count: length - head,
@@ -107,15 +112,20 @@ impl Finder {
             }
             CHUNK => {
                 let bytes = walk.take(length.min(START_BYTES))?;
-                if let Some(chunk) = chunk(&bytes, body, length) {
-                    chunks.push((chunk, Vec::new()));
+                match chunk(&bytes, body, length) {
+                    Ok(Some(chunk)) => chunks.push((chunk, Vec::new())),
+                    Ok(None) => {}
+                    Err(problem) => self.found.skip(problem),
                 }
             }
             MESSAGE_INDEX => {
                 let bytes = walk.take(length.min(START_BYTES))?;
-                let channel = Bytes::new(&bytes).u16();
-                if let (Some((_, channels)), Some(channel)) = (chunks.last_mut(), channel) {
+                let mut index = Bytes::new(&bytes);
+                if let (Some((_, channels)), Some(channel)) = (chunks.last_mut(), index.u16()) {
                     channels.push(u32::from(channel));
+                    let entries_bytes = index.u32().unwrap_or(0);
+                    self.found
+                        .count(u32::from(channel), u64::from(entries_bytes / INDEX_ENTRY_BYTES));
                 }
             }
             _ => {}
@@ -124,8 +134,15 @@ impl Finder {
         Some(kind)
     }
 
-    /// Reads what is in a chunk.
-    fn records_of(&mut self, bytes: &[u8], chunk: MessageChunk) {
+    /// Counts a message that begins with `start`.
+    fn count(&mut self, start: &[u8]) {
+        if let Some(channel) = Bytes::new(start).u16() {
+            self.found.count(u32::from(channel), 1);
+        }
+    }
+
+    /// Reads the records in a chunk; counts its messages where no index does.
+    fn records_of(&mut self, bytes: &[u8], chunk: MessageChunk, is_unindexed: bool) {
         let mut records = Bytes::new(bytes);
         while !records.is_empty() {
             let mut next = || {
@@ -134,7 +151,10 @@ impl Finder {
                 Some((kind, start, records.take(usize::try_from(length).ok()?)?))
             };
             let Some((kind, start, body)) = next() else {
-                log::warn!("a chunk at byte {} breaks off", chunk.offset);
+                self.found.skip(format!(
+                    "the chunk at byte {} ends early: the messages before that are read",
+                    chunk.offset
+                ));
                 return;
             };
             match kind {
@@ -142,6 +162,9 @@ impl Finder {
                     self.text_record(kind, body);
                 }
                 MESSAGE => {
+                    if is_unindexed {
+                        self.count(body);
+                    }
                     self.message(body, |head| MessagePlace::Chunk {
                         chunk,
                         offset: start + head,
@@ -183,8 +206,30 @@ impl Finder {
     }
 }
 
-/// The chunk whose record's body begins at `body` with `start`; `None` for what is none that can be unpacked.
-fn chunk(start: &[u8], body: u64, length: u64) -> Option<MessageChunk> {
+/// The chunk whose record's body begins at `body` with `start`; `None` where it is cut.
+///
+/// # Errors
+/// The method that it is packed by, where that is not known, as a sentence.
+fn chunk(start: &[u8], body: u64, length: u64) -> Result<Option<MessageChunk>, String> {
+    let Some((chunk, compression)) = chunk_head(start, body, length) else {
+        return Ok(None);
+    };
+    let packing = match compression.as_str() {
+        "" => Packing::Stored,
+        "lz4" => Packing::Lz4,
+        "zstd" => Packing::Zstd,
+        other => {
+            return Err(format!(
+                "the messages in the chunk at byte {body} are skipped: it is packed by {}, expected lz4, zstd or none",
+                other.escape_default()
+            ));
+        }
+    };
+    Ok(Some(MessageChunk { packing, ..chunk }))
+}
+
+/// The chunk, and the name of the method that it is packed by.
+fn chunk_head(start: &[u8], body: u64, length: u64) -> Option<(MessageChunk, String)> {
     let mut head = Bytes::new(start);
     let _times = (head.u64()?, head.u64()?);
     let unpacked_bytes = head.u64()?;
@@ -192,20 +237,12 @@ fn chunk(start: &[u8], body: u64, length: u64) -> Option<MessageChunk> {
     let compression = head.text()?;
     let packed_bytes = head.u64()?;
     let offset = body + head.position() as u64;
-    let packing = match compression.as_str() {
-        "" => Packing::Stored,
-        "lz4" => Packing::Lz4,
-        "zstd" => Packing::Zstd,
-        other => {
-            log::warn!("a chunk at byte {body} is packed by {other}, expected lz4, zstd or none: it is left out");
-            return None;
-        }
-    };
-    (packed_bytes <= length - head.position() as u64).then_some(MessageChunk {
+    let chunk = MessageChunk {
         offset,
         packed_bytes,
         unpacked_bytes,
-        packing,
+        packing: Packing::Stored,
         crc,
-    })
+    };
+    (packed_bytes <= length - head.position() as u64).then_some((chunk, compression))
 }

@@ -14,11 +14,13 @@ mod db3;
 mod encoding;
 mod found;
 mod foxglove;
+mod livox;
 mod mcap;
 mod message;
 mod pointcloud2;
 mod protobuf;
 mod serialisation;
+mod unread;
 pub(super) mod walk;
 
 pub use message::Message;
@@ -63,6 +65,9 @@ pub(super) fn cameras(
     let found = find(path, format, Wanted::Cameras { beside_clouds }, options)?;
     if found.is_complete() {
         return Ok(CameraTopics::default());
+    }
+    for note in found.notes() {
+        log::warn!("{}: {note}", path.display());
     }
     Ok(found.cameras())
 }
@@ -172,7 +177,11 @@ fn place_of(path: &Path, message: &Message) -> (Format, Place) {
         (&MessagePlace::File { offset, .. } | &MessagePlace::Chunk { offset, .. }, encoding) => (
             // A ROS 1 message may be in an MCAP file, too; the file's name says which.
             match encoding {
-                Encoding::Ros(Serialisation::Ros1) if containers::BAG.has_extension_of(path) => containers::BAG,
+                Encoding::Ros(Serialisation::Ros1) | Encoding::Livox(Serialisation::Ros1)
+                    if containers::BAG.has_extension_of(path) =>
+                {
+                    containers::BAG
+                }
                 _ => containers::MCAP,
             },
             Place::Byte(offset as usize),

@@ -1,5 +1,6 @@
 //! The attributes of a cloud as named columns. Ellipses are left out: no other program would know them by a name.
 
+use super::loss::Loss;
 use crate::cloud::{Positions, RawCloud};
 use std::fmt::Write as _;
 
@@ -111,6 +112,25 @@ pub(super) fn columns<'a>(
         columns.push(WrittenColumn { name, data });
     }
     columns
+}
+
+/// The scalars that are written under another name: see [`columns`].
+pub(super) fn renamed(
+    cloud: &RawCloud,
+    colors: Colors,
+    normal_names: [&str; 3],
+    names: impl Fn(&str) -> String,
+) -> Vec<(Loss, f64)> {
+    let scalars = &cloud.attributes.scalars;
+    let columns = columns(cloud, colors, normal_names, names);
+    let written = &columns[columns.len() - scalars.len()..];
+    let pairs = scalars
+        .iter()
+        .zip(written)
+        .map(|(field, column)| (&field.name, &column.name));
+    let is_renamed = |(from, to): &(&String, &String)| from != to;
+    let loss = |(from, to): (&String, &String)| (Loss::Name(from.clone(), to.clone()), 0.0);
+    pairs.filter(is_renamed).map(loss).collect()
 }
 
 /// `name`, or `scalar_` before it, or with a number behind, until no column has it.

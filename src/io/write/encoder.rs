@@ -15,8 +15,35 @@ pub(in crate::io) struct Encoder {
     pub(in crate::io) name: &'static str,
     /// Without dot. Where several have one, it means the first.
     pub(in crate::io) extension: &'static str,
+    /// What the format holds next to coordinates and opaque colours.
+    pub(in crate::io) holds: &'static [Held],
+    /// What else is lost of a cloud, and how much of it.
+    pub(in crate::io) lost: fn(&RawCloud) -> Vec<(Loss, f64)>,
     /// Writes as much of a cloud as the format holds.
     pub(in crate::io) write: fn(&mut dyn WriteSeek, &RawCloud) -> std::io::Result<()>,
-    /// What the format has no place for. Scalar fields are not among it: every format holds them.
-    pub(in crate::io) lost: &'static [Loss],
+}
+
+/// Something that a file may hold next to coordinates and opaque colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::io) enum Held {
+    /// Normals.
+    Normals,
+    /// The alpha of colours.
+    Alpha,
+    /// Radii of splats.
+    Radii,
+    /// Ellipses of splats.
+    Ellipses,
+    /// Scalars of any name.
+    Scalars,
+    /// Triangles.
+    Faces,
+    /// Pictures on triangles.
+    Textures,
+    /// Points without coordinates.
+    Holes,
+    /// Rows and columns of an organised cloud.
+    Rows,
+    /// The position of the sensor.
+    Sensor,
 }

@@ -1,7 +1,8 @@
 //! The formats that are written, by their names.
 
 use super::encoder::Encoder;
-use super::loss::Loss;
+use super::loss::Losses;
+use super::losses::losses;
 use crate::cloud::RawCloud;
 use crate::io::TABLE;
 use std::fmt;
@@ -26,9 +27,15 @@ impl WriteFormat {
         Self::all().find(|format| format.extension() == extension)
     }
 
-    /// What of `cloud` is lost in files of this format, a few words each.
-    pub fn lost(self, cloud: &RawCloud) -> impl Iterator<Item = &'static str> {
-        Loss::of(self.0.lost, cloud)
+    /// What it cannot hold of `cloud`.
+    pub fn losses(self, cloud: &RawCloud) -> Losses {
+        losses(self.0, cloud)
+    }
+
+    /// The names of all, with commas between.
+    pub fn names() -> String {
+        let names: Vec<&str> = Self::all().map(|format| format.0.name).collect();
+        names.join(", ")
     }
 
     /// Extension of its files, without dot.
@@ -70,9 +77,8 @@ impl FromStr for WriteFormat {
     fn from_str(name: &str) -> Result<Self, String> {
         let found = Self::all().find(|format| format.0.name == name);
         found.ok_or_else(|| {
-            let names: Vec<&str> = Self::all().map(|format| format.0.name).collect();
-            let names = names.join(", ");
-            format!("`{name}` is no format that is written: expected one of {names}")
+            let names = Self::names();
+            format!("`{name}` is not a format that is written: expected one of {names}")
         })
     }
 }

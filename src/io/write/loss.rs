@@ -1,54 +1,113 @@
-//! What of a cloud a format has no place for.
+//! What a target cannot hold of a cloud: said, and never dropped in silence.
+//!
+//! Losses of many frames are summed up in [`Losses`]: a line per kind.
 
-use crate::cloud::RawCloud;
+use std::collections::BTreeMap;
 
-/// Something that some formats do not hold.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::io) struct Loss {
-    name: &'static str,
-    is_in: fn(&RawCloud) -> bool,
+/// Something that a written file lacks.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Loss {
+    /// Points without coordinates.
+    Holes,
+    /// Something that a point has, by its name.
+    Field(String),
+    /// Triangles.
+    Faces,
+    /// Pictures on triangles.
+    Textures,
+    /// Rows and columns of an organised cloud.
+    Rows,
+    /// The position of the sensor.
+    Sensor,
+    /// The name of a scalar, and what it is written as.
+    Name(String, String),
+    /// Values of a scalar that are rounded or clamped, and to what.
+    Values(String, String),
+    /// Coordinates that are rounded; the amount is the largest error.
+    Precision,
+}
+
+/// Losses of frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Losses(BTreeMap<Loss, Tally>);
+
+/// How much of something is lost.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Tally {
+    frames: usize,
+    /// How many, or how large the error is.
+    amount: f64,
 }
 
 impl Loss {
-    /// Called `name`, where `is_in` finds it in a cloud.
-    pub(in crate::io) const fn new(name: &'static str, is_in: fn(&RawCloud) -> bool) -> Self {
-        Self { name, is_in }
+    /// Whether the largest amount of all frames counts, and not their sum.
+    fn is_largest(&self) -> bool {
+        matches!(self, Self::Precision)
     }
 
-    pub(in crate::io) const NORMALS: Self = Self {
-        name: "normals",
-        is_in: |cloud| cloud.attributes.normals.is_some(),
-    };
-    pub(in crate::io) const RADII: Self = Self {
-        name: "radii",
-        is_in: |cloud| cloud.attributes.radii.is_some(),
-    };
-    pub(in crate::io) const ELLIPSES: Self = Self {
-        name: "shapes of splats",
-        is_in: |cloud| cloud.attributes.ellipses.is_some(),
-    };
-    pub(in crate::io) const ALPHA: Self = Self {
-        name: "opacities",
-        is_in: |cloud| {
-            let mut colors = cloud.attributes.colors.iter().flatten();
-            colors.any(|color| color[3] != u8::MAX)
-        },
-    };
-    pub(in crate::io) const HOLES: Self = Self {
-        name: "points without finite coordinates",
-        is_in: |cloud| cloud.positions.finite_bounds().0 < cloud.positions.len(),
-    };
-    pub(in crate::io) const FACES: Self = Self {
-        name: "faces",
-        is_in: |cloud| !cloud.faces.is_empty(),
-    };
-    pub(in crate::io) const SENSOR: Self = Self {
-        name: "the position of the sensor",
-        is_in: |cloud| cloud.sensor.is_some(),
-    };
+    fn line(&self, format: &str, amount: f64) -> String {
+        match self {
+            Self::Holes => format!("{format} cannot hold points without coordinates: {amount} are not written"),
+            Self::Field(name) => format!("{format} cannot hold {name}: not written"),
+            Self::Faces => format!("{format} cannot hold faces: {amount} are not written, only their points"),
+            Self::Textures => format!("{format} cannot hold texture images: not written"),
+            Self::Rows => {
+                format!(
+                    "{format} cannot hold the rows and columns of an organised cloud: points are written one by one"
+                )
+            }
+            Self::Sensor => format!("{format} cannot hold the position of the sensor: not written"),
+            Self::Name(from, to) => format!("{format} cannot hold the field name `{from}`: it is written as `{to}`"),
+            Self::Values(name, to) => format!("{format} holds {name} as {to}: values are rounded"),
+            Self::Precision => format!("{format} rounds coordinates here, by up to {amount:.3e}"),
+        }
+    }
+}
 
-    /// The names of those of `losses` that concern `cloud`.
-    pub(super) fn of<'a>(losses: &'a [Self], cloud: &'a RawCloud) -> impl Iterator<Item = &'static str> + 'a {
-        losses.iter().filter(|loss| (loss.is_in)(cloud)).map(|loss| loss.name)
+impl Losses {
+    /// Adds that one frame loses so many of something, or by so much.
+    pub fn add(&mut self, loss: Loss, amount: f64) {
+        self.add_tally(loss, Tally { frames: 1, amount });
+    }
+
+    fn add_tally(&mut self, loss: Loss, more: Tally) {
+        let is_largest = loss.is_largest();
+        let tally = self.0.entry(loss).or_default();
+        tally.frames += more.frames;
+        tally.amount = if is_largest {
+            tally.amount.max(more.amount)
+        } else {
+            tally.amount + more.amount
+        };
+    }
+
+    /// Adds those of other frames.
+    pub fn merge(&mut self, others: Self) {
+        for (loss, tally) in others.0 {
+            self.add_tally(loss, tally);
+        }
+    }
+
+    /// True if nothing is lost.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What is lost.
+    pub fn kinds(&self) -> impl Iterator<Item = &Loss> {
+        self.0.keys()
+    }
+
+    /// A line per kind: what `format` cannot hold, in how many of `frame_count` frames if not in all.
+    pub fn lines(&self, format: &str, frame_count: usize) -> Vec<String> {
+        let line = |(loss, tally): (&Loss, &Tally)| {
+            let line = loss.line(format, tally.amount);
+            match tally.frames {
+                frames if frames >= frame_count => line,
+                frames => format!("{line} ({frames} of {frame_count} frames)"),
+            }
+        };
+        self.0.iter().map(line).collect()
     }
 }

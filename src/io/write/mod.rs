@@ -7,11 +7,12 @@ mod columns;
 mod encoder;
 mod format;
 mod loss;
+mod losses;
 pub(super) mod npy;
 pub(super) mod pcd;
 pub(super) mod ply;
 pub(super) mod text;
 
-pub(super) use encoder::{Encoder, WriteSeek};
+pub(super) use encoder::{Encoder, Held, WriteSeek};
 pub use format::{WriteFormat, write};
-pub(super) use loss::Loss;
+pub use loss::{Loss, Losses};

@@ -6,16 +6,18 @@
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
-use super::encoder::{Encoder, WriteSeek};
-use super::loss::Loss;
+use super::encoder::{Encoder, Held, WriteSeek};
 use crate::cloud::RawCloud;
+
+const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 
 /// A bare table of numpy where its columns are told by their number, else records.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "npy",
     extension: "npy",
+    holds: HOLDS,
+    lost: |_| Vec::new(),
     write: |out, cloud| write(out, cloud),
-    lost: &[Loss::ELLIPSES, Loss::FACES, Loss::SENSOR],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
@@ -84,7 +86,7 @@ const SCALAR: &str = "scalar";
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
     // Fewer columns are told by their number, and these by the first behind the coordinates.
     let values = columns.iter().enumerate().map(|(index, column)| {
-        let is_looked_at = columns.len() >= 6 && (3..7).contains(&index);
+        let is_looked_at = columns.len() >= 5 && (3..xyz::MAX_GUESSED_COLUMN).contains(&index);
         let rows = if is_looked_at { rows } else { 0 };
         (0..rows).map(|row| column.value(row)).collect()
     });

@@ -3,26 +3,50 @@
 //! Lines of an organised cloud stay lines if it is known where the sensor stood: readers take the viewpoint of such a
 //! file for true, even where it is the origin.
 
-use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name};
-use super::encoder::{Encoder, WriteSeek};
+use super::columns::{CHUNK_BYTES, Colors, Type, columns, plain_name, renamed};
+use super::encoder::{Encoder, Held, WriteSeek};
 use super::loss::Loss;
 use crate::cloud::RawCloud;
+
+const HOLDS: &[Held] = &[
+    Held::Normals,
+    Held::Alpha,
+    Held::Radii,
+    Held::Scalars,
+    Held::Holes,
+    Held::Rows,
+    Held::Sensor,
+];
 
 /// PCD 0.7, binary: all but ellipses and faces.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "pcd",
     extension: "pcd",
+    holds: HOLDS,
+    lost,
     write: |out, cloud| write(out, cloud),
-    lost: &[Loss::ELLIPSES, Loss::FACES],
 };
 
-fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
-    let name = |name: &str| match plain_name(name, |sign| sign.is_ascii_graphic()) {
+const NORMALS: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
+
+fn name(name: &str) -> String {
+    match plain_name(name, |sign| sign.is_ascii_graphic()) {
         // Alone it is the name of padding.
         plain if plain == "_" => "scalar__".to_owned(),
         plain => plain,
-    };
-    let columns = columns(cloud, Colors::None, ["normal_x", "normal_y", "normal_z"], name);
+    }
+}
+
+fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
+    let mut lost = renamed(cloud, Colors::None, NORMALS, name);
+    if cloud.grid.is_some() && cloud.sensor.is_none() {
+        lost.push((Loss::Rows, 0.0));
+    }
+    lost
+}
+
+fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
+    let columns = columns(cloud, Colors::None, NORMALS, name);
     let count = cloud.positions.len();
     let colors = cloud.attributes.colors.as_deref();
     let has_alpha = colors.is_some_and(|colors| colors.iter().any(|color| color[3] != u8::MAX));

@@ -1,24 +1,34 @@
 //! PLY, binary and as text.
 
-use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_name};
-use super::encoder::{Encoder, WriteSeek};
-use super::loss::Loss;
+use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns, plain_name, renamed};
+use super::encoder::{Encoder, Held, WriteSeek};
 use crate::cloud::RawCloud;
+
+const HOLDS: &[Held] = &[
+    Held::Normals,
+    Held::Alpha,
+    Held::Radii,
+    Held::Scalars,
+    Held::Faces,
+    Held::Holes,
+];
 
 /// PLY, little endian: holds all but ellipses and where the sensor stood.
 pub(in crate::io) const BINARY: &Encoder = &Encoder {
     name: "ply",
     extension: "ply",
+    holds: HOLDS,
+    lost: |cloud| renamed(cloud, Colors::Typed, ["nx", "ny", "nz"], name),
     write: |out, cloud| write(out, cloud, false),
-    lost: &[Loss::ELLIPSES, Loss::SENSOR],
 };
 
 /// PLY as text: the same.
 pub(in crate::io) const ASCII: &Encoder = &Encoder {
     name: "ply-ascii",
     extension: "ply",
+    holds: HOLDS,
+    lost: |cloud| renamed(cloud, Colors::Typed, ["nx", "ny", "nz"], name),
     write: |out, cloud| write(out, cloud, true),
-    lost: &[Loss::ELLIPSES, Loss::SENSOR],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, is_text: bool) -> std::io::Result<()> {

@@ -1,24 +1,21 @@
 //! Text with a point a line.
 
-use super::columns::{CHUNK_BYTES, Colors, WrittenColumn, columns, plain_name};
-use super::encoder::{Encoder, WriteSeek};
-use super::loss::Loss;
+use super::columns::{CHUNK_BYTES, Colors, WrittenColumn, columns, plain_name, renamed};
+use super::encoder::{Encoder, Held, WriteSeek};
 use crate::cloud::RawCloud;
+
+const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 
 /// A point a line and the names of the columns in its first: all but faces and the sensor.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "xyz",
     extension: "xyz",
+    holds: HOLDS,
+    lost: |cloud| renamed(cloud, Colors::Untyped, ["nx", "ny", "nz"], name),
     write: |out, cloud| write(out, cloud),
-    lost: &[Loss::ELLIPSES, Loss::FACES, Loss::SENSOR],
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
-    let name = |name: &str| {
-        plain_name(name, |sign| {
-            !sign.is_whitespace() && !sign.is_control() && !",;\"#".contains(sign)
-        })
-    };
     let mut columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], name);
     for scalar in columns.iter_mut().rev().take(cloud.attributes.scalars.len()) {
         scalar.widen();
@@ -26,6 +23,12 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     writeln!(out, "# {}", names.join(" "))?;
     rows(out, cloud.positions.len(), &columns)
+}
+
+fn name(name: &str) -> String {
+    plain_name(name, |sign| {
+        !sign.is_whitespace() && !sign.is_control() && !",;\"#".contains(sign)
+    })
 }
 
 /// A line for each of the `count` rows.

@@ -7,7 +7,9 @@
 //! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
 //! size, and the same frames give the same answer.
 
+mod ground;
 mod kind;
+mod primitive;
 mod sample;
 mod standpoint;
 #[cfg(test)]
@@ -16,6 +18,7 @@ mod trim;
 mod up;
 
 pub use kind::CaptureKind;
+use primitive::Captured;
 pub(crate) use sample::{PointSpacing, typical_spacing};
 pub use standpoint::Standpoint;
 use up::Up;
@@ -32,15 +35,6 @@ use crate::sequence::{Detail, Sequence};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use sample::{CloudSample, MOST_POINTS, median_luma, quantile};
-
-/// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of
-/// ground, of which plants and gaps are a part.
-const SURFACE_SHARE: f32 = 0.4;
-const GROUND_SHARE: f32 = 0.75;
-/// Where some points are so many times as far apart as most, they would be drawn as large disks that show no surface.
-const MOST_SPREAD: f32 = 3.5;
-/// Points of clouds with fewer are three pixels wide instead of two.
-const FEW_POINTS: usize = 200_000;
 
 /// Half of the points of a dark scan are darker than this, 0 to 255.
 const DARK_LUMA: f32 = 45.0;
@@ -59,7 +53,7 @@ pub struct FirstLook {
     pub up_evidence: Evidence,
     /// From where it is seen first.
     pub from: Standpoint,
-    /// Surfels, or points where no surface was sampled.
+    /// A mesh where the files have triangles, surfels, or points where no surface was sampled.
     pub primitive: Primitive,
     /// Why.
     pub primitive_why: &'static str,
@@ -120,16 +114,16 @@ impl FirstLook {
             }
         }
         let trimmed = Aabb::from_points(&shown);
-        let least_share = match told.kind {
-            CaptureKind::Terrain => GROUND_SHARE,
-            _ => SURFACE_SHARE,
-        };
-        let spacing_spread = sample.spread();
+        let has_faces = frames.iter().any(|frame| frame.has_faces());
         let are_splats = frames.first().is_some_and(|frame| frame.ellipses().is_some());
-        let has_surface = sample.planar_share >= least_share
-            && spacing_spread <= MOST_SPREAD
-            && !is_needle(&trimmed)
-            && (told.kind != CaptureKind::Sweep || is_dense(&sample, told.eye.unwrap_or(zero)));
+        let (primitive, primitive_why) = primitive::choose(&Captured {
+            kind: told.kind,
+            sample: &sample,
+            trimmed: &trimmed,
+            eye: told.eye.unwrap_or(zero),
+            has_faces,
+            are_splats,
+        });
         let from = standpoint::standpoint(told.kind, up, &sample, &trimmed, told.eye);
         Self {
             kind: told.kind,
@@ -137,25 +131,13 @@ impl FirstLook {
             up_why: told.up.why,
             up_evidence: told.up.evidence,
             from,
-            primitive: match (has_surface, are_splats) {
-                (true, false) => Primitive::Surfel,
-                (true, true) => Primitive::Ellipse,
-                (false, _) => Primitive::Point,
-            },
-            primitive_why: match (has_surface, are_splats) {
-                (true, false) => "the points sample a surface",
-                (true, true) => "the file has the ellipses of splats",
-                (false, _) => "the points are too sparse for a surface, or lie in lines or in a volume",
-            },
-            has_faces: frames.iter().any(|frame| frame.has_faces()),
+            primitive,
+            primitive_why,
+            has_faces,
             planar_share: sample.planar_share,
-            spacing_spread,
+            spacing_spread: sample.spread(),
             is_closed: standpoint::is_closed(&sample, &trimmed),
-            point_size_px: if frames.first().is_some_and(|frame| frame.len() < FEW_POINTS) {
-                3.0
-            } else {
-                2.0
-            },
+            point_size_px: primitive::point_size_px(frames.first().map_or(0, |frame| frame.points_in_file())),
             colors_have_light: frames.first().is_some_and(|frame| {
                 let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
                 (is_image || are_splats) && frame.value_sample().has_telling_colors()
@@ -219,15 +201,19 @@ impl FirstLook {
     /// The guessed up axis and primitive.
     pub fn assumptions(&self) -> [Assumption; 2] {
         let primitive = self.primitive.to_string();
+        let evidence = match self.primitive {
+            Primitive::Mesh | Primitive::Ellipse => Evidence::File,
+            _ => Evidence::Statistics,
+        };
         [
             Assumption::new(Subject::UpAxis, self.up.name(), self.up_why, self.up_evidence),
-            Assumption::new(Subject::Primitive, primitive, self.primitive_why, Evidence::Statistics),
+            Assumption::new(Subject::Primitive, primitive, self.primitive_why, evidence),
         ]
     }
 
     /// Whether the points sample a surface, so that disks or ellipses show it.
     pub fn has_surface(&self) -> bool {
-        matches!(self.primitive, Primitive::Surfel | Primitive::Ellipse)
+        matches!(self.primitive, Primitive::Surfel | Primitive::Ellipse | Primitive::Mesh)
     }
 
     /// Whether there are photographs of what is shown.
@@ -354,16 +340,30 @@ impl Told {
             };
         }
         let is_flat = bounds.is_flat_along_z();
-        let flat = is_flat.then(|| Up::by_points(UpAxis::Z, "it is wide and flat along Z"));
+        let flat = || is_flat.then(|| Up::by_points(UpAxis::Z, "it is wide and flat along Z"));
+        let field = ground::of_height_field(sample, &bounds);
+        let fallback = Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback);
+        // A crown is broad and flat where it ends, but a trunk is narrow: what says the opposite of another rule or of
+        // the format says nothing.
+        let foot = ground::of_narrow_foot(sample, &bounds);
+        let stands = up::of_standing(sample, zero).filter(|up| {
+            let contradicts = |other: Option<Up>| other.is_some_and(|other| up.is_opposite(other));
+            !contradicts(foot) && !contradicts(by_format)
+        });
+        let foot = foot.filter(|foot| by_format.is_none_or(|format| !foot.is_opposite(format)));
         let guess = sure
-            .or_else(|| up::of_standing(sample, zero))
+            .or_else(|| ground::of_map_coordinates(&bounds, zero))
+            .or(stands)
+            .or(foot)
+            .or_else(|| ground::of_floor(sample, &bounds).filter(|_| field.is_none()))
             .or(by_format)
-            .or(flat)
-            .unwrap_or(Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback));
+            .or(field)
+            .or_else(flat)
+            .unwrap_or(fallback);
         // Surveys may have a hill in them.
         let is_survey = convention == Some(AxisConvention::ZUp)
             && bounds.extent().z < 0.7 * bounds.extent().truncate().max_element();
-        let is_terrain = guess.axis == UpAxis::Z && (is_flat || is_survey);
+        let is_terrain = guess.axis == UpAxis::Z && (is_flat || is_survey || field.is_some());
         Self {
             kind: if is_terrain {
                 CaptureKind::Terrain
@@ -389,15 +389,6 @@ fn others(count: usize, point_count: usize) -> Vec<usize> {
     others
 }
 
-/// Whether points are so near to a line that its surface would be less than a pixel wide, as where degrees and metres
-/// are mixed.
-fn is_needle(bounds: &Aabb) -> bool {
-    const THIN: f32 = 0.01;
-    let mut edges = bounds.extent().to_array();
-    edges.sort_unstable_by(f32::total_cmp);
-    edges[1] < THIN * edges[2]
-}
-
 /// Whether the file has normals, but for a few.
 fn has_normals(sample: &CloudSample) -> bool {
     let without = sample.normals.iter().filter(|&&normal| normal == Vec3::ZERO).count();
@@ -417,18 +408,6 @@ fn by_convention(convention: AxisConvention) -> Up {
         AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
     };
     Up::new(axis, why, Evidence::Convention)
-}
-
-/// Whether a scanner saw its surroundings as a surface: neighbours are apart by a small angle only. Scanners that turn
-/// once for a survey have a tenth of a degree or less from line to line, those that turn ten times a second have lines
-/// with nothing between.
-fn is_dense(sample: &CloudSample, eye: Vec3) -> bool {
-    const DENSE: f32 = 0.003;
-    let places = sample.positions.iter().zip(&sample.spacing);
-    let mut angles: Vec<f32> = places
-        .map(|(position, spacing)| spacing / position.distance(eye).max(f32::MIN_POSITIVE))
-        .collect();
-    quantile(&mut angles, 0.5) <= DENSE
 }
 
 /// The axis about which the scanner turns. The ground is below it.

@@ -20,6 +20,11 @@ impl Up {
         Self { axis, why, evidence }
     }
 
+    /// True if the other is along the same axis, upside down.
+    pub(super) fn is_opposite(self, other: Self) -> bool {
+        self.axis.direction() == -other.axis.direction()
+    }
+
     /// By how the points lie.
     pub(super) fn by_points(axis: UpAxis, why: &'static str) -> Self {
         Self::new(axis, why, Evidence::Statistics)

@@ -137,7 +137,7 @@ fn offsets_of_fields_and_of_the_origin_are_in_the_numbers() {
     raw.attributes.scalars = vec![ScalarField::from_f64("gps_time", &times)];
     let positions = (0..101).map(|index| [5e6 + index as f64, 0.0, 1000.0 + index as f64]);
     raw.positions = Positions::F64(positions.collect());
-    let sample = Arc::new(ValueSample::of_raw(&raw, origin));
+    let sample = Arc::new(ValueSample::of_raw(&raw, &[], origin));
     let frame = Frame::from_raw(raw, origin).unwrap();
     frame.share_sample(sample);
     let hints = ColorHints {
@@ -171,7 +171,7 @@ fn frames_of_a_sequence_share_one_range_whichever_is_seen_first() {
         raw.attributes.scalars = vec![field("heat", |index| index as f32 * factor)];
         raw
     };
-    let sample = Arc::new(ValueSample::of_raw(&at(1.0), DVec3::ZERO));
+    let sample = Arc::new(ValueSample::of_raw(&at(1.0), &[], DVec3::ZERO));
     let later = frame(at(3.0));
     later.share_sample(sample);
     let paint = Coloring::of(ColorSource::Scalar(None)).paint(&ColorHints::default(), &later);
@@ -182,7 +182,7 @@ fn frames_of_a_sequence_share_one_range_whichever_is_seen_first() {
 fn what_a_frame_lacks_is_replaced_for_it_alone() {
     let mut first = cloud(false);
     first.attributes.scalars = vec![field("intensity", |index| index as f32)];
-    let sample = Arc::new(ValueSample::of_raw(&first, DVec3::ZERO));
+    let sample = Arc::new(ValueSample::of_raw(&first, &[], DVec3::ZERO));
     let mut bare = cloud(false);
     bare.attributes.scalars = vec![field("other", |index| 2.0 * index as f32)];
     let bare = frame(bare);

@@ -145,7 +145,7 @@ impl Companions {
 
 /// A file of one frame, whose rows can be counted.
 fn may_have_normals_beside(file: &Path) -> bool {
-    Format::of_extension(file).is_some_and(|format| !format.holds_many())
+    Format::of_extension(file).is_some_and(|format| !format.holds_many() || format.is_rarely_many())
 }
 
 fn folder_of(file: &Path) -> PathBuf {

@@ -13,6 +13,7 @@
 
 use super::companions::{Companions, Known};
 use super::recording::{Recording, topics_of};
+use super::refusal;
 use super::stamps::stamp;
 use crate::io::{self, Format};
 use crate::natural::{NamePiece, Runs, natural_order, split_name};
@@ -83,7 +84,7 @@ pub(super) fn discover(
         }
         let normals = companions.normals.remove(&path);
         let first = discovered.entries.len();
-        discovered.append_frames(path, options);
+        discovered.append_frames(path, options, count);
         if let Some(entry) = discovered.entries.get_mut(first) {
             entry.normals = normals;
         }
@@ -99,10 +100,14 @@ pub(super) fn discover(
 impl Discovered {
     /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
     /// one frame, which says why when it is decoded.
-    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions) {
+    ///
+    /// It is one of `count` files: of many, text is a frame each, as it would have to be read here to know more.
+    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, count: usize) {
+        const MAX_TEXTS: usize = 16;
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
-        let may_hold_many = format.is_none_or(Format::holds_many);
+        let may_hold_many =
+            format.is_none_or(|format| format.holds_many() && (count <= MAX_TEXTS || !format.is_rarely_many()));
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed =
             (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
@@ -112,6 +117,9 @@ impl Discovered {
                 self.entries.push(FrameEntry::file(path));
             }
             Some(Ok(contents)) => {
+                let notes = contents.notes.iter();
+                self.notes
+                    .extend(notes.map(|note| format!("{}: {note}", path.display())));
                 let frames = contents.entries.into_iter();
                 self.entries.extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {
@@ -178,6 +186,7 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
         reason,
     };
     let mut files = Vec::new();
+    let mut others = Vec::new();
     let mut subfolders = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
@@ -192,10 +201,23 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
             subfolders.push(path);
         } else if has_known_extension(&path) {
             files.push(path);
+        } else {
+            others.push(path);
         }
     }
     leave_out_buffers(&mut files);
+    if let Some(refusal) = refusal::of_whole(folder, &files, &others) {
+        return Err(refusal);
+    }
     if files.is_empty() {
+        let hint = if subfolders.is_empty() {
+            String::new()
+        } else {
+            format!("; else {}", empty_folder_hint(subfolders.clone()))
+        };
+        if let Some(refusal) = refusal::of_files(folder, &mut others, &hint) {
+            return Err(refusal);
+        }
         return Err(SequenceError::EmptyFolder {
             path: folder.to_path_buf(),
             extensions: known_patterns(),

@@ -3,6 +3,7 @@
 mod companions;
 mod discover;
 mod recording;
+mod refusal;
 mod stamps;
 
 pub(super) use discover::number;

@@ -4,7 +4,7 @@ use super::error::RgbdError;
 use super::joined::Merged;
 use super::recording::RgbdRecording;
 use crate::cloud::{Positions, RawCloud};
-use crate::messages::frames_with_indices;
+use crate::messages::{frames_with_indices, missing_frames};
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters, put_on_planes};
@@ -33,8 +33,8 @@ impl MergedFrames {
     pub fn of(recording: RgbdRecording, (first, last): (usize, usize)) -> Result<Self, RgbdError> {
         let count = recording.entries.len();
         let wrong = |reason: String| RgbdError::NotMerged { first, last, reason };
-        if first > last || last >= count {
-            return Err(wrong(format!("the recording has {count} frames, counted from 0")));
+        if let Some(missing) = missing_frames("--merge-frames", first, last.max(first), count) {
+            return Err(wrong(missing));
         }
         let has_pose = |index: &usize| recording.recorded.pose(*index).is_some();
         let posed = (first..=last).filter(has_pose).count();

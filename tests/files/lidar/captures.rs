@@ -20,6 +20,8 @@ pub(crate) enum Link {
     Ethernet,
     Vlan,
     Cooked,
+    /// Its second version.
+    Cooked2,
     Raw,
 }
 
@@ -44,6 +46,8 @@ pub(crate) struct Writer {
     pub(crate) container: Container,
     pub(crate) link: Link,
     pub(crate) bytes: Vec<u8>,
+    /// The largest packet of the network.
+    pub(crate) mtu: usize,
     /// Of the next datagram.
     number: u16,
 }
@@ -60,11 +64,13 @@ impl Writer {
             container,
             link,
             bytes: Vec::new(),
+            mtu: MTU,
             number: 1,
         };
         let link = match link {
             Link::Ethernet | Link::Vlan => 1u16,
             Link::Cooked => 113,
+            Link::Cooked2 => 276,
             Link::Raw => 101,
         };
         match container {
@@ -106,6 +112,7 @@ impl Writer {
             container: self.container,
             link: self.link,
             bytes: Vec::new(),
+            mtu: MTU,
             number: 0,
         }
     }
@@ -144,7 +151,12 @@ impl Writer {
 
     /// Appends a captured packet of a link.
     pub(crate) fn packet(&mut self, time: Duration, bytes: &[u8]) {
-        let length = bytes.len() as u32;
+        self.packet_of_length(time, bytes, bytes.len());
+    }
+
+    /// Appends a packet that had `sent_bytes`, of which `bytes` were captured.
+    pub(crate) fn packet_of_length(&mut self, time: Duration, bytes: &[u8], sent_bytes: usize) {
+        let (length, sent) = (bytes.len() as u32, sent_bytes as u32);
         match self.container {
             Container::Pcap | Container::PcapBigNanoseconds => {
                 let ticks = if self.is_big() {
@@ -152,7 +164,7 @@ impl Writer {
                 } else {
                     time.subsec_micros()
                 };
-                for number in [time.as_secs() as u32, ticks, length, length] {
+                for number in [time.as_secs() as u32, ticks, length, sent] {
                     self.u32(number);
                 }
                 self.bytes.extend(bytes);
@@ -160,7 +172,7 @@ impl Writer {
             Container::PcapNg | Container::PcapNgBig => {
                 let nanos = time.as_nanos() as u64;
                 let mut body = self.like();
-                for number in [0, (nanos >> 32) as u32, nanos as u32, length, length] {
+                for number in [0, (nanos >> 32) as u32, nanos as u32, length, sent] {
                     body.u32(number);
                 }
                 body.bytes.extend(bytes);
@@ -178,7 +190,7 @@ impl Writer {
         }
         udp.extend(payload);
         self.number = self.number.wrapping_add(1);
-        let piece_bytes = (MTU - 20) / 8 * 8;
+        let piece_bytes = (self.mtu - 20) / 8 * 8;
         let count = udp.len().div_ceil(piece_bytes);
         let pieces = udp.chunks(piece_bytes).enumerate();
         pieces
@@ -187,6 +199,7 @@ impl Writer {
                     Link::Ethernet => [vec![0; 12], vec![8, 0]].concat(),
                     Link::Vlan => [vec![0; 12], vec![0x81, 0, 0, 7, 8, 0]].concat(),
                     Link::Cooked => [vec![0; 14], vec![8, 0]].concat(),
+                    Link::Cooked2 => [vec![8, 0], vec![0; 18]].concat(),
                     Link::Raw => Vec::new(),
                 };
                 let more = if index + 1 < count { 0x2000 } else { 0 };

@@ -17,7 +17,7 @@ fn scan() -> Scan<'static> {
 #[test]
 fn every_container_and_link_holds_the_same() {
     for container in ALL_CONTAINERS {
-        for link in [Link::Ethernet, Link::Vlan, Link::Cooked, Link::Raw] {
+        for link in [Link::Ethernet, Link::Vlan, Link::Cooked, Link::Cooked2, Link::Raw] {
             let mut writer = Writer::new(container, link);
             scan().write(&mut writer, 60);
             let files = Files::new();
@@ -75,7 +75,8 @@ fn other_traffic_and_blocks_are_gone_over() {
     let clouds = clouds(&path);
     check(&clouds[0], &scan().points(0..360), 2e-5);
     check(&clouds[1], &scan().points(360..720), 2e-5);
-    check(&clouds[2], &scan().points(720..732), 2e-5);
+    // The capture ends with a packet of the third revolution.
+    assert_eq!(clouds.len(), 2);
 }
 
 #[test]

@@ -20,12 +20,21 @@ pub(crate) struct Sensor {
 /// Columns of a packet.
 const COLUMNS: usize = 16;
 
-pub(crate) const PROFILES: [&str; 4] = [
+pub(crate) const PROFILES: [&str; 11] = [
     "LEGACY",
     "RNG19_RFL8_SIG16_NIR16",
     "RNG19_RFL8_SIG16_NIR16_DUAL",
     "RNG15_RFL8_NIR8",
+    FUSA,
+    "RNG15_RFL8_NIR8_DUAL",
+    "FIVE_WORD_PIXEL",
+    "RNG15_RFL8_WIN8",
+    "RNG15_RFL8_NIR8_ZONE16",
+    "RNG19_RFL8_SIG16_NIR16_ZONE16",
+    "RNG19_RFL8_SIG16_ZONE16_DUAL",
 ];
+
+const FUSA: &str = "FUSA_RNG15_RFL8_NIR8_DUAL";
 
 pub(crate) const SMALL: Sensor = Sensor {
     profile: PROFILES[1],
@@ -96,10 +105,20 @@ impl Sensor {
                 "lidar_mode": format!("{}x10", self.columns),
                 "udp_port_lidar": SENDER.port,
                 "udp_profile_lidar": self.profile,
-                "header_type": "STANDARD",
+                "header_type": if self.profile == FUSA { "FUSA" } else { "STANDARD" },
             },
             "user_data": "",
         })
+    }
+
+    fn is_low(&self) -> bool {
+        self.profile.contains("RNG15")
+    }
+
+    /// Echoes of a shot.
+    fn echoes(&self) -> usize {
+        let is_dual = self.profile.ends_with("DUAL") || self.profile == "FIVE_WORD_PIXEL";
+        if is_dual { 2 } else { 1 }
     }
 
     /// Range in millimetres, reflectivity, signal and light of the sun, of a shot.
@@ -110,7 +129,7 @@ impl Sensor {
         }
         let range = 800 + (number * 37 % 200_000) as u32 + echo as u32 * 1600;
         let (reflectivity, signal, near) = ((number % 256) as u8, (number % 60_000) as u16, (number % 4000) as u16);
-        if self.profile == "RNG15_RFL8_NIR8" {
+        if self.is_low() {
             (range / 8 * 8, reflectivity, 0, near / 16 * 16)
         } else {
             (range, reflectivity, signal, near)
@@ -121,7 +140,7 @@ impl Sensor {
         let (range, reflectivity, signal, near) = self.measured(frame, column, beam, 0);
         let mut bytes = Vec::new();
         match self.profile {
-            "LEGACY" | "RNG19_RFL8_SIG16_NIR16" => {
+            "LEGACY" | "RNG19_RFL8_SIG16_NIR16" | "RNG19_RFL8_SIG16_NIR16_ZONE16" => {
                 // Flags above the range.
                 let flags = if self.profile == "LEGACY" {
                     0x5000_0000
@@ -132,9 +151,9 @@ impl Sensor {
                 bytes.extend([reflectivity, 0]);
                 bytes.extend(signal.to_le_bytes());
                 bytes.extend(near.to_le_bytes());
-                bytes.extend([0, 0]);
+                bytes.extend(zone(column, beam).to_le_bytes());
             }
-            "RNG19_RFL8_SIG16_NIR16_DUAL" => {
+            "RNG19_RFL8_SIG16_NIR16_DUAL" | "FIVE_WORD_PIXEL" | "RNG19_RFL8_SIG16_ZONE16_DUAL" => {
                 let second = self.measured(frame, column, beam, 1);
                 bytes.extend(&range.to_le_bytes()[..3]);
                 bytes.push(reflectivity);
@@ -142,12 +161,24 @@ impl Sensor {
                 bytes.push(second.1);
                 bytes.extend(signal.to_le_bytes());
                 bytes.extend(second.2.to_le_bytes());
-                bytes.extend(near.to_le_bytes());
+                let is_zone = self.profile.contains("ZONE16");
+                bytes.extend(if is_zone { zone(column, beam) } else { near }.to_le_bytes());
                 bytes.extend([0, 0]);
+                if self.profile == "FIVE_WORD_PIXEL" {
+                    bytes.extend([0xaa; 4]);
+                }
             }
             _ => {
                 bytes.extend(((range / 8) as u16 | 0x8000).to_le_bytes());
                 bytes.extend([reflectivity, (near / 16) as u8]);
+                if self.echoes() == 2 {
+                    let second = self.measured(frame, column, beam, 1);
+                    bytes.extend(((second.0 / 8) as u16 | 0x8000).to_le_bytes());
+                    bytes.extend([second.1, 0xaa]);
+                } else if self.profile.contains("ZONE16") {
+                    bytes.extend(zone(column, beam).to_le_bytes());
+                    bytes.extend([0xaa, 0]);
+                }
             }
         }
         bytes
@@ -165,7 +196,13 @@ impl Sensor {
     pub(crate) fn packet(&self, frame: u16, index: usize) -> Vec<u8> {
         let is_legacy = self.profile == "LEGACY";
         let mut bytes = Vec::new();
-        if !is_legacy {
+        if self.profile == FUSA {
+            bytes.extend([1, 1, 2, 3]);
+            bytes.extend(u32::from(frame).to_le_bytes());
+            bytes.extend([0; 3]);
+            bytes.extend(&self.serial.to_le_bytes()[..5]);
+            bytes.resize(32, 0);
+        } else if !is_legacy {
             bytes.extend(1u16.to_le_bytes());
             bytes.extend(frame.to_le_bytes());
             bytes.extend([1, 2, 3]);
@@ -201,7 +238,7 @@ impl Sensor {
     /// The points of a frame, by the formulas of the manual.
     pub(crate) fn points(&self, frame: u16) -> Vec<Expected> {
         let mut points = Vec::new();
-        let echoes = if self.profile.ends_with("DUAL") { 2 } else { 1 };
+        let echoes = self.echoes();
         for column in (0..self.columns).filter(|&column| Self::is_whole(column)) {
             for beam in 0..self.pixels {
                 for echo in 0..echoes {
@@ -217,9 +254,17 @@ impl Sensor {
                     let x = (r - n) * (encoder + azimuth).cos() * phi.cos() + n * encoder.cos();
                     let y = (r - n) * (encoder + azimuth).sin() * phi.cos() + n * encoder.sin();
                     let z = (r - n) * phi.sin();
-                    let mut values = vec![("reflectivity", f32::from(reflectivity)), ("near_ir", f32::from(near))];
-                    if self.profile != "RNG15_RFL8_NIR8" {
+                    let mut values = vec![("reflectivity", f32::from(reflectivity))];
+                    if self.profile.contains("WIN8") {
+                        values.push(("window", f32::from(near / 16)));
+                    } else if self.profile != "RNG19_RFL8_SIG16_ZONE16_DUAL" {
+                        values.push(("near_ir", f32::from(near)));
+                    }
+                    if !self.is_low() {
                         values.push(("intensity", f32::from(signal)));
+                    }
+                    if self.profile.contains("ZONE16") {
+                        values.push(("zone_mask", f32::from(zone(column, beam))));
                     }
                     points.push(Expected {
                         position: [-x / 1000.0, -y / 1000.0, (z + 36.18) / 1000.0],
@@ -246,10 +291,15 @@ impl Sensor {
     }
 }
 
+/// The zones that a pixel is in, of those that the sensor watches.
+fn zone(column: usize, beam: usize) -> u16 {
+    (column * 7 + beam * 3) as u16
+}
+
 #[test]
 fn points_of_every_profile_are_where_the_manual_says() {
     for profile in PROFILES {
-        for pixels in [16, 64, 128] {
+        for pixels in [16, 64] {
             let sensor = Sensor {
                 profile,
                 pixels,
@@ -267,15 +317,14 @@ fn points_of_every_profile_are_where_the_manual_says() {
                 check(cloud, &sensor.points(frame), 2e-5);
             }
             let first = &clouds[0].attributes.scalars[0].name;
-            let is_low = profile == "RNG15_RFL8_NIR8";
-            assert_eq!(first, if is_low { "reflectivity" } else { "intensity" });
+            assert_eq!(first, if sensor.is_low() { "reflectivity" } else { "intensity" });
         }
     }
 }
 
 #[test]
 fn packets_have_the_sizes_that_the_manual_prints() {
-    let sizes = PROFILES.map(|profile| {
+    let sizes = [PROFILES[0], PROFILES[1], PROFILES[2], PROFILES[3], FUSA].map(|profile| {
         Sensor {
             profile,
             pixels: 128,
@@ -284,7 +333,7 @@ fn packets_have_the_sizes_that_the_manual_prints() {
         .packet(0, 0)
         .len()
     });
-    assert_eq!(sizes, [24_896, 24_832, 33_024, 8_448]);
+    assert_eq!(sizes, [24_896, 24_832, 33_024, 8_448, 16_640]);
 }
 
 #[test]
@@ -430,7 +479,7 @@ fn missing_metadata_is_named_and_wrong_metadata_says_where() {
     };
     let profile = changed(&|metadata| metadata["lidar_data_format"]["udp_profile_lidar"] = json!("RNG99"));
     assert!(
-        profile.contains("udp_profile_lidar is RNG99, expected one of LEGACY"),
+        profile.contains("udp_profile_lidar is RNG99, which is not read, expected one of LEGACY"),
         "{profile}"
     );
     let angles = changed(&|metadata| metadata["beam_intrinsics"]["beam_azimuth_angles"] = json!([1.0, 2.0]));
@@ -497,4 +546,35 @@ fn a_turn_is_read_without_the_rest_of_the_capture() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("damaged"), "{error}");
+}
+
+#[test]
+fn a_window_across_the_first_measurement_is_not_cut() {
+    let sensor = SMALL;
+    // Measurements 384 to 511 and 0 to 127: the sensor counts a frame on in the middle of the window.
+    let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
+    let mut after = 0;
+    for frame in 0..5 {
+        for index in (0..8).chain(24..32) {
+            writer.datagram(after, SENDER, &sensor.packet(frame, index));
+            after += 1000;
+        }
+    }
+    let files = Files::new();
+    files.write("drive.json", sensor.sections().to_string().as_bytes());
+    let path = files.write("drive.pcap", &writer.bytes);
+    let clouds = clouds(&path);
+    // Half a window at either end is as much as half a frame.
+    assert_eq!(clouds.len(), 6);
+    for (index, cloud) in clouds.iter().enumerate().take(5).skip(1) {
+        let of_column = |points: Vec<Expected>, frame: u16, columns: std::ops::Range<usize>| {
+            let begin_s = (sensor.time_ns(frame, 0) - 1_000_000_000_000) as f64 * 1e-9;
+            let column = move |point: &Expected| ((point.time_s - begin_s) / 97_657e-9).round() as usize;
+            points.into_iter().filter(move |point| columns.contains(&column(point)))
+        };
+        let (before, now) = (index as u16 - 1, index as u16);
+        let first = of_column(sensor.points(before), before, 384..512);
+        let expected: Vec<Expected> = first.chain(of_column(sensor.points(now), now, 0..128)).collect();
+        check(cloud, &expected, 2e-5);
+    }
 }

@@ -290,7 +290,9 @@ fn numbers(ui: &mut Ui, save: &Save, estimates: &Estimates, of: &Savable) -> Opt
                 ui.end_row();
             }
         });
-    if let Some(text) = warning(&estimate).filter(|_| !is_old) {
+    let name = save.target(1.0).name();
+    let losses = estimate.losses.lines(&name, estimate.frames).into_iter();
+    for text in warning(&estimate).into_iter().chain(losses).filter(|_| !is_old) {
         ui.add(Label::new(RichText::new(text).color(ui.visuals().warn_fg_color)).wrap());
     }
     request

@@ -95,6 +95,7 @@ impl Save {
             format,
             output,
             overwrites: false,
+            reading: String::new(),
         })
     }
 

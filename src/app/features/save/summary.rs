@@ -107,6 +107,7 @@ fn decibels(psnr_db: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::Losses;
     use crate::reel::StreamKind;
 
     fn savable(unit: &'static str) -> Savable {
@@ -135,6 +136,7 @@ mod tests {
             kept_points: 1000.0,
             frame_bytes: 1250.0,
             bytes_by_stream: Some(bytes_by_stream),
+            losses: Losses::default(),
             errors: Some(EstimatedErrors {
                 largest: 0.012_34,
                 rms: 0.001,

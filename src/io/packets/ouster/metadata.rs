@@ -7,7 +7,7 @@
 //! Ouster firmware user manual, "Sensor metadata"; what is not told is what sensors had when nothing told it.
 
 use super::super::super::error::Fault;
-use super::profile::{PacketShape, Profile};
+use super::profile::{FUSA, LEGACY, PacketShape, Profile};
 use glam::{DMat4, DVec3};
 use serde_json::Value;
 
@@ -32,7 +32,7 @@ pub(in super::super) struct Metadata {
     pub(in super::super) port: Option<u16>,
     pub(in super::super) serial: Option<u64>,
     /// Columns of a turn.
-    pub(super) columns: usize,
+    pub(in super::super) columns: usize,
     /// Of each beam, degrees.
     pub(super) altitudes_deg: Vec<f64>,
     pub(super) azimuths_deg: Vec<f64>,
@@ -78,7 +78,6 @@ pub(in super::super) fn parse(text: &str) -> Result<Metadata, Fault> {
             )));
         }
     }
-    sections.expect_standard_header()?;
     let port = sections
         .config("udp_port_lidar")
         .or_else(|| sections.find(&["udp_config"], "udp_port_lidar"));
@@ -86,6 +85,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Metadata, Fault> {
         product: info("prod_line").and_then(Value::as_str).unwrap_or("Ouster").to_owned(),
         shape: PacketShape {
             profile: sections.profile()?,
+            is_fusa: sections.has_fusa_header()?,
             pixels,
             columns: match sections.format("columns_per_packet") {
                 Some(value) => count(value, "columns_per_packet", MOST_PACKET_COLUMNS)?,
@@ -145,29 +145,39 @@ impl<'a> Sections<'a> {
         }
     }
 
-    fn profile(self) -> Result<Profile, Fault> {
+    fn profile_name(self) -> Option<&'a str> {
         let profile = self
             .format("udp_profile_lidar")
             .or_else(|| self.config("udp_profile_lidar"));
-        match profile.and_then(Value::as_str) {
+        profile.and_then(Value::as_str)
+    }
+
+    fn profile(self) -> Result<&'static Profile, Fault> {
+        match self.profile_name() {
             // Firmware before 2.3 knew no other.
-            None => Ok(Profile::Legacy),
+            None => Ok(LEGACY),
             Some(name) => Profile::of(name).ok_or_else(|| {
                 let names = Profile::names();
+                let name = name.escape_default();
                 Fault::header(format!(
-                    "udp_profile_lidar is {}, expected one of {names}",
-                    name.escape_default()
+                    "udp_profile_lidar is {name}, which is not read, expected one of {names}: set one of them on the \
+                     sensor, or convert the capture to PCD with `ouster-cli source`"
                 ))
             }),
         }
     }
 
-    fn expect_standard_header(self) -> Result<(), Fault> {
+    /// Whether packets have the header of functional safety. Packets of the first profile have none.
+    fn has_fusa_header(self) -> Result<bool, Fault> {
         let header = self.config("header_type").or_else(|| self.format("header_type"));
+        let profile = self.profile()?;
         match header.and_then(Value::as_str) {
-            None | Some("STANDARD") => Ok(()),
+            // Firmware that had the profile, and no other with that header, did not say it.
+            None => Ok(self.profile_name() == Some(FUSA)),
+            Some("STANDARD") => Ok(false),
+            Some("FUSA") => Ok(profile != LEGACY),
             Some(header) => Err(Fault::header(format!(
-                "header_type is {}, expected STANDARD",
+                "header_type is {}, expected STANDARD or FUSA",
                 header.escape_default()
             ))),
         }

@@ -17,9 +17,10 @@ mod profile;
 pub(super) use metadata::{MOST_BYTES as MOST_METADATA_BYTES, Metadata, is_metadata, parse};
 pub(super) use profile::{PacketShape, may_be};
 
-use super::points::{MOST_VALUES, Measured, Points};
+use super::frame_id::FrameId;
+use super::points::{Measured, Points};
 use glam::DVec3;
-use profile::{Column, Echo};
+use profile::Column;
 use std::f64::consts::TAU;
 
 /// Where beams look, worked out once.
@@ -41,7 +42,7 @@ struct Beam {
 #[derive(Debug)]
 pub(super) struct Unpacking<'a> {
     scanner: &'a Scanner,
-    frame: u16,
+    frame: FrameId,
     /// Which columns have come: a packet may be captured twice.
     has: Vec<bool>,
     first_ns: Option<u64>,
@@ -75,7 +76,7 @@ impl Scanner {
 }
 
 impl<'a> Unpacking<'a> {
-    pub(super) fn new(scanner: &'a Scanner, frame: u16) -> Self {
+    pub(super) fn new(scanner: &'a Scanner, frame: FrameId) -> Self {
         Self {
             scanner,
             frame,
@@ -90,7 +91,8 @@ impl<'a> Unpacking<'a> {
         if packet.len() != shape.packet_bytes() {
             return;
         }
-        for column in shape.columns(packet, self.frame) {
+        let frame = self.frame;
+        for column in shape.columns(packet).filter(|column| shape.is_of(column, frame)) {
             let has = self.has.get_mut(usize::from(column.measurement));
             if has.is_some_and(|has| !std::mem::replace(has, true)) {
                 self.column(&column, points);
@@ -124,19 +126,9 @@ impl<'a> Unpacking<'a> {
                     ring: beam.ring,
                     time_s,
                     return_number: number as u8 + 1,
-                    values: values(echo, shape.profile.value_names().len()),
+                    values: echo.values,
                 });
             }
         }
-    }
-}
-
-/// In the order of [`Scanner::names`], which are as many; only the signal is not always there.
-fn values(echo: Echo, count: usize) -> [f32; MOST_VALUES] {
-    let (reflectivity, near_infrared) = (f32::from(echo.reflectivity), f32::from(echo.near_infrared));
-    if count == MOST_VALUES {
-        [f32::from(echo.signal), reflectivity, near_infrared]
-    } else {
-        [reflectivity, near_infrared, 0.0]
     }
 }

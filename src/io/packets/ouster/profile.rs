@@ -1,25 +1,210 @@
 //! The packets of Ouster: columns of pixels, laid out as the profile in the metadata says.
 //!
 //! Ouster firmware user manual, "Lidar data packet format". All numbers are little endian. In the first profile each
-//! column says of itself which frame it is of and whether it is whole; in the others the packet says the former.
+//! column says of itself which frame it is of and whether it is whole; in the others the packet says the former. A
+//! profile is a row of [`PROFILES`]: where in a pixel the numbers of each echo are.
+
+use super::super::frame_id::FrameId;
+use super::super::points::MOST_VALUES;
+
+/// Numbers of a pixel that lie at the same place in all pixels of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Bits {
+    /// From the first bit of the pixel.
+    at: usize,
+    count: usize,
+    /// What is sent is the number without as many of its lower bits.
+    shift: usize,
+}
+
+const fn bits(at: usize, count: usize) -> Bits {
+    Bits { at, count, shift: 0 }
+}
+
+/// Ranges in units of 8 mm.
+const fn coarse_range(at: usize) -> Bits {
+    Bits {
+        at,
+        count: 15,
+        shift: 3,
+    }
+}
+
+/// Light of the sun without its lowest four bits.
+const fn coarse_light(at: usize) -> Bits {
+    Bits { at, count: 8, shift: 4 }
+}
+
+impl Bits {
+    /// The number in `pixel`, of which missing bytes are zero.
+    fn of(self, pixel: &[u8]) -> u32 {
+        let bytes = pixel.iter().skip(self.at / 8).take(8).enumerate();
+        let word = bytes.fold(0, |word, (index, &byte)| word | u64::from(byte) << (8 * index));
+        let number = (word >> (self.at % 8)) & ((1 << self.count) - 1);
+        (number << self.shift) as u32
+    }
+}
+
+/// Where in a pixel an echo is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct EchoBits {
+    /// Millimetres.
+    range: Bits,
+    /// In the order of [`Profile::values`].
+    values: &'static [Bits],
+}
 
 /// How the pixels of a packet are laid out: `udp_profile_lidar`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Profile {
-    /// `LEGACY`.
-    Legacy,
-    /// `RNG19_RFL8_SIG16_NIR16`.
-    Single,
-    /// `RNG19_RFL8_SIG16_NIR16_DUAL`.
-    Dual,
-    /// `RNG15_RFL8_NIR8`.
-    Low,
+#[derive(Debug, PartialEq, Eq)]
+pub(in super::super) struct Profile {
+    /// As metadata has it.
+    name: &'static str,
+    pixel_bytes: usize,
+    /// Names of the numbers of an echo next to its range, the one to colour by first.
+    values: &'static [&'static str],
+    first: EchoBits,
+    second: Option<EchoBits>,
 }
+
+/// The profile of firmware before 2.3, whose columns have a header and a footer of their own.
+pub(super) static LEGACY: &Profile = &PROFILES[0];
+
+const FULL: &[&str] = &["intensity", "reflectivity", "near_ir"];
+const LOW: &[&str] = &["reflectivity", "near_ir"];
+
+const SINGLE_ECHO: EchoBits = EchoBits {
+    range: bits(0, 19),
+    values: &[bits(48, 16), bits(32, 8), bits(64, 16)],
+};
+
+const FIRST_OF_DUAL: EchoBits = EchoBits {
+    range: bits(0, 19),
+    values: &[bits(64, 16), bits(24, 8), bits(96, 16)],
+};
+
+const SECOND_OF_DUAL: EchoBits = EchoBits {
+    range: bits(32, 19),
+    values: &[bits(80, 16), bits(56, 8), bits(96, 16)],
+};
+
+const LOW_ECHO: EchoBits = EchoBits {
+    range: coarse_range(0),
+    values: &[bits(16, 8), coarse_light(24)],
+};
+
+const SECOND_OF_LOW: EchoBits = EchoBits {
+    range: coarse_range(32),
+    values: &[bits(48, 8), coarse_light(24)],
+};
+
+/// All that are read.
+static PROFILES: [Profile; 11] = [
+    Profile {
+        name: "LEGACY",
+        pixel_bytes: 12,
+        values: FULL,
+        first: EchoBits {
+            range: bits(0, 20),
+            values: SINGLE_ECHO.values,
+        },
+        second: None,
+    },
+    Profile {
+        name: "RNG19_RFL8_SIG16_NIR16",
+        pixel_bytes: 12,
+        values: FULL,
+        first: SINGLE_ECHO,
+        second: None,
+    },
+    Profile {
+        name: "RNG19_RFL8_SIG16_NIR16_DUAL",
+        pixel_bytes: 16,
+        values: FULL,
+        first: FIRST_OF_DUAL,
+        second: Some(SECOND_OF_DUAL),
+    },
+    Profile {
+        name: "RNG15_RFL8_NIR8",
+        pixel_bytes: 4,
+        values: LOW,
+        first: LOW_ECHO,
+        second: None,
+    },
+    Profile {
+        name: "RNG15_RFL8_NIR8_DUAL",
+        pixel_bytes: 8,
+        values: LOW,
+        first: LOW_ECHO,
+        second: Some(SECOND_OF_LOW),
+    },
+    Profile {
+        name: FUSA,
+        pixel_bytes: 8,
+        values: LOW,
+        first: LOW_ECHO,
+        second: Some(SECOND_OF_LOW),
+    },
+    Profile {
+        name: "FIVE_WORD_PIXEL",
+        pixel_bytes: 20,
+        values: FULL,
+        first: FIRST_OF_DUAL,
+        second: Some(SECOND_OF_DUAL),
+    },
+    Profile {
+        name: "RNG15_RFL8_WIN8",
+        pixel_bytes: 4,
+        values: &["reflectivity", "window"],
+        first: EchoBits {
+            range: coarse_range(0),
+            values: &[bits(16, 8), bits(24, 8)],
+        },
+        second: None,
+    },
+    Profile {
+        name: "RNG15_RFL8_NIR8_ZONE16",
+        pixel_bytes: 8,
+        values: &["reflectivity", "near_ir", "zone_mask"],
+        first: EchoBits {
+            range: coarse_range(0),
+            values: &[bits(16, 8), coarse_light(24), bits(32, 16)],
+        },
+        second: None,
+    },
+    Profile {
+        name: "RNG19_RFL8_SIG16_NIR16_ZONE16",
+        pixel_bytes: 12,
+        values: &["intensity", "reflectivity", "near_ir", "zone_mask"],
+        first: EchoBits {
+            range: bits(0, 19),
+            values: &[bits(48, 16), bits(32, 8), bits(64, 16), bits(80, 16)],
+        },
+        second: None,
+    },
+    Profile {
+        name: "RNG19_RFL8_SIG16_ZONE16_DUAL",
+        pixel_bytes: 16,
+        values: &["intensity", "reflectivity", "zone_mask"],
+        first: EchoBits {
+            range: bits(0, 19),
+            values: &[bits(64, 16), bits(24, 8), bits(96, 16)],
+        },
+        second: Some(EchoBits {
+            range: bits(32, 19),
+            values: &[bits(80, 16), bits(56, 8), bits(96, 16)],
+        }),
+    },
+];
+
+/// The profile of sensors for functional safety, whose packets have another header unless metadata says otherwise.
+pub(super) const FUSA: &str = "FUSA_RNG15_RFL8_NIR8_DUAL";
 
 /// How long the packets of a sensor are, and where in them is what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in super::super) struct PacketShape {
-    pub(super) profile: Profile,
+    pub(super) profile: &'static Profile,
+    /// Whether packets have the header of functional safety (`header_type` is `FUSA`).
+    pub(super) is_fusa: bool,
     /// Pixels of a column: one for each beam.
     pub(super) pixels: usize,
     /// Columns of a packet.
@@ -28,11 +213,13 @@ pub(in super::super) struct PacketShape {
 
 /// A column of a packet, which is whole.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Column<'a> {
+pub(in super::super) struct Column<'a> {
     /// Nanoseconds since whatever moment the sensor counts from.
-    pub(super) time_ns: u64,
+    pub(in super::super) time_ns: u64,
     /// Which of the turn's columns it is.
-    pub(super) measurement: u16,
+    pub(in super::super) measurement: u16,
+    /// The frame that the sensor counts it to.
+    frame: u32,
     pub(super) pixels: &'a [u8],
 }
 
@@ -41,101 +228,53 @@ pub(super) struct Column<'a> {
 pub(super) struct Echo {
     /// 0 where nothing came back.
     pub(super) range_mm: u32,
-    pub(super) reflectivity: u8,
-    /// Photons; none in [`Profile::Low`].
-    pub(super) signal: u16,
-    /// Light of the sun.
-    pub(super) near_infrared: u16,
+    /// In the order of [`Profile::value_names`].
+    pub(super) values: [f32; MOST_VALUES],
 }
-
-/// All of them, by the names that metadata has.
-const PROFILES: [(&str, Profile); 4] = [
-    ("LEGACY", Profile::Legacy),
-    ("RNG19_RFL8_SIG16_NIR16", Profile::Single),
-    ("RNG19_RFL8_SIG16_NIR16_DUAL", Profile::Dual),
-    ("RNG15_RFL8_NIR8", Profile::Low),
-];
 
 impl Profile {
     /// The profile of this name.
-    pub(super) fn of(name: &str) -> Option<Self> {
-        PROFILES
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|&(_, profile)| profile)
+    pub(super) fn of(name: &str) -> Option<&'static Self> {
+        PROFILES.iter().find(|profile| profile.name == name)
     }
 
     /// The names of those that are read.
     pub(super) fn names() -> String {
-        PROFILES.map(|(name, _)| name).join(", ")
+        let names: Vec<&str> = PROFILES.iter().map(|profile| profile.name).collect();
+        names.join(", ")
+    }
+
+    fn is_legacy(&self) -> bool {
+        self.name == LEGACY.name
     }
 
     /// The names of what is known of a point beside its place, in the order of the values.
-    pub(super) fn value_names(self) -> &'static [&'static str] {
-        match self {
-            Self::Low => &["reflectivity", "near_ir"],
-            Self::Legacy | Self::Single | Self::Dual => &["intensity", "reflectivity", "near_ir"],
-        }
-    }
-
-    fn pixel_bytes(self) -> usize {
-        match self {
-            Self::Legacy | Self::Single => 12,
-            Self::Dual => 16,
-            Self::Low => 4,
-        }
+    pub(super) fn value_names(&self) -> &'static [&'static str] {
+        self.values
     }
 
     /// Before all columns, before each, behind each, and behind all.
-    fn frame_bytes(self) -> [usize; 4] {
-        match self {
-            Self::Legacy => [0, 16, 4, 0],
-            Self::Single | Self::Dual | Self::Low => [32, 12, 0, 32],
+    fn frame_bytes(&self) -> [usize; 4] {
+        if self.is_legacy() {
+            [0, 16, 4, 0]
+        } else {
+            [32, 12, 0, 32]
         }
     }
 
     /// The echoes of a pixel, which has as many bytes as one of the profile.
-    pub(super) fn echoes(self, pixel: &[u8]) -> [Option<Echo>; 2] {
-        let byte = |at: usize| pixel.get(at).copied().unwrap_or(0);
-        let short = |at: usize| u16::from_le_bytes([byte(at), byte(at + 1)]);
-        let range = |at: usize, bits: u32| {
-            let word = u32::from_le_bytes([byte(at), byte(at + 1), byte(at + 2), byte(at + 3)]);
-            word & ((1 << bits) - 1)
+    pub(super) fn echoes(&self, pixel: &[u8]) -> [Option<Echo>; 2] {
+        let echo = |at: &EchoBits| {
+            let mut values = [0.0; MOST_VALUES];
+            for (value, bits) in values.iter_mut().zip(at.values) {
+                *value = bits.of(pixel) as f32;
+            }
+            Echo {
+                range_mm: at.range.of(pixel),
+                values,
+            }
         };
-        let first = match self {
-            Self::Legacy => Echo {
-                range_mm: range(0, 20),
-                reflectivity: byte(4),
-                signal: short(6),
-                near_infrared: short(8),
-            },
-            Self::Single => Echo {
-                range_mm: range(0, 19),
-                reflectivity: byte(4),
-                signal: short(6),
-                near_infrared: short(8),
-            },
-            Self::Dual => Echo {
-                range_mm: range(0, 19),
-                reflectivity: byte(3),
-                signal: short(8),
-                near_infrared: short(12),
-            },
-            // Units of 8 mm, and of 16 of what the other profiles have.
-            Self::Low => Echo {
-                range_mm: u32::from(short(0) & 0x7fff) << 3,
-                reflectivity: byte(2),
-                signal: 0,
-                near_infrared: u16::from(byte(3)) << 4,
-            },
-        };
-        let second = Echo {
-            range_mm: range(4, 19),
-            reflectivity: byte(7),
-            signal: short(10),
-            near_infrared: first.near_infrared,
-        };
-        [Some(first), (self == Self::Dual).then_some(second)]
+        [Some(echo(&self.first)), self.second.as_ref().map(echo)]
     }
 }
 
@@ -148,61 +287,89 @@ impl PacketShape {
 
     fn column_bytes(self) -> usize {
         let [_, before, behind, _] = self.profile.frame_bytes();
-        before + self.pixels * self.profile.pixel_bytes() + behind
+        before + self.pixels * self.profile.pixel_bytes + behind
     }
 
-    /// Which frame a packet is of, from its first bytes.
-    pub(in super::super) fn frame_id(self, packet: &[u8]) -> Option<u16> {
-        let at = match self.profile {
-            Profile::Legacy => 10,
-            Profile::Single | Profile::Dual | Profile::Low => 2,
-        };
-        Some(u16::from_le_bytes(packet.get(at..at + 2)?.try_into().ok()?))
+    /// The number of the frame that a packet is of, from its first bytes.
+    fn frame_number(self, packet: &[u8]) -> Option<u32> {
+        if self.is_fusa {
+            return Some(u32::from_le_bytes(packet.get(4..8)?.try_into().ok()?));
+        }
+        let at = if self.profile.is_legacy() { 10 } else { 2 };
+        let raw = packet.get(at..at + 2)?.try_into().ok()?;
+        Some(u16::from_le_bytes(raw).into())
+    }
+
+    /// The frame that a packet is of, where frames begin at measurement `seam`.
+    pub(in super::super) fn frame_of(self, packet: &[u8], seam: u16) -> Option<FrameId> {
+        if seam == 0 {
+            let number = self.frame_number(packet)?;
+            return Some(FrameId { number, seam });
+        }
+        let column = self.columns(packet).next()?;
+        let number = self.number_of(&column, seam);
+        Some(FrameId { number, seam })
+    }
+
+    /// The frame that a column is of, where frames begin at measurement `seam`.
+    fn number_of(self, column: &Column<'_>, seam: u16) -> u32 {
+        let is_before = column.measurement < seam;
+        let number = column.frame.wrapping_sub(u32::from(is_before));
+        if self.is_fusa { number } else { number & 0xffff }
     }
 
     /// The serial number of the sensor, where packets have it.
     pub(in super::super) fn serial(self, packet: &[u8]) -> Option<u64> {
-        if self.profile == Profile::Legacy {
+        if self.profile.is_legacy() {
             return None;
         }
+        let at = if self.is_fusa { 11 } else { 7 };
         let mut raw = [0; 8];
-        raw[..5].copy_from_slice(packet.get(7..12)?);
+        raw[..5].copy_from_slice(packet.get(at..at + 5)?);
         Some(u64::from_le_bytes(raw))
     }
 
-    /// The columns of frame `frame` in a packet. Precondition: it has [`PacketShape::packet_bytes`].
-    pub(super) fn columns(self, packet: &[u8], frame: u16) -> impl Iterator<Item = Column<'_>> {
+    /// The whole columns of a packet. Precondition: it has [`PacketShape::packet_bytes`].
+    pub(in super::super) fn columns(self, packet: &[u8]) -> impl Iterator<Item = Column<'_>> {
         let [before, head, foot, _] = self.profile.frame_bytes();
         let columns = packet
             .get(before..)
             .unwrap_or_default()
             .chunks_exact(self.column_bytes());
-        let is_of_frame = self.frame_id(packet) == Some(frame);
+        let frame = self.frame_number(packet);
         columns.take(self.columns).filter_map(move |column| {
             let short = |at: usize| Some(u16::from_le_bytes(column.get(at..at + 2)?.try_into().ok()?));
-            let is_whole = match self.profile {
-                Profile::Legacy => short(10)? == frame && column.ends_with(&[0xff; 4]),
-                Profile::Single | Profile::Dual | Profile::Low => is_of_frame && short(10)? & 1 == 1,
+            let (is_whole, frame) = if self.profile.is_legacy() {
+                (column.ends_with(&[0xff; 4]), u32::from(short(10)?))
+            } else {
+                (short(10)? & 1 == 1, frame?)
             };
             is_whole.then_some(Column {
                 time_ns: u64::from_le_bytes(column.get(..8)?.try_into().ok()?),
                 measurement: short(8)?,
+                frame,
                 pixels: column.get(head..column.len() - foot)?,
             })
         })
     }
 
+    /// Whether a column is of `frame`.
+    pub(super) fn is_of(self, column: &Column<'_>, frame: FrameId) -> bool {
+        self.number_of(column, frame.seam) == frame.number
+    }
+
     /// Bytes of a pixel.
     pub(super) fn pixel_bytes(self) -> usize {
-        self.profile.pixel_bytes()
+        self.profile.pixel_bytes
     }
 }
 
 /// Whether packets of `byte_count` bytes may be of a sensor of Ouster, whatever its metadata says.
 pub(in super::super) fn may_be(byte_count: usize) -> bool {
-    let shapes = PROFILES.iter().flat_map(|&(_, profile)| {
+    let shapes = PROFILES.iter().flat_map(|profile| {
         [16, 32, 64, 128].into_iter().map(move |pixels| PacketShape {
             profile,
+            is_fusa: false,
             pixels,
             columns: 16,
         })

@@ -20,15 +20,13 @@ pub(super) use model::Model;
 pub(super) use packet::DataPacket;
 
 use super::points::{MOST_VALUES, Measured, Points};
+use super::seam::{Seam, TURN};
 use model::Laser;
-use packet::{BLOCKS, SHOTS, TURN};
+use packet::{BLOCKS, SHOTS};
 use std::ops::Range;
 
 /// The names of what is known of a point beside its place.
 pub(super) const NAMES: &[&str] = &["intensity"];
-
-/// The azimuth falls by as much where a turn begins; less is a head that stands, or a packet that came late.
-const LEAST_FALL: i32 = 2000;
 
 /// The azimuth grows by less between cycles, at 20 turns a second and with two echoes; more is a gap.
 const MOST_STEP: i32 = 200;
@@ -108,12 +106,31 @@ fn cycles(model: Model, packet: DataPacket<'_>) -> (usize, usize) {
 #[derive(Debug)]
 pub(super) struct Turning {
     model: Model,
+    seam: Seam,
+    /// Of the cycle before, from the seam on.
     azimuth: Option<i32>,
 }
 
 impl Turning {
     pub(super) fn new(model: Model) -> Self {
-        Self { model, azimuth: None }
+        Self {
+            model,
+            seam: Seam::default(),
+            azimuth: None,
+        }
+    }
+
+    /// Revolutions begin at `seam` from the next packet on.
+    pub(super) fn set_seam(&mut self, seam: Seam) {
+        self.seam = seam;
+        self.azimuth = None;
+    }
+
+    /// The azimuths of the cycles of `packet` that measured.
+    pub(super) fn azimuths(&self, packet: DataPacket<'_>) -> impl Iterator<Item = i32> {
+        let (blocks, count) = cycles(self.model, packet);
+        let blocks = (0..count).map(move |cycle| packet.block(cycle * blocks));
+        blocks.filter(|block| block.bank.is_some()).map(|block| block.azimuth)
     }
 
     /// The cycle of `packet` at which a turn begins; `None` where it goes on, 0 for the first packet.
@@ -121,8 +138,10 @@ impl Turning {
         let (blocks, count) = cycles(self.model, packet);
         let mut found = None;
         for cycle in 0..count {
-            let azimuth = packet.block(cycle * blocks).azimuth;
-            let begins = self.azimuth.is_none_or(|before| before - azimuth > LEAST_FALL);
+            let azimuth = self.seam.from_here(packet.block(cycle * blocks).azimuth);
+            let begins = self
+                .azimuth
+                .is_none_or(|before| before - azimuth > self.seam.least_fall);
             if begins && found.is_none() {
                 found = Some(cycle as u8);
             }

@@ -2,6 +2,8 @@
 //!
 //! VLP-16 user manual 63-9243 §9.3, HDL-64E S3 manual 63-HDL64ES3 appendix E, VLS-128 manual 63-9483 §9.3.
 
+use super::super::seam::TURN;
+
 /// All data packets are as long.
 pub(in super::super) const PACKET_BYTES: usize = 1206;
 
@@ -12,9 +14,6 @@ pub(super) const BLOCKS: usize = 12;
 pub(super) const SHOTS: usize = 32;
 
 const BLOCK_BYTES: usize = 100;
-
-/// A turn has so many steps of azimuth.
-pub(super) const TURN: i32 = 36_000;
 
 /// What each block begins with: the bank of 32 lasers that measured.
 const BANKS: [[u8; 2]; 4] = [[0xff, 0xee], [0xff, 0xdd], [0xff, 0xcc], [0xff, 0xbb]];
@@ -60,7 +59,7 @@ impl<'a> DataPacket<'a> {
     }
 
     /// Microseconds since the hour, of the first shot.
-    pub(super) fn time_us(self) -> u32 {
+    pub(in super::super) fn time_us(self) -> u32 {
         u32::from_le_bytes([self.0[1200], self.0[1201], self.0[1202], self.0[1203]])
     }
 

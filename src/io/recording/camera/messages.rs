@@ -86,7 +86,7 @@ pub(crate) struct Link {
 fn serialisation(message: &Message) -> Option<Serialisation> {
     match message.encoding {
         Encoding::Ros(serialisation) => Some(serialisation),
-        Encoding::Protobuf | Encoding::Json => None,
+        Encoding::Livox(_) | Encoding::Protobuf | Encoding::Json => None,
     }
 }
 

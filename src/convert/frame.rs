@@ -1,0 +1,52 @@
+//! A frame in a file of its own.
+
+use super::conversion::{Conversion, Converted};
+use super::error::ConvertError;
+use crate::io::Losses;
+use crate::kept::Partial;
+use crate::sequence::Sequence;
+use std::path::Path;
+
+/// A frame that was written.
+pub(super) struct WrittenFrame {
+    /// What could not be read of it.
+    warnings: Vec<String>,
+    losses: Losses,
+}
+
+impl Converted {
+    pub(super) fn take(&mut self, frame: usize, WrittenFrame { warnings, losses }: WrittenFrame) {
+        self.written += 1;
+        self.warnings
+            .extend(warnings.into_iter().map(|warning| (frame, warning)));
+        self.losses.merge(losses);
+    }
+}
+
+/// Writes frame `index` to `path`; `before_named` is told its bytes when it is on the disk and has no name yet.
+pub(super) fn write_frame(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    index: usize,
+    path: &Path,
+    before_named: impl FnOnce(u64) -> std::io::Result<()>,
+) -> Result<WrittenFrame, ConvertError> {
+    let cloud = conversion.edited(sequence, index)?;
+    let losses = conversion.format.losses(&cloud);
+    let write = || {
+        let (partial, mut file) = Partial::create(path)?;
+        crate::io::write(&mut file, conversion.format, &cloud)?;
+        // On the disk before it has its name: what stands in the folder is finished, whatever happens to the machine.
+        file.sync_data()?;
+        before_named(file.metadata()?.len())?;
+        partial.finish()
+    };
+    write().map_err(|reason| ConvertError::Write {
+        path: path.to_owned(),
+        reason,
+    })?;
+    Ok(WrittenFrame {
+        warnings: cloud.warnings,
+        losses,
+    })
+}

@@ -1,0 +1,274 @@
+//! A sample of every kind, as small as it can be.
+
+use super::*;
+use crate::io::Format;
+use std::collections::HashSet;
+
+/// A name and the first bytes of a file, with words of its name for people.
+type Sample = (&'static str, &'static [u8], &'static str);
+
+/// Files whose content says their kind, whatever they are called.
+const BY_CONTENT: &[Sample] = &[
+    ("scan.bin", b"CCB2\x00\x00", "CloudCompare"),
+    ("scan", b"CCB3\x00\x00", "CloudCompare"),
+    (
+        "cloud.js",
+        br#"{"version":"1.8","octreeDir":"data","hierarchyStepSize":5}"#,
+        "Potree 1",
+    ),
+    (
+        "metadata.json",
+        br#"{"version":"2.0","hierarchy":{"firstChunkSize":22}}"#,
+        "Potree 2",
+    ),
+    ("octree.bin", b"\x00\x00\x00\x00", "Potree 2"),
+    (
+        "ept.json",
+        br#"{"dataType":"laszip","hierarchyType":"json"}"#,
+        "Entwine",
+    ),
+    ("0.pnts", b"pnts\x01\x00\x00\x00", "PNTS"),
+    ("0.b3dm", b"b3dm\x01\x00\x00\x00", "B3DM"),
+    (
+        "tileset.json",
+        br#"{"asset":{"version":"1.0"},"geometricError":70,"root":{}}"#,
+        "tileset",
+    ),
+    ("a.lvx", b"livox_tech\x00\x00\x00\x00\x00\x00\x01\x01\x00\x00", "LVX)"),
+    ("a.lvx2", b"livox_tech\x00\x00\x00\x00\x00\x00\x02\x00\x00\x00", "LVX2"),
+    ("run_0.db3.zstd", b"\x28\xb5\x2f\xfd\x00", "ROS 2 bag"),
+    ("run_0.mcap.zstd", b"\x28\xb5\x2f\xfd\x00", "ROS 2 bag"),
+    (
+        "metadata.yaml",
+        b"rosbag2_bagfile_information:\n  version: 5\n",
+        "description of a ROS 2 bag",
+    ),
+    ("a.osf", b"\x10\x00\x00\x00\x10\x00\x00\x00OSF!", "OSF"),
+    ("a.bt", b"# Octomap OcTree binary file\n", "OctoMap"),
+    ("meta.json", br#"{"version":2,"means":{},"quats":{}}"#, "SOG"),
+    ("a.splatv", b"\x4b\x67\x00\x00\x3a\x00\x00\x00[{", "SPLATV"),
+    ("a.vtk", b"# vtk DataFile Version 3.0\n", "VTK"),
+    (
+        "a.vtu",
+        b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">",
+        "VTK data set in XML",
+    ),
+    ("a.usdc", b"PXR-USDC", "USD"),
+    ("a.usda", b"#usda 1.0\n", "USD"),
+    ("a.fbx", b"Kaydara FBX Binary  \x00", "FBX"),
+    ("a.blend", b"BLENDER-v300", "Blender"),
+    ("b.blend", b"\x28\xb5\x2f\xfd", "Blender"),
+    ("a.ifc", b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));", "IFC"),
+    ("a.stp", b"ISO-10303-21;\nHEADER;\n", "STEP"),
+    ("a.dwg", b"AC1027", "DWG"),
+    ("a.dxf", b"  0\r\nSECTION\r\n  2\r\n", "DXF"),
+    ("a.dae", b"<?xml version=\"1.0\"?>\n<COLLADA>", "COLLADA"),
+    ("a.wrl", b"#VRML V2.0 utf8", "VRML"),
+    ("a.3dm", b"3D Geometry File Format ", "Rhino"),
+    ("a.abc", b"Ogawa\xff", "Alembic"),
+    ("a.vdb", b"\x20\x42\x44\x56", "OpenVDB"),
+    ("a.msh", b"$MeshFormat\n4.1 0 8\n", "Gmsh"),
+    (
+        "well.las",
+        b"# made by hand\n~Version information\n VERS. 2.0:\n",
+        "well log",
+    ),
+    ("well2.las", b"~V\n", "well log"),
+    ("1abc.pdb", b"HEADER    HYDROLASE", "Protein Data Bank"),
+    (
+        "2abc.txt",
+        b"REMARK 1\nATOM      1  N   MET A   1\n",
+        "Protein Data Bank",
+    ),
+    ("a.mol2", b"# x\n@<TRIPOS>MOLECULE\n", "MOL2"),
+    (
+        "a.mol",
+        b"water\n  made\n\n  3  2  0  0  0  0  0  0  0  0999 V2000\n",
+        "MDL",
+    ),
+    ("a.cif", b"data_quartz\n_cell_length_a 4.9\n", "CIF"),
+    (
+        "a.pt",
+        b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19.",
+        "PyTorch",
+    ),
+    ("a.pkl", b"\x80\x04\x95\x10\x00\x00\x00\x00\x00\x00\x00}", "pickled"),
+    (
+        "a.safetensors",
+        b"\x40\x00\x00\x00\x00\x00\x00\x00{\"a\":{}}",
+        "safetensors",
+    ),
+    ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "MATLAB"),
+    ("a.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
+    ("a.nc", b"CDF\x01", "NetCDF"),
+    ("a.parquet", b"PAR1\x15", "Parquet"),
+    ("a.feather", b"ARROW1\x00\x00", "Arrow"),
+    ("a.rds", b"RDX3\n", "R data"),
+    ("a.nrrd", b"NRRD0004\n", "NRRD"),
+    ("a.shp", b"\x00\x00\x27\x0a\x00\x00\x00\x00\x00", "shapefile"),
+    ("cloud.ply", b"\n<!DOCTYPE html>\n<html>", "web page"),
+    (
+        "cloud.las",
+        b"<?xml version=\"1.0\"?>\n<Error><Code>AccessDenied</Code>",
+        "file store",
+    ),
+    (
+        "cloud.laz",
+        b"version https://git-lfs.github.com/spec/v1\noid sha256:00\n",
+        "git lfs pull",
+    ),
+    ("cloud.pcd", b"/annex/objects/SHA256E-s12--00.pcd\n", "git annex get"),
+    ("._cloud.ply", b"\x00\x05\x16\x07\x00\x02\x00\x00Mac", "AppleDouble"),
+    ("a.tif", b"II\x2a\x00\x08", "GeoTIFF"),
+    ("a.png", b"\x89PNG\r\n\x1a\n", "an image"),
+    ("a.jpg", b"\xff\xd8\xff\xe0\x00", "an image"),
+    ("a.webp", b"RIFF\x00\x00\x00\x00WEBP", "an image"),
+    ("a.heic", b"\x00\x00\x00\x18ftypheic", "an image"),
+    ("a.mp4", b"\x00\x00\x00\x18ftypisom", "a video"),
+    ("a.avi", b"RIFF\x00\x00\x00\x00AVI ", "a video"),
+    ("a.mkv", b"\x1a\x45\xdf\xa3", "a video"),
+    ("a.pdf", b"%PDF-1.7", "PDF"),
+    ("a.ply.bz2", b"BZh91AY", "bzip2"),
+    ("a.tar.xz", b"\xfd7zXZ\x00", "xz"),
+    ("a.ply.zst", b"\x28\xb5\x2f\xfd", "compressed with zstd"),
+    ("a.ply.lz4", b"\x04\x22\x4d\x18", "lz4"),
+    ("a.7z", b"7z\xbc\xaf\x27\x1c", "7-Zip"),
+    ("a.rar", b"Rar!\x1a\x07\x00", "RAR"),
+];
+
+/// Files that only their names tell.
+const BY_NAME: &[(&str, &str)] = &[
+    ("hierarchy.bin", "Potree 2"),
+    ("site.rcp", "ReCap"),
+    ("site.RCS", "ReCap"),
+    ("scan.ptg", "PTG"),
+    ("scan.lgs", "Leica"),
+    ("scan.fls", "FARO"),
+    ("scan.zfs", "Zoller"),
+    ("scan.rxp", "RIEGL"),
+    ("scan.tzf", "Trimble"),
+    ("scan.cl3", "Topcon"),
+    ("scan.pod", "Pointools"),
+    ("scan.zlas", "ZLAS"),
+    ("lod-meta.json", "levels of detail"),
+    ("scene.ksplat", "KSPLAT"),
+    ("scene.lcc", "LCC"),
+    ("scene.spx", "SPX"),
+    ("scene.rad", "RAD"),
+    ("model.3ds", "3D Studio"),
+    ("model.igs", "IGES"),
+    ("model.skp", "SketchUp"),
+    ("a.tfrecord", "TensorFlow"),
+    ("a.dcm", "DICOM"),
+];
+
+/// Archives and folders, by the names of their files.
+const BY_MEMBERS: &[(&[&str], &str)] = &[
+    (&["cloud.js", "data"], "Potree 1"),
+    (&["metadata.json", "octree.bin", "hierarchy.bin"], "Potree 2"),
+    (&["ept.json"], "Entwine"),
+    (&["tileset.json", "0.pnts"], "tileset"),
+    (&["meta.json", "means_l.webp", "means_u.webp"], "SOG"),
+    (&["lod-meta.json"], "levels of detail"),
+    (&["Scene.LCC", "data.bin", "index.bin"], "LCC"),
+    (&["site.rcp"], "ReCap"),
+    (&["model.usdc", "0/texture.png"], "USD"),
+    (&["model.usda"], "USDZ"),
+    (&["[Content_Types].xml", "3D/3dmodel.model"], "3MF"),
+    (&["archive/data.pkl", "archive/version"], "PyTorch"),
+    (&["[Content_Types].xml", "xl/workbook.xml"], "Excel"),
+    (&["[Content_Types].xml", "word/document.xml"], "Office"),
+    (&["doc.kml"], "KML"),
+];
+
+#[test]
+fn samples_are_recognised_by_their_content() {
+    for (name, bytes, words) in BY_CONTENT {
+        let path = Path::new(name);
+        let kind = by_content(path, bytes).unwrap_or_else(|| panic!("{name} is not recognised"));
+        assert!(kind.to_string().contains(words), "{name}: {kind}");
+        assert_eq!(Format::detect(path, bytes), None, "{name}");
+    }
+}
+
+#[test]
+fn names_tell_where_content_does_not() {
+    for (name, words) in BY_NAME {
+        let kind = recognise(Path::new(name), b"\x01\x02\x03\x04").unwrap_or_else(|| panic!("{name}"));
+        assert!(kind.to_string().contains(words), "{name}: {kind}");
+    }
+    for (names, words) in BY_MEMBERS {
+        let kind = by_members(names.iter().copied()).unwrap_or_else(|| panic!("{names:?}"));
+        assert!(kind.to_string().contains(words), "{names:?}: {kind}");
+    }
+    assert!(by_members(["a.ply", "meta.json"].into_iter()).is_none());
+}
+
+#[test]
+fn every_row_has_a_sample() {
+    let by_content = BY_CONTENT
+        .iter()
+        .filter_map(|(name, bytes, _)| by_content(Path::new(name), bytes));
+    let by_name = BY_NAME
+        .iter()
+        .filter_map(|(name, _)| recognise(Path::new(name), b"\x01"));
+    let by_members = BY_MEMBERS
+        .iter()
+        .filter_map(|(names, _)| by_members(names.iter().copied()));
+    let hit: HashSet<&str> = by_content
+        .chain(by_name)
+        .chain(by_members)
+        .map(|kind| kind.name)
+        .collect();
+    let missed: Vec<&str> = rows().map(|row| row.name).filter(|name| !hit.contains(name)).collect();
+    assert_eq!(missed, [""; 0]);
+    let names: HashSet<&str> = rows().map(|row| row.name).collect();
+    assert_eq!(names.len(), rows().count(), "two rows have one name");
+    assert!(rows().count() >= 60, "{}", rows().count());
+}
+
+#[test]
+fn rows_do_not_take_extensions_of_formats_that_are_read() {
+    let read: HashSet<&str> = crate::io::supported_extensions().collect();
+    for row in rows() {
+        for extension in row.extensions {
+            assert!(!read.contains(extension), "{}: {extension}", row.name);
+        }
+        assert!(!row.name.is_empty() && !row.advice.is_empty());
+        assert!(
+            row.name.starts_with("a ")
+                || row.name.starts_with("an ")
+                || row.name.contains("macOS")
+                || row.name.starts_with("the "),
+            "{}",
+            row.name
+        );
+    }
+}
+
+#[test]
+fn files_that_are_read_are_not_caught() {
+    let floats: Vec<u8> = [12.5f32, -3.25, 1.75, 0.5]
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    let samples: [(&str, &[u8]); 12] = [
+        ("a.ply", b"ply\nformat ascii 1.0\n"),
+        ("a.txt", b"1 2 3\n4 5 6\n"),
+        ("data_points.csv", b"data_x,y,z\n1,2,3\n"),
+        ("a.xyz", b"# REMARK\n1 2 3\n"),
+        ("000000.bin", &floats),
+        ("a.bin", &[0; 64]),
+        ("a.splat", &[0; 32]),
+        ("a.stl", b"solid cube\n"),
+        ("a.obj", b"v 0 0 0\n"),
+        ("a.gltf", br#"{"asset":{"version":"2.0"},"meshes":[]}"#),
+        ("a.pcd", b"# .PCD v0.7\nVERSION 0.7\n"),
+        ("a.pts", b"3\n1 2 3 4\n"),
+    ];
+    for (name, bytes) in samples {
+        let kind = by_content(Path::new(name), bytes);
+        assert!(kind.is_none(), "{name}: {kind:?}");
+        assert!(Format::detect(Path::new(name), bytes).is_some(), "{name}");
+    }
+}

@@ -1,0 +1,465 @@
+//! All rows of a file, with what their columns are.
+
+use super::super::attributes::is_reserved;
+use super::super::column::{Column, Scalar, Values};
+use super::super::column_map::ColumnMap;
+use super::super::column_names::axes;
+use super::super::error::{Fault, Place};
+use super::super::growing;
+use super::super::options::ReadOptions;
+use super::counted::{self, Counted};
+use super::encoding::utf8;
+use super::frames::{Frame, Rows};
+use super::guess::guessed_names;
+use super::head::{Head, Header, count_of_points, names_in, strs};
+use super::naming::Naming;
+use super::rows::{self, Kind, MAX_WORDS, Odd, ParsedRows};
+use super::sequence;
+use super::utm::Zone;
+use crate::assumption::{Assumption, Evidence, Subject};
+use crate::cloud::{LengthUnit, Positions, RawCloud};
+use crate::progress::Progress;
+use std::path::Path;
+
+/// Scalars per point that are read.
+const MAX_SCALARS: usize = 256;
+
+/// A parsed file.
+#[derive(Debug, Default)]
+pub(in crate::io) struct Table {
+    columns: Vec<Column<'static>>,
+    rows: usize,
+    /// Empty where all rows are one cloud.
+    pub(super) frames: Vec<Frame>,
+    unit: Option<LengthUnit>,
+    assumptions: Vec<Assumption>,
+    warnings: Vec<String>,
+}
+
+/// Rows, what is known of their columns, and where they stood.
+pub(super) struct Parsed {
+    pub(super) rows: ParsedRows,
+    pub(super) names: Vec<String>,
+    /// As the file has them; empty where it has none.
+    pub(super) raw_names: Vec<String>,
+    pub(super) naming: Naming,
+    pub(super) counted: Option<Counted>,
+    /// Whether all points of a file of several counts are one cloud.
+    pub(super) is_one_cloud: bool,
+}
+
+impl Table {
+    /// Of the file `name` with these `bytes`.
+    pub(in crate::io) fn open(
+        name: &Path,
+        bytes: &[u8],
+        options: &ReadOptions,
+        progress: &Progress,
+    ) -> Result<Self, Fault> {
+        let text = utf8(bytes);
+        let counted = Counted::of(&text)?;
+        let body: &[u8] = counted.as_ref().map_or(&text, |counted| &counted.text);
+        let mut head = Head::read(body)?;
+        let Some(width) = head.width else {
+            return no_rows(&head);
+        };
+        if let Some(counted) = &counted {
+            let comment = counted.blocks.first().map_or("", |block| &block.comment);
+            let names = counted::properties(comment).unwrap_or_else(|| names_in(comment.as_bytes(), head.dialect));
+            let is_header = names.len() == width && axes(&strs(&names)).is_some();
+            head.header = is_header.then_some(Header {
+                names,
+                line: 2,
+                is_comment: true,
+            });
+        }
+        let map: Option<ColumnMap> = options.columns;
+        let naming = Naming::of(&head, width, map)?;
+        let mut kinds = head.kinds.clone();
+        for axis in naming.positions {
+            if kinds[axis] != Kind::Number {
+                let line = counted
+                    .as_ref()
+                    .map_or(head.line_count + 1, |counted| counted.line_of(1));
+                let problem = format!("column {axis} (counted from 0) is to hold coordinates, and has words");
+                return Err(Fault::new(Place::Line(line), problem));
+            }
+            kinds[axis] = Kind::Required;
+        }
+        progress.set(head.byte_count, body.len());
+        let start = head.line_count + 1;
+        let mut parsed = rows::parse(&body[head.byte_count..], start, &kinds, head.dialect, progress)?;
+        if let Some(counted) = &counted {
+            for odd in [&mut parsed.odd_lines, &mut parsed.odd_cells] {
+                odd.first = odd.first.take().map(|(line, problem)| (counted.line_of(line), problem));
+            }
+        }
+        let mut table = Self {
+            rows: parsed.len(),
+            unit: naming.unit,
+            assumptions: naming.assumptions.clone(),
+            ..Self::default()
+        };
+        table.check_lines(&mut parsed, &head, width)?;
+        table.project(&mut parsed, &naming)?;
+        let names = match &naming.names {
+            Some(names) => names.clone(),
+            None => table.guess(&parsed, &kinds, &naming, counted.is_some()),
+        };
+        let parsed = Parsed {
+            rows: parsed,
+            names,
+            raw_names: head.header.map_or_else(Vec::new, |header| header.names),
+            naming,
+            counted,
+            is_one_cloud: name
+                .extension()
+                .is_some_and(|extension| extension.eq_ignore_ascii_case("pts")),
+        };
+        table.frames = sequence::divide(&parsed, &mut table.assumptions, &mut table.warnings);
+        table.take_columns(parsed, &kinds);
+        Ok(table)
+    }
+
+    /// Skipped lines and missing values: said, and if there are many an error.
+    fn check_lines(&mut self, parsed: &mut ParsedRows, head: &Head, width: usize) -> Result<(), Fault> {
+        /// One of so many lines may be odd, or one alone if there are two rows.
+        const ROWS_PER_ODD: usize = 10;
+        let claimed = claimed_points(head.claimed, parsed, width);
+        if let Some(claimed) = claimed.filter(|&claimed| claimed > self.rows + parsed.odd_lines.count) {
+            return Err(cut_short(claimed, self.rows));
+        }
+        let odd = parsed.odd_lines.count;
+        let is_allowed = odd == 0 || (odd == 1 && self.rows > 1) || odd * ROWS_PER_ODD <= self.rows;
+        if !is_allowed && let Some(fault) = parsed.odd_lines.fault() {
+            return Err(fault);
+        }
+        if let Some((line, problem)) = &parsed.odd_lines.first {
+            let others = match odd {
+                1 => "this line is skipped".to_owned(),
+                odd => format!("this line and {} more are skipped", odd - 1),
+            };
+            self.warnings.push(format!("line {line}: {problem}: {others}"));
+        }
+        if let Odd {
+            count,
+            first: Some((line, problem)),
+        } = &parsed.odd_cells
+        {
+            let cells = if *count == 1 {
+                "this value is"
+            } else {
+                "such values are"
+            };
+            self.warnings
+                .push(format!("line {line}: {problem}: {cells} missing ({count} in all)"));
+        }
+        Ok(())
+    }
+
+    /// Longitude and latitude become metres.
+    fn project(&mut self, parsed: &mut ParsedRows, naming: &Naming) -> Result<(), Fault> {
+        /// Beyond that the projection is far too wide.
+        const MAX_DEGREES: f64 = 30.0;
+        if !naming.is_geographic || self.rows == 0 {
+            return Ok(());
+        }
+        let [longitude, latitude, _] = naming.positions;
+        let median = |column: usize| {
+            let mut known: Vec<f64> = parsed.columns[column]
+                .iter()
+                .copied()
+                .filter(|value| value.is_finite())
+                .collect();
+            let middle = known.len() / 2;
+            (!known.is_empty()).then(|| *known.select_nth_unstable_by(middle, f64::total_cmp).1)
+        };
+        let (Some(east), Some(north)) = (median(longitude), median(latitude)) else {
+            return Ok(());
+        };
+        let zone = Zone::of(east, north);
+        for row in 0..self.rows {
+            let [east, north] = [longitude, latitude].map(|column| parsed.columns[column][row]);
+            if east.is_nan() || north.is_nan() {
+                continue;
+            }
+            if !(-90.0..=90.0).contains(&north) || !(-180.0..=360.0).contains(&east) {
+                return Err(Fault::entry(
+                    "point",
+                    row,
+                    format!(
+                        "longitude {east} and latitude {north} are not degrees: say which columns to take as they \
+                         are, such as --columns x={longitude},y={latitude},z={}",
+                        naming.positions[2]
+                    ),
+                ));
+            }
+            if zone.degrees_from_meridian(east).abs() > MAX_DEGREES {
+                return Err(Fault::entry(
+                    "point",
+                    row,
+                    format!(
+                        "longitude {east} is more than {MAX_DEGREES} degrees away from the other points (UTM zone \
+                         {zone}): points all around the Earth are not projected"
+                    ),
+                ));
+            }
+            let [x, y] = zone.project(east, north);
+            parsed.columns[longitude][row] = x;
+            parsed.columns[latitude][row] = y;
+        }
+        self.unit = self.unit.or(Some(LengthUnit::Metre));
+        let projection = Assumption::new(
+            Subject::Projection,
+            format!("UTM zone {zone}, metres"),
+            "the columns are longitude and latitude in degrees, WGS 84 is supposed",
+            Evidence::Fallback,
+        );
+        self.assumptions.push(projection.with_option(Some("--columns")));
+        Ok(())
+    }
+
+    /// Names by values, where the file has none.
+    fn guess(&mut self, parsed: &ParsedRows, kinds: &[Kind], naming: &Naming, is_counted: bool) -> Vec<String> {
+        let is_words = |column: usize| kinds[column] == Kind::Text || kinds[column] == Kind::Time;
+        let is_asked = |column: &usize| !is_words(*column) && Some(*column) != naming.index;
+        let numbers: Vec<usize> = (0..kinds.len()).filter(is_asked).collect();
+        let values: Vec<Vec<f64>> = numbers.iter().map(|&column| parsed.columns[column].clone()).collect();
+        let guessed = guessed_names(&values);
+        let is_molecule = is_counted && kinds[0] == Kind::Text;
+        let mut names: Vec<String> = Vec::new();
+        let mut free = guessed.into_iter();
+        for (column, kind) in kinds.iter().enumerate() {
+            let name = match kind {
+                Kind::Text if is_molecule && column == 0 => "element".to_owned(),
+                Kind::Text => unique("label", &names),
+                Kind::Time => unique("time", &names),
+                _ if Some(column) == naming.index => unique("index", &names),
+                _ => free.next().unwrap_or_default(),
+            };
+            names.push(name);
+        }
+        if is_molecule {
+            self.assumptions.push(Assumption::new(
+                Subject::Columns,
+                names.join(" "),
+                "a count, a comment and rows that start with a word: a molecule in XYZ format",
+                Evidence::Convention,
+            ));
+        } else if names.len() > 3 {
+            let values_tell = names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
+            let (why, evidence) = if values_tell {
+                (
+                    "the file does not name its columns, their values are like that",
+                    Evidence::Statistics,
+                )
+            } else {
+                ("the file does not name its columns", Evidence::Fallback)
+            };
+            self.assumptions
+                .push(Assumption::new(Subject::Columns, names.join(" "), why, evidence));
+        }
+        names
+    }
+
+    /// Keeps the columns that points have.
+    fn take_columns(&mut self, parsed: Parsed, kinds: &[Kind]) {
+        let Parsed {
+            rows, names, naming, ..
+        } = parsed;
+        let words = &rows.words;
+        let missing =
+            (0..self.rows).filter(|&row| naming.positions.iter().any(|&axis| rows.columns[axis][row].is_nan()));
+        let missing = missing.count();
+        if missing > 0 {
+            self.warnings.push(format!(
+                "{missing} of {} points have no coordinates (empty or NaN cells): they are missing points",
+                self.rows
+            ));
+        }
+        let is_sequence = self.frames.len() > 1;
+        let is_channel = |name: &str| ["red", "green", "blue"].contains(&name);
+        let channels = names.iter().zip(&rows.columns).filter(|(name, _)| is_channel(name));
+        let full = channels
+            .flat_map(|(_, values)| values.iter().copied())
+            .fold(0.0, f64::max);
+        let mut dropped: Vec<String> = Vec::new();
+        let mut scalars = 0;
+        for (column, (name, mut values)) in names.into_iter().zip(rows.columns).enumerate() {
+            if Some(column) == naming.index {
+                continue;
+            }
+            if kinds[column] == Kind::Text {
+                let words = &words[column];
+                if words.len() > MAX_WORDS {
+                    self.warnings.push(format!(
+                        "column `{name}` holds words, more than {MAX_WORDS} different ones: it is ignored"
+                    ));
+                    continue;
+                }
+                let listed: Vec<String> = words
+                    .iter()
+                    .enumerate()
+                    .map(|(code, word)| format!("{code} {word}"))
+                    .collect();
+                self.assumptions.push(
+                    Assumption::new(
+                        Subject::Columns,
+                        format!("`{name}` is {}", listed.join(", ")),
+                        "words become numbers in alphabetical order",
+                        Evidence::Convention,
+                    )
+                    .with_option(None),
+                );
+            }
+            if !is_reserved(&name) {
+                scalars += 1;
+                if scalars > MAX_SCALARS {
+                    dropped.push(name);
+                    continue;
+                }
+            }
+            let mut scalar = Scalar::F64;
+            if is_sequence && is_channel(&name) {
+                // Full intensity is that of all frames.
+                scalar = Scalar::U8;
+                let factor = if full <= 1.0 {
+                    255.0
+                } else if full <= 255.0 {
+                    1.0
+                } else {
+                    255.0 / 65_535.0
+                };
+                for value in &mut values {
+                    *value *= factor;
+                }
+            }
+            self.columns.push(Column {
+                name,
+                scalar,
+                values: Values::Parsed(values),
+            });
+        }
+        if let Some(first) = dropped.first() {
+            self.warnings.push(format!(
+                "{} columns from `{first}` on are ignored: {MAX_SCALARS} scalars per point are read",
+                dropped.len()
+            ));
+        }
+    }
+
+    /// Number of frames.
+    pub(in crate::io) fn frame_count(&self) -> usize {
+        self.frames.len().max(1)
+    }
+
+    /// One of the frames.
+    pub(in crate::io) fn frame(&self, index: usize) -> Result<RawCloud, Fault> {
+        if index >= self.frame_count() {
+            return Err(Fault::header(format!(
+                "there is no frame {index}, only {} counted from 0: the file has changed since it was opened",
+                self.frame_count()
+            )));
+        }
+        let gathered = |rows: &Rows| -> Vec<Column<'static>> {
+            let of = |column: &Column<'static>| {
+                let values = match (&column.values, rows) {
+                    (Values::Parsed(values), Rows::Range(range)) => values[range.clone()].to_vec(),
+                    (Values::Parsed(values), Rows::List(rows)) => {
+                        rows.iter().map(|&row| values[row as usize]).collect()
+                    }
+                    (Values::Packed { .. }, _) => Vec::new(),
+                };
+                Column {
+                    name: column.name.clone(),
+                    scalar: column.scalar,
+                    values: Values::Parsed(values),
+                }
+            };
+            self.columns.iter().map(of).collect()
+        };
+        let mut cloud = match self.frames.get(index) {
+            Some(Frame { rows, .. }) if self.frames.len() > 1 => {
+                let count = match rows {
+                    Rows::Range(range) => range.len(),
+                    Rows::List(rows) => rows.len(),
+                };
+                growing::cloud(&gathered(rows), count)?
+            }
+            _ if self.columns.is_empty() => RawCloud::from_positions(Positions::F64(Vec::new())),
+            _ => growing::cloud(&self.columns, self.rows)?,
+        };
+        cloud.unit = self.unit;
+        cloud.assumptions.clone_from(&self.assumptions);
+        // Lines belong to the file, not to a frame of it.
+        if index == 0 {
+            cloud.warnings.clone_from(&self.warnings);
+        }
+        Ok(cloud)
+    }
+
+    /// All of the file, or the first frame of several.
+    pub(super) fn first(&self) -> Result<RawCloud, Fault> {
+        let mut cloud = self.frame(0)?;
+        if self.frames.len() > 1 {
+            cloud.warnings.push(format!(
+                "the file holds {} frames, of which this is the first: open it alone to see all",
+                self.frames.len()
+            ));
+        }
+        Ok(cloud)
+    }
+}
+
+/// `name`, or with a number behind it if another column has it.
+fn unique(name: &str, names: &[String]) -> String {
+    let is_free = |name: &String| !names.contains(name);
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    let mut candidates = std::iter::once(name.to_owned()).chain(numbered);
+    candidates.find(is_free).unwrap_or_default()
+}
+
+/// The cloud of a file without rows.
+fn no_rows(head: &Head) -> Result<Table, Fault> {
+    match (head.claimed, &head.header) {
+        (Some(claimed), _) if claimed > 0 => Err(cut_short(claimed, 0)),
+        // A header or a count of none alone is a cloud of no points.
+        (Some(_), _) => Ok(Table::default()),
+        (_, Some(header)) if axes(&strs(&header.names)).is_some() => Ok(Table::default()),
+        _ => Err(Fault::new(
+            Place::Line(1),
+            "there is no line with numbers: expected x y z in columns",
+        )),
+    }
+}
+
+fn cut_short(claimed: usize, count: usize) -> Fault {
+    Fault::entry(
+        "point",
+        count,
+        format!("the file ends here, but its first line counts {claimed} points: it is truncated"),
+    )
+}
+
+/// Points of all scans by the lone number before each: `.pts` files count their points there. Other lone numbers are
+/// odd lines.
+fn claimed_points(first: Option<usize>, rows: &mut ParsedRows, width: usize) -> Option<usize> {
+    let mut claimed = first;
+    for lone in std::mem::take(&mut rows.lones) {
+        // A further count comes when all points of those before it are there.
+        match (claimed, count_of_points(lone.value)) {
+            (Some(before), Some(count)) if lone.row > 0 && lone.row == before => {
+                claimed = Some(before.saturating_add(count));
+                rows.lones.push(lone);
+            }
+            _ => {
+                let odd = &mut rows.odd_lines;
+                odd.count += 1;
+                if odd.first.as_ref().is_none_or(|(line, _)| *line > lone.line) {
+                    odd.first = Some((lone.line, format!("found 1 numbers, expected {width}")));
+                }
+            }
+        }
+    }
+    claimed
+}
