@@ -55,6 +55,11 @@ cargo-deny:
 	@PATH="$$PATH:$(TOOLS)/bin" $(CARGO) deny --version >/dev/null 2>&1 \
 		|| $(CARGO) install --locked --debug --quiet --root $(TOOLS) cargo-deny
 
+.PHONY: slurm-test
+slurm-test: ## the Slurm job file on a slurmctld with two slurmd (root; packages slurmctld slurmd slurm-client munge)
+	$(CARGO) build --locked
+	scripts/slurm-test.sh target/debug/pointreel
+
 .PHONY: fuzz
 fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=folders of files to begin with)
 	scripts/fuzz.sh $(or $(SECONDS),60) $(SEEDS)

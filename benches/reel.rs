@@ -162,10 +162,12 @@ fn main() {
         println!("  tmc13, octree: 1.53 bits a voxel (of 2.19 M voxels)");
         let painted = [painted_torus(1_000_000)];
         measure("torus with normals and colours", &painted, &ReelOptions::default());
+        measure("the same, merged", &painted, &ReelOptions::merged());
         measure("the same, lossless", &painted, &ReelOptions::lossless());
         let man = sequence("../shared/data/sequences/cesiumman_24fps");
         if !man.is_empty() {
             measure("walking man", &man, &ReelOptions::default());
+            measure("walking man, merged", &man, &ReelOptions::merged());
             measure("walking man, lossless", &man, &ReelOptions::lossless());
         }
     });

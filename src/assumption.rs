@@ -85,43 +85,46 @@ struct Row {
     place: Option<&'static str>,
 }
 
+/// The list of the window that offers alternatives.
+const IN_LIST: Option<&str> = Some("View > Assumptions");
+
 /// One row per subject.
 const SUBJECTS: [Row; 14] = [
-    row(
-        Subject::UpAxis,
-        "up-axis",
-        "up axis",
-        Some("--up"),
-        Some("View > Up axis"),
-    ),
-    row(Subject::Unit, "unit", "unit", Some("--unit"), None),
+    row(Subject::UpAxis, "up-axis", "up axis", Some("--up"), IN_LIST),
+    row(Subject::Unit, "unit", "unit", None, None),
     row(
         Subject::DepthScale,
         "depth-scale",
         "depth scale",
         Some("--depth-scale"),
-        None,
+        IN_LIST,
     ),
-    row(Subject::Camera, "camera", "camera", Some("--intrinsics"), None),
-    row(Subject::Poses, "poses", "poses", None, None),
-    row(Subject::Columns, "columns", "columns", Some("--columns"), None),
+    row(Subject::Camera, "camera", "camera", Some("--intrinsics"), IN_LIST),
+    row(Subject::Poses, "poses", "poses", Some("--poses"), IN_LIST),
+    row(Subject::Columns, "columns", "columns", Some("--columns"), IN_LIST),
     row(Subject::ColorDepth, "color-depth", "colour depth", None, None),
     row(Subject::Frames, "frames", "frames", Some("--only"), None),
-    row(Subject::NoData, "no-data", "no-data values", Some("--no-data"), None),
-    row(Subject::FrameTimes, "frame-times", "frame times", Some("--fps"), None),
+    row(Subject::NoData, "no-data", "no-data values", Some("--no-data"), IN_LIST),
+    row(
+        Subject::FrameTimes,
+        "frame-times",
+        "frame times",
+        Some("--fps"),
+        IN_LIST,
+    ),
     row(
         Subject::Primitive,
         "primitive",
         "primitive",
         Some("--primitive"),
-        Some("Drawing > Primitive"),
+        IN_LIST,
     ),
     row(
         Subject::FilteredPoints,
         "filtered-points",
         "filtered points",
         Some("--rgbd-filters"),
-        None,
+        IN_LIST,
     ),
     row(Subject::MergedPoints, "merged-points", "merged points", None, None),
     row(Subject::Projection, "projection", "projection", None, None),
@@ -148,6 +151,16 @@ impl Subject {
         let row = SUBJECTS.iter().find(|row| row.subject == self);
         // A test holds that every subject has its row.
         row.unwrap_or(&SUBJECTS[0])
+    }
+
+    /// Every subject.
+    pub fn all() -> impl Iterator<Item = Self> {
+        SUBJECTS.iter().map(|row| row.subject)
+    }
+
+    /// The command-line option that changes assumptions about it.
+    pub fn option(self) -> Option<&'static str> {
+        self.row().option
     }
 
     /// In JSON.

@@ -4,6 +4,8 @@
 #[path = "common/walk.rs"]
 mod walk;
 
+#[path = "panels/assumptions.rs"]
+mod assumptions;
 #[path = "panels/benchmark.rs"]
 mod benchmark;
 #[path = "panels/beside.rs"]

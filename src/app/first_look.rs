@@ -16,6 +16,8 @@ pub(in crate::app) struct Chosen {
 #[derive(Debug, Default)]
 pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
+    /// The same without the user's choice of the up axis.
+    pub(in crate::app) guessed: Option<Arc<FirstLook>>,
     /// Frames beside the first one have been looked at, or there are none.
     pub(in crate::app) is_complete: bool,
     /// The view that followed from it.

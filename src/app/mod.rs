@@ -35,6 +35,7 @@ mod preferences;
 mod present;
 mod present_choice;
 mod presets;
+mod reading_choices;
 mod recent;
 mod sequence_name;
 mod side;
@@ -71,6 +72,7 @@ pub use open_panels::{OpenPanels, PanelId, RememberedPanels};
 pub use preferences::{Preferences, PreferencesFile};
 pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};
+pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const MAX_ENTRIES: usize = 10;
 
 /// An entry of more files than this is not kept: it is a selection, not a place.
-const MAX_INPUTS: usize = 100;
+pub(super) const MAX_INPUTS: usize = 100;
 
 /// The inputs of sequences, latest first.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -103,7 +103,7 @@ impl Recent {
 }
 
 /// The next run may start in another folder.
-fn absolute(inputs: &[PathBuf]) -> Vec<PathBuf> {
+pub(super) fn absolute(inputs: &[PathBuf]) -> Vec<PathBuf> {
     let absolute = |input: &PathBuf| std::path::absolute(input).unwrap_or_else(|_| input.clone());
     inputs.iter().map(absolute).collect()
 }

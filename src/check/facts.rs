@@ -29,6 +29,8 @@ pub struct FrameFacts {
     pub is_single_precision: bool,
     /// Which axis is probably up; `None` without a point.
     pub probable_up: Option<UpAxis>,
+    /// Size of the image whose pixels the points are.
+    pub image_px: Option<[u32; 2]>,
     /// What of the file could not be read although its points could.
     pub warnings: Vec<String>,
 }
@@ -55,6 +57,7 @@ impl FrameFacts {
             has_narrow_colors: raw.has_narrow_colors,
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
+            image_px: raw.grid.map(|grid| [grid.width(), grid.height()]),
             warnings: raw.warnings.clone(),
             missing,
         };

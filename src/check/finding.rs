@@ -39,6 +39,8 @@ pub enum FindingKind {
     LooseCamera,
     /// Radii of splats that are infinite or far larger than the cloud.
     AbsurdRadii,
+    /// Frames that another camera took than the first ones.
+    ChangedCamera,
 }
 
 /// Weight of a finding.

@@ -5,6 +5,7 @@
 //! look at its facts, rules about the sequence at the facts of all. What a rule finds is a [`Finding`]: of which kind,
 //! in which frames, said in one sentence.
 
+mod cameras;
 mod facts;
 mod finding;
 mod rules;

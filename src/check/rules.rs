@@ -38,6 +38,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     let mut findings = number_gaps(sequence);
     findings.extend(time_jumps(sequence));
     findings.extend(loose_cameras(sequence));
+    findings.extend(super::cameras::changed_camera(sequence, facts));
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
     let attributes = facts.iter().enumerate();

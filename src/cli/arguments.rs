@@ -111,6 +111,11 @@ impl ReadArgs {
         };
         let given = |is_given: bool| is_given.then(String::new);
         add("columns", self.columns.map(|columns| columns.to_string()));
+        let no_data = self.no_data.to_string();
+        add(
+            "no-data",
+            Some(no_data).filter(|no_data| *no_data != NoData::Auto.to_string()),
+        );
         add("merge-scans", given(self.merge_scans));
         add("dense", given(self.dense));
         words.extend(self.rgbd.in_words());

@@ -7,7 +7,7 @@ use super::progress::Bar;
 use super::reel_arguments::ReelArgs;
 use super::reel_info::ReelInfo;
 use super::warnings;
-use crate::convert::{Conversion, Converted, Edit, Output, Shard, convert, join};
+use crate::convert::{Conversion, Converted, Edit, MergePrice, Output, Shard, convert, join, parts_of};
 use crate::io::WriteFormat;
 use crate::messages::frame_with_index;
 use crate::progress::Progress;
@@ -25,7 +25,7 @@ pub(super) struct ConvertArgs {
     /// A folder, a pattern, or files; `demo:` and `example:lidar` are built in; the last one is the OUTPUT: a file for
     /// one frame, a sequence file (.reel) for all, or a folder, which is made: a name without extension or with a slash
     /// at its end. Files in it keep the names of those that they were made from
-    #[arg(required = true, num_args = 2.., value_name = "INPUT… OUTPUT")]
+    #[arg(required = true, num_args = 1.., value_name = "INPUT… OUTPUT")]
     paths: Vec<PathBuf>,
 
     /// ply, ply-ascii, pcd, las, laz, xyz or npy [default: by the extension of OUTPUT, else ply]
@@ -49,7 +49,8 @@ pub(super) struct ConvertArgs {
     #[arg(long)]
     estimate_normals: bool,
 
-    /// Convert the i-th of n shares of the frames, i from 1 to n: for several machines at once
+    /// Convert the i-th of n shares of the frames, i from 1 to n: for several machines at once; of a sequence file
+    /// `walk.reel` it is written to `walk.part-i-of-n.reel`
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
 
@@ -58,7 +59,8 @@ pub(super) struct ConvertArgs {
     #[arg(long)]
     overwrite: bool,
 
-    /// Join sequence files, those of shards, into the OUTPUT, one behind the other
+    /// Join sequence files, those of shards, into the OUTPUT, one behind the other; without an INPUT the parts of
+    /// OUTPUT that are next to it
     #[arg(long, conflicts_with_all = ["format", "frames", "voxel", "transform", "estimate_normals", "shard"])]
     join: bool,
 
@@ -74,10 +76,10 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         bail!("name an input and an output");
     };
     if arguments.join {
-        check_joined(inputs, output, arguments.overwrite)?;
-        let count = join(inputs, output)?;
-        answer(&format!("{count} frames joined into {}", output.display()));
-        return Ok(());
+        return run_join(inputs, output, arguments.overwrite);
+    }
+    if inputs.is_empty() {
+        bail!("name an input and an output");
     }
     let open = arguments.read.open_options();
     let sequence = open_sequence_and_tell(inputs, &open)?;
@@ -101,6 +103,10 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         overwrites: arguments.overwrite,
         reading: arguments.read.in_words(),
     };
+    match MergePrice::of(&conversion, &sequence) {
+        Ok(price) => price.iter().for_each(|price| warnings::warn(&price.to_string())),
+        Err(error) => warnings::warn(&format!("what merging costs cannot be estimated: {error}")),
+    }
     let bar = Arc::new(Bar::new(frame_count));
     let shown = Arc::clone(&bar);
     let progress = Progress::told_to(move |progress| shown.set(progress.done()));
@@ -149,6 +155,25 @@ fn check_joined(parts: &[PathBuf], output: &Path, overwrites: bool) -> anyhow::R
     Ok(())
 }
 
+fn run_join(inputs: &[PathBuf], output: &Path, overwrites: bool) -> anyhow::Result<()> {
+    let found;
+    let parts = if inputs.is_empty() {
+        found = parts_of(output)?;
+        &found
+    } else {
+        inputs
+    };
+    check_joined(parts, output, overwrites)?;
+    let joined = join(parts, output)?;
+    joined.notes.iter().for_each(|note| warnings::warn(note));
+    let (frames, output) = (joined.frames, output.display());
+    answer(&format!(
+        "{frames} frames of {} files joined into {output}",
+        parts.len()
+    ));
+    Ok(())
+}
+
 /// Where frames go by the name of `output`, and in which format.
 fn outputs(
     arguments: &ConvertArgs,
@@ -165,7 +190,8 @@ fn outputs(
         if let Some(assumed) = assumed {
             warnings::warn(&assumed);
         }
-        return Ok((Output::Reel(output.to_owned(), options), WriteFormat::default()));
+        let part = arguments.shard.unwrap_or(Shard::WHOLE).part_of(output);
+        return Ok((Output::Reel(part, options), WriteFormat::default()));
     }
     if arguments.reel.is_given() {
         bail!(

@@ -10,12 +10,17 @@ use clap::{Args, ValueEnum};
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Sequence files (.reel)")]
 pub(super) struct ReelArgs {
-    /// Largest error of a coordinate, such as 0.001 in units of the files or 1mm, or `lossless` (usually cells as large
-    /// as points are far apart, one point each)
-    #[arg(long, value_name = "LENGTH|lossless", conflicts_with = "bits")]
+    /// Largest error of a coordinate, such as 0.001 in units of the files or 1mm, or `lossless` [default: every point
+    /// within an eighth of the distance between the points around it]
+    #[arg(long, value_name = "LENGTH|lossless", conflicts_with_all = ["bits", "merge"])]
     precision: Option<ReelPrecision>,
 
-    /// Keep one point in each of 2^N cells along the longest side
+    /// Merge the points in each cell about as large as points are far apart into one: fewer points, a smaller file;
+    /// what it costs and saves is said before it is done
+    #[arg(long, conflicts_with = "bits")]
+    merge: bool,
+
+    /// Keep one point in each of 2^N cells along the longest side, as --merge does with cells of its own choice
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=21))]
     bits: Option<u8>,
 
@@ -23,8 +28,7 @@ pub(super) struct ReelArgs {
     #[arg(long, value_name = "N")]
     normal_bits: Option<u8>,
 
-    /// Write no normals that the files have not (usually those of a surface are estimated, unless points are kept one
-    /// by one)
+    /// With --merge: write no normals that the files do not have [default: those of a surface are estimated]
     #[arg(long)]
     no_normals: bool,
 
@@ -41,7 +45,7 @@ pub(super) struct ReelArgs {
     #[arg(long, value_name = "WHAT")]
     coding: Option<ReelCoding>,
 
-    /// Keep the order of the points, as trails need it; with --precision
+    /// Keep the order of the points, as trails need it; not with --merge or --bits
     #[arg(long)]
     keep_order: bool,
 }
@@ -50,6 +54,7 @@ impl ReelArgs {
     /// Whether any of them is given.
     pub(super) fn is_given(&self) -> bool {
         self.precision.is_some()
+            || self.merge
             || self.bits.is_some()
             || self.normal_bits.is_some()
             || self.no_normals
@@ -75,7 +80,8 @@ impl ReelArgs {
                 (Precision::Length(length), ReelOptions::default())
             }
             (None, Some(bits)) => (Precision::Bits(bits), ReelOptions::default()),
-            (None, None) => (Precision::SamplingDensity, ReelOptions::default()),
+            (None, None) if self.merge => (Precision::SamplingDensity, ReelOptions::merged()),
+            (None, None) => (Precision::PointSpacing, ReelOptions::default()),
         };
         let options = ReelOptions {
             precision,

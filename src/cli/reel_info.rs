@@ -12,6 +12,8 @@ pub(super) struct ReelInfo {
     points: usize,
     /// Points of the clouds that were written: those of one cell are one point unless they are kept one by one.
     points_written: u64,
+    /// Whether the end of the file cuts its last group.
+    ends_early: bool,
     /// Frames of each group.
     groups: Vec<usize>,
     /// Of all bytes, the directory included.
@@ -33,6 +35,7 @@ impl ReelInfo {
         Self {
             bytes: file.byte_size(),
             points,
+            ends_early: file.is_cut(),
             points_written: frames().map(|frame| frame.points_written).sum(),
             groups: file.groups().map(|group| group.len()).collect(),
             bits_per_point: bits(file.byte_size()),
@@ -50,6 +53,8 @@ impl ReelInfo {
         let settings = self.settings.iter().map(|(name, value)| format!("{name} {value}"));
         let merged = if self.points as u64 == self.points_written {
             String::new()
+        } else if self.ends_early {
+            format!(" (of {}: the file ends early)", self.points_written)
         } else {
             format!(" (of {}: those of a cell are merged)", self.points_written)
         };

@@ -69,6 +69,7 @@ impl RgbdArgs {
     pub(super) fn options(&self, usual: Filters) -> RgbdOptions {
         RgbdOptions {
             filters: self.rgbd_filters.unwrap_or(usual),
+            filters_are_automatic: self.rgbd_filters.is_none(),
             depth: self.depth_images.clone(),
             color: self.color_images.clone(),
             intrinsics: self.intrinsics.clone(),

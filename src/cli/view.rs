@@ -3,9 +3,12 @@
 use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
 use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
-use crate::app::{Options, Preferences, PreferencesFile, PresentChoice, Presets, Recent, StateOptions};
+use crate::app::{
+    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
+};
 use crate::export::PictureFormat;
 use crate::kept;
+use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::ReadSession;
@@ -101,11 +104,20 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     // Who has opened something before is offered that.
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
-    let (sequence, mut session) = if offers_recent {
-        (None, None)
+    // A picture that a script asks for does not depend on who looked at what before.
+    let (reading_choices, choices_problem) = match args.screenshot {
+        Some(_) => Default::default(),
+        None => ReadingChoices::load(),
+    };
+    let FirstOpened {
+        sequence,
+        mut session,
+        opened_with,
+        problem,
+    } = if offers_recent {
+        FirstOpened::default()
     } else {
-        let OpenedInputs { sequence, session } = open_inputs(&args.inputs, &open)?;
-        (Some(sequence), session)
+        FirstOpened::of(&args.inputs, &open, &reading_choices)?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
@@ -124,7 +136,8 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let (preferences_file, preferences) = load_preferences(args, session.is_some());
     let kept_problems = [presets.problem(), preferences_file.problem()];
     let warnings = kept_problems.into_iter().flatten().map(str::to_owned);
-    let warnings = warnings.chain(recent_problem).collect();
+    let warnings = warnings.chain(recent_problem).chain(choices_problem).chain(problem);
+    let warnings = warnings.collect();
     let options = Options {
         state: StateOptions {
             preferences,
@@ -136,6 +149,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
             paused: args.paused,
             budget_bytes: args.memory.map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX)),
             recent,
+            reading_choices,
             presets,
             timelines: args.screenshot.is_none().then(|| kept::place_of("timelines")).flatten(),
             ..StateOptions::default()
@@ -143,6 +157,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         sequence: sequence.map(Arc::new),
         compare,
         named: args.inputs.clone(),
+        opened_with,
         session: session.map(Box::new),
         // The demo is in the menu, and what is no file is not among the recent ones.
         inputs: args
@@ -159,6 +174,43 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         lose_device_after: args.lose_device_after,
     };
     crate::app::run(options).context("the window ended")
+}
+
+/// What the window shows first.
+#[derive(Default)]
+struct FirstOpened {
+    sequence: Option<Sequence>,
+    session: Option<ReadSession>,
+    /// How, if otherwise than the command line says.
+    opened_with: Option<OpenOptions>,
+    /// Why a choice that was made in the window before was not taken.
+    problem: Option<String>,
+}
+
+impl FirstOpened {
+    /// As was chosen for `inputs` in the window before, where nothing else is given.
+    fn of(inputs: &[PathBuf], open: &OpenOptions, choices: &ReadingChoices) -> anyhow::Result<Self> {
+        let chosen = choices.of(inputs);
+        let as_chosen = chosen.map(|chosen| open_as_chosen(inputs, chosen, open, &Progress::default()));
+        let problem = match as_chosen {
+            Some(Ok((sequence, chosen))) => {
+                return Ok(Self {
+                    sequence: Some(sequence),
+                    opened_with: Some(chosen),
+                    ..Self::default()
+                });
+            }
+            Some(Err(problem)) => Some(problem),
+            None => None,
+        };
+        let OpenedInputs { sequence, session } = open_inputs(inputs, open)?;
+        Ok(Self {
+            sequence: Some(sequence),
+            session,
+            problem,
+            ..Self::default()
+        })
+    }
 }
 
 /// What is given goes before what is kept in a session.

@@ -62,6 +62,33 @@ pub struct Shard {
 impl Shard {
     /// Everything.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// The file that this share of the sequence file `output` is written to: `walk.part-1-of-3.reel`; `output` itself
+    /// for everything.
+    pub fn part_of(self, output: &Path) -> PathBuf {
+        if self == Self::WHOLE {
+            return output.to_owned();
+        }
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+        output.with_file_name(format!("{stem}{}", self.suffix()))
+    }
+
+    /// What the names of parts end in.
+    fn suffix(self) -> String {
+        format!(".part-{}-of-{}.reel", self.index + 1, self.count)
+    }
+
+    /// The share that a file of this name is of `output`.
+    pub(super) fn of_part_name(name: &str, output: &Path) -> Option<Self> {
+        let stem = output.file_stem()?.to_str()?;
+        let numbers = name.strip_prefix(stem)?.strip_prefix(".part-")?.strip_suffix(".reel")?;
+        let (index, count) = numbers.split_once("-of-")?;
+        let shard = Self {
+            index: index.parse::<usize>().ok()?.checked_sub(1)?,
+            count: count.parse().ok()?,
+        };
+        (shard.index < shard.count).then_some(shard)
+    }
 }
 
 /// Where frames go.

@@ -59,6 +59,32 @@ pub enum ConvertError {
     /// There are no such frames.
     #[error("{0}")]
     NoSuchFrames(String),
+    /// The sequence file has other frames, or was made otherwise.
+    #[error(
+        "{} is there already and is not the same conversion ({difference}): choose another name, or --overwrite to \
+         convert it anew",
+        path.display()
+    )]
+    OtherPart {
+        /// The file.
+        path: PathBuf,
+        /// What is different.
+        difference: String,
+    },
+    /// Another process writes the same file.
+    #[error("{} is being written by another process: wait for it, or choose another name", path.display())]
+    Busy {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Files that cannot be joined.
+    #[error("{} cannot be joined: {problem}", output.display())]
+    Join {
+        /// What they were to become.
+        output: PathBuf,
+        /// What is missing or does not belong together.
+        problem: String,
+    },
     /// The folder holds frames that were converted otherwise.
     #[error(
         "{} holds frames of another conversion ({difference}): nothing was written, choose another folder, or --overwrite \

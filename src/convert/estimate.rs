@@ -10,7 +10,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Losses, WriteFormat};
 use crate::measure::{CloudError, ReferenceCloud};
 use crate::progress::Progress;
-use crate::reel::{NewFrame, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
+use crate::reel::{NewFrame, Precision, ReelDecoder, ReelFile, ReelOptions, StreamKind, write_to_memory};
 use crate::sequence::{FrameEntry, Sequence};
 use crate::source::FrameBytes;
 use std::collections::HashSet;
@@ -75,10 +75,42 @@ pub struct SampleEstimate {
     pub bytes: f64,
     /// The same of each kind of stream, in the order of [`StreamKind::ALL`]; `None` of files without streams.
     pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
+    /// What keeping every point comes to where points are merged, and the other way round; `None` where that is no
+    /// choice of its own.
+    pub other_way: Option<OtherWay>,
     /// How far what is left is from the original; `None` of a frame without points.
     pub error: Option<CloudError>,
     /// What of it the target cannot hold.
     pub losses: Losses,
+}
+
+/// What a frame comes to in the other way to keep its points: merged, or every one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OtherWay {
+    /// Points that are left.
+    pub points: f64,
+    /// Bytes of such a frame in a long file.
+    pub bytes: f64,
+}
+
+/// The other way to keep points.
+fn other_way(options: &ReelOptions) -> Option<ReelOptions> {
+    let precision = match options.precision {
+        Precision::PointSpacing => Precision::SamplingDensity,
+        Precision::SamplingDensity => Precision::PointSpacing,
+        _ => return None,
+    };
+    Some(ReelOptions {
+        precision,
+        keep_order: false,
+        // Numbers as they are belong to points that are kept.
+        normal_bits: if options.normal_bits == 0 {
+            13
+        } else {
+            options.normal_bits
+        },
+        ..options.clone()
+    })
 }
 
 impl SampleFrame {
@@ -87,15 +119,28 @@ impl SampleFrame {
     /// # Errors
     /// A frame that cannot be read.
     pub fn read(sequence: &Sequence, index: usize) -> Result<Self, ConvertError> {
-        let cloud = sequence.decode(index)?;
+        let sample = Self::read_with(sequence, index, |index| Ok(sequence.decode(index)?))?;
+        let reference = sample.clouds.last();
+        Ok(Self {
+            reference: reference.and_then(|(cloud, _)| ReferenceCloud::new(cloud).ok()),
+            ..sample
+        })
+    }
+
+    /// The same of frames as `decode` hands them over, of which errors are not judged.
+    pub(super) fn read_with(
+        sequence: &Sequence,
+        index: usize,
+        decode: impl Fn(usize) -> Result<RawCloud, ConvertError>,
+    ) -> Result<Self, ConvertError> {
+        let cloud = decode(index)?;
         let is_small = cloud.byte_size() <= MOST_BYTES_OF_TWO;
-        let reference = ReferenceCloud::new(&cloud).ok();
         let mut clouds = vec![(cloud, sequence.entry(index))];
         // What the first frame takes behind another is told by the second one.
         let before = index.checked_sub(1).unwrap_or(1);
         if is_small
             && before < sequence.len()
-            && let Ok(cloud) = sequence.decode(before)
+            && let Ok(cloud) = decode(before)
         {
             clouds.insert(0, (cloud, sequence.entry(before)));
         }
@@ -103,7 +148,7 @@ impl SampleFrame {
             index,
             clouds,
             frame_count: sequence.len(),
-            reference,
+            reference: None,
         })
     }
 
@@ -128,6 +173,7 @@ impl SampleFrame {
             kept_points: 0,
             bytes: 0.0,
             bytes_by_stream: None,
+            other_way: None,
             error: None,
             losses: target.losses(cloud),
         };
@@ -136,6 +182,7 @@ impl SampleFrame {
                 let (file, bytes) = self.as_reel(options)?;
                 estimate.bytes = bytes.iter().sum::<f64>() + shared_bytes(&file, options, self.frame_count)?;
                 estimate.bytes_by_stream = Some(bytes);
+                estimate.other_way = other_way(options).map(|options| self.other(&options)).transpose()?;
                 if progress.is_cancelled() {
                     return Ok(None);
                 }
@@ -169,6 +216,16 @@ impl SampleFrame {
             .as_ref()
             .and_then(|reference| reference.compare(&kept).ok());
         Ok((!progress.is_cancelled()).then_some(estimate))
+    }
+
+    /// Points and bytes with these options.
+    pub(super) fn other(&self, options: &ReelOptions) -> Result<OtherWay, ConvertError> {
+        let (file, bytes) = self.as_reel(options)?;
+        let last = file.frame_count().saturating_sub(1);
+        Ok(OtherWay {
+            points: file.frame(last).map_or(0, |frame| frame.points) as f64,
+            bytes: bytes.iter().sum::<f64>() + shared_bytes(&file, options, self.frame_count)?,
+        })
     }
 
     /// The frames as a sequence file, and the bytes of each kind of stream that a frame of such a file takes.
@@ -245,6 +302,8 @@ pub struct Estimate {
     pub frame_bytes: f64,
     /// The same of each kind of stream.
     pub bytes_by_stream: Option<[f64; StreamKind::ALL.len()]>,
+    /// The mean of the other way to keep points, where that is known of every frame.
+    pub other_way: Option<OtherWay>,
     /// Errors, where a frame has points.
     pub errors: Option<EstimatedErrors>,
     /// What of the frames the target cannot hold, a line per kind.
@@ -280,6 +339,13 @@ impl Estimate {
             kept_points: mean(&|sample| sample.kept_points as f64),
             frame_bytes: mean(&|sample| sample.bytes),
             bytes_by_stream: first.bytes_by_stream.map(|_| std::array::from_fn(of_kind)),
+            other_way: samples
+                .iter()
+                .all(|sample| sample.other_way.is_some())
+                .then(|| OtherWay {
+                    points: mean(&|sample| sample.other_way.map_or(0.0, |other| other.points)),
+                    bytes: mean(&|sample| sample.other_way.map_or(0.0, |other| other.bytes)),
+                }),
             errors: EstimatedErrors::of(&errors),
             losses: samples.iter().fold(Losses::default(), |mut all, sample| {
                 all.merge(sample.losses.clone());

@@ -17,6 +17,8 @@ mod error;
 mod estimate;
 mod folder;
 mod frame;
+mod join;
+mod merging;
 mod names;
 mod place;
 mod record;
@@ -25,10 +27,11 @@ mod reel;
 pub use conversion::{Conversion, Converted, Output, Shard};
 pub use edit::{Edit, EditError};
 pub use error::ConvertError;
-pub use estimate::{Estimate, EstimatedErrors, SampleEstimate, SampleFrame, Target, source_bytes};
+pub use estimate::{Estimate, EstimatedErrors, OtherWay, SampleEstimate, SampleFrame, Target, source_bytes};
+pub use join::{Joined, join, parts_of};
+pub use merging::MergePrice;
 pub use place::{Place, source_at, source_files};
 pub use record::Record;
-pub use reel::join;
 
 use self::frame::write_frame;
 use crate::messages::missing_frames;
@@ -82,10 +85,7 @@ fn convert_frames(
 ) -> Result<Converted, ConvertError> {
     let Shard { index, count } = conversion.shard;
     match &conversion.output {
-        Output::Reel(path, options) => {
-            let share = reel::share(&frames, conversion.shard);
-            reel::convert(sequence, conversion, (path, options), share, progress)
-        }
+        Output::Reel(path, options) => reel::convert(sequence, conversion, (path, options), &frames, progress),
         Output::Folder(folder) => {
             let frames: Vec<usize> = frames.into_iter().filter(|frame| frame % count == index).collect();
             folder::convert(sequence, conversion, folder, &frames, progress)

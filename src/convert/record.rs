@@ -19,7 +19,7 @@ use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf, absolute};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::UNIX_EPOCH;
 
 /// Name of the file in the folder.
@@ -61,6 +61,17 @@ impl Record {
             reading: conversion.reading.clone(),
             inputs: inputs_of(sequence),
         }
+    }
+
+    /// The same as a text, with a number that stands for the names and times of what is read.
+    pub(super) fn made_of(&self, frames: &[Arc<FrameEntry>]) -> String {
+        let mut names = crc32fast::Hasher::new();
+        for entry in frames {
+            names.update(entry.name.as_bytes());
+            names.update(&entry.time.map_or(0, |time| time.as_nanos()).to_le_bytes());
+        }
+        let options = serde_json::to_string(self).unwrap_or_default();
+        format!("{} frames {:08x} {options}", frames.len(), names.finalize())
     }
 
     /// What a conversion has left in `folder`.

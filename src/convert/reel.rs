@@ -4,7 +4,7 @@
 //! and written in their order under a hidden name. Beside that file lies what it is made with and how far it has come
 //! ([`Ledger`]), so that an interrupted conversion goes on behind its last whole group. Frames that
 //! cannot be read are left out and said. Shards take runs of groups one after the other, so that their files are joined
-//! by writing one behind the other ([`join`]).
+//! by writing one behind the other ([`super::join()`]); each says which frames it has ([`FilePart`]).
 
 use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
@@ -12,24 +12,28 @@ use super::record::Record;
 use crate::cloud::RawCloud;
 use crate::io::{Loss, Losses};
 use crate::progress::Progress;
-use crate::reel::{EncodedGroup, NewFrame, Precision, ReelFile, ReelOptions, ReelWriter, encode_group};
+use crate::reel::{EncodedGroup, FilePart, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
 use crate::sequence::{FrameEntry, Sequence};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::BufWriter;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The clouds of a group take no more memory than this, unless one alone does.
 const GROUP_BYTES: usize = 256 << 20;
 
-type Writer = ReelWriter<BufWriter<File>>;
+pub(super) type Writer = ReelWriter<BufWriter<File>>;
 
 /// What is to be known of an unfinished file to go on with it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Ledger {
     record: Record,
+    /// The part of how many.
+    #[serde(default)]
+    part: [u64; 2],
     /// Frames of a group.
     group: usize,
     /// Frames of the sequence that are not in the file, as they cannot be read; known before the group is written
@@ -38,17 +42,56 @@ struct Ledger {
 }
 
 /// An unfinished file and its ledger, under hidden names.
-struct Unfinished {
-    file: PathBuf,
+pub(super) struct Unfinished {
+    pub(super) file: PathBuf,
     ledger: PathBuf,
+    lock: PathBuf,
+}
+
+/// Held by the process that writes a file. What a killed one leaves is free for the next.
+pub(super) struct Lock {
+    _file: File,
+    path: PathBuf,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Whoever cannot remove it leaves an empty file that nobody holds.
+        let _ = fs::remove_file(&self.path);
+    }
 }
 
 impl Unfinished {
-    fn of(output: &Path) -> Self {
+    pub(super) fn of(output: &Path) -> Self {
         let name = output.file_name().unwrap_or_default().to_string_lossy();
         Self {
             file: output.with_file_name(format!(".{name}.unfinished")),
             ledger: output.with_file_name(format!(".{name}.unfinished.json")),
+            lock: output.with_file_name(format!(".{name}.lock")),
+        }
+    }
+
+    /// Keeps other processes from writing the same file until the answer is dropped. Where files cannot be locked, on
+    /// some network disks, nobody is kept.
+    pub(super) fn lock(&self, output: &Path) -> Result<Lock, ConvertError> {
+        let opened = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&self.lock);
+        let file = opened.map_err(write_error(&self.lock))?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(ConvertError::Busy {
+                path: output.to_owned(),
+            }),
+            // Another process has just ended, and removed it.
+            Ok(()) if !self.lock.exists() => Err(ConvertError::Busy {
+                path: output.to_owned(),
+            }),
+            Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock {
+                _file: file,
+                path: self.lock.clone(),
+            }),
         }
     }
 
@@ -87,28 +130,42 @@ pub(super) fn convert(
     sequence: &Sequence,
     conversion: &Conversion,
     (output, options): (&Path, &ReelOptions),
-    frames: &[usize],
+    all_frames: &[usize],
     progress: &Progress,
 ) -> Result<Converted, ConvertError> {
     let mut converted = Converted::default();
+    let record = Record::of(conversion, sequence);
+    let part = part_of(sequence, &record, all_frames, conversion.shard);
+    let frames = share(all_frames, conversion.shard);
     let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
-    if !conversion.overwrites && entries.iter().all(|entry| is_finished(output, entry)) {
-        // What has the name is whole.
-        converted.left = ReelFile::open_path(output)?.frame_count();
-        return Ok(converted);
+    if !conversion.overwrites && output.symlink_metadata().is_ok() {
+        let left = frames_of_finished(output, &part).map_err(|error| match error {
+            ConvertError::Reel(_) => ConvertError::Exists {
+                path: output.to_owned(),
+                more: 0,
+            },
+            error => error,
+        })?;
+        // Of a source that has changed since, it is made anew.
+        if entries.iter().all(|entry| is_finished(output, entry)) {
+            converted.left = left;
+            return Ok(converted);
+        }
     }
     let unfinished = Unfinished::of(output);
-    let record = Record::of(conversion, sequence);
-    let known = unfinished.ledger(&record, &entries).filter(|_| !conversion.overwrites);
+    let _lock = unfinished.lock(output)?;
+    let known = unfinished.ledger(&record, &entries);
+    let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
     let (mut writer, mut ledger) = if let Some(ledger) = known {
         (Writer::append_to(&unfinished.file, options.clone())?, ledger)
     } else {
         let ledger = Ledger {
             record,
+            part: [part.index, part.count],
             group: group_length(sequence, frames, options),
             left_out: Vec::new(),
         };
-        (Writer::create(&unfinished.file, options.clone())?, ledger)
+        (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
     converted.left = writer.frame_count();
     let readable = |frame: &usize| !ledger.left_out.contains(frame);
@@ -154,7 +211,7 @@ struct ConvertedGroup {
 
 /// What a sequence file with `options` cannot hold of `cloud`, apart from the precision that they say.
 pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
-    let keeps_points = matches!(options.precision, Precision::Length(_) | Precision::Lossless);
+    let keeps_points = options.keeps_points();
     let mut losses = Losses::default();
     if !cloud.faces.is_empty() {
         losses.add(Loss::Faces, cloud.faces.len() as f64);
@@ -226,33 +283,53 @@ fn group_length(sequence: &Sequence, frames: &[usize], options: &ReelOptions) ->
 }
 
 /// The share of `frames` that a shard takes: a run of them, as their files are joined one behind the other.
-pub(super) fn share(frames: &[usize], shard: Shard) -> &[usize] {
-    let bound = |index: usize| index * frames.len() / shard.count;
-    &frames[bound(shard.index)..bound(shard.index + 1)]
+fn share(frames: &[usize], shard: Shard) -> &[usize] {
+    &frames[bounds(frames.len(), shard)]
 }
 
-/// Joins sequence files into one, frame behind frame, without encoding anything anew; says how many frames it has.
-pub fn join(parts: &[PathBuf], output: &Path) -> Result<usize, ConvertError> {
-    let unfinished = Unfinished::of(output);
-    let mut writer: Option<Writer> = None;
-    for part in parts {
-        let part = ReelFile::open_path(part)?;
-        let writer = match &mut writer {
-            Some(writer) => writer,
-            writer => writer.insert(Writer::create_like(&unfinished.file, &part)?),
-        };
-        writer.copy_groups(&part)?;
+fn bounds(count: usize, shard: Shard) -> Range<usize> {
+    let bound = |index: usize| index * count / shard.count;
+    bound(shard.index)..bound(shard.index + 1)
+}
+
+/// What the file of a shard says of itself.
+fn part_of(sequence: &Sequence, record: &Record, frames: &[usize], shard: Shard) -> FilePart {
+    let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
+    let bounds = bounds(frames.len(), shard);
+    FilePart {
+        index: shard.index as u64,
+        count: shard.count as u64,
+        frames: bounds.start as u64..bounds.end as u64,
+        of_frames: frames.len() as u64,
+        made_of: record.made_of(&entries),
     }
-    let Some(writer) = writer else {
-        return Ok(0);
+}
+
+/// Frames of a file that has the name of the output already.
+///
+/// # Errors
+/// A file that is not whole, and one of other frames or options: it is not this conversion that is done.
+fn frames_of_finished(output: &Path, part: &FilePart) -> Result<usize, ConvertError> {
+    let file = ReelFile::open_path(output)?;
+    let difference = match file.part() {
+        _ if !file.damage().is_empty() => Some("it is damaged, or ends early".to_owned()),
+        Some(there) if there.made_of != part.made_of => Some("it has other frames or options".to_owned()),
+        Some(there) if there != part => Some(format!("it is {} there, {} now", there.name(), part.name())),
+        None if part.count > 1 => Some(format!("it does not say that it is {}", part.name())),
+        None => Some("it does not say what it was made of".to_owned()),
+        Some(_) => None,
     };
-    let count = writer.frame_count();
-    finish(writer, output, &unfinished)?;
-    Ok(count)
+    match difference {
+        None => Ok(file.frame_count()),
+        Some(difference) => Err(ConvertError::OtherPart {
+            path: output.to_owned(),
+            difference,
+        }),
+    }
 }
 
 /// Gives a file that is whole its name.
-fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> Result<(), ConvertError> {
+pub(super) fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> Result<(), ConvertError> {
     let failed = write_error(output);
     let file = writer
         .finish()?

@@ -274,7 +274,7 @@ pub(super) fn unit_of(word: &str) -> Option<LengthUnit> {
 /// A name without quotes and marks of comments.
 fn unquoted(name: &str) -> &str {
     let name = name.trim_matches(['"', '\'', ' ', '\t']);
-    name.trim_start_matches(['#', '/', '%', ';', '!']).trim()
+    name.trim_start_matches('#').trim_start_matches("//").trim()
 }
 
 /// What stands before the first bracket and in it.

@@ -1,7 +1,10 @@
 //! Images as cameras record them: distances in 16 bits or in floats, and colours.
 //!
 //! PNG, JPEG, PNM, WebP and others are read by `image`, TIFF by `tiff` (which has single floats, where `image` refuses
-//! them), the images of PCL's grabbers here: `PCLZF`, width, height, kind, packed and unpacked length, then LZF.
+//! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers here: `PCLZF`, width, height, kind, packed and
+//! unpacked length, then LZF.
+
+mod arrays;
 
 use super::error::mebibytes;
 use image::{DynamicImage, ImageReader, Limits};
@@ -63,6 +66,10 @@ impl Samples {
 pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     let raster = if bytes.starts_with(PCLZF) {
         decode_pclzf(bytes, most_bytes)?
+    } else if bytes.starts_with(arrays::NPY) {
+        arrays::decode_npy(bytes, most_bytes)?
+    } else if bytes.starts_with(arrays::NPZ) {
+        arrays::decode_npz(bytes, most_bytes)?
     } else if is_tiff(bytes) {
         decode_tiff(bytes, most_bytes)?
     } else {
@@ -83,6 +90,12 @@ pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
 pub(crate) fn size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
     if bytes.starts_with(PCLZF) {
         return Ok(PclzfHeader::of(bytes)?.size_px);
+    }
+    if bytes.starts_with(arrays::NPY) {
+        return arrays::npy_size_px(bytes);
+    }
+    if bytes.starts_with(arrays::NPZ) {
+        return arrays::npz_size_px(bytes);
     }
     let size = if is_tiff(bytes) {
         tiff::decoder::Decoder::new(Cursor::new(bytes))

@@ -155,6 +155,21 @@ impl Drafts {
         }
         set.notes.extend(note_of_missing(&missing, &files));
         set.notes.extend(notes_of_wrong(&wrong));
+        let skipped = self.points.skipped();
+        if skipped > 0 {
+            set.notes.push(format!(
+                "{skipped} points have coordinates that are not finite: they are skipped"
+            ));
+        }
+        if set.photos.is_empty() && (!self.points.is_empty() || set.points_file.is_some()) {
+            set.notes.push(format!(
+                "none of the {} photographs of {} can be shown: its points are shown without them",
+                self.photos.len(),
+                self.path.display()
+            ));
+            set.points = self.points.with_observations(|_| None);
+            return Ok(set);
+        }
         if set.photos.is_empty() {
             return Err(PhotosError::NoPhotos {
                 path: self.path,

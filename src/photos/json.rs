@@ -9,10 +9,44 @@ pub(super) fn read(path: &Path) -> Result<Value, PhotosError> {
     let file = read_file(path)?;
     // What some editors put before the first character.
     let text = file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&file);
-    serde_json::from_slice(text).map_err(|source| PhotosError::Json {
+    let read = serde_json::from_slice(text).or_else(|error| match without_non_numbers(text) {
+        Some(text) => serde_json::from_slice(&text),
+        None => Err(error),
+    });
+    read.map_err(|source| PhotosError::Json {
         path: path.into(),
         source,
     })
+}
+
+/// The text with `null` for what Python writes of numbers that are none (`NaN`, `-Infinity`), which JSON does not have;
+/// `None` where it has none of these.
+fn without_non_numbers(text: &[u8]) -> Option<Vec<u8>> {
+    /// Longer ones first.
+    const NON_NUMBERS: [&[u8]; 4] = [b"-Infinity", b"Infinity", b"-NaN", b"NaN"];
+    let mut replaced = Vec::with_capacity(text.len());
+    let (mut at, mut is_text, mut count) = (0, false, 0);
+    while let Some(&byte) = text.get(at) {
+        let found = NON_NUMBERS.iter().find(|word| !is_text && text[at..].starts_with(word));
+        if let Some(word) = found {
+            replaced.extend(b"null");
+            at += word.len();
+            count += 1;
+            continue;
+        }
+        // The character behind a backslash ends no text.
+        if is_text && byte == b'\\' {
+            replaced.push(byte);
+            at += 1;
+            replaced.extend(text.get(at));
+            at += 1;
+            continue;
+        }
+        is_text ^= byte == b'"';
+        replaced.push(byte);
+        at += 1;
+    }
+    (count > 0).then_some(replaced)
 }
 
 /// A finite number, be it text.
@@ -65,6 +99,18 @@ pub(super) fn array_at<'a>(object: &'a Value, key: &str) -> &'a [Value] {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn what_python_writes_of_no_number_is_null() {
+        let text = br#"{"a": [NaN, -Infinity, Infinity, 1e3], "b": "NaN \" NaN", "c": -NaN}"#;
+        let replaced = without_non_numbers(text).unwrap();
+        let value: Value = serde_json::from_slice(&replaced).unwrap();
+        assert_eq!(
+            value,
+            json!({"a": [null, null, null, 1e3], "b": "NaN \" NaN", "c": null})
+        );
+        assert_eq!(without_non_numbers(br#"{"a": "NaN"}"#), None);
+    }
 
     #[test]
     fn numbers_may_be_text() {

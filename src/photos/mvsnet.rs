@@ -52,7 +52,11 @@ pub(super) fn read(folder: &Path) -> Result<Drafts, PhotosError> {
     let mut drafts = Drafts::new(folder, above.into_iter().chain([folder.to_owned()]).collect());
     for name in names {
         if let Some(photo) = name.strip_suffix(SUFFIX) {
-            drafts.photos.push(camera(&folder.join(&name), photo)?);
+            // A file that is broken costs its photograph.
+            let draft = camera(&folder.join(&name), photo).unwrap_or_else(|error| {
+                Draft::new(photo.to_owned(), Err(error.to_string()), DMat3::IDENTITY, DVec3::ZERO)
+            });
+            drafts.photos.push(draft);
         }
     }
     Ok(drafts)

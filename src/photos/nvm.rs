@@ -135,7 +135,9 @@ fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosErro
     let [radial] = text.numbers("a radial distortion")?;
     text.rest_of_line();
     let quaternion = DQuat::from_xyzw(x, y, z, w);
-    let turn = if quaternion.length_squared() > 0.0 {
+    let turn = if !quaternion.is_finite() {
+        DMat3::NAN
+    } else if quaternion.length_squared() > 0.0 {
         DMat3::from_quat(quaternion.normalize())
     } else {
         DMat3::ZERO

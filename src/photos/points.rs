@@ -23,11 +23,17 @@ pub struct SparsePoints {
     observations: Vec<Observation>,
     /// Where the observations of each point end.
     track_ends: Vec<usize>,
+    /// Points that were nowhere.
+    skipped: usize,
 }
 
 impl SparsePoints {
-    /// Adds a point.
+    /// Adds a point. One that is nowhere, with a coordinate that is not finite, is skipped and counted.
     pub fn push(&mut self, position: DVec3, color: [u8; 3], track: impl IntoIterator<Item = Observation>) {
+        if !position.is_finite() {
+            self.skipped += 1;
+            return;
+        }
         self.positions.push(position);
         self.colors.push(color);
         self.observations.extend(track);
@@ -42,6 +48,11 @@ impl SparsePoints {
             self.normals = normals;
         }
         is_one_each
+    }
+
+    /// Number of points that were skipped, as they were nowhere.
+    pub fn skipped(&self) -> usize {
+        self.skipped
     }
 
     /// Number of points.

@@ -19,6 +19,8 @@ pub struct ViewSet {
     pub points: SparsePoints,
     /// A file of points that the format names instead of holding them, or that lies beside the photographs.
     pub points_file: Option<PathBuf>,
+    /// A cloud that a dense stage made of the photographs: it is shown in place of the points.
+    pub dense_file: Option<PathBuf>,
     /// What was left out or taken for granted, a sentence each.
     pub notes: Vec<String>,
 }
@@ -54,7 +56,7 @@ const PARALLEL: f64 = 1e-6;
 impl ViewSet {
     /// Whether a file says where the surface is. Else it is known by stereo alone.
     pub fn has_points(&self) -> bool {
-        !self.points.is_empty() || self.points_file.is_some()
+        !self.points.is_empty() || self.points_file.is_some() || self.dense_file.is_some()
     }
 
     /// How far the observations of photograph `photo` are from where its camera shows their points; `None` where no

@@ -1,5 +1,6 @@
 //! Frames of a file, whole or by their coarse levels.
 
+use super::cut::share_there;
 use super::error::{Fault, ReelError};
 use super::file::{Directory, FrameRecord, SectionRecord, checksum, is_right};
 use super::frame::{CodedSection, Followed, Pose, Wanted, cloud_of, cloud_of_followed, decode_moved, decode_pose};
@@ -102,8 +103,8 @@ impl ReelDecoder {
         let cloud = reading.cloud(place, &mut self.last)?;
         let frame = &group.directory.frames[place];
         Ok(DecodedFrame {
-            cloud: finished(frame, cloud, choice.is_whole),
-            points_in_frame: all_points(frame),
+            cloud: finished(frame, cloud, choice),
+            points_in_frame: frame.all_points(),
             levels: choice.levels as u8,
             is_whole: choice.is_whole,
             cell_edge: group.directory.grid.edge((choice.levels.max(1) - 1) as u32),
@@ -157,7 +158,7 @@ impl Reading<'_> {
             let sections = self.sections(next)?;
             decode_moved(schema, &mut followed, &sections).map_err(|fault| self.fault(next, fault))?;
         }
-        let level = if is_whole && has_points(frame) {
+        let level = if is_whole && frame.has_points() {
             levels
         } else {
             levels - 1
@@ -243,19 +244,6 @@ fn open_group<'a>(last: &'a mut Option<OpenGroup>, file: &ReelFile, index: usize
     Ok(last.insert(open))
 }
 
-/// Whether a frame keeps its points one by one.
-fn has_points(frame: &FrameRecord) -> bool {
-    frame.sections.last().is_some_and(|section| section.levels.is_empty())
-}
-
-fn all_points(frame: &FrameRecord) -> usize {
-    if has_points(frame) {
-        frame.points[0] + frame.points[1]
-    } else {
-        frame.counts.last().copied().unwrap_or(0)
-    }
-}
-
 /// How much of a frame is decoded.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
@@ -266,7 +254,7 @@ struct Choice {
 
 impl Choice {
     fn of(frame: &FrameRecord, most_points: usize) -> Self {
-        if all_points(frame) <= most_points {
+        if frame.all_points() <= most_points && frame.cut.is_none() {
             return Self {
                 sections: frame.sections.len(),
                 levels: frame.counts.len(),
@@ -274,7 +262,7 @@ impl Choice {
             };
         }
         let levels = frame
-            .counts
+            .counts_there()
             .iter()
             .rposition(|&count| count <= most_points)
             .map_or(1, |level| level + 1);
@@ -282,7 +270,7 @@ impl Choice {
         Self {
             sections: sections.map_or(frame.sections.len(), |last| last + 1),
             levels,
-            is_whole: levels == frame.counts.len() && !has_points(frame),
+            is_whole: levels == frame.counts.len() && !frame.has_points() && frame.cut.is_none(),
         }
     }
 }
@@ -305,8 +293,8 @@ impl Limits {
         let sections = &frame.sections[..choice.sections];
         let levels = sections.last().map_or(0, |section| section.levels.end);
         let nodes: u64 = frame.counts[..levels].iter().map(|&count| count as u64).sum();
-        let points = if choice.is_whole && has_points(frame) {
-            all_points(frame) as u64
+        let points = if choice.is_whole && frame.has_points() {
+            frame.all_points() as u64
         } else {
             0
         };
@@ -373,10 +361,18 @@ fn section_of(record: &SectionRecord, mut bytes: &[u8]) -> CodedSection {
 }
 
 /// What the frame says beside its points.
-fn finished(frame: &FrameRecord, mut cloud: RawCloud, is_whole: bool) -> RawCloud {
+fn finished(frame: &FrameRecord, mut cloud: RawCloud, choice: Choice) -> RawCloud {
     cloud.sensor = frame.sensor;
     cloud.convention = frame.convention;
     cloud.unit = frame.unit;
-    cloud.grid = frame.image.filter(|_| is_whole);
+    cloud.grid = frame.image.filter(|_| choice.is_whole);
+    if let Some(cut) = frame.cut.filter(|_| choice.levels == frame.counts_there().len()) {
+        cloud.warnings.push(format!(
+            "the file ends early: {}; {} of {} points",
+            share_there(frame, cut),
+            cloud.positions.len(),
+            cut.points
+        ));
+    }
     cloud
 }

@@ -130,7 +130,7 @@ fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<
     let mut key: Option<(Run<'_>, Followed, usize)> = None;
     for index in run.clone() {
         if let Some((of_key, followed, key_bytes)) = &mut key
-            && let Some(changes) = of_key.changes(clouds[index], followed)
+            && let Some(changes) = of_key.changes(index, clouds[index], followed)
         {
             let sections = encode_moved(&plan.schemas[index], followed, changes);
             let before = &coded[coded.len() - 1];
@@ -208,6 +208,7 @@ fn record(frame: &NewFrame<'_>, coded: &CodedFrame, schema: usize, of_schema: &S
         unit: cloud.unit,
         image: cloud.grid.filter(|_| of_schema.has_order),
         sections: Vec::new(),
+        cut: None,
     }
 }
 

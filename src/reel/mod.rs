@@ -24,6 +24,7 @@
 mod above;
 mod attributes;
 mod coder;
+mod cut;
 mod decoder;
 mod encode;
 mod error;
@@ -41,7 +42,7 @@ mod writer;
 pub use decoder::{DecodedFrame, ReelDecoder};
 pub use encode::{EncodedGroup, NewFrame, encode_group};
 pub use error::ReelError;
-pub use file::ReadAt;
+pub use file::{FilePart, ReadAt};
 pub use frame::StreamKind;
 pub use memory::write_to_memory;
 pub use options::{Coding, Precision, ReelOptions};

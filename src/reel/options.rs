@@ -5,6 +5,9 @@ use super::error::ReelError;
 /// How precisely positions are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Precision {
+    /// Every point, within an eighth of the distance between points around it: a dense part of a scan gets more bits
+    /// than a sparse one. Points that coincide are kept as often as they come.
+    PointSpacing,
     /// Cells about as large as points are far apart, one point each (paper 001 §2): points in one cell become one, with
     /// the means of their attributes, and an offset along the normal where there are normals. In frames that are told
     /// by the one before, it moves as they do, and is off by another half of a cell at most.
@@ -52,8 +55,8 @@ pub struct ReelOptions {
     /// order from frame to frame, all but the first of a group may be told by the one before, so that any is decoded
     /// after those before it.
     pub keyframes: u32,
-    /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one:
-    /// [`Precision::Length`] or [`Precision::Lossless`].
+    /// Whether points are handed over in the order of the file, as trails need it. Points have to be kept one by one
+    /// ([`ReelOptions::keeps_points`]).
     pub keep_order: bool,
     /// Frames a second, if frames have no time stamps.
     pub fps: Option<f64>,
@@ -62,7 +65,7 @@ pub struct ReelOptions {
 impl Default for ReelOptions {
     fn default() -> Self {
         Self {
-            precision: Precision::SamplingDensity,
+            precision: Precision::PointSpacing,
             coding: Coding::Compact,
             normal_bits: 13,
             estimates_normals: false,
@@ -77,6 +80,14 @@ impl Default for ReelOptions {
 }
 
 impl ReelOptions {
+    /// One point in each cell about as large as points are far apart: fewer points and fewer bits.
+    pub fn merged() -> Self {
+        Self {
+            precision: Precision::SamplingDensity,
+            ..Self::default()
+        }
+    }
+
     /// Every bit of every number.
     pub fn lossless() -> Self {
         Self {
@@ -89,13 +100,16 @@ impl ReelOptions {
     }
 
     /// Whether points are kept one by one.
-    pub(super) fn keeps_points(&self) -> bool {
-        matches!(self.precision, Precision::Length(_) | Precision::Lossless)
+    pub fn keeps_points(&self) -> bool {
+        !matches!(self.precision, Precision::SamplingDensity | Precision::Bits(_))
     }
 
     /// Whether a frame may be told by the one before: not where each is to have cells of its own, or every bit.
     pub(super) fn may_follow(&self) -> bool {
-        matches!(self.precision, Precision::SamplingDensity | Precision::Length(_))
+        matches!(
+            self.precision,
+            Precision::PointSpacing | Precision::SamplingDensity | Precision::Length(_)
+        )
     }
 
     /// Says what cannot be meant.
@@ -114,9 +128,10 @@ impl ReelOptions {
             _ if self.offset_bits > 4 => Some(format!("{} bits of an offset: choose 0 to 4", self.offset_bits)),
             _ if self.color_error > 100 => Some(format!("a colour error of {}: choose 0 to 100", self.color_error)),
             _ if self.keyframes == 0 => Some("groups of no frame: choose one or more".to_owned()),
-            _ if self.keep_order && !self.keeps_points() => {
-                Some("the order of points that are merged: choose a precision of a length, or lossless".to_owned())
-            }
+            _ if self.keep_order && !self.keeps_points() => Some(
+                "the order of points that are merged: keep every point, by their spacing, a length, or lossless"
+                    .to_owned(),
+            ),
             _ => None,
         };
         problem.map_or(Ok(()), |problem| Err(ReelError::Options { problem }))

@@ -1,9 +1,10 @@
 //! A file that is read: its head and index, or what is found by going from chunk to chunk where there is no index.
 
+use super::cut::note_of_group;
 use super::error::{Fault, ReelError};
 use super::file::{
-    CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, Directory, Head, Index, MAGIC_AND_VERSION_BYTES, SYNC, TRAILER_BYTES,
-    Trailer, VERSION, bytes_at,
+    CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, Directory, FilePart, Head, Index, MAGIC_AND_VERSION_BYTES, SYNC,
+    TRAILER_BYTES, Trailer, VERSION, bytes_at,
 };
 use super::frame::StreamKind;
 use super::{MAGIC, ReadAt};
@@ -27,6 +28,8 @@ pub struct ReelFile {
     /// Where the next group would be written.
     end: u64,
     damage: Vec<String>,
+    /// Whether the end of the file cuts its last group.
+    is_cut: bool,
 }
 
 impl fmt::Debug for ReelFile {
@@ -73,7 +76,8 @@ impl ReelFile {
     }
 
     /// Opens a file of which `path` is the name in messages: reads its head and its index. Without an index, as after
-    /// a crash or while it is written, the groups that are whole are found one by one.
+    /// a crash or while it is written, groups are found one by one. Of a group that the end of the file cuts, the
+    /// frames have the levels that are there.
     ///
     /// # Errors
     /// Another kind of file, one of a later version, and one without a byte that could be read.
@@ -98,6 +102,7 @@ impl ReelFile {
             index: Index::default(),
             end: len,
             damage: Vec::new(),
+            is_cut: false,
         };
         file.read_head();
         if !file.read_index() {
@@ -211,6 +216,13 @@ impl ReelFile {
                 }
             }
         }
+        if self.damage.is_empty() {
+            self.damage.push(format!(
+                "{} has no index at its end: it is still being written, or was cut; it has {} whole frames",
+                self.path.display(),
+                self.index.frames.len()
+            ));
+        }
         Ok(())
     }
 
@@ -219,6 +231,9 @@ impl ReelFile {
         let header = self.chunk_header(offset)?;
         let end = (offset + CHUNK_HEADER_BYTES as u64).checked_add(header.len);
         let Some(end) = end.filter(|&end| end <= self.len) else {
+            if header.kind == ChunkKind::Group {
+                self.take_cut_group(offset);
+            }
             return Ok(None);
         };
         match header.kind {
@@ -232,6 +247,35 @@ impl ReelFile {
             ChunkKind::Head | ChunkKind::Unknown(_) => {}
         }
         Ok(Some(end))
+    }
+
+    /// The last group, of which the file has but the beginning.
+    fn take_cut_group(&mut self, offset: u64) {
+        let first = self.index.frames.len();
+        let read = self.checked(offset, ChunkKind::Group).and_then(|(header, bytes)| {
+            let directory = Directory::read(&bytes).map_err(|fault| self.fault(offset, fault))?;
+            Ok((header, directory))
+        });
+        let Ok((header, mut directory)) = read else {
+            let path = self.path.display();
+            self.damage.push(format!(
+                "{path} ends early: within the directory of a group, whose frames, from frame {first} on, are missing"
+            ));
+            return;
+        };
+        let missing = directory.cut(self.data_there(offset, &header).unwrap_or(0));
+        self.damage.push(note_of_group(&self.path, &directory, first, missing));
+        if !directory.frames.is_empty() {
+            self.index.push(offset, &directory);
+            self.is_cut = true;
+        }
+    }
+
+    /// Bytes of the data of a group that the end of the file cuts; `None` of a whole one.
+    fn data_there(&self, offset: u64, header: &ChunkHeader) -> Option<u64> {
+        let start = offset + CHUNK_HEADER_BYTES as u64;
+        let end = start.saturating_add(header.len);
+        (end > self.len).then(|| self.len.saturating_sub(start + u64::from(header.checked_len)))
     }
 
     /// Where, from a place on, a chunk begins.
@@ -313,6 +357,11 @@ impl ReelFile {
         &self.head.settings
     }
 
+    /// Which frames of a conversion it has, if the file says it.
+    pub fn part(&self) -> Option<&FilePart> {
+        self.head.part.as_ref()
+    }
+
     /// What could not be read: a sentence each, with file and place.
     pub fn damage(&self) -> &[String] {
         &self.damage
@@ -332,7 +381,10 @@ impl ReelFile {
     pub(super) fn directory(&self, group: usize) -> Result<(Directory, Range<usize>, u64), ReelError> {
         let entry = &self.index.groups[group];
         let (header, bytes) = self.checked(entry.offset, ChunkKind::Group)?;
-        let directory = Directory::read(&bytes).map_err(|fault| self.fault(entry.offset, fault))?;
+        let mut directory = Directory::read(&bytes).map_err(|fault| self.fault(entry.offset, fault))?;
+        if let Some(bytes) = self.data_there(entry.offset, &header) {
+            directory.cut(bytes);
+        }
         if directory.frames.len() != entry.frames.len() {
             let (found, expected) = (directory.frames.len(), entry.frames.len());
             let problem = format!("a group has {found} frames, and {expected} by the index");
@@ -363,7 +415,22 @@ impl ReelFile {
 
     /// The index, and where the next group is to be written.
     pub(super) fn into_index(self) -> (Index, u64) {
-        (self.index, self.end)
+        let this = self.whole_groups();
+        (this.index, this.end)
+    }
+
+    /// Whether the end of the file cuts its last group, so that frames of it are coarser than they were written.
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// The same file without the group that its end cuts: that one may just be written.
+    #[must_use]
+    pub fn whole_groups(mut self) -> Self {
+        if std::mem::take(&mut self.is_cut) {
+            self.index.pop();
+        }
+        self
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::encode::{EncodedGroup, NewFrame, encode_group};
 use super::error::ReelError;
-use super::file::{ChunkHeader, ChunkKind, Head, Index, Trailer, VERSION};
+use super::file::{ChunkHeader, ChunkKind, FilePart, Head, Index, Trailer, VERSION};
 use super::options::ReelOptions;
 use super::reader::ReelFile;
 use super::{MAGIC, ReadAt};
@@ -30,11 +30,26 @@ impl ReelWriter<BufWriter<File>> {
         Self::new(BufWriter::new(file), path, options)
     }
 
+    /// A new file, in place of one of that name, that says which frames of a conversion it has.
+    pub fn create_part(path: &Path, options: ReelOptions, part: FilePart) -> Result<Self, ReelError> {
+        let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
+        options.check()?;
+        let head = Head {
+            part: Some(part),
+            ..head_of(&options)
+        };
+        Self::with_head(BufWriter::new(file), path, options, &head)
+    }
+
     /// A new file of groups that are copied from others ([`ReelWriter::copy_groups`]), which says of itself what `like`
-    /// does.
+    /// does, but that it has all frames.
     pub fn create_like(path: &Path, like: &ReelFile) -> Result<Self, ReelError> {
         let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
-        Self::with_head(BufWriter::new(file), path, ReelOptions::default(), like.head())
+        let head = Head {
+            part: like.part().map(FilePart::whole),
+            ..like.head().clone()
+        };
+        Self::with_head(BufWriter::new(file), path, ReelOptions::default(), &head)
     }
 
     /// A file that is there, to which groups are added; what was written after its last whole group is lost. The frame
@@ -67,25 +82,29 @@ fn io_error(path: &Path, byte: u64, source: std::io::Error) -> ReelError {
     }
 }
 
+/// What a file with these options says of itself.
+fn head_of(options: &ReelOptions) -> Head {
+    let creator = concat!("pointreel ", env!("CARGO_PKG_VERSION"));
+    Head {
+        fps: options.fps,
+        keyframes: options.keyframes,
+        settings: vec![
+            ("creator".into(), creator.into()),
+            ("precision".into(), format!("{:?}", options.precision)),
+            ("coding".into(), format!("{:?}", options.coding).to_lowercase()),
+            ("normal bits".into(), options.normal_bits.to_string()),
+            ("colour error".into(), options.color_error.to_string()),
+            ("scalar bits".into(), options.scalar_bits.to_string()),
+        ],
+        part: None,
+    }
+}
+
 impl<W: Write> ReelWriter<W> {
     /// Writes to anything; `path` is for messages.
     pub fn new(out: W, path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
         options.check()?;
-        let head = Head {
-            fps: options.fps,
-            keyframes: options.keyframes,
-            settings: vec![
-                (
-                    "creator".into(),
-                    concat!("pointreel ", env!("CARGO_PKG_VERSION")).into(),
-                ),
-                ("precision".into(), format!("{:?}", options.precision)),
-                ("coding".into(), format!("{:?}", options.coding).to_lowercase()),
-                ("normal bits".into(), options.normal_bits.to_string()),
-                ("colour error".into(), options.color_error.to_string()),
-                ("scalar bits".into(), options.scalar_bits.to_string()),
-            ],
-        };
+        let head = head_of(&options);
         Self::with_head(out, path, options, &head)
     }
 

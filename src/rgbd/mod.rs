@@ -26,8 +26,8 @@ pub(crate) use filters::constants as filter_constants;
 #[cfg(test)]
 pub(crate) use filters::test_images;
 pub use filters::{
-    Bilateral, DepthRange, FilterKind, FilterParameter, Filters, FlyingPixels, ParseFiltersError, Temporal,
-    TemporalFilter, median,
+    Bilateral, DepthRange, DroppedPixels, FilterKind, FilterParameter, FilterReport, Filters, FlyingPixels,
+    NOTICEABLE_SHARE, ParseFiltersError, Temporal, TemporalFilter, median,
 };
 pub use images::{ColorImage, DepthImage, is_measured};
 pub use planes::{on_planes, put_on_planes};

@@ -57,6 +57,18 @@ impl UpAxis {
             .map_or("y", |&(name, _)| name)
     }
 
+    /// Its name with a sign, for people: `+Z`.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Y => "+Y",
+            Self::Z => "+Z",
+            Self::X => "+X",
+            Self::NegY => "-Y",
+            Self::NegZ => "-Z",
+            Self::NegX => "-X",
+        }
+    }
+
     /// The unit vector that points up, in world space.
     pub fn direction(self) -> DVec3 {
         self.basis().col(1)

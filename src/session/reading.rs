@@ -3,6 +3,7 @@
 
 use super::SessionError;
 use super::paths::{as_text, joined};
+use crate::cloud::NoData;
 use crate::io::{ColumnMap, ReadOptions};
 use crate::rgbd::Filters;
 use crate::source::{OpenOptions, RgbdOptions};
@@ -34,13 +35,20 @@ pub struct Reading {
         deserialize_with = "columns"
     )]
     pub columns: Option<ColumnMap>,
+    /// Values that stand for a missing point.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "write_word",
+        deserialize_with = "no_data"
+    )]
+    pub no_data: Option<NoData>,
     /// Points of photographs are made by stereo.
     #[serde(skip_serializing_if = "is_false")]
     pub dense: bool,
     /// Filters of depth images.
     #[serde(
         skip_serializing_if = "Option::is_none",
-        serialize_with = "write_filters",
+        serialize_with = "write_word",
         deserialize_with = "filters"
     )]
     pub rgbd_filters: Option<Filters>,
@@ -119,8 +127,14 @@ fn columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<ColumnMa
 }
 
 #[expect(clippy::ref_option, reason = "serde calls it so")]
-fn write_filters<S: Serializer>(filters: &Option<Filters>, serializer: S) -> Result<S::Ok, S::Error> {
-    filters.map(|filters| filters.to_string()).serialize(serializer)
+fn write_word<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    value.as_ref().map(T::to_string).serialize(serializer)
+}
+
+fn no_data<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NoData>, D::Error> {
+    let text = Option::<String>::deserialize(deserializer)?;
+    text.map(|text| text.parse().map_err(serde::de::Error::custom))
+        .transpose()
 }
 
 fn filters<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Filters>, D::Error> {
@@ -139,6 +153,7 @@ impl Reading {
             merge_scans: options.merge_scans,
             sample: read.sample_count,
             columns: read.columns,
+            no_data: (options.no_data != NoData::Auto).then_some(options.no_data),
             dense: options.dense,
             rgbd_filters: (rgbd.filters != Filters::USUAL).then_some(rgbd.filters),
             depth_images: rgbd.depth.clone(),
@@ -160,12 +175,17 @@ impl Reading {
             read: read
                 .with_sample_count(read.sample_count.or(self.sample))
                 .with_columns(read.columns.or(self.columns)),
+            no_data: match options.no_data {
+                NoData::Auto => self.no_data.unwrap_or_default(),
+                given => given,
+            },
             fps: options.fps.or(self.fps),
             merge_scans: options.merge_scans || self.merge_scans,
             topic: options.topic.clone().or_else(|| self.topic.as_deref().map(Arc::from)),
             dense: options.dense || self.dense,
             rgbd: RgbdOptions {
                 filters: self.rgbd_filters.unwrap_or(given.filters),
+                filters_are_automatic: self.rgbd_filters.is_none() && given.filters_are_automatic,
                 depth: given.depth.clone().or_else(|| self.depth_images.clone()),
                 color: given.color.clone().or_else(|| self.color_images.clone()),
                 intrinsics: given.intrinsics.clone().or_else(|| self.intrinsics.clone()),

@@ -1,6 +1,7 @@
 //! Sessions written and read: nothing is lost, whatever is in them, and damage is told with its line.
 
 use super::*;
+use crate::cloud::NoData;
 use crate::rgbd::Filters;
 use crate::scene::{
     Camera, CameraPath, Clip, ClipShape, FollowedPoint, Gauge, Keyframe, Label, MAX_LABEL_CHARS, Primitive, Style,
@@ -196,6 +197,7 @@ fn session() -> impl Strategy<Value = Session> {
         topic,
         fps,
         merge_scans,
+        no_data: merge_scans.then_some(NoData::Value(-9999.0)),
         rgbd_filters: merge_scans.then_some(Filters::NONE),
         merge_frames: merge_scans.then_some((3, 9)),
         merge_cells_m: merge_scans.then_some(0.01),

@@ -35,11 +35,13 @@ pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<A
         return Ok(sets.map(|sets| Arc::new(sets) as Arc<dyn Source>));
     };
     let calibration = found.calibration().map_err(wrong)?;
+    let model = found.path;
     Ok(Some(
         match PhotoVideo::of(calibration, inputs, options).map_err(wrong)? {
             Ok(video) => Arc::new(video),
             Err(calibration) => Arc::new(PhotoScene::of(
                 calibration.photographs().map_err(wrong)?,
+                &model,
                 input,
                 options,
             )),
@@ -56,7 +58,7 @@ pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<A
     let Some(folders) = folders_of_no_frames(input) else {
         return Ok(None);
     };
-    let holds_set = |folder: &PathBuf| matches!(photos::find(folder), Ok(Some(_))) || holds_recording(folder);
+    let holds_set = |folder: &PathBuf| matches!(photos::find(folder), Ok(Some(_))) || rgbd::is_likely(folder);
     let found: Vec<PathBuf> = folders.into_iter().take(MOST_FOLDERS).filter(holds_set).collect();
     match found.as_slice() {
         [] => match photos::unread(input) {
@@ -80,17 +82,6 @@ pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<A
 
 fn wrong(error: PhotosError) -> SequenceError {
     SequenceError::Photos(Box::new(error))
-}
-
-/// Whether frames of depth images with their poses lie in the folder: told by the names of 7-Scenes alone, as others
-/// have lists that would have to be read.
-fn holds_recording(folder: &Path) -> bool {
-    let entries = fs::read_dir(folder).into_iter().flatten();
-    let mut names = entries.take(MOST_ENTRIES).flatten().map(|entry| entry.file_name());
-    names.any(|name| {
-        let name = name.to_string_lossy();
-        name.starts_with("frame-") && name.ends_with(".depth.png")
-    })
 }
 
 /// The sub-folders of a folder in which no file is a cloud by its extension.

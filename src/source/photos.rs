@@ -5,6 +5,7 @@
 //! asks [`Source::photographs`].
 
 use super::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Positions, RawCloud};
 use crate::io::{self, Part};
 use crate::photos::ViewSet;
@@ -14,6 +15,19 @@ use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Clouds that dense stages make next to a sparse model: COLMAP's, OpenMVS's, PMVS's.
+const DENSE_CLOUDS: &[&str] = &[
+    "fused.ply",
+    "dense/fused.ply",
+    "dense/0/fused.ply",
+    "scene_dense.ply",
+    "openmvs/scene_dense.ply",
+    "mvs/scene_dense.ply",
+    "dense/scene_dense.ply",
+    "pmvs/models/option-0000.ply",
+    "models/option-0000.ply",
+];
 
 /// So many photographs are matched in their whole size, up to 640 pixels.
 const MOST_OF_WHOLE_SIZE: usize = 8;
@@ -25,16 +39,26 @@ pub struct PhotoScene {
     entry: Arc<FrameEntry>,
     inputs: Vec<PathBuf>,
     options: OpenOptions,
+    assumptions: Vec<Assumption>,
 }
 
 impl PhotoScene {
     /// The photographs of the folder or file that is the one input.
-    pub(super) fn of(set: ViewSet, input: &Path, options: &OpenOptions) -> Self {
+    ///
+    /// A dense cloud of a folder counts more than its sparse points: `found` is where these are.
+    pub(super) fn of(mut set: ViewSet, found: &Path, input: &Path, options: &OpenOptions) -> Self {
+        set.dense_file = if options.dense { None } else { dense_cloud(input, found) };
+        let model = found.to_string_lossy();
+        let sparse = if input == found { "its file of images" } else { &*model };
+        let assumptions = set.dense_file.iter().map(|dense| chosen_dense(dense, &set, sparse));
+        let assumptions: Vec<Assumption> = assumptions.collect();
+        let file = set.dense_file.as_deref().or(set.points_file.as_deref());
         Self {
-            entry: Arc::new(FrameEntry::file(set.points_file.as_deref().unwrap_or(input))),
+            entry: Arc::new(FrameEntry::file(file.unwrap_or(input))),
             set: Arc::new(set),
             inputs: vec![input.to_owned()],
             options: options.clone(),
+            assumptions,
         }
     }
 }
@@ -61,12 +85,38 @@ impl Source for PhotoScene {
     }
 
     fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
-        Some(Arc::clone(&self.set))
+        (!self.set.photos.is_empty()).then(|| Arc::clone(&self.set))
+    }
+
+    fn assumptions(&self) -> &[Assumption] {
+        &self.assumptions
     }
 
     fn notes(&self) -> &[String] {
         &self.set.notes
     }
+}
+
+/// The cloud that a dense stage made of the photographs of the folder `input`, whose model is at `found`.
+fn dense_cloud(input: &Path, found: &Path) -> Option<PathBuf> {
+    // Whoever opens a file of the model wants its points.
+    if !input.is_dir() {
+        return None;
+    }
+    // Of several models each has a stage of its own.
+    let number = found.file_name()?.to_str().filter(|name| name.parse::<u32>().is_ok());
+    let of_model = number.map(|number| format!("dense/{number}/fused.ply"));
+    let names = of_model.iter().map(String::as_str).chain(DENSE_CLOUDS.iter().copied());
+    let mut files = names.map(|name| input.join(name));
+    files.find(|path| path.is_file())
+}
+
+fn chosen_dense(dense: &Path, set: &ViewSet, sparse: &str) -> Assumption {
+    let why = format!(
+        "it is denser than the {} sparse points: open {sparse} for those",
+        set.points.len()
+    );
+    Assumption::new(Subject::Frames, dense.display().to_string(), why, Evidence::Convention).with_option(None)
 }
 
 /// Photographs of many are halved once more where nobody asked for dense points: 47 of 640×480 would take minutes.
@@ -93,6 +143,14 @@ pub(super) fn cloud_of_set(
     progress: &Progress,
 ) -> Result<RawCloud, DecodeFailure> {
     let points = &set.points;
+    let mut warnings = Vec::new();
+    if let Some(file) = set.dense_file.as_ref().filter(|_| !options.dense) {
+        match io::read_part_observed(file, &Part::Whole, &options.read, progress) {
+            Ok(cloud) => return Ok(cloud),
+            Err(error) if points.is_empty() => return Err(error.into()),
+            Err(error) => warnings.push(format!("{error}; the sparse points are shown")),
+        }
+    }
     let file = set.points_file.as_ref().filter(|_| points.is_empty());
     if options.dense || !set.has_points() {
         return Ok(by_stereo(set)?);
@@ -106,6 +164,7 @@ pub(super) fn cloud_of_set(
         .colors()
         .iter()
         .map(|&[red, green, blue]| [red, green, blue, 255]);
+    cloud.warnings = warnings;
     cloud.attributes.colors = Some(colors.collect());
     cloud.attributes.normals = points
         .normals()

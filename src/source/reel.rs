@@ -110,6 +110,15 @@ impl Opened {
         Self::of(Arc::new(file), path)
     }
 
+    /// Without a group that is just being written.
+    fn whole_at(path: &Path) -> Result<Self, ReelError> {
+        let file = File::open(path).map_err(open_error(path))?;
+        Ok(Self::of_file(
+            ReelFile::open(Arc::new(file), path)?.whole_groups(),
+            path,
+        ))
+    }
+
     fn on_web(path: &Path, url: &str, most_bits_per_s: Option<f64>) -> Result<Self, ReelError> {
         let file = if url.starts_with("https:") {
             Err(std::io::Error::other("https:// is not read, only http:// is"))
@@ -120,7 +129,10 @@ impl Opened {
     }
 
     fn of(bytes: Arc<dyn ReadAt>, path: &Path) -> Result<Self, ReelError> {
-        let file = ReelFile::open(bytes, path)?;
+        Ok(Self::of_file(ReelFile::open(bytes, path)?, path))
+    }
+
+    fn of_file(file: ReelFile, path: &Path) -> Self {
         let of_file = FrameEntry::file(path);
         let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
         let mut entries: Vec<FrameEntry> = frames
@@ -134,10 +146,10 @@ impl Opened {
         for entry in &mut entries {
             entry.name = format!("{}: {}", of_file.name, entry.name);
         }
-        Ok(Self {
+        Self {
             file: Arc::new(file),
             entries: entries.into_iter().map(Arc::new).collect(),
-        })
+        }
     }
 }
 
@@ -207,11 +219,12 @@ impl Source for Reel {
             return Ok(0);
         }
         // A file that is just being written anew is left for the next time.
-        let Ok(now) = Opened::at(path) else {
+        let Ok(now) = Opened::whole_at(path) else {
             return Ok(0);
         };
         let more = now.entries.len().saturating_sub(before.frame_count());
-        if more > 0 {
+        let is_mended = before.is_cut() && now.entries.len() >= before.frame_count();
+        if more > 0 || is_mended {
             *write(&self.shared.opened) = now;
         }
         Ok(more)

@@ -16,6 +16,7 @@ fn sequence_files_are_measured_by_stream() {
         report.value(row, key).and_then(Cell::number)
     };
     let of_reel = [
+        "every point",
         "sampling density",
         "sampling density, fast",
         "sampling density, each frame by itself",
@@ -30,8 +31,8 @@ fn sequence_files_are_measured_by_stream() {
     ];
     assert_eq!(report.rows.len(), of_reel.len() + of_draco.len());
     let bits = |options| number(options, "bits_per_point").unwrap();
-    let [density, _, alone, voxels, _, lossless] = of_reel.map(bits);
-    assert!(voxels < lossless && density < lossless);
+    let [every_point, density, _, alone, voxels, _, lossless] = of_reel.map(bits);
+    assert!(voxels < lossless && density < every_point && every_point < lossless);
     // Frames of a group share a directory, and their coordinates one cube.
     assert!(density < 1.05 * alone, "{density} {alone}");
     let streams = [

@@ -4,6 +4,7 @@ mod broken;
 mod film;
 mod layouts;
 mod scene;
+mod spoilt;
 
 use glam::{DVec2, DVec3};
 use image::RgbImage;

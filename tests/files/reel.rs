@@ -162,7 +162,7 @@ fn what_cannot_be_meant_is_said() {
     };
     let out = folder.path().join("b.reel");
     assert!(said(&["info", text(&reel), "demo.ply"]).contains("open it alone"));
-    assert!(said(&["convert", "demo:", text(&out), "--keep-order"]).contains("lossless"));
+    assert!(said(&["convert", "demo:", text(&out), "--keep-order", "--merge"]).contains("lossless"));
     assert!(said(&["convert", "demo:", text(&out), "--format", "ply"]).contains("sequence file"));
     let plys = folder.path().join("plys");
     assert!(said(&["convert", "demo:", text(&plys), "--bits", "9"]).contains(".reel"));
@@ -225,15 +225,15 @@ fn shards_are_joined_to_what_one_would_have_written() {
     converted(&sequence, &whole, 2);
     let parts: Vec<PathBuf> = (0..3)
         .map(|index| {
-            let part = folder.path().join(format!("part_{index}.reel"));
             let shard = Shard { index, count: 3 };
+            let part = shard.part_of(&whole);
             let done = convert(&sequence, &conversion(&part, 2, shard), &Progress::default()).unwrap();
             assert_eq!(done.written, 4);
             part
         })
         .collect();
     let joined = folder.path().join("joined.reel");
-    assert_eq!(join(&parts, &joined).unwrap(), 12);
+    assert_eq!(join(&parts, &joined).unwrap().frames, 12);
     assert_eq!(fs::read(&whole).unwrap(), fs::read(&joined).unwrap());
 }
 
@@ -262,6 +262,50 @@ fn a_file_that_grows_is_followed() {
     assert_eq!(sequence.len(), 3);
     assert_eq!(sequence.decode(0).unwrap(), before);
     assert_eq!(sequence.decode(2).unwrap().positions.len(), 900);
+}
+
+#[test]
+fn a_file_that_ends_early_draws_what_is_there_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, cut) = (folder.path().join("whole.reel"), folder.path().join("cut.reel"));
+    let done = pointreel(&["convert", "torus:20000", text(&whole)]);
+    assert!(done.status.success());
+    let bytes = fs::read(&whole).unwrap();
+    let picture = folder.path().join("cut.png");
+    for percent in [20, 50, 80, 95] {
+        fs::write(&cut, &bytes[..bytes.len() * percent / 100]).unwrap();
+        let said = |arguments: &[&str]| {
+            let output = pointreel(arguments);
+            let text = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+            (output.status.code(), text.concat())
+        };
+        let size = ["--size", "64x48", "--renderer", "cpu"];
+        let render = [&["render", text(&cut), "-o", text(&picture)][..], &size].concat();
+        for arguments in [&["info", text(&cut)][..], &render] {
+            let (code, said) = said(arguments);
+            assert_eq!(code, Some(0), "{percent} %: {said}");
+            assert!(
+                said.contains("ends early") && said.contains("of 20000 points"),
+                "{percent} %: {said}"
+            );
+        }
+        let (code, said) = said(&["check", text(&cut)]);
+        assert!(code == Some(3) && said.contains("ends early"), "{percent} %: {said}");
+        let pixels = image::open(&picture).unwrap().to_rgba8();
+        let first = *pixels.get_pixel(0, 0);
+        assert!(
+            pixels.pixels().filter(|pixel| **pixel != first).count() > 50,
+            "{percent} % draw nothing"
+        );
+        let info: Value = serde_json::from_slice(&pointreel(&["info", text(&cut), "--json"]).stdout).unwrap();
+        assert_eq!(info["reel"]["ends_early"], true);
+        let points = info["frames"][0]["points"].as_u64().unwrap();
+        assert!(points > 0 && points < 20_000, "{percent} %: {points}");
+    }
+    // So short that there is no frame: an error, not silence.
+    fs::write(&cut, &bytes[..60]).unwrap();
+    let output = pointreel(&["info", text(&cut)]);
+    assert!(!output.status.success() || !output.stderr.is_empty());
 }
 
 /// Runs `work` beside the test.

@@ -1,12 +1,17 @@
 //! Recordings of depth images: every layout, real ones, broken ones.
 
 mod broken;
+mod cameras;
+mod filtered;
 mod kinect;
 mod layouts;
 mod matroska;
+mod meaning;
 mod messages;
+mod phones;
 mod real;
 mod recording;
+mod rewritten;
 mod ros;
 mod streams;
 mod temporal;

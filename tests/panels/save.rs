@@ -325,11 +325,34 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
 }
 
 #[test]
+fn merging_is_a_choice_that_says_its_price_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = saving_of(waves(&[]), folder.path());
+    wait_for_estimate(&mut harness, 5);
+    assert_eq!(harness.state().save.precision, PrecisionKind::PointSpacing);
+    let (every, _) = harness.state().estimates.estimate().unwrap();
+    assert_eq!(every.kept_points, every.points);
+    let merged = every.other_way.unwrap();
+    let price = format!(
+        "Merges {:.0} of {:.0} points per frame",
+        every.points - merged.points,
+        every.points
+    );
+    assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
+    click(&mut harness, "Points in one cell become one");
+    wait_for_estimate(&mut harness, 5);
+    assert_eq!(harness.state().save.precision, PrecisionKind::SamplingDensity);
+    let (estimate, _) = harness.state().estimates.estimate().unwrap();
+    assert_eq!(estimate.kept_points, merged.points);
+    assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
+}
+
+#[test]
 fn every_control_of_the_dialog_has_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
-    for precision in ["Sampling density", "Bits", "Length", "Lossless"] {
-        if precision != "Sampling density" {
+    for precision in ["Point spacing", "Bits", "Length", "Lossless"] {
+        if precision != "Point spacing" {
             choose(&mut harness, "Positions", precision);
         }
         wait_for_estimate(&mut harness, 5);

@@ -150,6 +150,142 @@ fn the_job_file_spreads_a_sequence() {
     assert!(String::from_utf8_lossy(&alone.stderr).contains("--array"));
 }
 
+/// Tasks of an array write parts of a sequence file, which are joined once all of them are there.
+#[cfg(unix)]
+#[test]
+fn shards_of_a_sequence_file_are_parts() {
+    let folder = sequence();
+    let out = tempfile::tempdir().unwrap();
+    let walk = out.path().join("walk.reel");
+    let whole = out.path().join("whole.reel");
+    let run = |arguments: &[&str]| {
+        let output = pointreel(arguments);
+        let said = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+        (output.status.success(), said.concat())
+    };
+    // All at the same time, and one of them twice.
+    let tasks: Vec<_> = ["1/3", "2/3", "3/3", "2/3"]
+        .into_iter()
+        .map(|shard| {
+            let mut task = Command::new(env!("CARGO_BIN_EXE_pointreel"));
+            task.args(["convert", text(folder.path()), text(&walk), "--shard", shard]);
+            (shard, task.spawn().unwrap())
+        })
+        .collect();
+    for (shard, mut task) in tasks {
+        // The twin may find the other at work, which it says.
+        assert!(task.wait().unwrap().success() || shard == "2/3");
+    }
+    let parts = [
+        "walk.part-1-of-3.reel",
+        "walk.part-2-of-3.reel",
+        "walk.part-3-of-3.reel",
+    ];
+    assert_eq!(
+        names(out.path()),
+        parts,
+        "nothing has the name of the whole, nothing is hidden"
+    );
+    let (is_done, said) = run(&["convert", text(folder.path()), text(&walk), "--shard", "2/3"]);
+    assert!(is_done && said.contains("0 frames written"), "{said}");
+    // A part that is missing, comes twice, or is another's.
+    let part = |index: usize| out.path().join(parts[index]);
+    let joined = out.path().join("joined.reel");
+    let refused = |inputs: &[&Path], reason: &str| {
+        let inputs = inputs.iter().map(|path| text(path));
+        let arguments: Vec<&str> = ["convert", "--join"]
+            .into_iter()
+            .chain(inputs)
+            .chain([text(&joined)])
+            .collect();
+        let (is_done, said) = run(&arguments);
+        assert!(
+            !is_done && said.contains(reason) && !joined.exists(),
+            "{reason}: {said}"
+        );
+    };
+    refused(&[&part(0), &part(2)], "missing: 2");
+    refused(&[&part(0), &part(1), &part(1), &part(2)], "both part 2 of 3");
+    let other = out.path().join("other.reel");
+    assert!(
+        run(&[
+            "convert",
+            text(folder.path()),
+            text(&other),
+            "--shard",
+            "2/3",
+            "--merge"
+        ])
+        .0
+    );
+    refused(
+        &[&part(0), &out.path().join("other.part-2-of-3.reel"), &part(2)],
+        "other options",
+    );
+    let cut = out.path().join("cut.reel");
+    let bytes = fs::read(part(1)).unwrap();
+    fs::write(&cut, &bytes[..bytes.len() - 30]).unwrap();
+    refused(&[&part(0), &cut, &part(2)], "not whole");
+    fs::remove_file(cut).unwrap();
+    // Another conversion does not take a part for its own.
+    let (is_done, said) = run(&[
+        "convert",
+        text(folder.path()),
+        text(&walk),
+        "--shard",
+        "2/3",
+        "--bits",
+        "5",
+    ]);
+    assert!(!is_done && said.contains("other frames or options"), "{said}");
+    // In any order, and found by their names.
+    let (is_done, said) = run(&[
+        "convert",
+        "--join",
+        text(&part(2)),
+        text(&part(0)),
+        text(&part(1)),
+        text(&joined),
+    ]);
+    assert!(is_done && said.contains("7 frames"), "{said}");
+    let (is_done, said) = run(&["convert", "--join", text(&walk)]);
+    assert!(is_done && said.contains("7 frames of 3 files"), "{said}");
+    assert_eq!(fs::read(&joined).unwrap(), fs::read(&walk).unwrap());
+    assert!(run(&["convert", text(folder.path()), text(&whole)]).0);
+    let frames = |path: &Path| {
+        let output = pointreel(&["info", text(path), "--json"]);
+        let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+        info["frames"].as_array().unwrap().len()
+    };
+    assert_eq!([frames(&walk), frames(&whole)], [7, 7]);
+}
+
+#[test]
+fn merging_says_its_price_before_it_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let (every, merged) = (folder.path().join("every.reel"), folder.path().join("merged.reel"));
+    let points = |path: &Path| {
+        let output = pointreel(&["info", text(path), "--json"]);
+        let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (
+            info["reel"]["points"].as_u64().unwrap(),
+            info["reel"]["points_written"].as_u64().unwrap(),
+        )
+    };
+    let done = pointreel(&["convert", "torus:5000", text(&every)]);
+    assert!(done.status.success());
+    assert!(!String::from_utf8_lossy(&done.stderr).contains("merges"));
+    let (kept, written) = points(&every);
+    assert_eq!(kept, written);
+    let done = pointreel(&["convert", "torus:5000", text(&merged), "--merge"]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    let (left, written) = points(&merged);
+    assert!(left < written, "{left} of {written}");
+    let price = format!("merges {} of {written} points per frame", written - left);
+    assert!(said.contains(&price) && said.contains(" instead of "), "{said}");
+    assert!(String::from_utf8_lossy(&done.stdout).contains(&format!("{left} points (of {written}")));
+}
+
 #[test]
 fn examples_are_inputs_as_files_are() {
     for (name, frames, attribute) in [

@@ -5,6 +5,7 @@
 //! inspected points, an exported camera path). The window's state is composed of features and carries out what their
 //! panels ask for.
 
+pub(super) mod assumptions;
 pub(super) mod benchmark;
 pub(super) mod beside;
 pub(super) mod camera_path;

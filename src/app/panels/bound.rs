@@ -3,6 +3,7 @@
 use super::quality::QualityRequest;
 use super::settings::{SettingsContext, SettingsRequest, settings_ui};
 use crate::app::command::Command;
+use crate::app::features::assumptions::panel::{self as assumptions_panel, assumptions_ui, chip_ui};
 use crate::app::features::benchmark::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::features::beside::panel::{BesideRequest, beside_ui};
 use crate::app::features::camera_path::panel::camera_path_ui;
@@ -32,6 +33,27 @@ use crate::playback::Player;
 use crate::scene::{Primitive, Scene};
 use crate::timeline::DEFAULT_FPS;
 use egui::Ui;
+
+/// The list of assumptions.
+pub(super) fn assumptions(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(assumptions_panel::PANEL) {
+        return;
+    }
+    let groups = state.assumptions();
+    let corner = state.viewport.rect.right_top();
+    let mut is_open = true;
+    let changes = assumptions_ui(ui, &mut is_open, &groups, corner);
+    state.panels.set(assumptions_panel::PANEL, is_open);
+    state.choose(changes);
+}
+
+/// The chip with the number of assumptions about the open sequence.
+pub(super) fn assumptions_chip(ui: &mut Ui, state: &mut State) {
+    let groups = state.assumptions();
+    if !groups.is_empty() && chip_ui(ui, &groups, state.panels.has(assumptions_panel::PANEL)) {
+        state.panels.toggle(assumptions_panel::PANEL);
+    }
+}
 
 pub(super) fn benchmark(ui: &mut Ui, state: &mut State) {
     let now = state.now();

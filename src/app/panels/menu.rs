@@ -1,8 +1,10 @@
 //! The menu bar.
 
+use super::bound;
 use super::presets::presets_menu;
 use super::table::menu_items;
 use crate::app::command::{Command, keys_of};
+use crate::app::features::assumptions::panel::CHIP_WIDTH;
 use crate::app::recent::entry_name;
 use crate::app::{Benchmark, PanelId, Side, State, Tool};
 use crate::bench::suites;
@@ -29,12 +31,18 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         } else {
             menus_ui(ui, state);
         }
-        let name = state.sequence_name();
-        if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.add(egui::Label::new(egui::RichText::new(name).weak()).truncate());
-            });
+        if ui.available_width() <= LEAST_NAME_WIDTH {
+            return;
         }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.available_width() > CHIP_WIDTH {
+                bound::assumptions_chip(ui, state);
+            }
+            let name = state.sequence_name();
+            if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
+                ui.add(egui::Label::new(egui::RichText::new(name).weak()).truncate());
+            }
+        });
     });
 }
 

@@ -224,17 +224,9 @@ fn primitive(ui: &mut Ui, style: &mut Style, guessed: Option<(Primitive, &str)>,
 
 /// Which axis is up; another one, where it is chosen.
 fn up_axis(ui: &mut Ui, before: UpAxis, why: Option<&'static str>) -> Option<UpAxis> {
-    let axes = UpAxis::ALL.iter().map(|&(name, axis)| {
-        let text = match name {
-            "y" => "+Y",
-            "z" => "+Z",
-            "x" => "+X",
-            "-y" => "-Y",
-            "-z" => "-Z",
-            _ => "-X",
-        };
-        (text, axis, "The axis of the file that points up in the picture")
-    });
+    let axes = UpAxis::ALL
+        .iter()
+        .map(|&(_, axis)| (axis.label(), axis, "The axis of the file that points up in the picture"));
     let axes: Vec<_> = axes.collect();
     let mut up = before;
     choice(

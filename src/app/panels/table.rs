@@ -10,6 +10,7 @@ use super::presets::preset_name_ui;
 use super::question::question_ui;
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
+use crate::app::features::assumptions::panel as assumptions;
 use crate::app::features::labels::panel as labels;
 use crate::app::features::palette::Entry;
 use crate::app::features::photos::panel as photos;
@@ -72,6 +73,12 @@ pub(super) const PANELS: &[PanelRow] = &[
         menu: Some("Photographs…"),
         place: Dock::Window,
         show: bound::photos,
+    },
+    PanelRow {
+        id: Some(assumptions::PANEL),
+        menu: Some("Assumptions…"),
+        place: Dock::Window,
+        show: bound::assumptions,
     },
     window(PanelId::EXPORT, bound::export),
     window(PanelId::SAVE, bound::save),

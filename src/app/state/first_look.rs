@@ -84,7 +84,7 @@ impl State {
         let Some(player) = &self.player else { return };
         let sequence = Arc::clone(player.sequence());
         let look = FirstLook::of_first(&frame.frame, &sequence);
-        self.take_look(look);
+        self.take_look(Arc::new(look));
         if let Some(view) = self.options.view.take() {
             self.camera = view;
             self.looked.view = None;
@@ -114,7 +114,7 @@ impl State {
         self.looked.is_complete = true;
         let is_untouched = self.looked.untouched(&self.camera).is_some();
         let camera = self.camera;
-        self.take_look(more.look);
+        self.take_look(Arc::new(more.look));
         if !is_untouched {
             self.camera = camera;
         }
@@ -129,14 +129,19 @@ impl State {
         }
     }
 
-    fn take_look(&mut self, look: FirstLook) {
-        let chosen = self.options.up.or(self.timeline.chosen.up);
-        let look = match chosen {
-            Some(up) => look.with_up(up),
-            None => look,
+    fn take_look(&mut self, guessed: Arc<FirstLook>) {
+        let look = match self.chosen_up() {
+            Some(up) => Arc::new(FirstLook::clone(&guessed).with_up(up)),
+            None => Arc::clone(&guessed),
         };
-        self.looked.look = Some(Arc::new(look));
+        self.looked.guessed = Some(guessed);
+        self.looked.look = Some(look);
         self.reset_view();
+    }
+
+    /// The up axis that the user has chosen for the open sequence.
+    pub(super) fn chosen_up(&self) -> Option<UpAxis> {
+        self.options.up.or(self.timeline.chosen.up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
@@ -172,12 +177,21 @@ impl State {
 
     /// Makes `up` the axis that is up in the open sequence, now and whenever it is opened again, and shows it anew.
     pub fn choose_up(&mut self, up: UpAxis) {
-        self.options.up = None;
         self.camera.up = up;
-        self.timeline.chosen.up = Some(up);
+        self.take_chosen_up(Some(up));
+    }
+
+    /// Takes back the choice of an up axis: the guessed one is up again.
+    pub(super) fn guess_up(&mut self) {
+        self.take_chosen_up(None);
+    }
+
+    fn take_chosen_up(&mut self, up: Option<UpAxis>) {
+        self.options.up = None;
+        self.timeline.chosen.up = up;
         self.keep_timeline();
-        if let Some(look) = self.looked.look.take() {
-            self.take_look(FirstLook::clone(&look));
+        if let Some(guessed) = self.looked.guessed.take() {
+            self.take_look(guessed);
         }
     }
 

@@ -2,6 +2,7 @@
 //! own.
 
 mod actions;
+mod assumptions;
 mod camera_path;
 mod clipping;
 mod companion;
@@ -70,6 +71,7 @@ use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
 use crate::app::presets::Presets;
+use crate::app::reading_choices::ReadingChoices;
 use crate::app::recent::Recent;
 use crate::app::side::Side;
 use crate::app::work::tasks::{Tasks, Wake};
@@ -108,6 +110,8 @@ pub struct State {
     pub quality: MeasuredQuality,
     /// What was opened lately.
     pub recent: Recent,
+    /// Options of reading that were chosen for inputs.
+    pub reading_choices: ReadingChoices,
     /// What was to be opened last, and cannot be shown.
     pub failed: Option<FailedOpening>,
     /// Settings under names.
@@ -187,6 +191,7 @@ impl State {
             benchmark: Benchmark::default(),
             quality: MeasuredQuality::default(),
             recent: options.recent.clone(),
+            reading_choices: options.reading_choices.clone(),
             failed: None,
             opened: Opened::default(),
             unproven: Unproven::default(),

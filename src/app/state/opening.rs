@@ -3,6 +3,7 @@
 use super::State;
 use super::connection::Connection;
 use super::outcome::{FoundSequence, NotFound};
+use crate::app::reading_choices::open_as_chosen;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::works::WorkKind;
@@ -84,7 +85,9 @@ impl State {
         self.works.cancel(WorkKind::Open);
         let name = format!("Opening {}", entry_name(&inputs));
         let progress = self.works.begin(WorkKind::Open, name, self.now);
+        let chosen = self.chosen_reading(&inputs);
         self.tasks.start("find frames", move || {
+            let mut problem = None;
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(read)) => {
                     let open = read.session.reading.over(&open);
@@ -92,8 +95,16 @@ impl State {
                     (open, Some(Box::new(read)), sequence)
                 }
                 Ok(None) => {
-                    let sequence = found(&inputs, &open, &progress);
-                    (open, None, sequence)
+                    let as_chosen = chosen.map(|chosen| open_as_chosen(&inputs, &chosen, &open, &progress));
+                    match as_chosen {
+                        _ if progress.is_cancelled() => (open, None, Err(NotFound::Cancelled)),
+                        Some(Ok((sequence, chosen))) => (chosen, None, Ok(Arc::new(sequence))),
+                        failed => {
+                            problem = failed.and_then(Result::err);
+                            let sequence = found(&inputs, &open, &progress);
+                            (open, None, sequence)
+                        }
+                    }
                 }
                 Err(reason) => (open, None, Err(NotFound::Because(reason.to_string()))),
             };
@@ -103,6 +114,8 @@ impl State {
                 session,
                 sequence,
                 side,
+                changes: Vec::new(),
+                problem,
             }
         });
     }

@@ -2,6 +2,7 @@
 
 use crate::app::preferences::Preferences;
 use crate::app::presets::Presets;
+use crate::app::reading_choices::ReadingChoices;
 use crate::app::recent::Recent;
 use crate::app::work::tasks::Wake;
 use crate::scene::{Camera, Primitive, UpAxis};
@@ -30,6 +31,8 @@ pub struct StateOptions {
     pub budget_bytes: Option<usize>,
     /// What was opened lately.
     pub recent: Recent,
+    /// Options of reading that were chosen for inputs before.
+    pub reading_choices: ReadingChoices,
     /// Settings under names.
     pub presets: Presets,
     /// The folder where range and markers of each sequence are kept; they are not if `None`.
@@ -50,6 +53,7 @@ impl Default for StateOptions {
             paused: false,
             budget_bytes: None,
             recent: Recent::default(),
+            reading_choices: ReadingChoices::default(),
             presets: Presets::default(),
             timelines: None,
             wake: Arc::new(|| {}),

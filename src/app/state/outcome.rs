@@ -4,6 +4,7 @@ use super::dialogs::DialogAnswer;
 use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
+use crate::app::features::assumptions::ReadChange;
 use crate::app::features::benchmark::BenchmarkEnded;
 use crate::app::features::beside::FrameDistances;
 use crate::app::features::camera_path::PathFile;
@@ -36,6 +37,10 @@ pub struct FoundSequence {
     pub(super) sequence: Result<Arc<Sequence>, NotFound>,
     /// Whether it is to be opened, or beside what is open.
     pub(super) side: Side,
+    /// It is the open sequence read with these changes; empty if it is another one.
+    pub(super) changes: Vec<ReadChange>,
+    /// Why a choice that was made for the inputs before was not taken: a text for a notice.
+    pub(super) problem: Option<String>,
 }
 
 /// Why no frames were found.

@@ -41,8 +41,7 @@ impl State {
         let Some(player) = &self.player else {
             return Err("There is nothing to save yet: open a sequence first".to_owned());
         };
-        let options = self.opened.options.as_ref().unwrap_or(&self.options.open);
-        let mut reading = Reading::of(options);
+        let mut reading = Reading::of(self.opened_with());
         if let Some(topic) = chosen_topic(player.sequence()) {
             reading.topic = Some(topic);
         }
@@ -65,7 +64,7 @@ impl State {
         })
     }
 
-    fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
+    pub(super) fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
         if !self.opened.inputs.is_empty() {
             return Ok(self.opened.inputs.clone());
         }
@@ -102,10 +101,9 @@ impl State {
             return;
         };
         let inputs = compared.inputs.clone();
-        let usual = self.opened.options.as_ref().unwrap_or(&self.options.open);
         let open = OpenOptions {
             topic: compared.topic.as_deref().map(Arc::from),
-            ..usual.clone()
+            ..self.opened_with().clone()
         };
         self.find(inputs, open, Side::B);
     }

@@ -19,7 +19,7 @@ use crate::app::side::Side;
 use crate::bench::{BenchOptions, Input, WindowAction};
 use crate::render::RenderError;
 use crate::scene::RendererChoice;
-use crate::sequence::Sequence;
+use crate::sequence::{OpenOptions, Sequence};
 use crate::session::ReadSession;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -61,6 +61,8 @@ pub struct Options {
     pub inputs: Vec<PathBuf>,
     /// What the first was named by, for sessions.
     pub named: Vec<PathBuf>,
+    /// How it was opened, if otherwise than the state's options say.
+    pub opened_with: Option<OpenOptions>,
     /// The session that the first is of.
     pub session: Option<Box<ReadSession>>,
     /// What went wrong before there was a window to say it in.
@@ -217,7 +219,7 @@ impl App {
                 state.open_session(sequence, *session);
             } else {
                 state.open(sequence);
-                state.note_opened(options.named.clone(), None);
+                state.note_opened(options.named.clone(), options.opened_with.take());
             }
         }
         if let Some(sequence) = options.compare.take() {

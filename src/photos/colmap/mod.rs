@@ -84,7 +84,9 @@ fn draft(image: &Image, cameras: &Cameras, folders: &[PathBuf]) -> Draft {
     let [w, x, y, z] = image.quaternion;
     let quaternion = DQuat::from_xyzw(x, y, z, w);
     // A quaternion without length is no rotation, and refused as such.
-    let turn = if quaternion.length_squared() > 0.0 {
+    let turn = if !quaternion.is_finite() {
+        DMat3::NAN
+    } else if quaternion.length_squared() > 0.0 {
         DMat3::from_quat(quaternion.normalize())
     } else {
         DMat3::ZERO

@@ -35,17 +35,14 @@ impl Features<'_> {
     }
 }
 
-/// A point, if it is somewhere.
+/// A point.
 pub(super) fn push(
     points: &mut SparsePoints,
     position: [f64; 3],
     color: [u8; 3],
     track: impl Iterator<Item = Observation>,
 ) {
-    let position = DVec3::from_array(position);
-    if position.is_finite() {
-        points.push(position, color, track);
-    }
+    points.push(DVec3::from_array(position), color, track);
 }
 
 /// A feature of a text or binary row.

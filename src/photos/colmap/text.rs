@@ -3,7 +3,7 @@
 
 use super::super::error::{PhotosError, read_file};
 use super::super::points::SparsePoints;
-use super::super::text::Text;
+use super::super::text::{Text, quoted};
 use super::models::{Model, refusal};
 use super::records::{Cameras, Features, Image, feature, push};
 use glam::{DVec3, Vec2};
@@ -19,12 +19,15 @@ pub(super) fn cameras(path: &Path) -> Result<Cameras, PhotosError> {
         let id = text.number("the number of a camera")?;
         let name = text.word("the model of a camera")?;
         let size = [text.number("a width in pixels")?, text.number("a height in pixels")?];
-        let mut numbers: Vec<f64> = Vec::new();
-        for word in text.rest_of_line().split_whitespace() {
-            let number = word.parse().map_err(|_| text.error("expected numbers of a camera"))?;
-            numbers.push(number);
-        }
-        let lens = Model::of_name(name).map_or_else(|| Err(refusal(name)), |model| model.lens(size, &numbers));
+        let words = text.rest_of_line().split_whitespace();
+        let numbers: Result<Vec<f64>, String> = words
+            .map(|word| {
+                word.parse()
+                    .map_err(|_| format!("its camera has {} for a number", quoted(word)))
+            })
+            .collect();
+        let model = Model::of_name(name).ok_or_else(|| refusal(name));
+        let lens = model.and_then(|model| model.lens(size, &numbers?));
         cameras.insert(id, lens);
         text.skip_comments();
     }

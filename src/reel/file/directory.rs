@@ -60,7 +60,21 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) convention: Option<AxisConvention>,
     pub(in crate::reel) unit: Option<LengthUnit>,
     pub(in crate::reel) image: Option<ImageGrid>,
+    /// Those that are there.
     pub(in crate::reel) sections: Vec<SectionRecord>,
+    /// What is there of a frame that the end of the file cuts.
+    pub(in crate::reel) cut: Option<FrameCut>,
+}
+
+/// What is there of a frame that the end of the file cuts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::reel) struct FrameCut {
+    /// Bytes that are there.
+    pub(in crate::reel) bytes_there: u64,
+    /// Bytes of the whole frame.
+    pub(in crate::reel) bytes: u64,
+    /// Points of the whole frame.
+    pub(in crate::reel) points: usize,
 }
 
 /// The directory of a group.
@@ -113,9 +127,61 @@ impl Directory {
         reader.end()?;
         Ok(Self { grid, schemas, frames })
     }
+
+    /// Leaves what is in the first `bytes` of the data, as the file has no more: of each frame the sections that are
+    /// whole, without frames of which no section is. Says how many frames are not there at all.
+    pub(in crate::reel) fn cut(&mut self, bytes: u64) -> usize {
+        let mut before = usize::MAX;
+        for frame in &mut self.frames {
+            let is_there = |section: &SectionRecord| section.offset.saturating_add(section.bytes()) <= bytes;
+            let mut whole = frame.sections.iter().take_while(|section| is_there(section)).count();
+            if frame.is_moved {
+                // It moves what is there of the frame before.
+                whole = whole.min(before);
+            }
+            before = whole;
+            if whole < frame.sections.len() {
+                let there = |section: &SectionRecord| section.bytes().min(bytes.saturating_sub(section.offset));
+                frame.cut = Some(FrameCut {
+                    bytes_there: frame.sections.iter().map(there).sum(),
+                    bytes: frame.sections.iter().map(SectionRecord::bytes).sum(),
+                    points: frame.all_points(),
+                });
+                frame.sections.truncate(whole);
+            }
+        }
+        let count = self.frames.len();
+        let there = self
+            .frames
+            .iter()
+            .take_while(|frame| !frame.sections.is_empty())
+            .count();
+        self.frames.truncate(there);
+        count - there
+    }
 }
 
 impl FrameRecord {
+    /// Whether points that are kept one by one are there.
+    pub(in crate::reel) fn has_points(&self) -> bool {
+        self.sections.last().is_some_and(|section| section.levels.is_empty())
+    }
+
+    /// Points of the whole frame.
+    pub(in crate::reel) fn all_points(&self) -> usize {
+        match self.cut {
+            Some(cut) => cut.points,
+            None if self.has_points() => self.points[0] + self.points[1],
+            None => self.counts.last().copied().unwrap_or(0),
+        }
+    }
+
+    /// Nodes of each level that is there.
+    pub(in crate::reel) fn counts_there(&self) -> &[usize] {
+        let levels = self.sections.last().map_or(0, |section| section.levels.end);
+        self.counts.get(..levels).unwrap_or(&self.counts)
+    }
+
     fn write(&self, writer: &mut ByteWriter) {
         writer.text(&self.name);
         let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX - 1) + 1;
@@ -224,6 +290,7 @@ impl FrameRecord {
             unit,
             image,
             sections,
+            cut: None,
         })
     }
 

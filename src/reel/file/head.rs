@@ -1,10 +1,11 @@
 //! How the file begins: magic, version, and a chunk that says how it was made.
 
 use super::bytes::{ByteReader, ByteWriter};
+use super::part::FilePart;
 use crate::reel::error::Fault;
 
 /// Versions with another first number cannot be read; a higher second one adds what may be passed over.
-pub(in crate::reel) const VERSION: [u16; 2] = [3, 1];
+pub(in crate::reel) const VERSION: [u16; 2] = [3, 2];
 
 /// Bytes before the first chunk.
 pub(in crate::reel) const MAGIC_AND_VERSION_BYTES: usize = 12;
@@ -18,6 +19,8 @@ pub(in crate::reel) struct Head {
     pub(in crate::reel) keyframes: u32,
     /// Names and values, for people.
     pub(in crate::reel) settings: Vec<(String, String)>,
+    /// Which frames of a conversion the file has; `None` of files of other writers and before version 3.2.
+    pub(in crate::reel) part: Option<FilePart>,
 }
 
 impl Head {
@@ -30,10 +33,13 @@ impl Head {
             writer.text(name);
             writer.text(value);
         }
+        if let Some(part) = &self.part {
+            part.write(&mut writer);
+        }
         writer.bytes
     }
 
-    /// What follows the settings is of later versions.
+    /// What follows the part is of later versions.
     pub(in crate::reel) fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let mut reader = ByteReader::new(bytes);
         let fps = reader.f64()?;
@@ -42,7 +48,9 @@ impl Head {
         for _ in 0..reader.count("settings")? {
             settings.push((reader.text()?, reader.text()?));
         }
+        let part = (reader.left() > 0).then(|| FilePart::read(&mut reader)).transpose()?;
         Ok(Self {
+            part,
             fps: Some(fps).filter(|fps| *fps > 0.0 && fps.is_finite()),
             keyframes,
             settings,

@@ -70,9 +70,9 @@ impl Index {
     pub(in crate::reel) fn push(&mut self, offset: u64, directory: &Directory) {
         let start = self.frames.len();
         for frame in &directory.frames {
-            let mut level_points = frame.counts.clone();
-            if frame.sections.last().is_some_and(|section| section.levels.is_empty()) {
-                level_points.push(frame.points[0] + frame.points[1]);
+            let mut level_points = frame.counts_there().to_vec();
+            if frame.has_points() {
+                level_points.push(frame.all_points());
             }
             self.frames.push(FrameEntry {
                 name: frame.name.clone(),
@@ -86,6 +86,13 @@ impl Index {
             offset,
             frames: start..self.frames.len(),
         });
+    }
+
+    /// Forgets the last group.
+    pub(in crate::reel) fn pop(&mut self) {
+        if let Some(group) = self.groups.pop() {
+            self.frames.truncate(group.frames.start);
+        }
     }
 
     pub(in crate::reel) fn to_bytes(&self) -> Vec<u8> {

@@ -69,6 +69,11 @@ fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_kept: impl 
     let [placed, outside] = wanted.points;
     let points = has_points.then(|| PosePoints {
         counts: vec![0; wanted.counts.last().copied().unwrap_or(0)],
+        missing_bits: if schema.has_cell_bits {
+            vec![0; wanted.counts.last().copied().unwrap_or(0)]
+        } else {
+            Vec::new()
+        },
         below: vec![[0; 3]; placed],
         outside: vec![[0; 3]; outside],
         values: values(placed + outside, 0),

@@ -36,6 +36,7 @@ pub(super) fn schema(
         is_flat: options.coding == Coding::Fast,
         is_double: matches!(cloud.positions, Positions::F64(_)),
         kept,
+        has_cell_bits: options.precision == Precision::PointSpacing,
         lattice,
         has_order: options.keep_order,
         color_step: if attributes.colors.is_some() {

@@ -1,6 +1,6 @@
 //! What is kept of points one by one: how many are in each cell, where they are in it, and numbers as they are.
 
-use super::columns::{code_counts, code_even, code_floats};
+use super::columns::{code_counts, code_even, code_floats, code_missing_bits};
 use super::grid::Grid;
 use super::levels::PosePoints;
 use super::schema::{Kept, Schema, StreamKind, Values};
@@ -24,8 +24,12 @@ pub(super) fn code_positions<C: BitCoder>(
             points.below.len()
         )));
     }
+    if let Kept::Bits(bits) = schema.kept {
+        code_missing_bits(coder, &mut points.missing_bits, &points.counts, bits);
+    }
+    let missing = points.missing_bits.iter().copied().chain(std::iter::repeat(0));
     let mut below = points.below.iter_mut();
-    for (&cell, &count) in cells.iter().zip(&points.counts) {
+    for ((&cell, missing), &count) in cells.iter().zip(missing).zip(&points.counts) {
         let cell = morton::decode(cell);
         let spans = [0, 1, 2].map(|axis| match schema.kept {
             Kept::Exact => schema.floats().ranks(grid, axis, u64::from(cell[axis])).1,
@@ -35,7 +39,7 @@ pub(super) fn code_positions<C: BitCoder>(
             for (axis, value) in point.iter_mut().enumerate() {
                 *value = match schema.kept {
                     Kept::Merged => 0,
-                    Kept::Bits(bits) => coder.even_bits(u32::from(bits), *value),
+                    Kept::Bits(bits) => coder.even_bits(u32::from(bits - missing), *value >> missing) << missing,
                     Kept::Exact => code_even(coder, spans[axis], *value),
                 };
             }

@@ -39,6 +39,8 @@ pub(in crate::reel) struct FlatValues {
 pub(in crate::reel) struct PosePoints {
     /// Points of each cell, one or more.
     pub(in crate::reel) counts: Vec<u32>,
+    /// How many of the bits below it the points of each cell lack, if cells say that.
+    pub(in crate::reel) missing_bits: Vec<u8>,
     /// What is below the cell, or the rank among the floats in it.
     pub(in crate::reel) below: Vec<[u64; 3]>,
     /// Coordinates, as bits, of points that are in no cell; they follow all others.
@@ -51,6 +53,13 @@ pub(in crate::reel) struct PosePoints {
 }
 
 impl PosePoints {
+    /// The cell of each point that is in one, and the bits below it that the point lacks. `cells` are all cells.
+    pub(super) fn cell_of_each<'a>(&'a self, cells: &'a [u64]) -> impl Iterator<Item = (u64, u8)> + 'a {
+        let missing = self.missing_bits.iter().copied().chain(std::iter::repeat(0));
+        let cells = cells.iter().zip(missing).zip(&self.counts);
+        cells.flat_map(|((&cell, missing), &count)| std::iter::repeat_n((cell, missing), count as usize))
+    }
+
     pub(in crate::reel) fn len(&self) -> usize {
         self.below.len() + self.outside.len()
     }

@@ -17,6 +17,7 @@ mod points;
 mod prepare;
 mod schema;
 mod sections;
+mod spacing;
 mod streams;
 mod summaries;
 mod values;

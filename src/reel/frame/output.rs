@@ -167,10 +167,8 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
     let (Some(points), Some(deepest)) = (&pose.points, pose.levels.last()) else {
         return RawCloud::from_positions(Positions::F32(Vec::new()));
     };
-    let cells = deepest.cells.iter().zip(&points.counts);
-    let cell_of_each = cells.flat_map(|(&cell, &count)| std::iter::repeat_n(cell, count as usize));
-    let placed = cell_of_each.zip(&points.below);
-    let bits = placed.map(|(cell, below)| {
+    let placed = points.cell_of_each(&deepest.cells).zip(&points.below);
+    let bits = placed.map(|((cell, missing), below)| {
         let cell = morton::decode(cell).map(u64::from);
         [0, 1, 2].map(|axis| match schema.kept {
             Kept::Exact => {
@@ -179,7 +177,8 @@ fn cloud_of_points(schema: &Schema, grid: &Grid, pose: &Pose, offsets: &[f64]) -
             }
             Kept::Bits(bits) => {
                 let edge = grid.cell / (1u64 << bits) as f64;
-                let middle = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + 0.5) * edge;
+                let half = 0.5 * (1u64 << missing) as f64;
+                let middle = grid.min[axis] + ((cell[axis] << bits | below[axis]) as f64 + half) * edge;
                 if schema.is_double {
                     middle.to_bits()
                 } else {

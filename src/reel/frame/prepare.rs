@@ -6,6 +6,7 @@ use super::grid::Grid;
 use super::levels::{Level, LevelValues, Pose, PosePoints};
 use super::points;
 use super::schema::{Kept, Schema};
+use super::spacing::largest_cells;
 use super::summaries::{PointValues, offsets};
 use crate::cloud::{Positions, RawCloud};
 use crate::math::{morton, order_of_codes};
@@ -17,7 +18,14 @@ use std::ops::Range;
 
 /// A level is as fine as the points are dense while it has so many times the cells of the level above; a surface of
 /// which every cell is occupied has four times as many.
-const GROWTH: u64 = 2;
+const GROWTH: f64 = 2.0;
+
+/// The same where the bits below a cell are those that its points need: as they are coded without regard of each other,
+/// the tree goes on as long as it tells many of them apart.
+const GROWTH_OF_POINTS: f64 = 1.5;
+
+/// Most bits of the depth of the tree and of what is below it: numbers of so many have halves in doubles.
+const MOST_BITS: u32 = 50;
 
 /// Larger coordinates, of which products may overflow, are kept outside of cells.
 const LARGEST: f64 = 1e150;
@@ -30,6 +38,9 @@ pub(in crate::reel) struct GroupPlan {
     pub(in crate::reel) schemas: Vec<Schema>,
     cells: Vec<FrameCells>,
     finest: u32,
+    /// For each frame and each of its points the largest edge of a cell that may stand for it; no frames where one
+    /// edge is for all.
+    largest_cells: Vec<Vec<f64>>,
 }
 
 /// The points of a frame in the order of their cells.
@@ -55,13 +66,19 @@ impl GroupPlan {
     /// Of frames with at least one entry of every attribute they have for each point.
     pub(in crate::reel) fn new(clouds: &[&RawCloud], options: &ReelOptions) -> Self {
         let mut finest = finest_grid(clouds, options);
+        let largest_cells = match options.precision {
+            Precision::PointSpacing => clouds.par_iter().map(|cloud| largest_cells_of(cloud)).collect(),
+            _ => Vec::new(),
+        };
+        finest.grid.cell *= scale_for(&largest_cells);
         if finest.kept == Kept::Exact {
             finest.lattice = lattice_of(clouds);
         }
         let cells: Vec<FrameCells> = clouds.par_iter().map(|cloud| cells_of(cloud, &finest)).collect();
         let depth = match options.precision {
             Precision::Bits(_) => finest.grid.depth,
-            _ => sampling_depth(&cells, finest.grid.depth),
+            Precision::PointSpacing => sampling_depth(&cells, finest.grid.depth, GROWTH_OF_POINTS),
+            _ => sampling_depth(&cells, finest.grid.depth, GROWTH),
         };
         let below = finest.grid.depth - depth;
         let grid = Grid {
@@ -69,20 +86,58 @@ impl GroupPlan {
             depth,
             ..finest.grid
         };
-        let kept = match finest.kept {
-            Kept::Bits(bits) => Kept::Bits(bits + below as u8),
-            kept => kept,
+        let mut plan = Self {
+            grid,
+            schemas: Vec::new(),
+            cells,
+            finest: finest.grid.depth,
+            largest_cells,
         };
-        let schemas = clouds
+        let kept = match (options.precision, finest.kept) {
+            (Precision::PointSpacing, _) => Kept::Bits(plan.most_bits()),
+            (_, Kept::Bits(bits)) => Kept::Bits(bits + below as u8),
+            (_, kept) => kept,
+        };
+        plan.schemas = clouds
             .iter()
             .map(|cloud| schema(cloud, clouds, (kept, finest.lattice), options))
             .collect();
-        Self {
-            grid,
-            schemas,
-            cells,
-            finest: finest.grid.depth,
+        plan
+    }
+
+    /// The largest edge of a cell that may stand for each point of a frame, if points differ in that.
+    pub(in crate::reel) fn largest_cells(&self, frame: usize) -> Option<&[f64]> {
+        self.largest_cells.get(frame).map(Vec::as_slice)
+    }
+
+    /// Bits below the deepest nodes of a frame that their points need, each node those of its most precise point.
+    fn bits_below(&self, frame: usize) -> Vec<u8> {
+        let (_, ranges) = self.nodes(frame);
+        let order = self.order(frame);
+        let of_node = |range: Range<usize>| {
+            let points = order[range].iter();
+            let edges = points.map(|&point| self.largest_cells[frame][point as usize]);
+            bits_for(self.grid, edges.fold(f64::INFINITY, f64::min))
+        };
+        ranges.into_iter().map(of_node).collect()
+    }
+
+    /// The bits that the points of each node lack of those that the schema has; none where all have the same.
+    fn missing_bits(&self, frame: usize) -> Vec<u8> {
+        match self.schemas[frame].kept {
+            Kept::Bits(bits) if self.schemas[frame].has_cell_bits => {
+                let of_nodes = self.bits_below(frame).into_iter();
+                of_nodes.map(|of_node| bits - of_node.min(bits)).collect()
+            }
+            _ => Vec::new(),
         }
+    }
+
+    /// The most of those of any frame.
+    fn most_bits(&self) -> u8 {
+        let frames = (0..self.largest_cells.len()).into_par_iter();
+        let most = frames.map(|frame| self.bits_below(frame).into_iter().max().unwrap_or(0));
+        most.max().unwrap_or(0)
     }
 
     /// The deepest nodes of a frame, and which of its points are in each, in the order of [`GroupPlan::order`].
@@ -105,6 +160,52 @@ impl GroupPlan {
     pub(in crate::reel) fn order(&self, frame: usize) -> &[u32] {
         &self.cells[frame].order
     }
+}
+
+/// Of the points of a cloud that can be in cells.
+fn largest_cells_of(cloud: &RawCloud) -> Vec<f64> {
+    let points = 0..cloud.positions.len() as u32;
+    let placed = points.filter(|&point| is_placed(cloud.positions.get(point as usize)));
+    largest_cells(cloud, &placed.collect::<Vec<u32>>())
+}
+
+/// Bits below the cells of a grid until they are no larger than an edge.
+fn bits_for(grid: Grid, edge: f64) -> u8 {
+    let (mut bits, mut cell) = (0, grid.cell);
+    while cell > edge && grid.depth + bits < MOST_BITS {
+        cell *= 0.5;
+        bits += 1;
+    }
+    bits as u8
+}
+
+/// Steps in which the cube may be larger than a power of two, in parts of an octave.
+const SCALES: usize = 4;
+
+/// By what cells are larger than powers of two so that most are about as large as they may be: halved again and again,
+/// they miss that by least.
+fn scale_for(largest_cells: &[Vec<f64>]) -> f64 {
+    const CLASSES: usize = 4 * SCALES;
+    // Roots are rounded alike on every machine; logarithms are not.
+    let step = 2f64.sqrt().sqrt().sqrt().sqrt();
+    let mut borders = [1.0; CLASSES];
+    for class in 1..CLASSES {
+        borders[class] = borders[class - 1] * step;
+    }
+    let mut classes = [0u64; CLASSES];
+    for edge in largest_cells.iter().flatten().filter(|edge| edge.is_normal()) {
+        let mantissa = f64::from_bits(edge.to_bits() & ((1 << 52) - 1) | 1023 << 52);
+        classes[borders.partition_point(|border| *border <= mantissa) - 1] += 1;
+    }
+    let waste = |scale: &usize| {
+        let above = |class: usize| (class + CLASSES - scale * CLASSES / SCALES) % CLASSES;
+        let of_classes = classes.iter().enumerate();
+        of_classes
+            .map(|(class, count)| above(class) as u64 * count)
+            .sum::<u64>()
+    };
+    let best = (0..SCALES).min_by_key(waste).unwrap_or(0);
+    borders[best * CLASSES / SCALES]
 }
 
 fn is_placed(position: DVec3) -> bool {
@@ -175,6 +276,11 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
                 lattice: None,
             }
         }
+        Precision::PointSpacing => Finest {
+            grid: power_of_two_grid(min, max, extent, largest),
+            kept: Kept::Bits(0),
+            lattice: None,
+        },
         Precision::SamplingDensity => Finest {
             grid: power_of_two_grid(min, max, extent, largest),
             kept: merged,
@@ -233,7 +339,7 @@ fn cells_of(cloud: &RawCloud, finest: &Finest) -> FrameCells {
 }
 
 /// The deepest level that is as fine as the points are dense.
-fn sampling_depth(frames: &[FrameCells], finest: u32) -> u32 {
+fn sampling_depth(frames: &[FrameCells], finest: u32, growth: f64) -> u32 {
     let mut begun = [0u64; 23];
     for frame in frames {
         for pair in frame.codes.windows(2) {
@@ -248,7 +354,7 @@ fn sampling_depth(frames: &[FrameCells], finest: u32) -> u32 {
     for level in 1..=finest {
         let above = cells;
         cells += begun[level as usize];
-        if cells >= GROWTH * above && cells > 0 {
+        if cells as f64 >= growth * above as f64 && cells > 0 {
             deepest = level;
         }
     }
@@ -304,6 +410,7 @@ pub(in crate::reel) fn prepare(plan: &GroupPlan, frame: usize, cloud: &RawCloud)
         values.take(&of_points.leaves(&each, &all));
         PosePoints {
             counts: ranges.iter().map(|range| range.len() as u32).collect(),
+            missing_bits: plan.missing_bits(frame),
             below: points::below(schema, &plan.grid, &cloud.positions, &cells.order),
             outside: points::bits_of(&cloud.positions, &cells.outside),
             values,

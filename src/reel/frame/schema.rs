@@ -146,6 +146,8 @@ pub(in crate::reel) struct Schema {
     /// Whether coordinates are of double precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) kept: Kept,
+    /// Whether each cell says how many of the bits below it its points have.
+    pub(in crate::reel) has_cell_bits: bool,
     /// What coordinates are whole numbers of, where they are kept to the last bit.
     pub(in crate::reel) lattice: Option<Lattice>,
     pub(in crate::reel) has_order: bool,
@@ -179,6 +181,7 @@ impl Schema {
             self.coding == Coding::Fast,
             self.lattice.is_some(),
             self.is_flat,
+            self.has_cell_bits,
         ];
         let bits = flags
             .iter()
@@ -208,7 +211,7 @@ impl Schema {
 
     pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
         let bits = reader.number()?;
-        if bits >= 1 << 12 {
+        if bits >= 1 << 13 {
             return Err(Fault::new(format!(
                 "attributes of kinds that only a later version of pointreel knows ({bits:#b}): update it"
             )));
@@ -248,6 +251,7 @@ impl Schema {
             is_flat: flag(11),
             is_double: flag(0),
             kept,
+            has_cell_bits: flag(12),
             lattice,
             has_order: flag(1),
             color_step,

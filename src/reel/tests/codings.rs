@@ -24,6 +24,7 @@ fn fast(options: &ReelOptions) -> ReelOptions {
 
 fn precision() -> impl Strategy<Value = Precision> {
     prop_oneof![
+        Just(Precision::PointSpacing),
         Just(Precision::SamplingDensity),
         (1u8..12).prop_map(Precision::Bits),
         (-10i32..3).prop_map(|exponent| Precision::Length(2f64.powi(exponent))),
@@ -57,7 +58,12 @@ proptest! {
 #[test]
 fn large_frames_are_alike_on_every_level() {
     let cloud = surface(40_000, 0.3);
-    for precision in [Precision::SamplingDensity, Precision::Bits(9), Precision::Lossless] {
+    for precision in [
+        Precision::PointSpacing,
+        Precision::SamplingDensity,
+        Precision::Bits(9),
+        Precision::Lossless,
+    ] {
         let options = options(precision);
         let [mut compact, mut fast] =
             [&options, &fast(&options)].map(|options| decoder(&file_of(std::slice::from_ref(&cloud), options)));
@@ -181,7 +187,7 @@ fn slopes_take_few_bits() {
         [128.0 + x, 128.0 + y + z, 128.0 - x, 255.0].map(|channel| channel as u8)
     };
     cloud.attributes.colors = Some((0..cloud.positions.len()).map(color).collect());
-    let near = bits_of(&cloud, &ReelOptions::default(), StreamKind::Color);
+    let near = bits_of(&cloud, &ReelOptions::merged(), StreamKind::Color);
     assert!(near < 1.0, "{near}");
 }
 

@@ -49,13 +49,15 @@ fn other_files_and_later_versions_are_refused() {
 }
 
 #[test]
-fn every_prefix_has_the_groups_that_are_whole() {
+fn every_prefix_has_the_frames_that_have_begun() {
     let (bytes, options) = three_groups();
     let mut most = 0;
     for end in (12..bytes.len()).step_by(101).chain([bytes.len() - 1]) {
         let file = open(&bytes[..end]).unwrap();
         let count = file.frame_count();
-        assert!(count >= most && count.is_multiple_of(2));
+        assert!(count >= most && !file.damage().is_empty());
+        let whole = open(&bytes[..end]).unwrap().whole_groups().frame_count();
+        assert!(whole <= count && whole.is_multiple_of(2));
         most = count;
         assert_eq!(readable(file), (0..count).collect::<Vec<_>>());
     }
@@ -79,6 +81,91 @@ fn every_prefix_has_the_groups_that_are_whole() {
     let count = file.frame_count();
     assert_eq!(file.frame(count - 1).unwrap().name, "later");
     assert_eq!(readable(file), (0..count).collect::<Vec<_>>());
+}
+
+/// Points of each frame of a file, and whether all of the frame is there.
+fn points_of(bytes: &[u8]) -> Vec<(usize, bool)> {
+    let mut decoder = decoder(bytes);
+    let file = Arc::clone(decoder.file());
+    let frames = 0..file.frame_count();
+    frames
+        .map(|index| {
+            let frame = decoder.decode(index, usize::MAX, &Progress::default()).unwrap();
+            let points = frame.cloud.positions.len();
+            let info = file.frame(index).unwrap();
+            assert_eq!(points, info.points);
+            assert_eq!(frame.cloud.attributes.other_length(points), None);
+            // What is missing is said of the frame and of the file.
+            assert_eq!(
+                frame.is_whole,
+                frame.cloud.warnings.is_empty(),
+                "{:?}",
+                frame.cloud.warnings
+            );
+            assert!(
+                frame.is_whole || file.damage()[0].contains("ends early"),
+                "{:?}",
+                file.damage()
+            );
+            assert!(!frame.is_whole || points == frame.points_in_frame);
+            (points, frame.is_whole)
+        })
+        .collect()
+}
+
+#[test]
+fn every_prefix_of_a_frame_draws_the_tree_so_far() {
+    let frames: Vec<RawCloud> = (0..3).map(|frame| surface(2500, 0.05 * frame as f32)).collect();
+    for (count, options) in [
+        (1, ReelOptions::default()),
+        (1, ReelOptions::merged()),
+        (1, ReelOptions::lossless()),
+        (
+            1,
+            ReelOptions {
+                coding: Coding::Fast,
+                ..ReelOptions::default()
+            },
+        ),
+        (3, ReelOptions::default()),
+        (3, ReelOptions::merged()),
+        (3, ReelOptions::lossless()),
+    ] {
+        let bytes = file_of(&frames[..count], &options);
+        let all = points_of(&bytes);
+        assert!(all.len() == count && all.iter().all(|(_, is_whole)| *is_whole));
+        assert!(open(&bytes).unwrap().damage().is_empty());
+        let mut before: Vec<(usize, bool)> = Vec::new();
+        let mut steps = 0;
+        for end in (12..bytes.len())
+            .step_by(1 + bytes.len() / 150)
+            .chain([bytes.len() - 1])
+        {
+            let file = open(&bytes[..end]).unwrap();
+            assert!(
+                !file.damage().is_empty(),
+                "{end} of {} bytes are no whole file",
+                bytes.len()
+            );
+            let now = points_of(&bytes[..end]);
+            assert!(now.len() >= before.len());
+            for (&(points, is_whole), &(most, _)) in now.iter().zip(&all) {
+                assert!(points > 0 && points <= most && (!is_whole || points == most));
+            }
+            assert!(
+                before
+                    .iter()
+                    .zip(&now)
+                    .all(|(before, now)| before.0 <= now.0 && before.1 <= now.1)
+            );
+            steps += usize::from(now != before);
+            before = now;
+        }
+        assert_eq!(before, all, "the index is no part of a frame");
+        assert!(steps >= 3, "{steps}");
+        let nearly = &bytes[..bytes.len() * 95 / 100];
+        assert!(!points_of(nearly).is_empty());
+    }
 }
 
 #[test]

@@ -5,4 +5,5 @@ mod codings;
 mod damage;
 mod moved;
 mod round_trip;
+mod spacing;
 mod vector;

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 fn group_of(keyframes: u32) -> ReelOptions {
     ReelOptions {
         keyframes,
-        ..ReelOptions::default()
+        ..ReelOptions::merged()
     }
 }
 
@@ -84,6 +84,10 @@ fn frames_are_the_same_in_any_order_and_on_every_level() {
         ReelOptions {
             precision: Precision::Length(1e-3),
             keep_order: true,
+            ..group_of(5)
+        },
+        ReelOptions {
+            precision: Precision::PointSpacing,
             ..group_of(5)
         },
     ] {

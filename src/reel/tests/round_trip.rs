@@ -137,7 +137,7 @@ proptest! {
     /// Whatever a cloud is, each of its points is near one that was kept, and nothing else is there.
     #[test]
     fn merged_points_stand_for_all(cloud in clouds()) {
-        let frame = decoded(&file_of(std::slice::from_ref(&cloud), &ReelOptions::default()), 0, usize::MAX);
+        let frame = decoded(&file_of(std::slice::from_ref(&cloud), &ReelOptions::merged()), 0, usize::MAX);
         let edge = frame.cell_edge * 2.0 + rounding(&cloud);
         let all = |cloud: &RawCloud| (0..cloud.positions.len()).map(|p| cloud.positions.get(p)).collect::<Vec<DVec3>>();
         let (was, is) = (all(&cloud), all(&frame.cloud));
@@ -210,7 +210,12 @@ fn nothing_and_one_point_are_frames_too() {
         coding: Coding::Fast,
         ..ReelOptions::default()
     };
-    for options in [ReelOptions::default(), ReelOptions::lossless(), fast] {
+    for options in [
+        ReelOptions::default(),
+        ReelOptions::merged(),
+        ReelOptions::lossless(),
+        fast,
+    ] {
         let bytes = file_of(&clouds, &options);
         assert_eq!(decoded(&bytes, 0, usize::MAX).cloud.positions, clouds[0].positions);
         let frame = decoded(&bytes, 1, usize::MAX);
@@ -227,7 +232,7 @@ fn nothing_and_one_point_are_frames_too() {
 #[test]
 fn every_level_is_a_coarser_frame() {
     let cloud = surface(10_000, 0.0);
-    for options in [ReelOptions::default(), ReelOptions::lossless()] {
+    for options in [ReelOptions::default(), ReelOptions::merged(), ReelOptions::lossless()] {
         let bytes = file_of(std::slice::from_ref(&cloud), &options);
         let mut decoder = decoder(&bytes);
         let levels = decoder.file().frame(0).unwrap().level_points.to_vec();
@@ -281,7 +286,7 @@ fn offsets_bring_points_to_the_surface() {
     let error = |offset_bits: u8| {
         let options = ReelOptions {
             offset_bits,
-            ..ReelOptions::default()
+            ..ReelOptions::merged()
         };
         let frame = decoded(&file_of(std::slice::from_ref(&cloud), &options), 0, usize::MAX);
         let height = |point: DVec3| point.z - 0.2 * (6.0 * point.x).sin() * (4.0 * point.y).cos();

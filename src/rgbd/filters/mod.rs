@@ -6,6 +6,7 @@
 
 mod bilateral;
 pub(crate) mod constants;
+mod dropped;
 mod flying;
 mod median;
 mod padded;
@@ -17,6 +18,7 @@ pub(crate) mod test_images;
 mod text;
 
 pub use bilateral::Bilateral;
+pub use dropped::{DroppedPixels, FilterReport, NOTICEABLE_SHARE};
 pub use flying::FlyingPixels;
 pub use median::median;
 pub use parameters::{FilterKind, FilterParameter};

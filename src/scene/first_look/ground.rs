@@ -34,7 +34,7 @@ pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     ))
 }
 
-/// Things that stand on a narrow foot, such as a trunk.
+/// Things that stand on a narrow foot along Y or Z, such as a trunk.
 pub(super) fn of_narrow_foot(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Footprint of the foot, as a share of that of the whole.
     const NARROW: f32 = 0.12;
@@ -44,13 +44,14 @@ pub(super) fn of_narrow_foot(sample: &CloudSample, bounds: &Aabb) -> Option<Up> 
     const FOOT: f64 = 0.12;
     let extent = bounds.extent();
     let mut found = None;
-    for axis in 0..3 {
+    for axis in [1, 2] {
         if extent[axis] < 0.4 * extent.max_element() {
             continue;
         }
         let ends = [true, false].map(|is_low| footprint_of_end(sample, bounds, (axis, is_low), FOOT));
         for (is_low, [foot, head]) in [(true, ends), (false, [ends[1], ends[0]])] {
-            if foot > 0.0 && foot <= NARROW && head >= BROADER * foot {
+            let is_narrow = foot > 0.0 && foot <= NARROW && head >= BROADER * foot;
+            if is_narrow && is_below_the_middle(sample, bounds, (axis, is_low), FOOT) {
                 // Two narrow ends along different axes say nothing.
                 if found.is_some() {
                     return None;
@@ -60,6 +61,23 @@ pub(super) fn of_narrow_foot(sample: &CloudSample, bounds: &Aabb) -> Option<Up> 
         }
     }
     found
+}
+
+/// True if the points near one end are around the middle of the footprint: an arm that sticks out is no foot.
+fn is_below_the_middle(sample: &CloudSample, bounds: &Aabb, (axis, is_low): (usize, bool), share: f64) -> bool {
+    const MAX_ASIDE: f32 = 0.25;
+    let extent = bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
+    let edge = if is_low { bounds.min[axis] } else { bounds.max[axis] };
+    let depth = share as f32 * extent[axis];
+    let foot = sample
+        .positions
+        .iter()
+        .filter(|position| (position[axis] - edge).abs() <= depth);
+    let (sum, count) = foot.fold((Vec3::ZERO, 0.0), |(sum, count), &position| {
+        (sum + position, count + 1.0)
+    });
+    let aside = (sum / f32::max(count, 1.0) - bounds.center()) / extent;
+    (0..3).all(|other| other == axis || aside[other].abs() <= MAX_ASIDE)
 }
 
 /// Share of the cells under the cloud along `axis` that the points near one end cover.

@@ -18,7 +18,8 @@ use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
 use crate::rgbd::{
-    ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, Filters, RayTable, Rig, Sensor, cloud,
+    ColorImage, DepthFrame, DepthImage, DepthSamples, DepthTable, FilterReport, Filters, NOTICEABLE_SHARE, RayTable,
+    Rig, Sensor, cloud,
 };
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
 use crate::wire::RawImages;
@@ -35,6 +36,8 @@ pub(super) struct Recorded {
     table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
+    /// Nobody chose them.
+    filters_are_automatic: bool,
     pub(super) read: ReadOptions,
     /// Edge of the cells in which points are joined where frames are merged, metres.
     pub(super) merge_edge_m: Option<f64>,
@@ -62,6 +65,7 @@ impl Recorded {
             table: OnceLock::new(),
             sizes,
             filters: options.rgbd.filters,
+            filters_are_automatic: options.rgbd.filters_are_automatic,
             read: options.read,
             merge_edge_m: options.rgbd.merge_edge_m,
             left_out: options.rgbd.left_out.clone(),
@@ -70,13 +74,18 @@ impl Recorded {
     }
 
     /// What decodes images that are in no recording: see [`Recorded::frame_cloud`].
-    pub(super) fn of_no_frames(code: DepthCode, filters: Filters, read: ReadOptions) -> Self {
+    pub(super) fn of_no_frames(
+        code: DepthCode,
+        (filters, filters_are_automatic): (Filters, bool),
+        read: ReadOptions,
+    ) -> Self {
         Self {
             frames: Vec::new(),
             code,
             table: OnceLock::new(),
             sizes: Sizes::UNKNOWN,
             filters,
+            filters_are_automatic,
             read,
             merge_edge_m: None,
             left_out: Vec::new(),
@@ -92,6 +101,7 @@ impl Recorded {
             table: self.table.clone(),
             sizes: self.sizes,
             filters,
+            filters_are_automatic: false,
             read: self.read,
             merge_edge_m: self.merge_edge_m,
             left_out: self.left_out.clone(),
@@ -118,7 +128,7 @@ impl Recorded {
     pub(super) fn color_file(&self, index: usize) -> Option<&Path> {
         match self.frames.get(index)?.color.as_ref()? {
             StoredImage::File(path) => Some(path),
-            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Member(_) | StoredImage::Received(_) => None,
         }
     }
 
@@ -131,7 +141,7 @@ impl Recorded {
                 kind: DepthKind::Scaled(self.code.metres_per_unit()?),
                 taken_by: None,
             }),
-            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Received(_) => None,
+            StoredImage::Message(_) | StoredImage::Block(_) | StoredImage::Member(_) | StoredImage::Received(_) => None,
         }
     }
 
@@ -205,11 +215,23 @@ impl Recorded {
             Some((numbers, table)) => DepthSamples::coded(numbers, table),
             None => DepthSamples::metres(depth.metres().to_vec()),
         };
+        let (image, report) = self.filters.apply_and_count(depth, self.filters_are_automatic);
         let filtered = FilteredDepth {
-            image: self.filters.apply(depth),
+            image,
             samples: Arc::new(samples),
+            report,
         };
         Ok((filtered, Arc::clone(&prepared.rays)))
+    }
+
+    /// What the filters do to frame `index`; `None` if it cannot be read.
+    pub(super) fn filter_report(&self, index: usize) -> Option<FilterReport> {
+        Some(self.depth(self.frames.get(index)?).ok()?.0.report)
+    }
+
+    /// Whether nobody chose the filters, and there are some.
+    pub(super) fn may_skip_filters(&self) -> bool {
+        self.filters_are_automatic && self.filters != Filters::NONE
     }
 
     fn table(&self) -> Option<DepthTable> {
@@ -337,19 +359,40 @@ impl Recorded {
             colors.collect::<Vec<_>>()
         });
         let mut cloud = cloud(&depth.image, rays, colors);
+        if self.filters_are_automatic {
+            said_by_filters(&depth.report, &mut warnings, &mut cloud.assumptions);
+        }
         let images = (depth.before, depth.samples);
-        let made_from = DepthFrame::new(images, Arc::clone(rays), of_pixels, self.filters);
+        let made_from = DepthFrame::new(images, Arc::clone(rays), of_pixels, depth.report.applied);
         cloud.made_from = made_from.map(DepthFrame::into_made_from);
         cloud.warnings = warnings;
-        if frame.calibration.is_assumed {
-            cloud.assumptions.push(Assumption::new(
-                Subject::Camera,
-                frame.calibration.because.clone(),
-                "no file of the recording says it",
-                Evidence::Fallback,
-            ));
-        }
         cloud
+    }
+}
+
+/// Says which of the usual filters dropped much of an image, and which were not applied.
+fn said_by_filters(report: &FilterReport, warnings: &mut Vec<String>, assumptions: &mut Vec<Assumption>) {
+    let noticeable = report.dropped.iter().filter(|dropped| dropped.share > NOTICEABLE_SHARE);
+    for dropped in noticeable {
+        let name = dropped.filter.name;
+        warnings.push(format!(
+            "the depth filter `{name}` drops {:.0} % of the measured pixels: --rgbd-filters none keeps them",
+            100.0 * dropped.share
+        ));
+        assumptions.push(Assumption::new(
+            Subject::FilteredPoints,
+            format!("the depth filter `{name}` is applied"),
+            "it is a default of pictures, and drops more than a fifth of the measured pixels of some frames",
+            Evidence::Fallback,
+        ));
+    }
+    for skipped in &report.skipped {
+        assumptions.push(Assumption::new(
+            Subject::FilteredPoints,
+            format!("the depth filter `{}` is not applied", skipped.filter.name),
+            "it is a default of pictures, and would drop more than half of the measured pixels of some frames",
+            Evidence::Statistics,
+        ));
     }
 }
 

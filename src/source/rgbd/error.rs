@@ -102,8 +102,8 @@ pub enum RgbdError {
     },
     /// A file of a camera that says none.
     #[error(
-        "{} does not tell a camera ({reason}): expected fx,fy,cx,cy, a matrix of 3 × 3 numbers, the JSON of Open3D or \
-         of `pointreel info --json`, or the XML of PCL",
+        "{} does not tell a camera ({reason}): expected fx,fy,cx,cy, a matrix of 3 × 3 or 4 × 4 numbers, lines such as \
+         `fx: 525.0`, the JSON of Open3D, Replica or `pointreel info --json`, or the XML of PCL",
         path.display()
     )]
     Calibration {
@@ -124,7 +124,7 @@ pub enum RgbdError {
     },
     /// A trajectory that is none.
     #[error(
-        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw), blocks of Redwood (.log), \
+        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of Redwood (.log), \
          matrices of 3 × 4 or 4 × 4 numbers, or the JSON of Open3D",
         path.display()
     )]

@@ -11,6 +11,9 @@ const IMAGES: &[&str] = &[
     "png", "tif", "tiff", "pgm", "ppm", "pnm", "jpg", "jpeg", "webp", "bmp", "pclzf",
 ];
 
+/// Extensions of arrays of numpy, which may hold depths; not of images alone.
+const ARRAYS: &[&str] = &["npy", "npz"];
+
 /// A folder: its files and folders in natural order, hidden ones left out.
 #[derive(Debug)]
 pub(super) struct Folder {
@@ -71,12 +74,28 @@ impl Folder {
         self.files(is_image)
     }
 
+    /// Its images, and arrays that may be depth images.
+    pub(super) fn depth_images(&self) -> Vec<PathBuf> {
+        self.files(|name| is_image(name) || has_extension(name, ARRAYS))
+    }
+
+    /// Names of its folders.
+    pub(super) fn folders(&self) -> &[String] {
+        &self.folders
+    }
+
+    /// Names of point clouds in it, by their extensions; text may be anything.
+    pub(super) fn clouds(&self) -> Vec<&str> {
+        let is_text = |name: &str| has_extension(name, &["txt", "csv", "asc", "log"]);
+        let names = self.files.iter().map(String::as_str);
+        names
+            .filter(|name| !is_text(name) && Format::of_extension(Path::new(name)).is_some())
+            .collect()
+    }
+
     /// Whether there are point clouds in it, by their extensions; text may be anything.
     pub(super) fn has_clouds(&self) -> bool {
-        let is_text = |name: &str| has_extension(name, &["txt", "csv", "asc", "log"]);
-        self.files
-            .iter()
-            .any(|name| !is_text(name) && Format::of_extension(Path::new(name)).is_some())
+        !self.clouds().is_empty()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The temporal filter of depth images: frames are filtered with those before them, from the beginning of their group.
 
 use crate::progress::Progress;
-use crate::rgbd::{DepthImage, DepthSamples, Temporal, TemporalFilter};
+use crate::rgbd::{DepthImage, DepthSamples, FilterReport, Temporal, TemporalFilter};
 use std::sync::Arc;
 
 /// Frames that are decoded one after the other where each is filtered with those before it.
@@ -12,6 +12,8 @@ pub(in crate::source) const GROUP_FRAMES: usize = 32;
 pub(in crate::source) struct FilteredDepth {
     pub(super) image: DepthImage,
     pub(super) samples: Arc<DepthSamples>,
+    /// What the filters did.
+    pub(super) report: FilterReport,
 }
 
 /// A depth image after all filters, and the images that the last of them began with.
@@ -20,6 +22,7 @@ pub(super) struct DepthInTime {
     pub(super) image: DepthImage,
     pub(super) samples: Arc<DepthSamples>,
     pub(super) before: Vec<Arc<DepthSamples>>,
+    pub(super) report: FilterReport,
 }
 
 /// The temporal filter of one thread: after which frame, and its state.
@@ -47,14 +50,15 @@ impl FramesBefore {
         before: impl Fn(usize) -> Option<FilteredDepth>,
         progress: &Progress,
     ) -> DepthInTime {
-        let FilteredDepth { image, samples } = depth;
-        let alone = |image, samples| DepthInTime {
+        let FilteredDepth { image, samples, report } = depth;
+        let alone = |image, samples, report| DepthInTime {
             image,
             samples,
             before: Vec::new(),
+            report,
         };
         let Some(temporal) = temporal else {
-            return alone(image, samples);
+            return alone(image, samples, report);
         };
         let begin = temporal_begin(temporal, index);
         // The frames of a group go on from each other; each group has a beginning of its own.
@@ -68,7 +72,7 @@ impl FramesBefore {
         );
         for index in first..index {
             if progress.is_cancelled() {
-                return alone(image, samples);
+                return alone(image, samples, report);
             }
             if let Some(before) = before(index) {
                 filter.next(before.image);
@@ -83,6 +87,7 @@ impl FramesBefore {
             image: filtered,
             samples,
             before,
+            report,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::error::RgbdError;
 use super::joined::Merged;
 use super::recording::RgbdRecording;
+use crate::assumption::Assumption;
 use crate::cloud::{Positions, RawCloud};
 use crate::messages::{frames_with_indices, missing_frames};
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
@@ -99,6 +100,10 @@ impl Source for MergedFrames {
 
     fn inputs(&self) -> &[PathBuf] {
         self.recording.inputs()
+    }
+
+    fn assumptions(&self) -> &[Assumption] {
+        self.recording.assumptions()
     }
 
     fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {

@@ -9,6 +9,7 @@ mod calibration;
 mod camera_info;
 mod decoder;
 mod depth_code;
+mod depth_scale;
 mod error;
 mod folder;
 mod frames_before;
@@ -19,7 +20,9 @@ mod merged;
 mod moving_frames;
 mod options;
 mod pairs;
+mod probe;
 mod received;
+mod record3d;
 mod recording;
 mod sizes;
 mod stored_image;
@@ -35,8 +38,13 @@ pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
 
 use super::{OpenOptions, SequenceError, Source};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Whether a recording of depth images lies in the folder, by names alone: lists and poses are not read.
+pub(super) fn is_likely(folder: &Path) -> bool {
+    folder::Folder::read(folder).is_ok_and(|folder| layouts::is_likely(&folder))
+}
 
 /// The recording that `inputs` are; `None` for inputs of another kind.
 ///

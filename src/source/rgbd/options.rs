@@ -8,6 +8,8 @@ use std::path::PathBuf;
 pub struct RgbdOptions {
     /// Filters of the depth images.
     pub filters: Filters,
+    /// Nobody chose them: one that would drop most of an image is not applied.
+    pub filters_are_automatic: bool,
     /// Pattern of the names of depth images, within the folder that is opened.
     pub depth: Option<String>,
     /// Pattern of the names of colour images.

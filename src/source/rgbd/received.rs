@@ -22,6 +22,7 @@ use std::sync::{Arc, Mutex};
 pub(in crate::source) struct ReceivedFrames {
     input: Arc<Path>,
     pub(in crate::source) filters: Filters,
+    filters_are_automatic: bool,
     read: ReadOptions,
     /// One for each unit of depths that has come; those of a stream have one.
     decoders: Mutex<Vec<Arc<Recorded>>>,
@@ -33,6 +34,7 @@ impl ReceivedFrames {
         Self {
             input: input.into(),
             filters: options.rgbd.filters,
+            filters_are_automatic: options.rgbd.filters_are_automatic,
             read: options.read,
             decoders: Mutex::default(),
         }
@@ -43,6 +45,7 @@ impl ReceivedFrames {
         Self {
             input: Arc::clone(&self.input),
             filters,
+            filters_are_automatic: false,
             read: self.read,
             decoders: Mutex::default(),
         }
@@ -95,7 +98,8 @@ impl ReceivedFrames {
         if let Some(known) = decoders.iter().find(|known| known.code == code) {
             return Arc::clone(known);
         }
-        let made = Arc::new(Recorded::of_no_frames(code, self.filters, self.read));
+        let filters = (self.filters, self.filters_are_automatic);
+        let made = Arc::new(Recorded::of_no_frames(code, filters, self.read));
         decoders.truncate(MOST_KEPT - 1);
         decoders.insert(0, Arc::clone(&made));
         made

@@ -2,16 +2,21 @@
 
 use super::calibration::Calibration;
 use super::decoder::{ImageDecoder, Recorded};
+use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::folder::{Folder, has_extension, name_of};
 use super::frames_before::GROUP_FRAMES;
 use super::kinect;
 use super::layouts::{self, FoundRecording};
+use super::probe;
+use super::record3d;
 use super::sizes::Sizes;
 use super::stored_image::StoredImage;
 use super::topics;
 use super::trajectory::Trajectory;
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::{Entry, Part};
+use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::files::number;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
@@ -30,6 +35,7 @@ pub struct RgbdRecording {
     pub(super) entries: Vec<Arc<FrameEntry>>,
     inputs: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
+    pub(super) assumptions: Vec<Assumption>,
     layout: &'static str,
 }
 
@@ -59,6 +65,9 @@ impl RgbdRecording {
             ([file], None) if file.is_file() && kinect::is_one(file) => {
                 ("Azure Kinect", kinect::find(file, rgbd, &options.read)?)
             }
+            ([file], None) if file.is_file() && record3d::is_one(file) => {
+                ("Record3D", record3d::find(file, &options.read)?)
+            }
             ([file], None) if file.is_file() => match topics::find(file, options)? {
                 Some(found) => found,
                 None => return Ok(None),
@@ -74,6 +83,7 @@ impl RgbdRecording {
         }
         take_options(&mut found, options)?;
         let sizes = Sizes::learn(&mut found, &options.read);
+        found.notes.extend(note_of_poses(&found));
         let mut entries: Vec<FrameEntry> = found
             .frames
             .iter()
@@ -84,11 +94,21 @@ impl RgbdRecording {
             })
             .collect();
         number(&mut entries);
+        let notes = std::mem::take(&mut found.notes);
+        let mut assumptions = std::mem::take(&mut found.assumptions);
+        assumptions.extend(assumed_camera(&found.frames[0].calibration));
+        let mut recorded = Recorded::new(found, sizes, options);
+        if recorded.may_skip_filters() {
+            let (filters, skipped) = probe::usual_filters(&recorded, entries.len());
+            recorded.filters = filters;
+            assumptions.extend(skipped);
+        }
         Ok(Some(Self {
             entries: entries.into_iter().map(Arc::new).collect(),
             inputs: inputs.to_vec(),
-            notes: std::mem::take(&mut found.notes),
-            recorded: Arc::new(Recorded::new(found, sizes, options)),
+            notes,
+            assumptions,
+            recorded: Arc::new(recorded),
             layout,
         }))
     }
@@ -100,6 +120,12 @@ impl RgbdRecording {
             entries: self.entries.clone(),
             inputs: self.inputs.clone(),
             notes: Vec::new(),
+            assumptions: self
+                .assumptions
+                .iter()
+                .filter(|assumption| assumption.subject != Subject::FilteredPoints)
+                .cloned()
+                .collect(),
             layout: self.layout,
         }
     }
@@ -128,9 +154,54 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
                 ..whole
             }
         }
+        StoredImage::Member(image) => {
+            let whole = FrameEntry::file(&*image.path);
+            FrameEntry {
+                name: format!("{}: {index}", whole.name),
+                ..whole
+            }
+        }
         // A recording has none of these.
         StoredImage::Received(image) => FrameEntry::embedded(&*image.input, &[]),
     }
+}
+
+/// The camera, if no file of the recording says it.
+fn assumed_camera(calibration: &Calibration) -> Option<Assumption> {
+    let (focal, principal) = (calibration.depth.focal_px, calibration.depth.principal_px);
+    let size = calibration
+        .depth
+        .for_size_px
+        .map(|[width, height]| format!(" of {width} × {height} pixels"));
+    calibration.is_assumed.then(|| {
+        Assumption::new(
+            Subject::Camera,
+            format!(
+                "fx,fy,cx,cy {},{},{},{} for images{}",
+                focal.x,
+                focal.y,
+                principal.x,
+                principal.y,
+                size.unwrap_or_default()
+            ),
+            format!("no file of the recording says it: {}", calibration.because),
+            Evidence::Fallback,
+        )
+    })
+}
+
+/// Says how many frames have no pose, where others have one.
+fn note_of_poses(found: &FoundRecording) -> Option<String> {
+    let without: Vec<usize> = (0..found.frames.len())
+        .filter(|&index| found.frames[index].world_from_camera.is_none())
+        .collect();
+    let first = *without.first().filter(|_| without.len() < found.frames.len())?;
+    Some(format!(
+        "{} of {} frames have no pose (the camera was lost), the first is {}",
+        without.len(),
+        found.frames.len(),
+        frame_by_index(first)
+    ))
 }
 
 /// What a person says holds for every frame.
@@ -142,10 +213,20 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
             frame.calibration = Arc::clone(&calibration);
         }
     }
+    let calibration = &found.frames[0].calibration;
     if let Some(scale) = rgbd.depth_scale {
         found.code = found.code.told(scale);
-    } else if let Some(units) = found.frames[0].calibration.units_per_metre {
+    } else if let Some(units) = calibration.units_per_metre {
         found.code = found.code.with_units(units);
+        found.units = Units::Certain;
+        let value = format!("{units} units per metre");
+        let why = format!("{} says so", calibration.because);
+        found
+            .assumptions
+            .push(Assumption::new(Subject::DepthScale, value, why, Evidence::File));
+        probe::settle_units(found, &options.read);
+    } else {
+        probe::settle_units(found, &options.read);
     }
     if let Some(poses) = &rgbd.poses {
         let trajectory = Trajectory::read(poses)?;
@@ -188,6 +269,10 @@ impl Source for RgbdRecording {
 
     fn inputs(&self) -> &[PathBuf] {
         &self.inputs
+    }
+
+    fn assumptions(&self) -> &[Assumption] {
+        &self.assumptions
     }
 
     fn notes(&self) -> &[String] {

@@ -2,6 +2,7 @@
 //! received.
 
 use super::error::RgbdError;
+use super::record3d::MemberImage;
 use super::text;
 use crate::io::matroska::Block;
 use crate::io::raster::{self, Raster, Samples};
@@ -20,6 +21,8 @@ pub(super) enum StoredImage {
     Message(ImageMessage),
     /// A block of a Matroska file.
     Block(BlockImage),
+    /// A file of an archive.
+    Member(MemberImage),
     /// In memory.
     Received(ReceivedImage),
 }
@@ -92,6 +95,7 @@ impl StoredImage {
             Self::File(path) => path,
             Self::Message(image) => &image.path,
             Self::Block(image) => &image.path,
+            Self::Member(image) => &image.path,
             Self::Received(image) => &image.input,
         }
     }
@@ -120,6 +124,7 @@ impl StoredImage {
                 offset: image.block.offset,
                 problem,
             }),
+            Self::Member(image) => image.raster(options),
             Self::Received(ReceivedImage { input, image }) => {
                 image
                     .raster(options.max_memory_bytes)
@@ -154,6 +159,7 @@ impl StoredImage {
             Self::File(path) => raster::size_px(&text::read_bytes(path, options.max_memory_bytes).ok()?).ok(),
             Self::Message(_) => Some(self.raster(options).ok()?.size_px),
             Self::Block(image) => Some(image.size_px),
+            Self::Member(image) => image.size_px(options),
             Self::Received(image) => Some(image.image.size_px()),
         }
     }

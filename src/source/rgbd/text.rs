@@ -1,6 +1,7 @@
 //! Small files of text: lists, poses, cameras.
 
 use super::error::RgbdError;
+use crate::binary::{Header, Layout};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -38,6 +39,30 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
         .map_err(|reason| unreadable(std::io::Error::other(reason)))?;
     file.take(most_bytes).read_to_end(&mut read).map_err(unreadable)?;
     Ok(read)
+}
+
+/// The shape and the numbers of an array of numpy, in the order of C.
+pub(super) fn array(path: &Path) -> Result<(Vec<usize>, Vec<f64>), RgbdError> {
+    let bytes = read_bytes(path, MOST_BYTES)?;
+    let wrong = |reason: String| RgbdError::Image {
+        path: path.to_owned(),
+        reason,
+    };
+    let header = Header::parse(&bytes).map_err(|error| wrong(error.to_string()))?;
+    let Layout::Table(number) = header.layout else {
+        return Err(wrong("it is an array of records, expected numbers".to_owned()));
+    };
+    if header.is_fortran && header.shape.len() > 1 {
+        return Err(wrong(
+            "it is in the order of Fortran: save it by numpy.ascontiguousarray".to_owned(),
+        ));
+    }
+    let payload = bytes.get(header.payload_at..).unwrap_or_default();
+    let numbers: Vec<f64> = payload
+        .chunks_exact(number.bytes())
+        .map(|entry| number.read(entry))
+        .collect();
+    Ok((header.shape, numbers))
 }
 
 /// The numbers of each line that has any, with the number of the line from 1. Commas and semicolons are spaces; what

@@ -11,6 +11,7 @@
 use super::calibration::{Calibration, Intrinsics};
 use super::camera_info::{intrinsics, transform_between};
 use super::depth_code::DepthCode;
+use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::layouts::{FoundRecording, FrameImages};
 use super::moving_frames::MovingFrames;
@@ -292,6 +293,8 @@ impl RosRecording<'_> {
         Ok(FoundRecording {
             frames,
             code: DepthCode::per_metre(UNITS_PER_METRE),
+            units: Units::Certain,
+            assumptions: Vec::new(),
             notes,
         })
     }

@@ -1,10 +1,11 @@
 //! Poses of a camera, from the files that programs write: from the frame of the camera to that of the world.
 
 use super::error::RgbdError;
+use super::folder::{has_extension, name_of};
 use super::pairs::nearest;
-use super::text::{number_lines, read};
+use super::text::{array, number_lines, read};
 use crate::io::timestamps::times_of_lines;
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
@@ -33,11 +34,14 @@ impl Trajectory {
 
     /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
     pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
-        let text = read(path)?;
         let wrong = |reason: String| RgbdError::Trajectory {
             path: path.to_owned(),
             reason,
         };
+        if has_extension(name_of(path), &["npy"]) {
+            return of_array(path);
+        }
+        let text = read(path)?;
         if text.trim_start().starts_with('{') {
             return of_json(&text).map_err(wrong);
         }
@@ -46,6 +50,7 @@ impl Trajectory {
             return Err(wrong("it has no numbers".to_owned()));
         };
         match first.len() {
+            7 => of_places(path, &lines),
             8 => of_tum(path, &text, &lines),
             3 => of_log(path, &lines),
             12 | 16 => {
@@ -57,8 +62,63 @@ impl Trajectory {
         }
     }
 
+    /// The poses of frames with these times and numbers in their names.
+    ///
+    /// By times, where there are some; by their order, where there are as many poses as frames; else by the numbers in
+    /// the names, where each has a pose, as of every tenth image of a longer trajectory; else by their order from 0.
+    pub(super) fn poses_of(&self, times: &[Option<Duration>], numbers: &[Option<usize>]) -> Vec<Option<DAffine3>> {
+        let all = |pose: &dyn Fn(usize) -> Option<DAffine3>| (0..times.len()).map(pose).collect();
+        let has_times = times.iter().any(Option::is_some);
+        let by_number = |count: usize| numbers.iter().all(|number| number.is_some_and(|number| number < count));
+        match self {
+            Self::Stamped(_) if has_times => all(&|index| self.pose(index, times[index])),
+            Self::Stamped(poses) if poses.len() == times.len() => all(&|index| poses[index].1),
+            // Stamps that are numbers of images.
+            Self::Stamped(poses) => {
+                let of_number = |number: usize| {
+                    let stamp = Duration::from_secs(number as u64);
+                    let at = poses.binary_search_by_key(&stamp, |(time, _)| *time).ok()?;
+                    poses[at].1
+                };
+                all(&|index| of_number(numbers[index]?))
+            }
+            Self::Numbered(poses) => {
+                let count = poses.keys().max().map_or(0, |last| last + 1);
+                if count != times.len() && by_number(count) {
+                    all(&|index| poses.get(&numbers[index]?).copied().flatten())
+                } else {
+                    all(&|index| poses.get(&index).copied().flatten())
+                }
+            }
+        }
+    }
+
     fn listed(poses: impl Iterator<Item = Option<DAffine3>>) -> Self {
         Self::Numbered(poses.enumerate().collect())
+    }
+}
+
+/// An array of numpy: a pose per entry of its first dimension, as a matrix or as `x y z qx qy qz qw`.
+fn of_array(path: &Path) -> Result<Trajectory, RgbdError> {
+    let (shape, numbers) = array(path)?;
+    let width = shape.iter().skip(1).product::<usize>();
+    match width {
+        7 => {
+            let lines: Vec<(usize, Vec<f64>)> = numbers
+                .chunks_exact(7)
+                .map(<[f64]>::to_vec)
+                .zip(1..)
+                .map(|(row, at)| (at, row))
+                .collect();
+            of_places(path, &lines)
+        }
+        12 | 16 => Ok(Trajectory::listed(
+            numbers.chunks_exact(width).map(|rows| rigid(matrix(rows))),
+        )),
+        _ => Err(RgbdError::Trajectory {
+            path: path.to_owned(),
+            reason: format!("its array has {width} numbers per entry"),
+        }),
     }
 }
 
@@ -74,18 +134,21 @@ pub(super) fn read_pose(path: &Path) -> Result<Option<DAffine3>, RgbdError> {
 }
 
 /// 12 or 16 numbers, row by row; nothing for another number.
-fn matrix(rows: &[f64]) -> Option<DMat4> {
+pub(super) fn matrix(rows: &[f64]) -> Option<DMat4> {
     let last_row = [0.0, 0.0, 0.0, 1.0];
     let all: Vec<f64> = match rows.len() {
         12 => rows.iter().copied().chain(last_row).collect(),
         _ => rows.to_vec(),
     };
     let numbers: [f64; 16] = all.try_into().ok()?;
-    Some(DMat4::from_cols_array(&numbers).transpose())
+    let columns = DMat4::from_cols_array(&numbers);
+    // The last row says which way round they are.
+    let is_by_columns = columns.row(3) == DVec4::W && columns.w_axis != DVec4::W;
+    Some(if is_by_columns { columns } else { columns.transpose() })
 }
 
 /// A matrix that moves and turns, as the nearest that does so exactly; trackers write others where they are lost.
-fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
+pub(super) fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
     /// Rounding to four digits stays below it.
     const MOST_OFF: f64 = 0.05;
     let matrix = matrix.filter(DMat4::is_finite)?;
@@ -94,6 +157,46 @@ fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
     let is_rotation = off.to_cols_array().iter().all(|off| off.abs() <= MOST_OFF) && rotation.determinant() > 0.0;
     let translation = matrix.w_axis.truncate();
     is_rotation.then(|| DAffine3::from_mat3_translation(rotation, translation))
+}
+
+/// `x y z qx qy qz qw`, a line per frame.
+fn of_places(path: &Path, lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, RgbdError> {
+    let wrong = |line: usize, reason: &str| RgbdError::Line {
+        path: path.to_owned(),
+        line,
+        reason: reason.to_owned(),
+    };
+    let mut poses = Vec::with_capacity(lines.len());
+    for (line, numbers) in lines {
+        let Ok(numbers) = <[f64; 7]>::try_from(numbers.as_slice()) else {
+            return Err(wrong(*line, "expected a place x y z and a rotation qx qy qz qw"));
+        };
+        let [x, y, z, qx, qy, qz, qw] = numbers;
+        poses.push(pose_of(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw)));
+        let is_unit = |at: usize| {
+            let quaternion = &numbers[at..at + 4];
+            (quaternion.iter().map(|part| part * part).sum::<f64>().sqrt() - 1.0).abs() < 0.01
+        };
+        if is_unit(0) && !is_unit(3) {
+            return Err(wrong(*line, "its rotation comes first: expected x y z qx qy qz qw"));
+        }
+    }
+    Ok(Trajectory::listed(poses.into_iter()))
+}
+
+/// A place and a rotation, if they are a pose; of a camera that was lost, some write zeros.
+pub(super) fn pose_of(place: DVec3, rotation: DQuat) -> Option<DAffine3> {
+    let is_pose = place.is_finite() && rotation.is_finite() && rotation.length() > 1e-6;
+    is_pose.then(|| DAffine3::from_rotation_translation(rotation.normalize(), place))
+}
+
+/// The pose of a camera that was told with y up and z backward (OpenGL, `ARKit`), as others have it.
+pub(super) fn of_backward(world_from_camera: DAffine3) -> DAffine3 {
+    let turned = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+    DAffine3 {
+        matrix3: world_from_camera.matrix3 * turned,
+        ..world_from_camera
+    }
 }
 
 /// `time x y z qx qy qz qw`.
@@ -115,13 +218,7 @@ fn of_tum(path: &Path, text: &str, lines: &[(usize, Vec<f64>)]) -> Result<Trajec
         let stamp = texts[line - 1].split([' ', '\t', ',']).find(|word| !word.is_empty());
         let time = stamp.and_then(times_of_lines).and_then(|times| times.first().copied());
         let time = time.ok_or_else(|| wrong(*line, "the time is no number of seconds from 0 up"))?;
-        let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
-        let place = DVec3::new(x, y, z);
-        let is_pose = place.is_finite() && rotation.is_finite() && rotation.length() > 1e-6;
-        poses.push((
-            time,
-            is_pose.then(|| DAffine3::from_rotation_translation(rotation.normalize(), place)),
-        ));
+        poses.push((time, pose_of(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw))));
     }
     poses.sort_by_key(|(time, _)| *time);
     Ok(Trajectory::Stamped(poses))
@@ -217,6 +314,8 @@ mod tests {
             ("rows.txt", format!("{rows}0 0 0 1\n{rows}0 0 0 1\n")),
             ("short.txt", rows.to_owned()),
             ("line.txt", format!("{}\n", rows.replace('\n', " "))),
+            ("columns.txt", "0 1 0 0 -1 0 0 0 0 0 1 0 1 2 3 1\n".to_owned()),
+            ("places.txt", format!("1 2 3 0 0 {half} {half}\n")),
             ("line16.txt", format!("{} 0 0 0 1", rows.replace('\n', ","))),
             (
                 "a.json",
@@ -235,6 +334,32 @@ mod tests {
         let at = |millis: u64| tum.pose(7, Some(Duration::from_millis(1_305_031_102_000 + millis)));
         assert!(at(171).unwrap().abs_diff_eq(pose(), 1e-12));
         assert_eq!((at(181), tum.pose(0, None)), (None, None));
+    }
+
+    #[test]
+    fn poses_find_their_frames_by_time_order_or_number() {
+        let places = |count: usize| {
+            let text: String = (0..count).map(|at| format!("{at} 0 0 0 0 0 1\n")).collect();
+            written("places.txt", &text).unwrap()
+        };
+        let found = |trajectory: &Trajectory, times: &[Option<Duration>], numbers: &[usize]| {
+            let numbers: Vec<Option<usize>> = numbers.iter().copied().map(Some).collect();
+            let poses = trajectory.poses_of(times, &numbers).into_iter();
+            poses
+                .map(|pose| pose.map(|pose| pose.translation.x))
+                .collect::<Vec<_>>()
+        };
+        let untimed = [None; 2];
+        // As many: images that are counted from 1.
+        assert_eq!(found(&places(2), &untimed, &[1, 2]), [Some(0.0), Some(1.0)]);
+        // Every tenth image.
+        assert_eq!(found(&places(20), &untimed, &[0, 10]), [Some(0.0), Some(10.0)]);
+        // Numbers of something else.
+        assert_eq!(found(&places(3), &untimed, &[100, 200]), [Some(0.0), Some(1.0)]);
+        let stamped = written("tum.txt", "0 5 0 0 0 0 0 1\n1 6 0 0 0 0 0 1\n4 7 0 0 0 0 0 1\n").unwrap();
+        assert_eq!(found(&stamped, &untimed, &[1, 3]), [Some(6.0), None]);
+        let times = [Some(Duration::from_secs(4)), None];
+        assert_eq!(found(&stamped, &times, &[0, 1]), [Some(7.0), None]);
     }
 
     #[test]
@@ -260,6 +385,7 @@ mod tests {
             ("0 0 1\n1 0 0 0\n", "line 1"),
             ("1 0 0 x\n", "`x` is no number"),
             ("1 2 3 4 5 6 7 8\n1 2\n", "line 2"),
+            ("1 0 0 0 3 4 5\n", "line 1: its rotation comes first"),
             ("-1 2 3 4 5 6 7 8\n", "the time"),
             ("{\"a\": 1}", "neither"),
             ("{", "EOF"),

@@ -210,6 +210,17 @@ fn patterns_say_what_is_missing() {
 }
 
 #[test]
+fn images_of_a_format_that_is_not_read_are_named() {
+    let folder = recording();
+    for frame in 0..3 {
+        let image = folder.path().join(format!("depth/{frame:05}.png"));
+        fs::rename(&image, image.with_extension("exr")).unwrap();
+    }
+    let error = refusal(&[folder.path().to_owned()], RgbdOptions::default());
+    assert!(error.contains("OpenEXR") && error.contains(".npy"), "{error}");
+}
+
+#[test]
 fn lists_with_broken_lines_name_the_line() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.png"), gray(&[0; 3072], ImageFormat::Png)).unwrap();

@@ -96,7 +96,19 @@ pub(crate) fn check_frame(
 fn posed_frames_become_one_cloud() {
     let root = tempfile::tempdir().unwrap();
     let recording = Recording::new();
-    for name in ["TUM", "7-Scenes", "Open3D", "Open3D with JSON", "SUN", "patterns"] {
+    for name in [
+        "TUM",
+        "7-Scenes",
+        "Open3D",
+        "Open3D with JSON",
+        "SUN",
+        "ScanNet",
+        "SLAMBench",
+        "Stray Scanner",
+        "ARKitScenes",
+        "3D Scanner App",
+        "patterns",
+    ] {
         let (folder, options) = written(root.path(), name);
         let options = RgbdOptions {
             merge: Some((1, 2)),

@@ -1,5 +1,6 @@
 //! One recording, and how every layout has it.
 
+use super::{phones, rewritten};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use pointreel::source::RgbdOptions;
@@ -68,12 +69,12 @@ impl Recording {
         self.depths[frame].iter().enumerate().map(point).collect()
     }
 
-    fn seconds(&self, frame: usize) -> String {
+    pub(crate) fn seconds(&self, frame: usize) -> String {
         let time = self.times_us[frame];
         format!("{}.{:06}", time / 1_000_000, time % 1_000_000)
     }
 
-    fn rows(pose: &DAffine3) -> String {
+    pub(crate) fn rows(pose: &DAffine3) -> String {
         let rows = DMat4::from(*pose).transpose().to_cols_array();
         rows.chunks(4).fold(String::new(), |mut text, row| {
             writeln!(text, "{} {} {} {}", row[0], row[1], row[2], row[3]).unwrap();
@@ -81,7 +82,7 @@ impl Recording {
         })
     }
 
-    fn depth_png(&self, path: &Path, frame: usize, code: impl Fn(u16) -> u16) {
+    pub(crate) fn depth_png(&self, path: &Path, frame: usize, code: impl Fn(u16) -> u16) {
         fs::write(
             path,
             gray(
@@ -92,7 +93,7 @@ impl Recording {
         .unwrap();
     }
 
-    fn color_png(&self, path: &Path, frame: usize) {
+    pub(crate) fn color_png(&self, path: &Path, frame: usize) {
         fs::write(path, rgb(&self.colors[frame], ImageFormat::Png)).unwrap();
     }
 }
@@ -114,7 +115,7 @@ pub(crate) fn written(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
 }
 
 /// Plain numbers but for those that mean nothing was measured.
-fn unless_hole(mm: u16, code: impl Fn(u16) -> u16) -> u16 {
+pub(crate) fn unless_hole(mm: u16, code: impl Fn(u16) -> u16) -> u16 {
     if mm == 0 || mm == u16::MAX { mm } else { code(mm) }
 }
 
@@ -135,7 +136,7 @@ pub(crate) struct Has {
     pub(crate) exact_depths: bool,
 }
 
-const ALL: Has = Has {
+pub(crate) const ALL: Has = Has {
     poses: true,
     times: true,
     exact_depths: true,
@@ -168,6 +169,33 @@ pub(crate) const LAYOUTS: &[(&str, Write, Has)] = &[
             ..ALL
         },
     ),
+    (
+        "Replica",
+        rewritten::replica,
+        Has {
+            times: false,
+            exact_depths: false,
+            ..ALL
+        },
+    ),
+    ("ScanNet", rewritten::scannet, Has { times: false, ..ALL }),
+    (
+        "ScanNet with info",
+        rewritten::scannet_info,
+        Has { times: false, ..ALL },
+    ),
+    ("TSDF fusion", rewritten::tsdf_fusion, Has { times: false, ..ALL }),
+    ("NumPy metres", rewritten::npy_metres, Has { times: false, ..ALL }),
+    (
+        "NumPy millimetres",
+        rewritten::npy_millimetres,
+        Has { times: false, ..ALL },
+    ),
+    ("NumPy archives", rewritten::npz, Has { times: false, ..ALL }),
+    ("SLAMBench", rewritten::slambench, Has { times: false, ..ALL }),
+    ("Stray Scanner", phones::stray, ALL),
+    ("ARKitScenes", phones::arkit_scenes, ALL),
+    ("3D Scanner App", phones::scanner_app, ALL),
     ("patterns", patterns, Has { times: false, ..ALL }),
     (
         "floats",

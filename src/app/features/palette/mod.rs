@@ -62,6 +62,15 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("slice", "clip"),
     ("cut", "clip"),
     ("ghosts", "onion skin"),
+    ("guesses", "assumptions"),
+    ("guessed", "assumptions"),
+    ("depth", "assumptions"),
+    ("scale", "assumptions"),
+    ("columns", "assumptions"),
+    ("intrinsics", "assumptions"),
+    ("no-data", "assumptions"),
+    ("upside", "up axis"),
+    ("orientation", "up axis"),
 ];
 
 /// An open palette.

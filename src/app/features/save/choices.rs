@@ -17,7 +17,9 @@ pub enum SaveFormat {
 /// How precisely positions are kept in a sequence file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrecisionKind {
-    /// Cells about as large as points are far apart.
+    /// Every point, within a part of how far apart points are around it.
+    PointSpacing,
+    /// Cells about as large as points are far apart; the points in one become one.
     SamplingDensity,
     /// Cells of so many bits.
     Bits,
@@ -30,7 +32,16 @@ pub enum PrecisionKind {
 impl PrecisionKind {
     /// Whether points are kept one by one, so that they can have an order and numbers as they are.
     pub(super) fn keeps_points(self) -> bool {
-        matches!(self, Self::Length | Self::Lossless)
+        matches!(self, Self::PointSpacing | Self::Length | Self::Lossless)
+    }
+
+    /// The same with the points of each cell merged or not, where that is a choice of its own.
+    pub(super) fn merged(self, merges: bool) -> Self {
+        match (self, merges) {
+            (Self::PointSpacing, true) => Self::SamplingDensity,
+            (Self::SamplingDensity, false) => Self::PointSpacing,
+            _ => self,
+        }
     }
 }
 
@@ -73,7 +84,7 @@ impl Default for Save {
         let options = ReelOptions::default();
         Self {
             format: SaveFormat::Reel,
-            precision: PrecisionKind::SamplingDensity,
+            precision: PrecisionKind::PointSpacing,
             bits: 10,
             length: 0.0,
             coding: options.coding,
@@ -117,7 +128,8 @@ impl Save {
 
     fn reel_options(&self, fps: f64) -> ReelOptions {
         let (precision, usual) = match self.precision {
-            PrecisionKind::SamplingDensity => (Precision::SamplingDensity, ReelOptions::default()),
+            PrecisionKind::PointSpacing => (Precision::PointSpacing, ReelOptions::default()),
+            PrecisionKind::SamplingDensity => (Precision::SamplingDensity, ReelOptions::merged()),
             PrecisionKind::Bits => (Precision::Bits(self.bits), ReelOptions::default()),
             PrecisionKind::Length => (Precision::Length(self.length), ReelOptions::default()),
             PrecisionKind::Lossless => (Precision::Lossless, ReelOptions::lossless()),
@@ -125,7 +137,9 @@ impl Save {
         ReelOptions {
             precision,
             coding: self.coding,
-            estimates_normals: self.estimates_normals && self.samples_surface,
+            estimates_normals: self.estimates_normals
+                && self.samples_surface
+                && self.precision == PrecisionKind::SamplingDensity,
             normal_bits: self.normal_bits,
             color_error: self.color_error,
             keep_order: self.keeps_order && self.precision.keeps_points(),
@@ -182,6 +196,7 @@ mod tests {
     #[test]
     fn every_choice_can_be_written() {
         for precision in [
+            PrecisionKind::PointSpacing,
             PrecisionKind::SamplingDensity,
             PrecisionKind::Bits,
             PrecisionKind::Length,

@@ -3,7 +3,7 @@
 use super::choices::{PrecisionKind, Save, SaveFormat};
 use super::estimates::Estimates;
 use super::plan::Savable;
-use super::summary::{lines, warning};
+use super::summary::{lines, merge_price, warning};
 use crate::app::open_panels::PanelId;
 use crate::app::widgets::rows::{choice, row, rows};
 use crate::app::widgets::settle::settle;
@@ -57,6 +57,7 @@ pub(in crate::app) fn save_ui(
                 format(ui, save);
                 if save.format == SaveFormat::Reel {
                     precision(ui, save, of);
+                    merging(ui, save, estimates, of);
                     attributes(ui, save, of);
                 }
                 row(
@@ -100,7 +101,7 @@ fn format(ui: &mut Ui, save: &mut Save) {
 }
 
 fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
-    let mut precision = save.precision;
+    let mut precision = save.precision.merged(false);
     choice(
         ui,
         "Positions",
@@ -108,9 +109,9 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
         &mut precision,
         &[
             (
-                "Sampling density",
-                PrecisionKind::SamplingDensity,
-                "Cells about as large as points are far apart; the points in a cell become one",
+                "Point spacing",
+                PrecisionKind::PointSpacing,
+                "Every point, within an eighth of the distance between the points around it",
             ),
             (
                 "Bits",
@@ -129,7 +130,7 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
             ),
         ],
     );
-    if precision != save.precision {
+    if precision != save.precision.merged(false) {
         save.choose_precision(precision);
     }
     match save.precision {
@@ -146,8 +147,35 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
             let tooltip = "The largest error of a coordinate, in the unit of the files";
             row(ui, "Length", tooltip, drag.range(1e-12..=1e12));
         }
-        PrecisionKind::SamplingDensity | PrecisionKind::Lossless => {}
+        PrecisionKind::PointSpacing | PrecisionKind::SamplingDensity | PrecisionKind::Lossless => {}
     }
+}
+
+/// Whether points are merged, where that is a choice of its own, and what it costs and saves.
+fn merging(ui: &mut Ui, save: &mut Save, estimates: &Estimates, of: &Savable) {
+    let mut merges = save.precision == PrecisionKind::SamplingDensity;
+    if !merges && save.precision != PrecisionKind::PointSpacing {
+        return;
+    }
+    let before = merges;
+    row(
+        ui,
+        "Merging",
+        "The points in a cell about as large as points are far apart become one point: fewer points and a smaller file",
+        Checkbox::new(&mut merges, "Points in one cell become one"),
+    );
+    if merges != before {
+        save.choose_precision(save.precision.merged(merges));
+    }
+    let estimate = estimates.estimate().filter(|(_, is_old)| !is_old);
+    let price = estimate.and_then(|(estimate, _)| merge_price(&estimate, before, save.frames(of).count()));
+    ui.label("");
+    ui.scope(|ui| {
+        ui.set_max_width(WIDTH - VALUE_INDENT);
+        let text = price.unwrap_or_else(|| "What it costs is being estimated…".to_owned());
+        ui.add(Label::new(RichText::new(text).weak()).wrap());
+    });
+    ui.end_row();
 }
 
 fn attributes(ui: &mut Ui, save: &mut Save, of: &Savable) {

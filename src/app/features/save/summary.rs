@@ -35,13 +35,34 @@ pub(super) fn lines(estimate: &Estimate, frames: usize, source_bytes: Option<u64
     lines
 }
 
+/// What merging the points of cells costs and saves, by an estimate of a file that is merged or not; `None` where only
+/// one of both is known.
+pub(super) fn merge_price(estimate: &Estimate, is_merged: bool, frames: usize) -> Option<String> {
+    let other = estimate.other_way?;
+    let size = |frame_bytes: f64| bytes((frame_bytes * frames as f64) as u64);
+    let (left, merged_size, size) = if is_merged {
+        (estimate.kept_points, size(estimate.frame_bytes), size(other.bytes))
+    } else {
+        (other.points, size(other.bytes), size(estimate.frame_bytes))
+    };
+    let merged = (estimate.points - left).max(0.0);
+    let percent = 100.0 * merged / estimate.points.max(1.0);
+    let [merged, points] = [merged, estimate.points].map(|points| grouped(points.round() as u64));
+    Some(format!(
+        "Merges {merged} of {points} points per frame ({percent:.0} %): about {merged_size} instead of {size}"
+    ))
+}
+
 /// What is to be known before much is lost: points of a scan that is no surface are merged where they are dense.
 pub(super) fn warning(estimate: &Estimate) -> Option<String> {
     const MUCH: f64 = 0.2;
     let lost = 1.0 - estimate.kept_points / estimate.points.max(1.0);
     (estimate.points > 0.0 && lost > MUCH).then(|| {
         let lost = 100.0 * lost;
-        format!("{lost:.0} % of the points are merged with others. Positions by length, or lossless, keep each of them")
+        format!(
+            "{lost:.0} % of the points are merged with others. Point spacing without merging, a length or lossless \
+             keep each of them"
+        )
     })
 }
 
@@ -107,6 +128,7 @@ fn decibels(psnr_db: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::convert::OtherWay;
     use crate::io::Losses;
     use crate::reel::StreamKind;
 
@@ -137,6 +159,10 @@ mod tests {
             frame_bytes: 1250.0,
             bytes_by_stream: Some(bytes_by_stream),
             losses: Losses::default(),
+            other_way: Some(OtherWay {
+                points: 2000.0,
+                bytes: 2500.0,
+            }),
             errors: Some(EstimatedErrors {
                 largest: 0.012_34,
                 rms: 0.001,
@@ -170,6 +196,27 @@ mod tests {
                 "Angle of normals: mean 0.50°, largest 2.0°",
             ]
         );
+    }
+
+    #[test]
+    fn merging_says_what_it_costs_before_and_after_it_is_chosen() {
+        let expected = "Merges 1,000 of 2,000 points per frame (50 %): about 12.2 KiB instead of 24.4 KiB";
+        assert_eq!(merge_price(&estimate(), true, 10).as_deref(), Some(expected));
+        let unmerged = Estimate {
+            kept_points: 2000.0,
+            frame_bytes: 2500.0,
+            other_way: Some(OtherWay {
+                points: 1000.0,
+                bytes: 1250.0,
+            }),
+            ..estimate()
+        };
+        assert_eq!(merge_price(&unmerged, false, 10).as_deref(), Some(expected));
+        let alone = Estimate {
+            other_way: None,
+            ..estimate()
+        };
+        assert_eq!(merge_price(&alone, true, 10), None);
     }
 
     #[test]

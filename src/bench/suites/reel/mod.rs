@@ -96,13 +96,14 @@ fn ways() -> Vec<(&'static str, ReelOptions)> {
         ..options
     };
     vec![
-        ("sampling density", ReelOptions::default()),
-        ("sampling density, fast", fast(ReelOptions::default())),
+        ("every point", ReelOptions::default()),
+        ("sampling density", ReelOptions::merged()),
+        ("sampling density, fast", fast(ReelOptions::merged())),
         (
             "sampling density, each frame by itself",
             ReelOptions {
                 keyframes: 1,
-                ..ReelOptions::default()
+                ..ReelOptions::merged()
             },
         ),
         ("10 bits", voxels.clone()),

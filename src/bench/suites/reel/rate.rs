@@ -97,13 +97,13 @@ impl Choice {
 
 /// What is compared of `cloud`: only what it has.
 fn choices(cloud: &RawCloud) -> Vec<Choice> {
-    let usual = ReelOptions::default();
+    let usual = ReelOptions::merged();
     let (_, bounds) = cloud.positions.finite_bounds();
     let extent = bounds.map_or(0.0, |(min, max)| (max - min).max_element());
-    let mut choices = vec![Choice::positions(
-        "sampling density".to_owned(),
-        Precision::SamplingDensity,
-    )];
+    let mut choices = vec![
+        Choice::positions("every point".to_owned(), Precision::PointSpacing),
+        Choice::positions("sampling density".to_owned(), Precision::SamplingDensity),
+    ];
     choices.extend(POSITION_BITS.map(|bits| Choice::positions(format!("{bits} bits"), Precision::Bits(bits))));
     let lengths = LENGTH_POWERS.map(|power| extent / 2f64.powi(power));
     choices.extend(lengths.into_iter().filter(|length| *length > 0.0).map(|length| {

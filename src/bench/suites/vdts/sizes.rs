@@ -103,7 +103,7 @@ fn cells(
     ]
 }
 
-/// As a sequence file with the usual options.
+/// As a sequence file with the points of each cell merged.
 fn bytes_of_points(frame: &Frame) -> Result<usize, BenchError> {
     let positions = frame.positions().iter().map(Vec3::to_array).collect();
     let cloud = RawCloud {
@@ -121,7 +121,7 @@ fn bytes_of_points(frame: &Frame) -> Result<usize, BenchError> {
         name: "",
         time: None,
     };
-    Ok(write_to_memory(&[frame], &ReelOptions::default())?.len())
+    Ok(write_to_memory(&[frame], &ReelOptions::merged())?.len())
 }
 
 /// As a JPEG file; `None` where none can be written.

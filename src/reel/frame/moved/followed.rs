@@ -63,12 +63,13 @@ impl Followed {
             .collect();
         if let (Some(points), Some(deepest), Kept::Bits(bits)) = (&pose.points, pose.levels.last(), schema.kept) {
             let bits = u32::from(bits);
-            let cells = deepest.cells.iter().zip(&points.counts);
-            let of_each = cells.flat_map(|(&cell, &count)| std::iter::repeat_n(morton::decode(cell), count as usize));
-            let placed = of_each.zip(&points.below).map(|(cell, below)| {
+            let of_each = points.cell_of_each(&deepest.cells);
+            let placed = of_each.zip(&points.below).map(|((cell, missing), below)| {
+                let cell = morton::decode(cell);
                 // The middle of what the bits below the cell tell apart.
                 [0, 1, 2].map(|axis| {
-                    (cell[axis] << part_bits) as i32 | ((2 * below[axis] as i32 + 1) << (part_bits - bits)) >> 1
+                    let middle = (2 * below[axis] as i32 + (1 << missing)) << (part_bits - bits);
+                    (cell[axis] << part_bits) as i32 | middle >> 1
                 })
             });
             levels.push(still(placed.collect(), &points.values));
@@ -208,6 +209,7 @@ mod tests {
     fn a_frame_without_points_can_be_followed() {
         let empty = RawCloud::from_positions(Positions::F32(Vec::new()));
         for options in [
+            ReelOptions::merged(),
             ReelOptions::default(),
             ReelOptions {
                 precision: crate::reel::Precision::Length(1e-3),

@@ -78,8 +78,8 @@ impl<'a> Run<'a> {
         Some(run)
     }
 
-    /// How a frame differs from the one that is followed; `None` if its nodes move too far.
-    pub(in crate::reel) fn changes(&mut self, cloud: &RawCloud, followed: &Followed) -> Option<Changes> {
+    /// How frame `index` of the group differs from the one that is followed; `None` if its nodes move too far.
+    pub(in crate::reel) fn changes(&mut self, index: usize, cloud: &RawCloud, followed: &Followed) -> Option<Changes> {
         let depth = self.plan.grid.depth as usize;
         let finest = followed.levels.last()?;
         let truth = self.truth_of(cloud);
@@ -87,10 +87,10 @@ impl<'a> Run<'a> {
         if !truth.iter().all(is_near) {
             return None;
         }
-        let tolerance = motion_scale(self.schema).tolerance;
-        let nodes = truth.iter().zip(&self.truth).zip(&finest.positions);
-        let step = |((&now, &before), &position): ((&DVec3, &DVec3), &[i32; 3])| {
+        let nodes = truth.iter().zip(&self.truth).zip(&finest.positions).enumerate();
+        let step = |(node, ((&now, &before), &position)): (usize, ((&DVec3, &DVec3), &[i32; 3]))| {
             let position = DVec3::from_array(position.map(f64::from));
+            let tolerance = self.tolerance(index, node);
             let is_off = (position - before).abs().cmpgt(DVec3::splat(tolerance));
             let from = DVec3::select(is_off, position, before);
             (now - from).round().to_array().map(|along| along as i32)
@@ -114,6 +114,17 @@ impl<'a> Run<'a> {
         Some(Changes {
             levels: levels.collect(),
         })
+    }
+
+    /// What a node, or a point that is kept by itself, may be off by in frame `index`, in parts.
+    fn tolerance(&self, index: usize, node: usize) -> f64 {
+        let scale = motion_scale(self.schema);
+        let Some(largest) = self.plan.largest_cells(index) else {
+            return scale.tolerance;
+        };
+        // Less half a step, and rounding.
+        let half = 0.5 * largest[self.order[node] as usize] * self.parts_per_unit;
+        (half - 2.1).max(scale.tolerance)
     }
 
     /// Where the finest nodes should be, in parts: points that are kept one by one where the file puts them; a node

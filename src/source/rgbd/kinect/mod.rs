@@ -10,6 +10,7 @@ mod modes;
 
 use super::calibration::{Calibration, Intrinsics};
 use super::depth_code::DepthCode;
+use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::layouts::{FoundRecording, FrameImages};
 use super::options::RgbdOptions;
@@ -229,6 +230,8 @@ impl KinectRecording<'_> {
         FoundRecording {
             frames,
             code: DepthCode::per_metre(UNITS_PER_METRE),
+            units: Units::Certain,
+            assumptions: Vec::new(),
             notes,
         }
     }

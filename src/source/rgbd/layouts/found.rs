@@ -1,13 +1,15 @@
 //! What a layout finds in a folder.
 
+use crate::assumption::Assumption;
 use crate::io::timestamps::times_of_names;
 use crate::source::rgbd::calibration::Calibration;
 use crate::source::rgbd::depth_code::DepthCode;
+use crate::source::rgbd::depth_scale::Units;
 use crate::source::rgbd::error::RgbdError;
 use crate::source::rgbd::folder::{Folder, name_of};
-use crate::source::rgbd::pairs::Pairs;
+use crate::source::rgbd::pairs::{Pairs, by_name};
 use crate::source::rgbd::stored_image::StoredImage;
-use crate::source::rgbd::trajectory::Trajectory;
+use crate::source::rgbd::trajectory::{Trajectory, read_pose};
 use glam::DAffine3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,6 +28,9 @@ pub(in crate::source::rgbd) struct Layout {
 pub(in crate::source::rgbd) struct FoundRecording {
     pub(in crate::source::rgbd) frames: Vec<FrameImages>,
     pub(in crate::source::rgbd) code: DepthCode,
+    /// How the units of `code` are known.
+    pub(in crate::source::rgbd) units: Units,
+    pub(in crate::source::rgbd) assumptions: Vec<Assumption>,
     /// What is left out, a sentence each.
     pub(in crate::source::rgbd) notes: Vec<String>,
 }
@@ -38,6 +43,16 @@ pub(in crate::source::rgbd) struct FrameImages {
     pub(in crate::source::rgbd) time: Option<Duration>,
     pub(in crate::source::rgbd) world_from_camera: Option<DAffine3>,
     pub(in crate::source::rgbd) calibration: Arc<Calibration>,
+}
+
+impl FrameImages {
+    /// The last number in the name of its depth image.
+    pub(super) fn number(&self) -> Option<usize> {
+        let name = name_of(self.depth.path());
+        let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+        let digits = stem.rsplit(|c: char| !c.is_ascii_digit()).find(|run| !run.is_empty());
+        digits?.parse().ok()
+    }
 }
 
 impl FoundRecording {
@@ -58,14 +73,32 @@ impl FoundRecording {
                 })
                 .collect(),
             code,
+            units: Units::Certain,
+            assumptions: Vec::new(),
             notes: pairs.notes,
         }
     }
 
     /// Gives the frames the poses of `trajectory`.
     pub(in crate::source::rgbd) fn take_poses(&mut self, trajectory: &Trajectory) {
-        for (index, frame) in self.frames.iter_mut().enumerate() {
-            frame.world_from_camera = trajectory.pose(index, frame.time);
+        let numbers: Vec<Option<usize>> = self.frames.iter().map(FrameImages::number).collect();
+        let times: Vec<Option<Duration>> = self.frames.iter().map(|frame| frame.time).collect();
+        let poses = trajectory.poses_of(&times, &numbers);
+        for (frame, pose) in self.frames.iter_mut().zip(poses) {
+            frame.world_from_camera = pose;
+        }
+    }
+
+    /// Gives each frame the pose in the file of its name. A file that is no pose costs that one.
+    pub(super) fn take_pose_files(&mut self, files: &[PathBuf]) {
+        let depths: Vec<PathBuf> = self.frames.iter().map(|frame| frame.depth.path().to_owned()).collect();
+        let pairs = by_name(&depths, files);
+        for (frame, file) in self.frames.iter_mut().zip(pairs.colors) {
+            let Some(file) = file else { continue };
+            match read_pose(&file) {
+                Ok(pose) => frame.world_from_camera = pose,
+                Err(error) => self.notes.push(format!("{error}; its frame has no pose")),
+            }
         }
     }
 }

@@ -3,13 +3,19 @@
 //! A layout looks at names, and reads what is small: lists, poses, cameras. To add one: a file with its [`Layout`], and
 //! a row of the table.
 
+mod arkit_scenes;
+mod beside;
+mod folders;
 mod found;
 mod icl;
 mod nyu;
-mod open3d;
 mod pattern;
 mod pcl;
+mod replica;
+mod scanner_app;
+mod scannet;
 mod seven_scenes;
+mod stray;
 mod sun;
 mod tum;
 
@@ -18,6 +24,7 @@ pub(super) use pattern::by_pattern;
 
 use super::calibration::Calibration;
 use super::depth_code::DepthCode;
+use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::folder::Folder;
 use super::trajectory::Trajectory;
@@ -30,15 +37,35 @@ const TABLE: &[Layout] = &[
     pcl::LAYOUT,
     nyu::LAYOUT,
     sun::LAYOUT,
-    open3d::LAYOUT,
+    scannet::LAYOUT,
+    replica::LAYOUT,
+    stray::LAYOUT,
+    arkit_scenes::LAYOUT,
+    scanner_app::LAYOUT,
+    folders::LAYOUT,
 ];
 
 /// The recording in `folder`; `None` if it is laid out in no way of the table.
 pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     for layout in TABLE {
-        if let Some(found) = (layout.find)(folder)? {
+        if let Some(mut found) = (layout.find)(folder)? {
+            found.notes.extend(beside::note_of_clouds(folder));
             return Ok(Some((layout.name, found)));
         }
     }
     Ok(None)
+}
+
+/// Whether `folder` has the names of one of the common layouts.
+pub(super) fn is_likely(folder: &Folder) -> bool {
+    let has_frames = || {
+        let is_depth = |name: &str| name.starts_with("frame-") && name.contains(".depth.");
+        !folder.files(is_depth).is_empty()
+    };
+    let has_colors = folder.sub(folders::COLOR).is_some() || folder.has_file("odometry.csv");
+    (folder.has_file("depth.txt") && folder.has_file("rgb.txt"))
+        || (folder.sub(folders::DEPTH).is_some() && has_colors)
+        || (folder.sub(&["results"]).is_some() && folder.has_file("traj.txt"))
+        || folder.sub(&["lowres_depth"]).is_some()
+        || has_frames()
 }

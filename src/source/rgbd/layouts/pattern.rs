@@ -1,6 +1,6 @@
 //! Any layout, by patterns of the names of its images.
 
-use super::{Calibration, DepthCode, FoundRecording, RgbdError};
+use super::{Calibration, DepthCode, FoundRecording, RgbdError, Units};
 use crate::natural::natural_order;
 use crate::source::rgbd::options::RgbdOptions;
 use crate::source::rgbd::pairs::by_name;
@@ -25,12 +25,10 @@ pub(in crate::source::rgbd) fn by_pattern(
     };
     let pairs = by_name(&depths, &colors);
     let calibration = Calibration::of_option(intrinsics)?;
-    Ok(FoundRecording::of_pairs(
-        depths,
-        pairs,
-        calibration,
-        DepthCode::per_metre(1000.0),
-    ))
+    Ok(FoundRecording {
+        units: Units::Unknown,
+        ..FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0))
+    })
 }
 
 /// Files in `folder` that match `pattern`, in natural order.

@@ -1,7 +1,7 @@
 //! The grabbers of PCL: `frame_20121214T142255.814212_depth.tiff` or `.pclzf`, `…_rgb` beside it, and XML with the
 //! camera, in the same folder or the one around it.
 
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::io::timestamps::times_of_names;
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_key;
@@ -38,6 +38,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
         .collect();
     let usual = Calibration::usual(CAMERA, "PCL's grabbers");
     let mut found = FoundRecording::of_pairs(depths, pairs, usual, DepthCode::per_metre(1000.0));
+    found.units = Units::Usual("PCL's grabbers");
     // A time is told by the whole name: `_depth` would be its end.
     let names: Vec<String> = moments.iter().map(|moment| format!("{moment}.pcd")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();

@@ -1,4 +1,8 @@
-//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`.
+//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`; and what is written by the same
+//! names with other images (`.color.jpg`, `.depth.pgm`: ScanNet's reader, BundleFusion, TSDF fusion).
+//!
+//! The latter tell their cameras: `_info.txt` or `info.txt` next to the images, `camera-intrinsics.txt` there or in the
+//! folder around. Where no file does, the cameras are those of the data set:
 //!
 //! Depths and colours are those of a Kinect as its two cameras took them: nothing was registered, and poses are those
 //! of the depth camera. The data set tells the depth camera alone. The colour camera has a wider lens, so that taking
@@ -6,12 +10,14 @@
 //! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon).
 //! `--intrinsics 585,585,320,240` says that colours were registered after all.
 
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError};
+use super::beside;
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
-use crate::source::rgbd::folder::name_of;
+use crate::source::rgbd::folder::{is_image, name_of};
 use crate::source::rgbd::pairs::by_key;
 use crate::source::rgbd::trajectory::read_pose;
 use glam::{DAffine3, DMat3, DVec3};
+use std::path::PathBuf;
 
 pub(super) const LAYOUT: Layout = Layout { name: "7-Scenes", find };
 
@@ -30,24 +36,49 @@ const COLOR_FROM_DEPTH_TURN: DMat3 = DMat3::from_cols(
 const COLOR_FROM_DEPTH_SHIFT: DVec3 = DVec3::new(-0.025_558_943, 0.000_101_096, 0.002_031_832);
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    let named = |end: &'static str| move |name: &str| name.starts_with("frame-") && name.ends_with(end);
-    let depths = folder.files(named(".depth.png"));
+    let named = |part: &'static str| {
+        move |name: &str| {
+            let stem = name.rsplit_once('.').map_or("", |(stem, _)| stem);
+            name.starts_with("frame-") && stem.ends_with(part)
+        }
+    };
+    let depths: Vec<PathBuf> = folder.depth_images();
+    let depths: Vec<PathBuf> = depths
+        .into_iter()
+        .filter(|path| named(".depth")(name_of(path)))
+        .collect();
     if depths.is_empty() {
         return Ok(None);
     }
     let moment = |name: &str| Some(name.split_once('.')?.0.to_owned());
-    let pairs = by_key(&depths, &folder.files(named(".color.png")), moment);
+    let pairs = by_key(
+        &depths,
+        &folder.files(|name| named(".color")(name) && is_image(name)),
+        moment,
+    );
     let poses: Vec<Option<String>> = depths
         .iter()
         .map(|path| moment(name_of(path)).map(|moment| format!("{moment}.pose.txt")))
         .collect();
     let code = DepthCode::per_metre(1000.0);
-    let mut found = FoundRecording::of_pairs(depths, pairs, calibration(), code);
+    let mut notes = Vec::new();
+    let info = folder.files(|name| matches!(name, "_info.txt" | "info.txt"));
+    let calibration = match info.first() {
+        Some(info) => Calibration::read(info)?,
+        None => beside::camera(folder, &mut notes)?.unwrap_or_else(calibration),
+    };
+    let mut found = FoundRecording::of_pairs(depths, pairs, calibration, code);
+    found.units = Units::Usual("7-Scenes");
     for (frame, pose) in found.frames.iter_mut().zip(poses) {
-        if let Some(pose) = pose.filter(|pose| folder.has_file(pose)) {
-            frame.world_from_camera = read_pose(&folder.path.join(pose))?;
+        let Some(pose) = pose.filter(|pose| folder.has_file(pose)) else {
+            continue;
+        };
+        match read_pose(&folder.path.join(pose)) {
+            Ok(pose) => frame.world_from_camera = pose,
+            Err(error) => notes.push(format!("{error}; its frame has no pose")),
         }
     }
+    found.notes.extend(notes);
     Ok(Some(found))
 }
 

@@ -1,6 +1,7 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory};
+use super::beside;
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
 use crate::io::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;
@@ -15,7 +16,9 @@ const UNITS_PER_METRE: f64 = 5000.0;
 const CAMERA: [f64; 4] = [525.0, 525.0, 319.5, 239.5];
 
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
-    if !folder.has_file("depth.txt") || folder.has_clouds() {
+    // Both lists are no accident: a model next to them was made of the images.
+    let is_certain = folder.has_file("rgb.txt");
+    if !folder.has_file("depth.txt") || (folder.has_clouds() && !is_certain) {
         return Ok(None);
     }
     let depths = stamped(folder, "depth.txt")?;
@@ -27,7 +30,11 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let pairs = by_time(&depths, &colors);
     let (times, paths): (Vec<Duration>, Vec<PathBuf>) = depths.into_iter().unzip();
     let code = DepthCode::per_metre(UNITS_PER_METRE);
-    let mut found = FoundRecording::of_pairs(paths, pairs, Calibration::usual(CAMERA, "TUM"), code);
+    let mut notes = Vec::new();
+    let calibration = beside::camera(folder, &mut notes)?.unwrap_or_else(|| Calibration::usual(CAMERA, "TUM"));
+    let mut found = FoundRecording::of_pairs(paths, pairs, calibration, code);
+    found.notes.extend(notes);
+    found.units = Units::Usual("TUM");
     for (frame, time) in found.frames.iter_mut().zip(times) {
         frame.time = Some(time);
     }

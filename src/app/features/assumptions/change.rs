@@ -1,0 +1,68 @@
+//! Alternatives to assumptions.
+
+use crate::cloud::NoData;
+use crate::io::ColumnMap;
+use crate::rgbd::Filters;
+use crate::scene::{Primitive, UpAxis};
+use crate::sequence::OpenOptions;
+use std::path::PathBuf;
+
+/// An alternative to an assumption; `None` is the automatic choice.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::app) enum Change {
+    /// Another up axis.
+    Up(Option<UpAxis>),
+    /// Another primitive; `Auto` is the automatic choice.
+    Primitive(Primitive),
+    /// Other options of reading: the inputs are opened again.
+    Read(ReadChange),
+}
+
+/// A change of the options by which inputs are read; `None` is the automatic choice.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::app) enum ReadChange {
+    /// Columns of text and of files without a header.
+    Columns(Option<ColumnMap>),
+    /// Depth values per metre.
+    DepthScale(Option<f64>),
+    /// `fx,fy,cx,cy` or a file.
+    Intrinsics(Option<String>),
+    /// A file with the poses of the camera.
+    Poses(Option<PathBuf>),
+    /// Values that stand for a missing point; [`NoData::Auto`] is the automatic choice.
+    NoData(NoData),
+    /// Frames per second.
+    Fps(Option<f64>),
+    /// Filters of depth images; [`Filters::USUAL`] is the automatic choice.
+    Filters(Filters),
+}
+
+impl ReadChange {
+    /// Changes `open`.
+    pub(in crate::app) fn apply(&self, open: &mut OpenOptions) {
+        match self.clone() {
+            Self::Columns(columns) => open.read = open.read.with_columns(columns),
+            Self::DepthScale(scale) => open.rgbd.depth_scale = scale,
+            Self::Intrinsics(text) => open.rgbd.intrinsics = text,
+            Self::Poses(file) => open.rgbd.poses = file,
+            Self::NoData(rule) => open.no_data = rule,
+            Self::Fps(fps) => open.fps = fps,
+            Self::Filters(filters) => open.rgbd.filters = filters,
+        }
+    }
+
+    /// True if it changes nothing of `open`.
+    pub(in crate::app) fn is_in(&self, open: &OpenOptions) -> bool {
+        let mut changed = open.clone();
+        self.apply(&mut changed);
+        changed == *open
+    }
+
+    /// True if points may be elsewhere afterwards: a view or a clip that was made before does not fit.
+    pub(in crate::app) fn moves_points(&self) -> bool {
+        match self {
+            Self::Columns(_) | Self::DepthScale(_) | Self::Intrinsics(_) | Self::Poses(_) | Self::NoData(_) => true,
+            Self::Fps(_) | Self::Filters(_) => false,
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Subjects whose assumption is changed by reading the inputs with other options, a row each.
+
+use super::change::ReadChange;
+use super::groups::Field;
+use crate::assumption::Subject;
+use crate::cloud::NoData;
+use crate::io::ColumnMap;
+use crate::rgbd::Filters;
+use crate::sequence::OpenOptions;
+use std::path::{Path, PathBuf};
+
+/// How a subject is changed.
+pub(super) struct ReadRow {
+    pub(super) subject: Subject,
+    /// The choice in words; `None` where it is automatic.
+    pub(super) chosen: fn(&OpenOptions) -> Option<String>,
+    pub(super) automatic: ReadChange,
+    /// Values that files usually have.
+    pub(super) offered: fn() -> Vec<(String, ReadChange)>,
+    /// Any other value.
+    pub(super) field: Option<Field>,
+}
+
+impl ReadRow {
+    pub(super) const ALL: &[Self] = &[
+        Self {
+            subject: Subject::DepthScale,
+            chosen: |open| Some(format!("{} per metre", open.rgbd.depth_scale?)),
+            automatic: ReadChange::DepthScale(None),
+            offered: || {
+                let usual = [1000.0, 5000.0, 6553.5, 4000.0, 256.0, 1.0];
+                numbers(&usual, |scale| ReadChange::DepthScale(Some(scale)))
+            },
+            field: Some(Field {
+                hint: "depth values per metre",
+                parse: |text| Ok(ReadChange::DepthScale(Some(positive(text)?))),
+            }),
+        },
+        Self {
+            subject: Subject::Camera,
+            chosen: |open| open.rgbd.intrinsics.clone(),
+            automatic: ReadChange::Intrinsics(None),
+            offered: Vec::new,
+            field: Some(Field {
+                hint: "fx,fy,cx,cy or a file",
+                parse: |text| Ok(ReadChange::Intrinsics(Some(intrinsics(text)?))),
+            }),
+        },
+        Self {
+            subject: Subject::Poses,
+            chosen: |open| Some(open.rgbd.poses.as_deref()?.display().to_string()),
+            automatic: ReadChange::Poses(None),
+            offered: Vec::new,
+            field: Some(Field {
+                hint: "a file of poses",
+                parse: |text| Ok(ReadChange::Poses(Some(file(text)?))),
+            }),
+        },
+        Self {
+            subject: Subject::Columns,
+            chosen: |open| Some(open.read.columns?.to_string()),
+            automatic: ReadChange::Columns(None),
+            offered: || {
+                let named = (3..=8).map(|width| {
+                    let columns = ReadChange::Columns(Some(ColumnMap::of_width(width)));
+                    (format!("{width} values"), columns)
+                });
+                named.collect()
+            },
+            field: Some(Field {
+                hint: "x=0,y=1,z=2",
+                parse: |text| Ok(ReadChange::Columns(Some(text.parse()?))),
+            }),
+        },
+        Self {
+            subject: Subject::NoData,
+            chosen: |open| (open.no_data != NoData::Auto).then(|| open.no_data.to_string()),
+            automatic: ReadChange::NoData(NoData::Auto),
+            offered: || vec![("None".to_owned(), ReadChange::NoData(NoData::None))],
+            field: Some(Field {
+                hint: "value of missing points",
+                parse: |text| text.trim().parse().map(ReadChange::NoData),
+            }),
+        },
+        Self {
+            subject: Subject::FrameTimes,
+            chosen: |open| Some(format!("{} frames per second", open.fps?)),
+            automatic: ReadChange::Fps(None),
+            offered: || {
+                let usual = [10.0, 15.0, 24.0, 25.0, 30.0, 60.0];
+                numbers(&usual, |fps| ReadChange::Fps(Some(fps)))
+            },
+            field: Some(Field {
+                hint: "frames per second",
+                parse: |text| Ok(ReadChange::Fps(Some(positive(text)?))),
+            }),
+        },
+        Self {
+            subject: Subject::FilteredPoints,
+            chosen: |open| {
+                let filters = open.rgbd.filters;
+                (filters != Filters::USUAL).then(|| match filters {
+                    Filters::NONE => "none".to_owned(),
+                    filters => filters.to_string(),
+                })
+            },
+            automatic: ReadChange::Filters(Filters::USUAL),
+            offered: || vec![("Off".to_owned(), ReadChange::Filters(Filters::NONE))],
+            field: None,
+        },
+    ];
+
+    /// The row of `subject`.
+    pub(super) fn of(subject: Subject) -> Option<&'static Self> {
+        Self::ALL.iter().find(|row| row.subject == subject)
+    }
+}
+
+fn numbers(usual: &[f64], change: impl Fn(f64) -> ReadChange) -> Vec<(String, ReadChange)> {
+    let named = usual.iter().map(|&number| (number.to_string(), change(number)));
+    named.collect()
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
+        _ => Err(format!("expected a number above 0, found \"{text}\"")),
+    }
+}
+
+fn intrinsics(text: &str) -> Result<String, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers {
+        Ok(numbers) if numbers.len() == 4 => Ok(text.trim().to_owned()),
+        Ok(numbers) => Err(format!("expected 4 numbers fx,fy,cx,cy, found {}", numbers.len())),
+        Err(_) => Ok(file(text)?.display().to_string()),
+    }
+}
+
+/// The next run may start in another folder.
+fn file(text: &str) -> Result<PathBuf, String> {
+    let path = Path::new(text.trim());
+    match std::path::absolute(path) {
+        Ok(path) if path.is_file() => Ok(path),
+        _ => Err(format!("{} is not a file", path.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_offered_value_is_a_choice_and_the_automatic_one_is_none() {
+        let usual = OpenOptions {
+            rgbd: crate::source::RgbdOptions {
+                filters: Filters::USUAL,
+                ..Default::default()
+            },
+            ..OpenOptions::default()
+        };
+        for row in ReadRow::ALL {
+            assert_eq!((row.chosen)(&usual), None, "{:?}", row.subject);
+            for (label, change) in (row.offered)() {
+                let mut open = usual.clone();
+                change.apply(&mut open);
+                assert!((row.chosen)(&open).is_some(), "{label}");
+                assert!(change.is_in(&open) && !row.automatic.is_in(&open), "{label}");
+                row.automatic.apply(&mut open);
+                assert_eq!(open, usual, "{label}");
+            }
+        }
+    }
+
+    #[test]
+    fn fields_take_what_is_sound_and_say_what_they_expect() {
+        let of = |subject| ReadRow::of(subject).unwrap().field.unwrap().parse;
+        let scale = of(Subject::DepthScale);
+        assert_eq!(scale(" 6553.5 "), Ok(ReadChange::DepthScale(Some(6553.5))));
+        for text in ["", "0", "-1", "inf", "nan", "five"] {
+            assert!(scale(text).is_err_and(|reason| reason.contains("above 0")), "{text}");
+        }
+        let camera = of(Subject::Camera);
+        let numbers = "525, 525, 319.5, 239.5";
+        assert_eq!(camera(numbers), Ok(ReadChange::Intrinsics(Some(numbers.to_owned()))));
+        assert!(camera("525,525").is_err_and(|reason| reason.contains("found 2")));
+        assert!(camera("/none/camera.txt").is_err_and(|reason| reason.contains("is not a file")));
+    }
+}

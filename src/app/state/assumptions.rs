@@ -1,0 +1,182 @@
+//! Alternatives to assumptions take effect, and are remembered for the open sequence.
+//!
+//! **How it works.** Up axis and primitive are kept with the markers (`state/first_look.rs`). Options of reading are
+//! kept by inputs ([`crate::app::ReadingChoices`]), as they have to be known before anything is opened. The inputs are
+//! opened again on a thread; if no frame can be decoded with the new options, what is open stays, and nothing is
+//! remembered.
+
+use super::State;
+use super::outcome::{FoundSequence, NotFound};
+use crate::app::features::assumptions::{Change, Given, Group, ReadChange, groups};
+use crate::app::reading_choices::first_failure;
+use crate::app::recent::entry_name;
+use crate::app::side::Side;
+use crate::app::work::works::WorkKind;
+use crate::playback::Player;
+use crate::scene::{FirstLook, Primitive};
+use crate::sequence::{OpenOptions, Sequence};
+use crate::session::{ReadSession, Reading};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl State {
+    /// The assumptions about the open sequence with the user's choices; none without a sequence.
+    pub(in crate::app) fn assumptions(&self) -> Vec<Group> {
+        let Some(player) = &self.player else {
+            return Vec::new();
+        };
+        let sequence = player.sequence();
+        let guessed = self.looked.guessed.as_deref();
+        let mut assumptions = sequence.assumptions();
+        assumptions.extend(guessed.into_iter().flat_map(FirstLook::assumptions));
+        let lack = |&primitive: &Primitive| Some((primitive, guessed?.lack_of(primitive)?));
+        let has_filters = sequence.source().filters().is_some();
+        groups(&Given {
+            assumptions,
+            guessed_up: guessed.map(|look| (look.up, look.up_why)),
+            chosen_up: self.chosen_up(),
+            primitive: self.style.primitive,
+            guessed_primitive: guessed.map(|look| look.primitive),
+            lacks: Primitive::ALL.iter().filter_map(lack).collect(),
+            open: self.can_open_again().then(|| self.opened_with()),
+            has_filters,
+        })
+    }
+
+    /// The options with which the open sequence was opened.
+    pub(super) fn opened_with(&self) -> &OpenOptions {
+        self.opened.options.as_ref().unwrap_or(&self.options.open)
+    }
+
+    fn can_open_again(&self) -> bool {
+        let has_inputs = |player: &Player| {
+            let source = player.sequence().source();
+            !source.is_live() && !source.inputs().is_empty()
+        };
+        self.player.as_ref().is_some_and(has_inputs)
+    }
+
+    /// Makes `changes` for the open sequence, now and whenever it is opened again.
+    pub(in crate::app) fn choose(&mut self, changes: Vec<Change>) {
+        let mut read = Vec::new();
+        for change in changes {
+            match change {
+                Change::Up(Some(up)) => self.choose_up(up),
+                Change::Up(None) => self.guess_up(),
+                Change::Primitive(primitive) => self.style.primitive = primitive,
+                Change::Read(change) => read.push(change),
+            }
+        }
+        match &read[..] {
+            [] => {}
+            &[ReadChange::Filters(filters)] => self.filter_depth(filters),
+            _ => self.read_with(read),
+        }
+    }
+
+    /// Opens the inputs again on a thread.
+    fn read_with(&mut self, changes: Vec<ReadChange>) {
+        let Some(player) = self.player.as_ref().filter(|_| self.can_open_again()) else {
+            return;
+        };
+        let inputs = match self.named_inputs(player) {
+            Ok(inputs) => inputs,
+            Err(problem) => return self.notices.error(problem),
+        };
+        let mut open = self.opened_with().clone();
+        changes.iter().for_each(|change| change.apply(&mut open));
+        self.works.cancel(WorkKind::Open);
+        let name = format!("Opening {} again", entry_name(&inputs));
+        let progress = self.works.begin(WorkKind::Open, name, self.now);
+        self.tasks.start("find frames", move || {
+            let opened = Sequence::open_observed(&inputs, &open, &progress);
+            let sequence = opened.map_err(NotFound::from).and_then(|sequence| {
+                let failure = first_failure(&sequence);
+                match failure {
+                    _ if progress.is_cancelled() => Err(NotFound::Cancelled),
+                    Some(reason) => Err(NotFound::Because(reason)),
+                    None => Ok(Arc::new(sequence)),
+                }
+            });
+            FoundSequence {
+                inputs,
+                open,
+                session: None,
+                sequence,
+                side: Side::A,
+                changes,
+                problem: None,
+            }
+        });
+    }
+
+    /// Shows `sequence`, the open one read with `changes`.
+    pub(super) fn take_changed(&mut self, sequence: Arc<Sequence>, open: OpenOptions, changes: &[ReadChange]) {
+        let keeps_places = !changes.iter().any(ReadChange::moves_points);
+        if self.open_again(sequence, open, keeps_places) {
+            self.remember(changes);
+        }
+    }
+
+    /// Remembers `changes` for the inputs of the open sequence.
+    pub(super) fn remember(&mut self, changes: &[ReadChange]) {
+        let apply = |open: &mut OpenOptions| changes.iter().for_each(|change| change.apply(open));
+        if let Err(problem) = self.reading_choices.change(&self.opened.inputs, apply) {
+            self.notices.warn(problem);
+        }
+    }
+
+    /// The options of reading that were chosen for `inputs`.
+    pub(super) fn chosen_reading(&self, inputs: &[PathBuf]) -> Option<Reading> {
+        self.reading_choices.of(inputs).cloned()
+    }
+
+    /// Shows `sequence`, the open one read as `open` says. All that the user has made around it stays, as if it was
+    /// opened from its session; without `keeps_places`, but for what is at places of the points. False if nothing
+    /// was opened.
+    pub(super) fn open_again(&mut self, sequence: Arc<Sequence>, open: OpenOptions, keeps_places: bool) -> bool {
+        let Some(player) = &self.player else { return false };
+        let (plays, follows) = (player.is_playing(), player.follows_newest());
+        let mut session = match self.session() {
+            Ok(session) => session,
+            Err(problem) => {
+                self.notices.error(problem);
+                return false;
+            }
+        };
+        let topic = session.reading.topic.take();
+        session.reading = Reading {
+            topic,
+            ..Reading::of(&open)
+        };
+        if !keeps_places {
+            session.view = None;
+            session.clip = None;
+            session.measurements.clear();
+        }
+        let frame = session.frame;
+        let (file, is_damaged) = (self.opened.file.take(), self.opened.is_damaged);
+        let read = ReadSession {
+            file: file.clone().unwrap_or_default(),
+            session,
+            warnings: Vec::new(),
+        };
+        let turns = self.motion.turntable.is_on;
+        self.open_session(sequence, read);
+        (self.opened.file, self.opened.is_damaged) = (file, is_damaged);
+        // A choice in the window goes before what the command line says.
+        self.opened.options = Some(open);
+        self.motion.turntable.is_on = turns;
+        self.play_with(|player, now| {
+            let is_live = player.sequence().source().is_live();
+            if is_live && !follows {
+                player.follow_newest(false, now);
+                player.seek(frame, now);
+            }
+            if !is_live && plays != player.is_playing() {
+                player.toggle(now);
+            }
+        });
+        true
+    }
+}

@@ -1,0 +1,68 @@
+//! Which frames of which conversion a file has, so that parts that were written by several machines are joined as they
+//! belong together.
+
+use super::bytes::{ByteReader, ByteWriter};
+use crate::reel::error::Fault;
+use std::ops::Range;
+
+/// Which frames of a conversion a file has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FilePart {
+    /// Which part, from 0.
+    pub index: u64,
+    /// How many parts there are; 1 of a file with all frames.
+    pub count: u64,
+    /// Its frames among those of the conversion, also those that could not be read.
+    pub frames: Range<u64>,
+    /// Frames of the conversion.
+    pub of_frames: u64,
+    /// What the conversion reads, and its options: alike for all parts.
+    pub made_of: String,
+}
+
+impl FilePart {
+    /// "part 2 of 3".
+    pub fn name(&self) -> String {
+        format!("part {} of {}", self.index + 1, self.count)
+    }
+
+    /// The file that all parts are joined to.
+    pub(in crate::reel) fn whole(&self) -> Self {
+        Self {
+            index: 0,
+            count: 1,
+            frames: 0..self.of_frames,
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn write(&self, writer: &mut ByteWriter) {
+        for number in [
+            self.index,
+            self.count,
+            self.frames.start,
+            self.frames.end,
+            self.of_frames,
+        ] {
+            writer.number(number);
+        }
+        writer.text(&self.made_of);
+    }
+
+    pub(super) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
+        let part = Self {
+            index: reader.number()?,
+            count: reader.number()?,
+            frames: reader.number()?..reader.number()?,
+            of_frames: reader.number()?,
+            made_of: reader.text()?,
+        };
+        let is_possible =
+            part.index < part.count && part.frames.start <= part.frames.end && part.frames.end <= part.of_frames;
+        if is_possible {
+            Ok(part)
+        } else {
+            Err(Fault::new("a part of a conversion that cannot be"))
+        }
+    }
+}

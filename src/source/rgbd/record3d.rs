@@ -1,0 +1,271 @@
+//! Record3D, an app of iPhones with a depth camera: `.r3d`, a ZIP archive of `metadata`, `rgbd/0.depth` and `rgbd/0.jpg`.
+//!
+//! *Metadata* is JSON: `w h` of the colour images, their lens `K` (nine numbers by columns), `dw dh` of the depth images,
+//! `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses are those of `ARKit`, whose camera
+//! has x right, y up and z backward. *Depths* are metres in single floats, packed by Apple's LZFSE; where nothing was
+//! measured they are NaN or 0. Older versions lack `dw dh`: their images are 192 × 256 (LiDAR) or 480 × 640 (`TrueDepth`),
+//! which the number of floats tells.
+
+use super::calibration::{Calibration, Intrinsics};
+use super::depth_code::DepthCode;
+use super::depth_scale::Units;
+use super::error::RgbdError;
+use super::folder::{has_extension, name_of};
+use super::layouts::{FoundRecording, FrameImages};
+use super::stored_image::StoredImage;
+use super::trajectory::{of_backward, pose_of};
+use crate::io::ReadOptions;
+use crate::io::raster::{self, Raster, Samples};
+use glam::{DAffine3, DQuat, DVec3};
+use lzfse_rust::LzfseRingDecoder;
+use serde_json::Value;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use zip::ZipArchive;
+
+/// Sizes of the depth images of versions that do not say it.
+const KNOWN_SIZES: [[u32; 2]; 3] = [[192, 256], [480, 640], [360, 640]];
+
+/// Metadata of an hour has fewer bytes.
+const MOST_METADATA_BYTES: u64 = 64 << 20;
+
+/// Whether the file at `path` is one by its name.
+pub(super) fn is_one(path: &Path) -> bool {
+    has_extension(name_of(path), &["r3d"])
+}
+
+/// An image in an archive.
+#[derive(Debug, Clone)]
+pub(super) struct MemberImage {
+    pub(super) path: Arc<Path>,
+    name: String,
+    /// Of depths, which do not say it themselves; `None` of images as files have them.
+    depth_px: Option<[u32; 2]>,
+}
+
+impl MemberImage {
+    /// Its pixels.
+    pub(super) fn raster(&self, options: &ReadOptions) -> Result<Raster, RgbdError> {
+        let most_bytes = options.max_memory_bytes;
+        let wrong = |reason: String| RgbdError::Image {
+            path: self.path.join(&self.name),
+            reason,
+        };
+        let bytes = member(&mut archive(&self.path)?, &self.path, &self.name, most_bytes)?;
+        match self.depth_px {
+            None => raster::decode(&bytes, most_bytes).map_err(wrong),
+            Some(size_px) => Ok(Raster {
+                size_px,
+                samples: Samples::GrayF32(depths(&bytes, pixels(size_px)).map_err(wrong)?),
+            }),
+        }
+    }
+
+    /// Width and height.
+    pub(super) fn size_px(&self, options: &ReadOptions) -> Option<[u32; 2]> {
+        if self.depth_px.is_some() {
+            return self.depth_px;
+        }
+        let bytes = member(
+            &mut archive(&self.path).ok()?,
+            &self.path,
+            &self.name,
+            options.max_memory_bytes,
+        )
+        .ok()?;
+        raster::size_px(&bytes).ok()
+    }
+}
+
+/// The recording in the archive at `path`.
+pub(super) fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording, RgbdError> {
+    let mut archive = archive(path)?;
+    let wrong = |reason: String| RgbdError::Calibration {
+        path: path.join("metadata"),
+        reason,
+    };
+    let text = member(&mut archive, path, "metadata", MOST_METADATA_BYTES)?;
+    let json: Value = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
+    let numbers: Vec<u64> = depth_numbers(&archive);
+    let Some(first) = numbers.first() else {
+        return Err(RgbdError::NoDepth {
+            path: path.to_owned(),
+            looked_for: "files rgbd/0.depth and so on in the archive".to_owned(),
+        });
+    };
+    let first_depth = member(
+        &mut archive,
+        path,
+        &format!("rgbd/{first}.depth"),
+        options.max_memory_bytes,
+    )?;
+    let depth_px = depth_size(&json, &first_depth).map_err(wrong)?;
+    let calibration = Arc::new(calibration(&json, path).map_err(wrong)?);
+    let poses = poses(&json);
+    let path: Arc<Path> = path.into();
+    let image = |name: String, depth_px: Option<[u32; 2]>| {
+        StoredImage::Member(MemberImage {
+            path: Arc::clone(&path),
+            name,
+            depth_px,
+        })
+    };
+    let frames = numbers.iter().map(|&number| {
+        let color = format!("rgbd/{number}.jpg");
+        FrameImages {
+            color: archive.index_for_name(&color).map(|_| image(color, None)),
+            depth: image(format!("rgbd/{number}.depth"), Some(depth_px)),
+            time: time(&json, number),
+            world_from_camera: poses.get(number as usize).copied().flatten(),
+            calibration: Arc::clone(&calibration),
+        }
+    });
+    let frames: Vec<FrameImages> = frames.collect();
+    Ok(FoundRecording {
+        frames,
+        code: DepthCode::per_metre(1.0),
+        units: Units::Certain,
+        assumptions: Vec::new(),
+        notes: Vec::new(),
+    })
+}
+
+fn archive(path: &Path) -> Result<ZipArchive<BufReader<File>>, RgbdError> {
+    let unreadable = |reason| RgbdError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    ZipArchive::new(BufReader::new(file)).map_err(|error| RgbdError::Image {
+        path: path.to_owned(),
+        reason: format!("the archive is not understood ({error})"),
+    })
+}
+
+/// The unpacked file `name` of an archive, of at most `most_bytes`.
+fn member(
+    archive: &mut ZipArchive<BufReader<File>>,
+    path: &Path,
+    name: &str,
+    most_bytes: u64,
+) -> Result<Vec<u8>, RgbdError> {
+    let wrong = |reason: String| RgbdError::Image {
+        path: path.join(name),
+        reason,
+    };
+    let member = archive.by_name(name).map_err(|error| wrong(error.to_string()))?;
+    let mut bytes = Vec::new();
+    member
+        .take(most_bytes.saturating_add(1))
+        .read_to_end(&mut bytes)
+        .map_err(|error| wrong(error.to_string()))?;
+    if bytes.len() as u64 > most_bytes {
+        return Err(RgbdError::TooLarge {
+            path: path.join(name),
+            bytes: bytes.len() as u64,
+            most_bytes,
+        });
+    }
+    Ok(bytes)
+}
+
+/// Numbers of the depth images, in their order.
+fn depth_numbers(archive: &ZipArchive<BufReader<File>>) -> Vec<u64> {
+    let names = (0..archive.len()).filter_map(|index| archive.name_for_index(index)?.ok());
+    let number = |name: &str| name.strip_prefix("rgbd/")?.strip_suffix(".depth")?.parse().ok();
+    let mut numbers: Vec<u64> = names.filter_map(|name| number(&name)).collect();
+    numbers.sort_unstable();
+    numbers
+}
+
+fn pixels([width, height]: [u32; 2]) -> usize {
+    width as usize * height as usize
+}
+
+/// `count` floats that are packed by LZFSE. No more than those are unpacked, whatever the bytes claim.
+fn depths(bytes: &[u8], count: usize) -> Result<Vec<f32>, String> {
+    let unpacked = unpacked(bytes, 4 * count as u64 + 1)?;
+    if unpacked.len() != 4 * count {
+        let more = if unpacked.len() > 4 * count { "more than " } else { "" };
+        let found = unpacked.len().min(4 * count) / 4;
+        return Err(format!("it has {more}{found} depths, and its size is {count} pixels"));
+    }
+    let floats = unpacked.as_chunks::<4>().0.iter();
+    Ok(floats.map(|&bytes| f32::from_le_bytes(bytes)).collect())
+}
+
+fn unpacked(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
+    let mut decoder = LzfseRingDecoder::default();
+    let mut unpacked = Vec::new();
+    let read = decoder.reader_bytes(bytes).take(most_bytes).read_to_end(&mut unpacked);
+    read.map_err(|error| format!("it is not packed by LZFSE, or damaged ({error})"))?;
+    Ok(unpacked)
+}
+
+/// What the metadata say, or the size of this kind that has as many pixels as the first image.
+fn depth_size(json: &Value, first_depth: &[u8]) -> Result<[u32; 2], String> {
+    if let Some(size) = size(json, ["dw", "dh"]) {
+        return Ok(size);
+    }
+    let most_bytes = KNOWN_SIZES.map(pixels).into_iter().max().unwrap_or_default() as u64 * 4 + 1;
+    let count = unpacked(first_depth, most_bytes)?.len() / 4;
+    let is_of_count = |size: &&[u32; 2]| pixels(**size) == count;
+    let found = KNOWN_SIZES.iter().find(is_of_count);
+    found
+        .copied()
+        .ok_or_else(|| format!("`dw` and `dh` are missing, and {count} depths are those of no known size"))
+}
+
+fn size(json: &Value, keys: [&str; 2]) -> Option<[u32; 2]> {
+    let edge = |key: &str| {
+        let edge = json.get(key)?.as_f64()?;
+        (edge.fract() == 0.0 && (1.0..=32_768.0).contains(&edge)).then_some(edge as u32)
+    };
+    Some([edge(keys[0])?, edge(keys[1])?])
+}
+
+/// One camera has taken both images: the lens of the colour images, in their size.
+fn calibration(json: &Value, path: &Path) -> Result<Calibration, String> {
+    let numbers: Option<Vec<f64>> = json
+        .get("K")
+        .and_then(Value::as_array)
+        .and_then(|list| list.iter().map(Value::as_f64).collect());
+    let numbers = numbers.ok_or("`K` is missing")?;
+    let lens = Intrinsics::pinhole_of(&numbers).ok_or("`K` has not nine numbers")?;
+    let because = path.join("metadata").display().to_string();
+    Ok(Calibration::of_depth(
+        Intrinsics::pinhole(lens, size(json, ["w", "h"])),
+        because,
+    ))
+}
+
+fn poses(json: &Value) -> Vec<Option<DAffine3>> {
+    let list = json
+        .get("poses")
+        .and_then(Value::as_array)
+        .map_or(&[][..], Vec::as_slice);
+    let pose = |value: &Value| {
+        let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
+        let [qx, qy, qz, qw, x, y, z] = <[f64; 7]>::try_from(numbers?).ok()?;
+        Some(of_backward(pose_of(
+            DVec3::new(x, y, z),
+            DQuat::from_xyzw(qx, qy, qz, qw),
+        )?))
+    };
+    list.iter().map(pose).collect()
+}
+
+/// The stamp of a frame, else what the frame rate makes of its number.
+fn time(json: &Value, number: u64) -> Option<Duration> {
+    let stamp = json
+        .get("frameTimestamps")
+        .and_then(|stamps| stamps.get(number as usize)?.as_f64());
+    let by_rate = || {
+        let fps = json.get("fps")?.as_f64().filter(|fps| *fps > 0.0)?;
+        Some(number as f64 / fps)
+    };
+    Duration::try_from_secs_f64(stamp.or_else(by_rate)?).ok()
+}
