@@ -26,8 +26,12 @@ use std::time::{Duration, Instant};
 mod data;
 #[path = "sequence/discovery.rs"]
 mod discovery;
+#[path = "sequence/folders.rs"]
+mod folders;
 #[path = "sequence/groups.rs"]
 mod groups;
+#[path = "sequence/live_folders.rs"]
+mod live_folders;
 #[path = "sequence/loading.rs"]
 mod loading;
 #[path = "sequence/meshes.rs"]

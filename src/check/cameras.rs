@@ -38,6 +38,7 @@ pub(super) fn changed_camera(sequence: &Sequence, facts: &[Result<FrameFacts, Fr
     let (index, other) = *frames.first()?;
     Some(Finding {
         kind: FindingKind::ChangedCamera,
+        severity: FindingKind::ChangedCamera.severity(),
         message: format!(
             "{} of {} frames were taken by another camera than {} ({}), from {} on ({}): open them as a sequence of \
              their own",

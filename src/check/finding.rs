@@ -84,7 +84,8 @@ impl FindingKind {
             | Self::SuspiciousScale
             | Self::ChangedUpAxis
             | Self::LooseCamera
-            | Self::AbsurdRadii => Severity::Warning,
+            | Self::AbsurdRadii
+            | Self::ChangedCamera => Severity::Warning,
         }
     }
 }

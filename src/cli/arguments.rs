@@ -59,6 +59,10 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
 
+    /// Files of a folder that are frames, by a pattern of their names such as 'body_*'
+    #[arg(long, value_name = "PATTERN")]
+    only: Option<String>,
+
     /// Read a sequence file on the web (http://) with at most so many Mbit a second
     #[arg(long, value_name = "MBIT", value_parser = positive_f64)]
     bandwidth: Option<f64>,
@@ -134,6 +138,8 @@ impl ReadArgs {
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),
+            only: self.only.as_deref().map(Arc::from),
+            waits_for_first: false,
             most_bits_per_s: self.bandwidth.map(|mbit| 1e6 * mbit),
             dense: self.dense,
             live_seconds: self.live_seconds,

@@ -26,8 +26,8 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "N", value_parser = positive_f64)]
     depth_scale: Option<f64>,
 
-    /// A trajectory (TUM, Redwood, Open3D) or matrices, camera to world
-    #[arg(long, value_name = "FILE")]
+    /// Poses, sensor to world (TUM, KITTI, Redwood, Open3D, matrices); none: ignore those found
+    #[arg(long, value_name = "FILE|none")]
     poses: Option<PathBuf>,
 
     /// Frames A to B, both included, counted from 0, as one cloud, by their poses

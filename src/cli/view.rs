@@ -10,7 +10,7 @@ use crate::export::PictureFormat;
 use crate::kept;
 use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
-use crate::sequence::{OpenOptions, Sequence};
+use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::session::ReadSession;
 use crate::source::Generated;
 use anyhow::{Context as _, bail};
@@ -45,7 +45,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "FPS", value_parser = frame_rate)]
     fps: Option<f64>,
 
-    /// Show the newest frame of a folder as it comes
+    /// Show the newest frame of a folder as it comes; an empty folder is waited for
     #[arg(long)]
     follow: bool,
 
@@ -98,12 +98,15 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     }
     let open = OpenOptions {
         fps: args.fps,
+        waits_for_first: args.follow,
         ..args.read.picture_options()
     };
     let (recent, recent_problem) = Recent::load();
     // Who has opened something before is offered that.
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
+    // The window says that it waits for the first frame.
+    let waits = args.follow && args.screenshot.is_none() && args.record.is_none() && is_empty_folder(&args.inputs);
     // A picture that a script asks for does not depend on who looked at what before.
     let (reading_choices, choices_problem) = match args.screenshot {
         Some(_) => Default::default(),
@@ -114,7 +117,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         mut session,
         opened_with,
         problem,
-    } = if offers_recent {
+    } = if offers_recent || waits {
         FirstOpened::default()
     } else {
         FirstOpened::of(&args.inputs, &open, &reading_choices)?
@@ -174,6 +177,13 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         lose_device_after: args.lose_device_after,
     };
     crate::app::run(options).context("the window ended")
+}
+
+/// Whether nothing is in the one folder that is named.
+fn is_empty_folder(inputs: &[PathBuf]) -> bool {
+    let [folder] = inputs else { return false };
+    let open = OpenOptions::default();
+    folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
 }
 
 /// What the window shows first.

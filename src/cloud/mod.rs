@@ -36,7 +36,7 @@ pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,
 };
-pub use raw::{AxisConvention, Positions, RawCloud};
+pub use raw::{AxisConvention, ColorDepth, Positions, RawCloud};
 pub use record::{PointRecord, ShapeRecord, TriangleRecord, VertexRecord, VoxelRecord, oct_decode, oct_encode};
 pub(crate) use sample::{even_places, radius_factor};
 pub use scalar_field::ScalarField;

@@ -3,7 +3,8 @@
 use super::attributes::gather;
 use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
 use crate::assumption::Assumption;
-use glam::DVec3;
+use glam::{DAffine3, DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +98,28 @@ impl AxisConvention {
     }
 }
 
+/// Range of colour values, concluded from the largest where the type of the numbers does not say it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ColorDepth {
+    /// 0 to 1.
+    Unit,
+    /// 0 to 255.
+    Bits8,
+    /// 0 to 65535.
+    Bits16,
+}
+
+impl ColorDepth {
+    /// The value of full intensity.
+    pub fn full_scale(self) -> f32 {
+        match self {
+            Self::Unit => 1.0,
+            Self::Bits8 => f32::from(u8::MAX),
+            Self::Bits16 => f32::from(u16::MAX),
+        }
+    }
+}
+
 /// A decoded point cloud. Every attribute that is there has one entry a point; [`super::Frame::from_raw`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawCloud {
@@ -110,6 +133,8 @@ pub struct RawCloud {
     pub made_from: Option<MadeFrom>,
     /// Whether the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
+    /// The range that was concluded from the colours; `None` if their type says it.
+    pub color_depth: Option<ColorDepth>,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
     /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices left out.
@@ -137,6 +162,7 @@ impl RawCloud {
             grid: None,
             made_from: None,
             has_narrow_colors: false,
+            color_depth: None,
             faces: Vec::new(),
             faces_left_out: 0,
             texturing: None,
@@ -160,6 +186,48 @@ impl RawCloud {
         self.faces.clear();
         self.texturing = None;
         self.grid = None;
+        self.made_from = None;
+    }
+
+    /// Reads the colours anew, as values of the wider range `depth`.
+    pub fn widen_colors(&mut self, depth: ColorDepth) {
+        let Some(known) = self.color_depth.filter(|known| *known < depth) else {
+            return;
+        };
+        let scale = known.full_scale() / depth.full_scale();
+        for [red, green, blue, _] in self.attributes.colors.iter_mut().flatten() {
+            for channel in [red, green, blue] {
+                *channel = (f32::from(*channel) * scale).round() as u8;
+            }
+        }
+        self.color_depth = Some(depth);
+        self.has_narrow_colors = false;
+        self.made_from = None;
+    }
+
+    /// Moves the points by the rigid `pose`, in double precision.
+    pub fn transform(&mut self, pose: &DAffine3) {
+        let moved = |position: DVec3| pose.transform_point3(position).to_array();
+        let positions = match &self.positions {
+            Positions::F32(positions) => {
+                let wide = |position: &[f32; 3]| moved(Vec3::from_array(*position).as_dvec3());
+                positions.par_iter().map(wide).collect()
+            }
+            Positions::F64(positions) => {
+                let positions = positions.par_iter();
+                positions.map(|position| moved(DVec3::from_array(*position))).collect()
+            }
+        };
+        self.positions = Positions::F64(positions);
+        let rotation = pose.matrix3.as_mat3();
+        for normal in self.attributes.normals.iter_mut().flatten() {
+            *normal = (rotation * Vec3::from_array(*normal)).to_array();
+        }
+        for ellipse in self.attributes.ellipses.iter_mut().flatten() {
+            ellipse.axis = rotation * ellipse.axis;
+        }
+        // Clouds are in the coordinates of their sensor before.
+        self.sensor = Some(pose.transform_point3(self.sensor.unwrap_or(DVec3::ZERO)));
         self.made_from = None;
     }
 

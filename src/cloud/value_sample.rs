@@ -37,6 +37,8 @@ pub struct ValueSample {
     pub colors: Option<Vec<[u8; 4]>>,
     /// Their scalar fields; NaN and infinite where the file has that.
     pub scalars: Vec<ScalarField>,
+    /// Values of the same fields in other frames of the sequence.
+    further: Vec<Vec<f32>>,
     /// Where the sensor stood, relative to `origin`.
     pub sensor: Option<Vec3>,
     /// The origin of the sequence in file coordinates.
@@ -64,10 +66,32 @@ impl ValueSample {
             positions: places.iter().map(|&place| position(place)).collect(),
             colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
             scalars: fields.map(sampled).collect(),
+            further: Vec::new(),
             sensor: raw.sensor.map(|sensor| (sensor - origin).as_vec3()),
             origin,
             has_telling_colors: OnceLock::new(),
             sorted: Mutex::default(),
+        }
+    }
+
+    /// Adds values of the scalar fields of another frame, with the weight of those that are there: the range of a field
+    /// is that of all frames.
+    pub(crate) fn add_scalars_of(&mut self, raw: &RawCloud) {
+        self.further.resize(self.scalars.len(), Vec::new());
+        for (field, further) in self.scalars.iter().zip(&mut self.further) {
+            let mut others = raw.attributes.scalars.iter();
+            let Some(other) = others.find(|other| other.name == field.name && !other.values.is_empty()) else {
+                continue;
+            };
+            let places = even_places(other.values.len(), field.values.len().max(1));
+            let shift = other.offset - field.offset;
+            let moved = places
+                .iter()
+                .map(|&place| (f64::from(other.values[place]) + shift) as f32);
+            let moved: Vec<f32> = moved.collect();
+            for _ in 0..(field.values.len() / moved.len()).max(1) {
+                further.extend_from_slice(&moved);
+            }
         }
     }
 
@@ -85,6 +109,7 @@ impl ValueSample {
             positions: places.iter().map(|&place| positions[place]).collect(),
             colors: colors.map(|colors| places.iter().map(|&place| colors[place]).collect()),
             scalars: scalars.iter().map(sampled).collect(),
+            further: Vec::new(),
             sensor,
             origin: DVec3::ZERO,
             has_telling_colors: OnceLock::new(),
@@ -125,7 +150,11 @@ impl ValueSample {
         }
         let positions = self.positions.iter();
         let mut values: Vec<f32> = match kind {
-            ValueKind::Field(place) => self.scalars.get(place).map_or(Vec::new(), |field| field.values.clone()),
+            ValueKind::Field(place) => {
+                let own = self.scalars.get(place).map(|field| &field.values);
+                let values = own.into_iter().chain(self.further.get(place)).flatten();
+                values.copied().collect()
+            }
             ValueKind::Along(up) => positions.map(|position| position.dot(up)).collect(),
             ValueKind::From(place) => positions.map(|position| position.distance(place)).collect(),
         };
@@ -179,6 +208,16 @@ mod tests {
         );
         assert_eq!(sample.sorted(ValueKind::From(Vec3::ZERO))[0], 2.0);
         assert!(sample.sorted(ValueKind::Field(7)).is_empty());
+    }
+
+    #[test]
+    fn other_frames_count_as_much_as_the_first() {
+        let mut sample = ValueSample::of_raw(&raw(4), &[], DVec3::ZERO);
+        let mut other = raw(2);
+        other.attributes.scalars[0].values = vec![100.0, 200.0];
+        sample.add_scalars_of(&other);
+        let expected = [1.0, 2.0, 3.0, 4.0, 100.0, 100.0, 200.0, 200.0];
+        assert_eq!(sample.sorted(ValueKind::Field(0))[..], expected);
     }
 
     #[test]

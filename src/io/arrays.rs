@@ -4,7 +4,7 @@
 //! ([`super::growing`]). Columns that lie side by side, as nearly all files have them, are read with one copy a row.
 
 use super::column::{Column, Scalar, Values};
-use crate::cloud::RawCloud;
+use crate::cloud::{ColorDepth, RawCloud};
 use std::ops::Range;
 use std::slice::ChunksExact;
 
@@ -87,6 +87,7 @@ pub(super) fn set_colors(cloud: &mut RawCloud, channels: [&Column<'_>; 3], alpha
     append_colors(&mut colors, channels, alpha, &scales, count);
     cloud.attributes.colors = Some(colors);
     cloud.has_narrow_colors = scales.is_narrow;
+    cloud.color_depth = scales.depth;
 }
 
 /// What is full intensity in colour channels.
@@ -96,6 +97,8 @@ pub(super) struct Scales {
     alpha: f64,
     /// Whether 8 bits were found in fields of 16.
     pub(super) is_narrow: bool,
+    /// The range that was concluded from the largest value.
+    pub(super) depth: Option<ColorDepth>,
 }
 
 impl Scales {
@@ -108,8 +111,22 @@ impl Scales {
             channels: channels.map(|column| column.scalar.full_scale(largest)),
             alpha: alpha.map_or(1.0, |column| column.scalar.full_scale(self::largest(&[column], count))),
             is_narrow: channels.into_iter().all(is_word) && largest > 0.0 && largest <= 255.0,
+            depth: depth_of(channels[0].scalar, largest),
         }
     }
+}
+
+/// The range of colours of which `largest` is the brightest channel; `None` where the type says it.
+fn depth_of(scalar: Scalar, largest: f64) -> Option<ColorDepth> {
+    if scalar.byte_size() == 1 || !largest.is_finite() {
+        return None;
+    }
+    let full_scale = scalar.full_scale(largest);
+    Some(match full_scale {
+        ..=1.0 => ColorDepth::Unit,
+        ..=255.0 => ColorDepth::Bits8,
+        _ => ColorDepth::Bits16,
+    })
 }
 
 /// The largest number in `columns`, unless they are bytes, in which it tells nothing.

@@ -142,7 +142,9 @@ impl Growing {
         let positions = self.positions.into_inner();
         let mut cloud = RawCloud::from_positions(positions.unwrap_or_else(PoisonError::into_inner));
         let others = self.others.into_inner().unwrap_or_else(PoisonError::into_inner);
-        cloud.has_narrow_colors = others.scales.is_some_and(|scales| scales.is_narrow);
+        if let Some(scales) = &others.scales {
+            (cloud.has_narrow_colors, cloud.color_depth) = (scales.is_narrow, scales.depth);
+        }
         cloud.attributes = others.attributes;
         let field = |field: Mutex<GrowingField>| {
             let GrowingField { name, values } = field.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -132,7 +132,8 @@ const TABLE: &[Codec] = &[
     },
     Codec {
         encoders: &[npy_write::ENCODER],
-        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes))
+        list: Some(npy::list_array),
+        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part))
     },
     Codec {
         list: Some(npy::list),

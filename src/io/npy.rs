@@ -3,8 +3,9 @@
 //! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers stay where they are in the
 //! file, whatever their type, byte order and order of rows and columns.
 //!
-//! An array of T × N × 3 in an NPZ is a sequence. One in an NPY is none: folders may have a hundred thousand of these,
-//! a frame each, and none of them is opened before it is shown.
+//! An array of T × N × 3 is a sequence, and so are arrays whose names differ in their numbers alone, as
+//! `numpy.savez(file, *frames)` names them. Folders may have a hundred thousand NPY files: whoever lists these opens
+//! none of them unless the first one holds a sequence.
 
 use super::format::{Format, Holding, Magic, Traits};
 
@@ -14,7 +15,7 @@ mod header;
 mod layers;
 
 pub(super) use cloud::{decode, decode_archive};
-pub(super) use frames::{Arrays, list};
+pub(super) use frames::{Arrays, list, list_array};
 pub(super) use layers::layer_of;
 
 /// An array of numpy.
@@ -22,6 +23,7 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
     name: "NPY",
     extensions: &["npy"],
     magic: &[Magic::start(b"\x93NUMPY")],
+    holds: Holding::Layers,
     ..Traits::PLAIN
 });
 

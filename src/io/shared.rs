@@ -91,6 +91,9 @@ fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Conte
         path: path.to_owned(),
         source,
     })?;
+    if Format::detect(path, &bytes) == Some(npy::FORMAT) {
+        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes))));
+    }
     let format = npy::ARCHIVE;
     if Format::detect(path, &bytes) == Some(format) {
         let arrays = Arrays::open(&bytes, &options.of_format(format));

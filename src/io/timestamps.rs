@@ -25,25 +25,25 @@ enum TimeNotation {
     Digits(usize),
 }
 
+impl TimeNotation {
+    const ALL: [Self; 4] = [Self::Date, Self::Seconds, Self::Digits(16), Self::Digits(19)];
+}
+
 /// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None`
 /// unless all are times that grow.
 pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
-    let none = || vec![None; names.len()];
-    let mut times: Vec<Option<Duration>> = Vec::with_capacity(names.len());
-    let mut kind = None;
-    for name in names {
-        let Some((found, time)) = time_of_name(name) else {
-            return none();
-        };
-        let grows = times.last().is_none_or(|last| *last < Some(time));
-        if !grows || kind.is_some_and(|kind| kind != found) {
-            return none();
-        }
-        kind = Some(found);
-        times.push(Some(time));
-    }
-    // The name of a single file says when it was made, not what frame it is.
-    if times.len() < 2 { none() } else { times }
+    let of_notation = |notation: TimeNotation| -> Option<Vec<Option<Duration>>> {
+        let times: Vec<Duration> = names
+            .iter()
+            .map(|name| time_of_name(name, notation))
+            .collect::<Option<_>>()?;
+        let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
+        // The name of a single file says when it was made, not what frame it is.
+        (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
+    };
+    // A date may be that of the whole recording: then another number is the time.
+    let found = TimeNotation::ALL.into_iter().find_map(of_notation);
+    found.unwrap_or_else(|| vec![None; names.len()])
 }
 
 /// The times in `text`, one a line: seconds, `1.037359e-01`, or a date with a time of day, `2011-09-26
@@ -74,7 +74,7 @@ fn time_of_day(text: &str) -> Option<Duration> {
     (hours < 24 && minutes < 60).then(|| Duration::from_secs(u64::from(whole)) + Duration::from_secs_f64(seconds))
 }
 
-fn time_of_name(name: &str) -> Option<(TimeNotation, Duration)> {
+fn time_of_name(name: &str, notation: TimeNotation) -> Option<Duration> {
     let path = Path::new(name);
     let file = path.file_name()?.to_str()?;
     // What stands behind the last dot is an extension unless it is a number.
@@ -86,10 +86,11 @@ fn time_of_name(name: &str) -> Option<(TimeNotation, Duration)> {
     // A time may start at any number of the name: `frame_2_20121214T142255.814212`.
     (0..runs.len()).find_map(|first| {
         let runs = &runs[first..];
-        date(runs)
-            .map(|time| (TimeNotation::Date, time))
-            .or_else(|| seconds(runs).map(|time| (TimeNotation::Seconds, time)))
-            .or_else(|| digits(runs))
+        match notation {
+            TimeNotation::Date => date(runs),
+            TimeNotation::Seconds => seconds(runs),
+            TimeNotation::Digits(count) => digits(runs, count),
+        }
     })
 }
 
@@ -210,16 +211,15 @@ fn seconds(runs: &[NumberRun<'_>]) -> Option<Duration> {
     is_time.then(|| Some(Duration::new(seconds, fraction_nanos(fraction.digits)?)))?
 }
 
-fn digits(runs: &[NumberRun<'_>]) -> Option<(TimeNotation, Duration)> {
+fn digits(runs: &[NumberRun<'_>], count: usize) -> Option<Duration> {
     let digits = runs.first()?.digits;
     let number: u64 = digits.parse().ok()?;
-    let time = match digits.len() {
-        _ if digits.starts_with('0') => return None,
-        16 => Duration::from_micros(number),
-        19 => Duration::from_nanos(number),
-        _ => return None,
-    };
-    Some((TimeNotation::Digits(digits.len()), time))
+    match digits.len() {
+        length if length != count || digits.starts_with('0') => None,
+        16 => Some(Duration::from_micros(number)),
+        19 => Some(Duration::from_nanos(number)),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

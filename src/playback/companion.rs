@@ -30,6 +30,8 @@ pub struct Companion {
     numbers: Option<PairNumbers>,
     /// Frames of leader and companion that these are of.
     known_counts: [usize; 2],
+    /// Changes of files that were taken notice of.
+    known_changes: usize,
     pair: Pair,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
@@ -58,6 +60,7 @@ impl Companion {
             times: None,
             numbers: None,
             known_counts: [0; 2],
+            known_changes: 0,
             pair: Pair {
                 nearest: 0,
                 is_there: false,
@@ -246,6 +249,11 @@ impl Companion {
 
     /// Both may have grown.
     fn look_at_entries(&mut self) {
+        let changed = self.sequence.changed_since(self.known_changes);
+        if !changed.is_empty() {
+            self.known_changes += changed.len();
+            self.loader.forget(&changed);
+        }
         let counts = [self.leader.len(), self.sequence.len()];
         if counts == self.known_counts {
             return;

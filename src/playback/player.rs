@@ -48,6 +48,8 @@ pub struct Player {
     late_frames: u64,
     follows_newest: bool,
     attributes: FirstAttributes,
+    /// Changes of files that were taken notice of.
+    known_changes: usize,
 }
 
 /// What [`Player::update`] changed.
@@ -96,6 +98,7 @@ impl Player {
             late_frames: 0,
             follows_newest: false,
             attributes: FirstAttributes::default(),
+            known_changes: 0,
             sequence,
         }
     }
@@ -212,11 +215,28 @@ impl Player {
         self.follows_newest = follows;
     }
 
+    /// Forgets frames whose files changed.
+    fn forget_changed(&mut self) -> bool {
+        let changed = self.sequence.changed_since(self.known_changes);
+        if changed.is_empty() {
+            return false;
+        }
+        self.known_changes += changed.len();
+        self.loader.forget(&changed);
+        self.told.retain(|frame| !changed.contains(frame));
+        let is_changed = |failure: &Arc<FrameError>| changed.contains(&failure.index());
+        if self.failure.as_ref().is_some_and(is_changed) {
+            self.failure = None;
+        }
+        true
+    }
+
     /// Takes the frames by which the sequence has grown; true if there are some.
     fn grow(&mut self, now: Duration) -> bool {
+        let has_changed = self.forget_changed();
         let frames = self.sequence.frames();
         if frames.end <= self.clock.frame_count() {
-            return false;
+            return has_changed;
         }
         self.loader.grow();
         self.clock.set_frames(frames, now);

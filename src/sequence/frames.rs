@@ -283,6 +283,15 @@ impl Sequence {
         assumptions.sorted()
     }
 
+    /// [`Source::changed_since`]: frames that are to be read again.
+    pub(crate) fn changed_since(&self, since: usize) -> Vec<usize> {
+        let changed = self.source.changed_since(since);
+        for &index in &changed {
+            self.origin.forget(index);
+        }
+        changed
+    }
+
     /// That the reading of frame `index` was cancelled.
     pub(crate) fn cancelled(&self, index: usize) -> FrameError {
         let path = self.entry(index).path.clone();
@@ -465,8 +474,33 @@ impl OriginFrames for Sequence {
         Ok((decoded.cloud, milliseconds_since(start) as f32))
     }
 
+    fn may_grow(&self) -> bool {
+        self.source.may_grow()
+    }
+
     fn no_data(&self) -> NoData {
         self.no_data
+    }
+
+    fn further_samples(&self, index: usize) -> Vec<RawCloud> {
+        /// Enough for percentiles; a disk that seeks takes ten milliseconds for each.
+        const POINTS: usize = 256;
+        const FRAMES: usize = 3;
+        let last = self.len().saturating_sub(1);
+        if last <= index || self.source.is_live() {
+            return Vec::new();
+        }
+        let mut places: Vec<usize> = (1..=FRAMES)
+            .map(|step| index + step * (last - index) / FRAMES)
+            .collect();
+        places.retain(|&place| place > index);
+        places.dedup();
+        let sample = |place: usize| {
+            let path = self.entry(place).path.clone();
+            let sampled = catch_panic(place, &path, || Ok(self.source.sample(place, POINTS, 1)));
+            Some(sampled.ok()?.ok()??.0.cloud)
+        };
+        places.into_iter().filter_map(sample).collect()
     }
 
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {

@@ -34,15 +34,28 @@ const FAR_BESIDE_IN_EXTENTS: f64 = 64.0;
 /// A decoded frame with its time in milliseconds, or why there is none.
 type Kept = Result<(RawCloud, f32), FrameError>;
 
+/// How an origin came about.
+enum Decided {
+    ByFrame(DVec3),
+    /// No frame has a point.
+    ByNone,
+}
+
 /// The frames that an origin is for.
 pub(super) trait OriginFrames: Send + Sync {
     fn frame_count(&self) -> usize;
+
+    /// Whether frames may come or be read again.
+    fn may_grow(&self) -> bool;
 
     /// Decodes a frame in file coordinates; with the time that it took in milliseconds.
     fn decode_timed(&self, index: usize, progress: &Progress) -> Result<(RawCloud, f32), FrameError>;
 
     /// Handling of points that stand for no measurement.
     fn no_data(&self) -> NoData;
+
+    /// Some points of a few frames after `index`, where they can be read without the others.
+    fn further_samples(&self, index: usize) -> Vec<RawCloud>;
 
     /// Their origin; `None` if deciding it was cancelled.
     fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
@@ -76,10 +89,16 @@ impl OriginFinder {
                     return None;
                 }
                 let origin = self.decide(frames, progress);
-                if origin.is_none() {
-                    self.given_up.fetch_add(1, Ordering::Relaxed);
+                match origin {
+                    None => {
+                        self.given_up.fetch_add(1, Ordering::Relaxed);
+                        None
+                    }
+                    // The first frame of a folder may still be being written: a later one decides then.
+                    Some(Decided::ByNone) if frames.may_grow() => Some(DVec3::ZERO),
+                    Some(Decided::ByNone) => Some(*self.origin.get_or_init(|| DVec3::ZERO)),
+                    Some(Decided::ByFrame(origin)) => Some(*self.origin.get_or_init(|| origin)),
                 }
-                origin.map(|origin| *self.origin.get_or_init(|| origin))
             })
         })
     }
@@ -110,10 +129,13 @@ impl OriginFinder {
         })
     }
 
-    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<DVec3> {
+    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<Decided> {
         for index in 0..frames.frame_count() {
             if progress.is_cancelled() {
                 return None;
+            }
+            if lock(&self.kept).get(&index).is_some_and(Result::is_err) {
+                continue;
             }
             let decoded = frames.decode_timed(index, progress);
             let missing = decoded
@@ -128,11 +150,15 @@ impl OriginFinder {
                     let shared = beside.filter(|&origin| is_near(origin, min, max, FAR_BESIDE_IN_EXTENTS));
                     let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
-                        let sample = Arc::new(ValueSample::of_raw(raw, missing, origin));
+                        let mut sample = ValueSample::of_raw(raw, missing, origin);
+                        for further in frames.further_samples(index) {
+                            sample.add_scalars_of(&further);
+                        }
+                        let sample = Arc::new(sample);
                         self.sample.get_or_init(|| sample);
                     }
                     lock(&self.kept).insert(index, decoded);
-                    return Some(origin);
+                    return Some(Decided::ByFrame(origin));
                 }
                 // A frame without a finite point decides nothing; keeping many of them could fill the memory.
                 Ok((None, _)) => {}
@@ -142,7 +168,12 @@ impl OriginFinder {
                 }
             }
         }
-        Some(DVec3::ZERO)
+        Some(Decided::ByNone)
+    }
+
+    /// Forgets why frame `index` could not be read, or what was read of it.
+    pub(super) fn forget(&self, index: usize) {
+        lock(&self.kept).remove(&index);
     }
 
     /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.

@@ -25,6 +25,7 @@ pub fn watch(sequence: &Arc<Sequence>, wake: Arc<dyn Fn() + Send + Sync>) -> Res
 
 fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
     let (begun, mut connection) = (Instant::now(), ConnectionWatch::default());
+    let mut changes = 0;
     loop {
         // A sequence that is closed meanwhile is not kept.
         let Some(source) = sequence.upgrade().map(|sequence| Arc::clone(sequence.source())) else {
@@ -35,6 +36,11 @@ fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
             Ok(_) => wake(),
             // A folder on a network comes and goes; what is open stays.
             Err(error) => log::debug!("{error}"),
+        }
+        let changed = source.changed_since(changes).len();
+        if changed > 0 {
+            changes += changed;
+            wake();
         }
         let status = source.live().map(Live::status);
         let change = status.and_then(|status| connection.look(&status, begun.elapsed()));

@@ -6,7 +6,7 @@ use super::paths::{as_text, joined};
 use crate::cloud::NoData;
 use crate::io::{ColumnMap, ReadOptions};
 use crate::rgbd::Filters;
-use crate::source::{OpenOptions, RgbdOptions};
+use crate::source::{NO_POSES, OpenOptions, RgbdOptions};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,9 @@ pub struct Reading {
     /// Topic of a recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
+    /// Pattern of the names of files that are frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub only: Option<String>,
     /// Frames a second.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "positive")]
     pub fps: Option<f64>,
@@ -149,6 +152,7 @@ impl Reading {
         let (read, rgbd) = (&options.read, &options.rgbd);
         Self {
             topic: options.topic.as_deref().map(str::to_owned),
+            only: options.only.as_deref().map(str::to_owned),
             fps: options.fps,
             merge_scans: options.merge_scans,
             sample: read.sample_count,
@@ -182,6 +186,7 @@ impl Reading {
             fps: options.fps.or(self.fps),
             merge_scans: options.merge_scans || self.merge_scans,
             topic: options.topic.clone().or_else(|| self.topic.as_deref().map(Arc::from)),
+            only: options.only.clone().or_else(|| self.only.as_deref().map(Arc::from)),
             dense: options.dense || self.dense,
             rgbd: RgbdOptions {
                 filters: self.rgbd_filters.unwrap_or(given.filters),
@@ -201,7 +206,11 @@ impl Reading {
 
     /// With the paths of its files as a session in `folder` holds them.
     pub(super) fn written_in(&self, folder: &Path) -> Result<Self, SessionError> {
-        let poses = self.poses.as_deref().map(|file| as_text(file, folder)).transpose()?;
+        let file_of_poses = self.poses.as_deref().filter(|file| *file != Path::new(NO_POSES));
+        let poses = match file_of_poses {
+            Some(file) => Some(as_text(file, folder)?),
+            None => self.poses.as_ref().map(|_| NO_POSES.to_owned()),
+        };
         let file_of_intrinsics = self.intrinsics.as_deref().filter(|text| is_file_name(text));
         let intrinsics = match file_of_intrinsics {
             Some(file) => Some(as_text(Path::new(file), folder)?),
@@ -224,7 +233,13 @@ impl Reading {
             }
         });
         Self {
-            poses: self.poses.map(|file| joined(folder, &file.to_string_lossy())),
+            poses: self.poses.map(|file| {
+                if file == Path::new(NO_POSES) {
+                    file
+                } else {
+                    joined(folder, &file.to_string_lossy())
+                }
+            }),
             intrinsics,
             ..self
         }

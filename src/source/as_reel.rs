@@ -66,6 +66,10 @@ impl Source for AsReel {
         self.source.look_again()
     }
 
+    fn changed_since(&self, since: usize) -> Vec<usize> {
+        self.source.changed_since(since)
+    }
+
     fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
         self.source.wait_for_more(at_most)
     }

@@ -1,6 +1,7 @@
 //! One frame as its source knows it before it is read.
 
 use crate::io::{self, Part};
+use glam::DAffine3;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -33,7 +34,7 @@ impl std::fmt::Debug for FrameBytes {
 }
 
 /// One frame of a source, not read yet.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FrameEntry {
     /// The file, as the person gave it or as its folder lists it.
     pub path: PathBuf,
@@ -47,6 +48,8 @@ pub struct FrameEntry {
     pub content: FrameBytes,
     /// A file beside it with the normals of its points, which the file itself need not have.
     pub normals: Option<PathBuf>,
+    /// The rigid pose that moves the points of the file into the coordinates of the sequence, if they are not in these.
+    pub pose: Option<DAffine3>,
 }
 
 impl FrameEntry {
@@ -82,6 +85,7 @@ impl FrameEntry {
             time: None,
             content,
             normals: None,
+            pose: None,
         }
     }
 }

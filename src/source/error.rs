@@ -2,6 +2,31 @@
 
 use std::path::PathBuf;
 
+/// One of several sequences that an input may mean.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpeningChoice {
+    /// For people, such as `body_* (24 files)`.
+    pub label: String,
+    /// The option of the command line that chooses it, if one does; else its path is the input.
+    pub option: Option<String>,
+    /// The folder or pattern that names it.
+    pub input: PathBuf,
+}
+
+/// Choices that a message names, one per line.
+fn listed(choices: &[OpeningChoice]) -> String {
+    const NAMED_CHOICES: usize = 12;
+    let line = |choice: &OpeningChoice| match &choice.option {
+        Some(option) => format!("\n  {}: {option}", choice.label),
+        None => format!("\n  {}", choice.label),
+    };
+    let mut lines: String = choices.iter().take(NAMED_CHOICES).map(line).collect();
+    if choices.len() > NAMED_CHOICES {
+        lines.push_str("\n  …");
+    }
+    lines
+}
+
 /// Why a sequence cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -24,6 +49,35 @@ pub enum SequenceError {
         extensions: String,
         /// What to do.
         hint: String,
+    },
+    /// A folder with several sequences.
+    #[error(
+        "{} holds {} sequences, which are not played one after the other: choose one of{}",
+        path.display(),
+        choices.len(),
+        listed(choices)
+    )]
+    Several {
+        /// The folder as given.
+        path: PathBuf,
+        /// The sequences.
+        choices: Vec<OpeningChoice>,
+    },
+    /// A file of `--poses` that does not fit.
+    #[error("{}: {reason}", path.display())]
+    Poses {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A pattern of `--only` that no file has.
+    #[error("no file name matches --only '{pattern}': there are {found}")]
+    NothingOnly {
+        /// The pattern as given.
+        pattern: String,
+        /// Names of some files.
+        found: String,
     },
     /// A folder whose files are known, and not read.
     #[error("the folder {} holds no point cloud that is read: {found}", path.display())]

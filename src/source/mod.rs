@@ -32,7 +32,7 @@ mod traits;
 pub use as_reel::AsReel;
 pub use demo::demo;
 pub use entry::{FrameBytes, FrameEntry};
-pub use error::SequenceError;
+pub use error::{OpeningChoice, SequenceError};
 pub use examples::Example;
 pub use files::{Files, Recording};
 pub use generated::Generated;
@@ -40,7 +40,7 @@ pub use list::FrameList;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
-pub use options::OpenOptions;
+pub use options::{NO_POSES, OpenOptions};
 pub use photo_video::PhotoVideo;
 pub use photos::PhotoScene;
 pub use reel::Reel;
@@ -102,9 +102,23 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
     }
     if let [input] = inputs
         && input.is_dir()
-        && let Some(below) = photo_sets::open_below(input, options)?
     {
-        return Ok(below);
+        // Photographs in a folder of a recording of clouds are no reason to refuse it.
+        match photo_sets::open_below(input, options) {
+            Ok(Some(below)) => return Ok(below),
+            Ok(None) => {}
+            Err(error) => {
+                return match Files::open(inputs, options, progress) {
+                    Ok(files) => Ok(shared(files)),
+                    Err(several @ SequenceError::Several { .. }) => Err(several),
+                    Err(_) => Err(error),
+                };
+            }
+        }
     }
-    Ok(Arc::new(Files::open(inputs, options, progress)?))
+    Files::open(inputs, options, progress).map(shared)
+}
+
+fn shared(source: impl Source + 'static) -> Arc<dyn Source> {
+    Arc::new(source)
 }

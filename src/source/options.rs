@@ -6,6 +6,9 @@ use crate::io::ReadOptions;
 use crate::stereo::SharedMatcher;
 use std::sync::Arc;
 
+/// In place of a file with poses: frames stay where their files have them.
+pub const NO_POSES: &str = "none";
+
 /// How inputs are opened.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenOptions {
@@ -19,6 +22,10 @@ pub struct OpenOptions {
     pub merge_scans: bool,
     /// The topic of recordings whose point clouds are the frames; of each the one that has the most if `None`.
     pub topic: Option<Arc<str>>,
+    /// Pattern of the names of the files that are frames; all of one sequence if `None`.
+    pub only: Option<Arc<str>>,
+    /// An empty folder is waited for until its first frame comes.
+    pub waits_for_first: bool,
     /// Bits a second that are read from the web, at most.
     pub most_bits_per_s: Option<f64>,
     /// Points of photographs are made by stereo, also where there are sparse ones.

@@ -105,6 +105,12 @@ pub trait Source: Send + Sync {
         Ok(0)
     }
 
+    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of them
+    /// is outdated.
+    fn changed_since(&self, _since: usize) -> Vec<usize> {
+        Vec::new()
+    }
+
     /// [`Source::look_again`] once there is something, or after this time: a stream wakes up when a frame comes, a
     /// folder is looked at from time to time.
     fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {

@@ -113,7 +113,7 @@ fn other_formats_are_refused_with_a_reason() {
     };
     let error = io::read(&picture).unwrap_err();
     assert!(
-        error.to_string().contains("not in a format that pointreel reads"),
+        error.to_string().contains("is an image: a single image has no depth"),
         "{error}"
     );
 }

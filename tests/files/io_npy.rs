@@ -1,5 +1,6 @@
 //! Arrays of numpy written here, of every type, order and layout that the reader promises, and damaged ones.
 
+use crate::data::shared;
 use pointreel::cloud::RawCloud;
 use pointreel::io;
 use pointreel::progress::Progress;
@@ -299,6 +300,62 @@ fn an_array_with_layers_is_a_sequence() {
         let beyond = io::read_part(&path, &io::Part::Layer(2), &options).unwrap_err();
         assert!(beyond.to_string().contains("there is no layer 2, only 2"), "{beyond}");
     }
+}
+
+/// The frames in the file at `path`, as a sequence has them.
+fn frames(path: &Path) -> Vec<Vec<[f64; 3]>> {
+    let options = io::ReadOptions::default();
+    let shared = io::SharedFile::default();
+    let entries = io::list(path, &options).unwrap();
+    let read = |entry: &io::Entry| {
+        let cloud = io::read_part(path, &entry.part, &options).unwrap();
+        let same = shared.read_part(path, &entry.part, &options, &Progress::default());
+        assert_eq!(same.unwrap().positions, cloud.positions);
+        positions(&cloud)
+    };
+    entries.iter().map(read).collect()
+}
+
+#[test]
+fn a_bare_array_with_layers_is_a_sequence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.npy");
+    for fortran in [false, true] {
+        for layers in [2, 5] {
+            std::fs::write(&path, layered(layers, fortran)).unwrap();
+            let found = frames(&path);
+            assert_eq!(found.len(), layers);
+            assert_eq!(found[1][2], [120.0, 121.0, 122.0]);
+        }
+        std::fs::write(&path, layered(1, fortran)).unwrap();
+        assert_eq!(frames(&path).len(), 1);
+    }
+    std::fs::write(&path, floats("(4, 3)", &[1.0; 12])).unwrap();
+    assert_eq!(frames(&path).len(), 1);
+    if let Some(path) = shared("meaning/N05_T_N_3.npy") {
+        let found = frames(&path);
+        assert!(found.len() > 1 && found[0] != found[1]);
+        assert!(found.iter().all(|frame| frame.len() == found[0].len()));
+    }
+}
+
+#[test]
+fn numbered_arrays_of_an_archive_are_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.npz");
+    let frame = |count: usize| floats(&format!("({count}, 3)"), &vec![count as f32; 3 * count]);
+    for name in ["arr_", "frame", "t"] {
+        let names: Vec<String> = [10, 2, 0, 1].iter().map(|number| format!("{name}{number}")).collect();
+        let members: Vec<(&str, Vec<u8>)> = names.iter().map(String::as_str).zip([5, 3, 1, 2].map(frame)).collect();
+        std::fs::write(&path, npz(&members, zip::CompressionMethod::Deflated)).unwrap();
+        let counts: Vec<usize> = frames(&path).iter().map(Vec::len).collect();
+        assert_eq!(counts, [1, 2, 3, 5], "{name}");
+    }
+    // A table and its colours are not two frames.
+    let colors = npy(1, "'|u1'", false, "(2, 3)", &[1; 6]);
+    let members = [("arr_0", frame(2)), ("arr_1", colors)];
+    std::fs::write(&path, npz(&members, zip::CompressionMethod::Stored)).unwrap();
+    assert_eq!(io::list(&path, &io::ReadOptions::default()).unwrap().len(), 1);
 }
 
 #[test]

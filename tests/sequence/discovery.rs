@@ -244,8 +244,10 @@ fn kitti_lists_times_beside_its_scans() {
     let odd = scans("odd/velodyne", &["1.bin", "2.bin"]);
     fs::write(folder.path().join("odd/times.txt"), "5\n6").unwrap();
     assert_eq!(times(&odd), Some(vec![5.0, 6.0]));
-    // What is no scan of KITTI has no such list.
+    // Clouds of other formats have one if they are in a folder for frames.
     let other = scans("odd/clouds", &["0.ply", "1.ply"]);
+    assert_eq!(times(&other), Some(vec![5.0, 6.0]));
+    let other = scans("odd/takes", &["0.ply", "1.ply"]);
     assert_eq!(times(&other), None);
 }
 

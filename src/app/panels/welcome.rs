@@ -5,11 +5,12 @@ use crate::app::command::{Command, keys_of};
 use crate::app::recent::entry_name;
 use crate::app::theme::ACCENT;
 use crate::app::{FailedOpening, PanelId, State};
-use crate::source::Example;
+use crate::source::{Example, OpeningChoice};
 use egui::{
     Align, Button, Color32, ColorImage, Frame, Grid, Layout, Rect, RichText, Role, ScrollArea, Sense, Stroke,
     StrokeKind, TextWrapMode, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetText, pos2, vec2,
 };
+use std::path::PathBuf;
 
 /// Width of what is in the middle, points.
 const WIDTH: f32 = 640.0;
@@ -38,7 +39,13 @@ pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             match &state.failed {
-                Some(failed) => failed_ui(ui, failed),
+                Some(failed) => {
+                    failed_ui(ui, failed);
+                    let chosen = choices_ui(ui, &failed.choices);
+                    if let Some(input) = chosen {
+                        state.open_paths(vec![input]);
+                    }
+                }
                 None => _ = ui.heading("No sequence is open"),
             }
             ui.add_space(8.0);
@@ -90,6 +97,20 @@ fn failed_ui(ui: &mut Ui, failed: &FailedOpening) {
             .max_height(MAX_REASON_HEIGHT)
             .show(ui, |ui| ui.label(&failed.reason));
     });
+}
+
+/// A button for each of the sequences that could be meant; the input of the one that was clicked.
+fn choices_ui(ui: &mut Ui, choices: &[OpeningChoice]) -> Option<PathBuf> {
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        for choice in choices {
+            let name = choice.label.split(':').next().unwrap_or_default();
+            if ui.button(format!("Open {name}")).on_hover_text(&choice.label).clicked() {
+                chosen = Some(choice.input.clone());
+            }
+        }
+    });
+    chosen
 }
 
 /// What was opened lately, with a picture each where there is one.

@@ -1,5 +1,6 @@
 //! What was to be opened and cannot be shown, and what is not shown yet.
 
+use crate::source::OpeningChoice;
 use std::path::PathBuf;
 
 /// What could not be shown.
@@ -9,6 +10,8 @@ pub struct FailedOpening {
     pub name: String,
     /// Why, in full.
     pub reason: String,
+    /// The sequences that could be meant.
+    pub choices: Vec<OpeningChoice>,
 }
 
 /// The inputs of what was opened and has not been shown yet, of A and of B.

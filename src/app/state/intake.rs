@@ -85,10 +85,10 @@ impl State {
                 self.prove(found.inputs, found.side);
             }
             Err(NotFound::Cancelled) => {}
-            Err(NotFound::Because(reason)) => {
+            Err(NotFound::Because(reason, choices)) => {
                 if self.player.is_none() {
                     let name = entry_name(&found.inputs);
-                    self.failed = Some(FailedOpening { name, reason });
+                    self.failed = Some(FailedOpening { name, reason, choices });
                 } else {
                     self.notices.error(reason);
                 }

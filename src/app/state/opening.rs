@@ -106,7 +106,7 @@ impl State {
                         }
                     }
                 }
-                Err(reason) => (open, None, Err(NotFound::Because(reason.to_string()))),
+                Err(reason) => (open, None, Err(NotFound::Because(reason.to_string(), Vec::new()))),
             };
             FoundSequence {
                 inputs,

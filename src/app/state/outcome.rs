@@ -21,6 +21,7 @@ use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::session::ReadSession;
+use crate::source::OpeningChoice;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -48,15 +49,21 @@ pub struct FoundSequence {
 pub(super) enum NotFound {
     /// Nobody wants them any more.
     Cancelled,
-    /// There are none, and why.
-    Because(String),
+    /// There are none, and why; and the sequences of which one has to be chosen.
+    Because(String, Vec<OpeningChoice>),
 }
 
 impl From<SequenceError> for NotFound {
     fn from(error: SequenceError) -> Self {
         match error {
             SequenceError::Cancelled => Self::Cancelled,
-            error => Self::Because(error.to_string()),
+            error => {
+                let reason = error.to_string();
+                match error {
+                    SequenceError::Several { choices, .. } => Self::Because(reason, choices),
+                    _ => Self::Because(reason, Vec::new()),
+                }
+            }
         }
     }
 }

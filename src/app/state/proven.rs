@@ -49,12 +49,18 @@ impl State {
         {
             player.refresh_runs();
         }
-        let Some(reason) = self.player.as_ref().and_then(reason_of_nothing) else {
+        // The first frame of a folder that is followed may still be being written.
+        let player = self.player.as_ref().filter(|_| !self.options.follow);
+        let Some(reason) = player.and_then(reason_of_nothing) else {
             return false;
         };
         let name = self.sequence_name().unwrap_or_default();
         self.close_sequence();
-        self.failed = Some(FailedOpening { name, reason });
+        self.failed = Some(FailedOpening {
+            name,
+            reason,
+            choices: Vec::new(),
+        });
         true
     }
 }

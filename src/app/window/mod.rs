@@ -213,7 +213,10 @@ impl App {
         });
         let mut state = State::new(options.state.clone());
         // Who has opened something before is offered that; who begins sees something that moves.
-        let demo = || state.recent.entries().is_empty().then(|| Arc::new(Sequence::demo()));
+        // A folder without frames that is followed is waited for by the window.
+        let is_waited_for = options.sequence.is_none() && !options.inputs.is_empty();
+        let offers_demo = state.recent.entries().is_empty() && !is_waited_for;
+        let demo = || offers_demo.then(|| Arc::new(Sequence::demo()));
         if let Some(sequence) = options.sequence.take().or_else(demo) {
             if let Some(session) = options.session.take() {
                 state.open_session(sequence, *session);
@@ -225,7 +228,11 @@ impl App {
         if let Some(sequence) = options.compare.take() {
             state.compare_with(sequence);
         }
-        state.prove(options.inputs.clone(), Side::A);
+        if is_waited_for {
+            state.open_paths(options.inputs.clone());
+        } else {
+            state.prove(options.inputs.clone(), Side::A);
+        }
         for warning in options.warnings.drain(..) {
             state.notices.warn(warning);
         }

@@ -9,7 +9,9 @@ use super::super::options::ReadOptions;
 use super::super::splats::arrays::{self as splats, SplatArray};
 use super::super::xyz;
 use super::header::{Array, ArrayLayout, column_of};
-use super::layers::{MAX_COLUMNS, NamedArray, layer_of, take_layer, unroll_images};
+use super::layers::{
+    MAX_COLUMNS, NamedArray, assume_frames, layer_of, no_layer, numbered_frames, take_layer, unroll_images,
+};
 use crate::cloud::{ImageGrid, RawCloud, ScalarField};
 use std::io::{Cursor, Read as _};
 
@@ -43,8 +45,15 @@ const NORMALS: [&str; 2] = ["normals", "normal"];
 /// Numbers that are kept of a field of records: more than the longest descriptors have.
 const MAX_ENTRIES: usize = 2048;
 
-pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(in crate::io) fn decode(bytes: &[u8], part: &Part) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
+    let mut arrays = vec![(String::new(), array)];
+    let image = unroll_images(&mut arrays, 0);
+    let assumption = match part {
+        Part::Layer(layer) => take_layer(&mut arrays, 0, *layer)?,
+        _ => None,
+    };
+    let array = arrays.swap_remove(0).1.without_single_layers();
     let (columns, count) = match &array.kind {
         ArrayLayout::Table(_) => table(&array, "x")?,
         ArrayLayout::Records { .. } => {
@@ -52,7 +61,12 @@ pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             (records(&array, count)?, count)
         }
     };
-    growing::cloud(&columns, count)
+    let mut cloud = growing::cloud(&columns, count)?;
+    match (image, assumption) {
+        (Some([height, width]), Some(_)) => cloud.grid = grid_of(width, height, count),
+        (_, assumption) => cloud.assumptions.extend(assumption),
+    }
+    Ok(cloud)
 }
 
 /// The arrays of an archive that a cloud has a use for.
@@ -73,16 +87,26 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
             .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
         arrays.push((name.to_ascii_lowercase(), array));
     }
-    let place = place_of_positions(&arrays);
+    let mut place = place_of_positions(&arrays);
+    let mut assumption = None;
+    let mut layer = layer;
+    if place.is_none()
+        && let Some(places) = numbered_frames(&arrays)
+    {
+        assumption = Some(assume_frames(&arrays, &places));
+        let frame = places.get(layer).copied();
+        let frame = frame.ok_or_else(|| no_layer(layer, places.len()))?;
+        arrays = vec![arrays.swap_remove(frame)];
+        (place, layer) = (Some(0), 0);
+    }
     let image = place.and_then(|place| unroll_images(&mut arrays, place));
     let mut arrays: Vec<NamedArray<'_>> = arrays
         .into_iter()
         .map(|(name, array)| (name, array.without_single_layers()))
         .collect();
-    let assumption = match place {
-        Some(place) => take_layer(&mut arrays, place, layer)?,
-        None => None,
-    };
+    if let Some(place) = place {
+        assumption = take_layer(&mut arrays, place, layer)?.or(assumption);
+    }
     let (mut columns, count) = match place.map(|place| &arrays[place]) {
         Some((_, array)) => match &array.kind {
             ArrayLayout::Table(_) => table(array, "x")?,

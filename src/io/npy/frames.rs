@@ -8,7 +8,7 @@ use super::super::error::{Fault, IoError};
 use super::super::options::ReadOptions;
 use super::cloud::{cloud_of_archive, place_of_positions, unpacked};
 use super::header::Array;
-use super::layers::{layer_count, unroll_images};
+use super::layers::{layer_count, numbered_frames, unroll_images};
 use crate::cloud::RawCloud;
 use std::fs::File;
 use std::io::Read;
@@ -32,6 +32,11 @@ impl Arrays {
         unpacked(bytes, options).map(Self)
     }
 
+    /// The one in the `bytes` of an NPY file.
+    pub(in crate::io) fn of_one(bytes: Vec<u8>) -> Self {
+        Self(vec![("points".to_owned(), bytes)])
+    }
+
     /// The frame of this number, counted from 0; of arrays without layers there is the first alone.
     pub(in crate::io) fn frame(&self, layer: usize) -> Result<RawCloud, Fault> {
         cloud_of_archive(&self.0, layer)
@@ -47,15 +52,34 @@ pub(in crate::io) fn list(path: &Path, _options: &ReadOptions) -> Result<Vec<Ent
     };
     let file = File::open(path).map_err(failed)?;
     let file_bytes = file.metadata().map_err(failed)?.len();
-    let Some(layers) = layers_of(file, file_bytes) else {
-        return Ok(vec![Entry::whole()]);
+    Ok(entries(layers_of(file, file_bytes)))
+}
+
+/// The frames of the NPY file at `path`, by its header.
+pub(in crate::io) fn list_array(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(failed)?;
+    let file_bytes = file.metadata().map_err(failed)?.len();
+    let layers = || {
+        let array = Array::parse_head(&head(file))?;
+        layers_of_array(vec![(String::new(), array)], 0, file_bytes)
+    };
+    Ok(entries(layers()))
+}
+
+fn entries(layers: Option<usize>) -> Vec<Entry> {
+    let Some(layers) = layers else {
+        return vec![Entry::whole()];
     };
     let entry = |layer: usize| Entry {
         name: format!("frame {}", layer + 1),
         time: None,
         part: Part::Layer(layer),
     };
-    Ok((0..layers).map(entry).collect())
+    (0..layers).map(entry).collect()
 }
 
 /// The begin of an array; less where it cannot be read.
@@ -81,12 +105,19 @@ fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
     for (name, head) in &heads {
         arrays.push((name.clone(), Array::parse_head(head)?));
     }
-    let place = place_of_positions(&arrays)?;
+    let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
+    match place_of_positions(&arrays) {
+        Some(place) => layers_of_array(arrays, place, most_bytes),
+        None => numbered_frames(&arrays).map(|places| places.len()),
+    }
+}
+
+/// The layers of the array at `place`; `None` if it has none, or claims more than `most_bytes`.
+fn layers_of_array(mut arrays: Vec<(String, Array<'static>)>, place: usize, most_bytes: u64) -> Option<usize> {
     unroll_images(&mut arrays, place);
     let (_, positions) = arrays.swap_remove(place);
     let positions = positions.without_single_layers();
     let layers = layer_count(&positions).filter(|&layers| layers <= MAX_LAYERS)?;
-    let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
     positions.claimed_bytes().filter(|&bytes| bytes as u64 <= most_bytes)?;
     Some(layers)
 }

@@ -51,6 +51,44 @@ pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
     is_sequence.then_some(layers)
 }
 
+/// Places of arrays that are frames, in the order of their numbers: all arrays are, their names differ in the numbers
+/// alone, and they are tables of the same type and width. So `numpy.savez(file, *frames)` names them `arr_0`, `arr_1`, ….
+pub(super) fn numbered_frames(arrays: &[NamedArray<'_>]) -> Option<Vec<usize>> {
+    let number = |name: &str| -> Option<(String, u64)> {
+        let text = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        Some((text.to_owned(), name[text.len()..].parse().ok()?))
+    };
+    let numbers: Option<Vec<(String, u64)>> = arrays.iter().map(|(name, _)| number(name)).collect();
+    let numbers = numbers.filter(|numbers| numbers.len() > 1)?;
+    let of_type = |array: &Array<'_>| match (&array.kind, &array.shape[..]) {
+        (ArrayLayout::Table(number), &[_, width]) if (3..=MAX_COLUMNS).contains(&width) => {
+            Some((number.bytes(), number.scalar, width))
+        }
+        _ => None,
+    };
+    let first = of_type(&arrays[0].1)?;
+    let is_alike = arrays.iter().all(|(_, array)| of_type(array) == Some(first));
+    if !is_alike || numbers.iter().any(|(text, _)| *text != numbers[0].0) {
+        return None;
+    }
+    let mut places: Vec<usize> = (0..arrays.len()).collect();
+    places.sort_by_key(|&place| numbers[place].1);
+    Some(places)
+}
+
+/// Says that the arrays at `places` are frames.
+pub(super) fn assume_frames(arrays: &[NamedArray<'_>], places: &[usize]) -> Assumption {
+    let [first, last] =
+        [places.first(), places.last()].map(|place| place.map_or("", |&place| arrays[place].0.as_str()));
+    Assumption::new(
+        Subject::Frames,
+        format!("{} arrays, {first} to {last}", places.len()),
+        "the arrays have numbered names, one type and one width",
+        Evidence::Statistics,
+    )
+    .with_option(None)
+}
+
 /// Takes one layer of each array that has as many as there are frames, of as many entries as the array of positions at
 /// `place`; says how many there are, and that they are frames. `None` if the positions have no layers.
 pub(super) fn take_layer(
@@ -81,7 +119,7 @@ pub(super) fn take_layer(
     Ok(Some(assumption))
 }
 
-fn no_layer(layer: usize, frames: usize) -> Fault {
+pub(super) fn no_layer(layer: usize, frames: usize) -> Fault {
     Fault::header(format!(
         "there is no layer {layer}, only {frames} counted from 0: the file has changed since it was opened"
     ))

@@ -20,7 +20,7 @@ use super::link::{Content, Datagram};
 use super::makers::maker_of;
 use super::ouster::{self, Metadata};
 use super::rows::{Row, Rows};
-use super::seam::{Coverage, TURN};
+use super::seam::Coverage;
 use super::sensor::{Kind, LEAST_OUSTER_BYTES};
 use super::traffic::{Traffic, said_cut};
 use super::turn::{Turn, TurnPart};
@@ -281,27 +281,9 @@ impl Sensor {
     /// Notes the azimuths of a packet, and its times.
     fn probe(&mut self, received: &Received<'_>) {
         let bytes = received.datagram.bytes;
-        match &self.kind {
-            Kind::Velodyne { turning, .. } => {
-                let Some(data) = DataPacket::of(bytes) else {
-                    return;
-                };
-                turning.azimuths(data).for_each(|azimuth| self.coverage.add(azimuth));
-                let measured = Duration::from_micros(data.time_us().into());
-                self.samples.add(received.time, measured);
-            }
-            Kind::Ouster { shape, columns, .. } if bytes.len() == shape.packet_bytes() => {
-                let mut first_ns = None;
-                for column in shape.columns(bytes) {
-                    first_ns.get_or_insert(column.time_ns);
-                    let azimuth = usize::from(column.measurement) * TURN as usize / columns;
-                    self.coverage.add(azimuth as i32);
-                }
-                if let Some(first_ns) = first_ns {
-                    self.samples.add(received.time, Duration::from_nanos(first_ns));
-                }
-            }
-            Kind::Ouster { .. } | Kind::Unread(_) => {}
+        self.kind.cover(bytes, &mut self.coverage);
+        if let Some(measured) = self.kind.time(bytes) {
+            self.samples.add(received.time, measured);
         }
     }
 

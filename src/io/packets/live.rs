@@ -7,7 +7,9 @@
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
 use super::frame_id::FrameId;
+use super::makers::maker_of;
 use super::ouster::{self, Metadata};
+use super::seam::Coverage;
 use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
 use super::turn::{Scanner, TurnPart};
 use super::unpacking::{Position, Unpacking};
@@ -42,10 +44,21 @@ pub(crate) struct LiveTurn {
     packets: Vec<Box<[u8]>>,
 }
 
+/// How long azimuths are looked at before the first turn: two of the slowest sensors.
+const LEARNING: Duration = Duration::from_millis(400);
+
+/// Azimuths in which a sensor measures, before its turns are cut.
+struct Learning {
+    begin: Duration,
+    coverage: Coverage,
+}
+
 /// Finds the turns of a sensor.
 pub(crate) struct LiveTurns {
     companion: Option<Companion>,
     sensor: Option<(IpAddr, Kind)>,
+    /// Over once it is known where the sensor measures.
+    learning: Option<Learning>,
     /// The turn whose packets come now.
     current: Option<LiveTurn>,
     /// Whether the current one was there from its beginning.
@@ -79,6 +92,7 @@ impl LiveTurns {
         Self {
             companion,
             sensor: None,
+            learning: None,
             current: None,
             is_whole: false,
         }
@@ -95,13 +109,17 @@ impl LiveTurns {
                 Some(data) => Kind::velodyne(data, || self.calibration()),
                 None => match self.ouster(bytes) {
                     Some(kind) => kind,
-                    None => return Ok(None),
+                    None => return refused(bytes),
                 },
             };
             if let Kind::Unread(problem) = kind {
                 return Err(problem);
             }
             self.sensor = Some((source, kind));
+            self.learning = Some(Learning {
+                begin: time,
+                coverage: Coverage::default(),
+            });
         }
         let Some((sensor, kind)) = &mut self.sensor else {
             return Ok(None);
@@ -109,14 +127,27 @@ impl LiveTurns {
         if *sensor != source {
             return Ok(None);
         }
+        if let Some(learning) = &mut self.learning {
+            kind.cover(bytes, &mut learning.coverage);
+            if time.saturating_sub(learning.begin) < LEARNING {
+                return Ok(None);
+            }
+            kind.set_seam(learning.coverage.seam());
+            self.learning = None;
+        }
         Ok(match (kind, data) {
             (Kind::Velodyne { turning, scanner }, Some(data)) => {
                 let begins_at = turning.begins_at(data);
                 let scanner = Arc::clone(scanner);
                 self.velodyne(begins_at, scanner, time, bytes)
             }
-            (Kind::Ouster { shape, scanner, .. }, None) if bytes.len() == shape.packet_bytes() => {
-                let (frame, scanner) = (shape.frame_of(bytes, 0), Arc::clone(scanner));
+            (
+                Kind::Ouster {
+                    shape, scanner, seam, ..
+                },
+                None,
+            ) if bytes.len() == shape.packet_bytes() => {
+                let (frame, scanner) = (shape.frame_of(bytes, *seam), Arc::clone(scanner));
                 frame.and_then(|frame| self.ouster_packet(TurnPart::Frame(frame), scanner, time, bytes))
             }
             _ => None,
@@ -220,6 +251,15 @@ impl LiveTurns {
         let before = self.current.replace(turn)?;
         let was_whole = std::mem::replace(&mut self.is_whole, true);
         was_whole.then_some(before)
+    }
+}
+
+/// The refusal of a packet that no sensor that is read sends, where its maker is known.
+fn refused(bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
+    // The port of the socket is any that a person chose.
+    match maker_of(0, bytes).filter(|maker| !maker.advice.is_empty()) {
+        Some(maker) => Err(format!("it has {}, which are not read: {}", maker.name, maker.advice)),
+        None => Ok(None),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sensors that packets tell of.
 
 use super::ouster::{self, Metadata, PacketShape};
-use super::seam::{Seam, TURN};
+use super::seam::{Coverage, Seam, TURN};
 use super::turn::Scanner;
 use super::velodyne::{self, Calibration, DataPacket, Model, Turning};
 use std::sync::Arc;
@@ -52,6 +52,39 @@ impl Kind {
         Self::Velodyne {
             turning: Turning::new(model),
             scanner: Arc::new(Scanner::Velodyne(velodyne::Scanner::new(model, calibration))),
+        }
+    }
+
+    /// Notes the azimuths that a packet measured.
+    pub(super) fn cover(&self, packet: &[u8], coverage: &mut Coverage) {
+        match self {
+            Self::Velodyne { turning, .. } => {
+                let data = DataPacket::of(packet).into_iter();
+                let azimuths = data.flat_map(|data| turning.azimuths(data));
+                azimuths.for_each(|azimuth| coverage.add(azimuth));
+            }
+            Self::Ouster { shape, columns, .. } if packet.len() == shape.packet_bytes() => {
+                for column in shape.columns(packet) {
+                    let azimuth = usize::from(column.measurement) * TURN as usize / columns;
+                    coverage.add(azimuth as i32);
+                }
+            }
+            Self::Ouster { .. } | Self::Unread(_) => {}
+        }
+    }
+
+    /// The time of a packet by the sensor's own clock.
+    pub(super) fn time(&self, packet: &[u8]) -> Option<Duration> {
+        match self {
+            Self::Velodyne { .. } => {
+                let data = DataPacket::of(packet)?;
+                Some(Duration::from_micros(data.time_us().into()))
+            }
+            Self::Ouster { shape, .. } if packet.len() == shape.packet_bytes() => {
+                let column = shape.columns(packet).next()?;
+                Some(Duration::from_nanos(column.time_ns))
+            }
+            Self::Ouster { .. } | Self::Unread(_) => None,
         }
     }
 

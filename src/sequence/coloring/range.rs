@@ -9,7 +9,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorRange {
     /// So many percent of the values are below the first, and below the last. They are counted in the first frame of a
-    /// sequence, so that a number has the same colour in all frames.
+    /// sequence and points of a few others, so that a number has the same colour in all frames.
     Percentiles {
         /// From 0 to 100.
         low: f64,

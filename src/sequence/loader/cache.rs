@@ -58,6 +58,8 @@ struct CacheEntry {
     known_bytes: Option<(u64, usize)>,
     /// For which of the needs that there were somebody has cancelled what it lacks.
     settled: Option<u64>,
+    /// Its file changed while a worker is on it.
+    is_outdated: bool,
 }
 
 fn byte_size(frame: Option<&Arc<PreparedFrame>>) -> usize {
@@ -254,7 +256,7 @@ impl Cache {
     }
 
     fn evict(&mut self, index: usize) {
-        if let Some(frame) = self.entries[index].full.take() {
+        if let Some(frame) = self.entries.get_mut(index).and_then(|entry| entry.full.take()) {
             self.resident.remove(&index);
             self.resident_bytes -= frame.byte_size();
             self.evicted += 1;
@@ -262,7 +264,7 @@ impl Cache {
     }
 
     fn evict_coarse(&mut self, index: usize) {
-        if let Some(frame) = self.entries[index].coarse.take() {
+        if let Some(frame) = self.entries.get_mut(index).and_then(|entry| entry.coarse.take()) {
             self.coarse.remove(&index);
             self.coarse_bytes -= frame.byte_size();
             self.evicted += 1;
@@ -334,6 +336,25 @@ impl Cache {
             self.resident_bytes += bytes;
             self.resident.insert(index);
         }
+    }
+
+    /// Forgets what is known of frame `index`; what a worker makes of it now is dropped.
+    pub(super) fn forget(&mut self, index: usize) {
+        self.evict(index);
+        self.evict_coarse(index);
+        let Some(entry) = self.entries.get_mut(index) else {
+            return;
+        };
+        entry.is_outdated = entry.reserved_bytes.is_some();
+        (entry.known_bytes, entry.settled) = (None, None);
+        if entry.error.take().is_some() {
+            self.failed -= 1;
+        }
+    }
+
+    /// Whether the file of frame `index` changed since a worker began to read it.
+    pub(super) fn take_outdated(&mut self, index: usize) -> bool {
+        std::mem::take(&mut self.entries[index].is_outdated)
     }
 
     /// Remembers why frame `index` cannot be shown.

@@ -188,6 +188,17 @@ impl Loader {
         self.shared.work.notify_all();
     }
 
+    /// Forgets what was read of `frames`, as their files changed.
+    pub fn forget(&self, frames: &[usize]) {
+        let mut queue = self.shared.queue();
+        for &frame in frames {
+            queue.cache.forget(frame);
+        }
+        queue.revision += 1;
+        drop(queue);
+        self.shared.work.notify_all();
+    }
+
     /// Frame `index` as it is now; starts nothing. An index beyond the end has failed.
     pub fn get(&self, index: usize, needs: &Needs) -> Slot {
         if let Err(error) = self.check_index(index) {

@@ -415,6 +415,7 @@ impl Queue {
     /// The worker on `index` gave it up.
     pub(super) fn cancel(&mut self, index: usize) {
         self.cache.release(index);
+        self.cache.take_outdated(index);
         self.cancelled += 1;
         self.changed();
     }
@@ -422,6 +423,9 @@ impl Queue {
     /// The worker on a frame is done with it.
     pub(super) fn finish(&mut self, index: usize, outcome: Result<Arc<PreparedFrame>, Arc<FrameError>>) {
         self.cache.release(index);
+        if self.cache.take_outdated(index) {
+            return self.changed();
+        }
         for waiter in &mut self.waiters {
             let answers = waiter.index == index
                 && waiter.outcome.is_none()

@@ -1,31 +1,46 @@
-//! Folders, patterns and files → ordered entries, by names alone.
+//! Folders, patterns and files → ordered entries.
 //!
 //! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the
-//! other are sorted naturally, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`).
-//! A folder or a pattern is sorted naturally in itself. A file that was already taken is not taken again. Cost: the
-//! names are sorted, O(n log n); no file is opened but those that may hold many frames, whose list of contents is read.
+//! other are sorted, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder
+//! or a pattern is sorted in itself, by value or naturally (`names.rs`). A file that was already taken is not taken
+//! again. Cost: the names are sorted, O(n log n); no file is opened but those that may hold many frames, whose list of
+//! contents is read, and lists of times and poses.
 //!
-//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones left out,
-//! no sub-folders. A pattern is read the same way, unless nothing it matches has a known extension: then the person
-//! meant those files. A file named outright is always taken; its first bytes decide. Normals in a file beside their
-//! points belong to these, and what else in a folder shares its number with a frame and holds no points is left out
-//! (`companions.rs`).
+//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones skipped;
+//! from its sub-folders if it has none itself (`folder.rs`). A pattern is read the same way, unless nothing it matches
+//! has a known extension: then those files are meant. A file named outright is always taken; its first bytes decide.
+//! Normals in a file next to their points belong to these, and what else in a folder shares its number with a frame and
+//! holds no points is skipped (`companions.rs`). Of the others those of one series are frames (`series.rs`). Times
+//! (`times.rs`) and poses (`poses.rs`) are looked for next to them.
 
 use super::companions::{Companions, Known};
+use super::folder::{self, FoundFiles};
+use super::names::{is_folder_per_frame, sort, telling_name};
+use super::numbers::number;
 use super::recording::{Recording, topics_of};
 use super::refusal;
-use super::stamps::stamp;
-use crate::io::{self, Format};
-use crate::natural::{NamePiece, Runs, natural_order, split_name};
+use super::series::{self, note_of_skipped};
+use super::{poses, times};
+use crate::assumption::{Assumption, Evidence, Subject};
+use crate::io::{self, Format, Part};
+use crate::natural::natural_order;
 use crate::progress::Progress;
-use crate::source::{FrameEntry, OpenOptions, SequenceError};
+use crate::source::{FrameBytes, FrameEntry, OpenOptions, SequenceError};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// How many sub-folders the message of an empty folder names.
 const NAMED_SUBFOLDERS: usize = 3;
+
+/// Names that the message of a pattern without a match has.
+const NAMED_FILES: usize = 6;
+
+/// More NPY files than these are not opened to see whether each holds several frames, unless the first one does.
+const MAX_OPENED: usize = 64;
+
+/// Of more files, text is not opened to see whether it holds several frames.
+const MAX_OPENED_TEXTS: usize = 16;
 
 /// What `inputs` hold.
 #[derive(Debug, Default)]
@@ -33,8 +48,20 @@ pub(super) struct Discovered {
     /// All frames in order.
     pub(super) entries: Vec<FrameEntry>,
     pub(super) recordings: Vec<Recording>,
-    /// What of the inputs is left out, a sentence each.
+    /// What of the inputs is skipped, a sentence each.
     pub(super) notes: Vec<String>,
+    pub(super) assumptions: Vec<Assumption>,
+}
+
+/// The files that may be frames.
+#[derive(Default)]
+struct FoundPaths {
+    paths: Vec<PathBuf>,
+    companions: Companions,
+    /// Files next to the frames that are not among them.
+    skipped: Vec<PathBuf>,
+    assumptions: Vec<Assumption>,
+    notes: Vec<String>,
 }
 
 /// The ordered frames of `inputs`; see the module's text for the rules. `progress` counts the files that were looked
@@ -45,69 +72,201 @@ pub(super) fn discover(
     known: &mut Known,
     progress: &Progress,
 ) -> Result<Discovered, SequenceError> {
-    if inputs.is_empty() {
-        return Err(SequenceError::NoInput);
-    }
-    let mut paths = Vec::new();
-    let mut listed = Vec::new();
-    let mut companions = Companions::default();
-    for input in inputs {
-        if !input.is_dir() && input.exists() {
-            listed.push(input.clone());
-            continue;
-        }
-        companions.take_normals(&mut listed, known);
-        append_sorted(&mut paths, &mut listed);
-        let mut found = if input.is_dir() {
-            scan_folder(input)?
-        } else {
-            expand_pattern(input)?
-        };
-        companions.take_normals(&mut found, known);
-        companions.leave_out_others(&mut found, known);
-        append_sorted(&mut paths, &mut found);
-    }
-    companions.take_normals(&mut listed, known);
-    append_sorted(&mut paths, &mut listed);
-
-    let mut taken = HashSet::with_capacity(paths.len());
-    paths.retain(|path| taken.insert(path.clone()));
+    let FoundPaths {
+        paths,
+        mut companions,
+        skipped,
+        assumptions,
+        mut notes,
+    } = find_paths(inputs, options, known)?;
+    notes.extend(companions.note());
     let mut discovered = Discovered {
-        notes: companions.note().into_iter().collect(),
+        notes,
+        assumptions,
         ..Discovered::default()
     };
     let count = paths.len();
+    let opens_arrays = opens_arrays(&paths);
+    let opens_text = count <= MAX_OPENED_TEXTS;
+    let is_folder_per_frame = is_folder_per_frame(&paths);
     for (done, path) in paths.into_iter().enumerate() {
         progress.set(done, count);
         if progress.is_cancelled() {
             return Err(SequenceError::Cancelled);
         }
         let normals = companions.normals.remove(&path);
+        let folder_name = is_folder_per_frame.then(|| telling_name(&path, true));
         let first = discovered.entries.len();
-        discovered.append_frames(path, options, count);
+        discovered.append_frames(path, options, [opens_arrays, opens_text]);
         if let Some(entry) = discovered.entries.get_mut(first) {
             entry.normals = normals;
+            if let Some(folder_name) = folder_name {
+                entry.name = format!("{folder_name}/{}", entry.name);
+            }
         }
     }
     if let Some(topic) = &options.topic {
         discovered.demand(topic)?;
     }
     number(&mut discovered.entries);
-    stamp(&mut discovered.entries);
+    discovered.look_beside(inputs, options, skipped)?;
     Ok(discovered)
 }
 
+/// The files of `inputs`, in order.
+fn find_paths(inputs: &[PathBuf], options: &OpenOptions, known: &mut Known) -> Result<FoundPaths, SequenceError> {
+    if inputs.is_empty() {
+        return Err(SequenceError::NoInput);
+    }
+    let mut found = FoundPaths::default();
+    let mut listed = Vec::new();
+    for input in inputs {
+        if !input.is_dir() && input.exists() {
+            listed.push(input.clone());
+            continue;
+        }
+        found.append_listed(&mut listed, known);
+        let files = if input.is_dir() {
+            find_in_folder(input, options.waits_for_first)?
+        } else {
+            FoundFiles {
+                files: expand_pattern(input)?,
+                ..FoundFiles::default()
+            }
+        };
+        found.append_found(input, files, options.only.as_deref(), known)?;
+    }
+    found.append_listed(&mut listed, known);
+    let mut taken = HashSet::with_capacity(found.paths.len());
+    found.paths.retain(|path| taken.insert(path.clone()));
+    Ok(found)
+}
+
+impl FoundPaths {
+    /// Moves files that were named outright to the end of the frames.
+    fn append_listed(&mut self, listed: &mut Vec<PathBuf>, known: &mut Known) {
+        self.companions.take_normals(listed, known);
+        sort(listed);
+        self.paths.append(listed);
+    }
+
+    /// Appends those of the files of `input` that are frames.
+    fn append_found(
+        &mut self,
+        input: &Path,
+        found: FoundFiles,
+        only: Option<&str>,
+        known: &mut Known,
+    ) -> Result<(), SequenceError> {
+        let FoundFiles {
+            mut files,
+            below,
+            skipped,
+            note,
+        } = found;
+        self.notes.extend(note);
+        self.skipped.extend(skipped);
+        if let Some(only) = only {
+            keep_only(&mut files, only)?;
+        }
+        self.companions.take_normals(&mut files, known);
+        self.companions.leave_out_others(&mut files, known);
+        let chosen = series::choose(files).map_err(|choices| SequenceError::Several {
+            path: input.to_owned(),
+            choices,
+        })?;
+        self.skipped.extend(chosen.skipped);
+        self.assumptions.extend(chosen.assumption);
+        if let Some(below) = below {
+            let value = format!("{} files in {}", chosen.frames.len(), below.display());
+            let why = "the folder that was named has its clouds there";
+            self.assumptions
+                .push(Assumption::new(Subject::Frames, value, why, Evidence::Convention).with_option(None));
+        }
+        let mut frames = chosen.frames;
+        sort(&mut frames);
+        self.paths.append(&mut frames);
+        Ok(())
+    }
+}
+
+/// Keeps the files whose names match the pattern `only`.
+fn keep_only(files: &mut Vec<PathBuf>, only: &str) -> Result<(), SequenceError> {
+    let pattern = glob::Pattern::new(only).map_err(|error| SequenceError::BadPattern {
+        pattern: only.to_owned(),
+        reason: error.msg.to_owned(),
+    })?;
+    let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut names: Vec<String> = files.iter().map(name).collect();
+    files.retain(|file| pattern.matches(&name(file)));
+    if files.is_empty() && !names.is_empty() {
+        names.sort_by(|left, right| natural_order(Path::new(left), Path::new(right)));
+        names.dedup();
+        let more = if names.len() > NAMED_FILES { ", …" } else { "" };
+        names.truncate(NAMED_FILES);
+        return Err(SequenceError::NothingOnly {
+            pattern: only.to_owned(),
+            found: format!("{}{more}", names.join(", ")),
+        });
+    }
+    Ok(())
+}
+
+/// Whether NPY files are opened to see whether each holds several frames.
+fn opens_arrays(paths: &[PathBuf]) -> bool {
+    let mut arrays = paths.iter().filter(|path| is_array(path));
+    let Some(first) = arrays.next() else { return false };
+    arrays.count() < MAX_OPENED || io::list(first, &io::ReadOptions::default()).is_ok_and(|entries| entries.len() > 1)
+}
+
+fn is_array(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("npy"))
+}
+
 impl Discovered {
+    /// Looks for times and poses next to the frames, and says which files have no use.
+    fn look_beside(
+        &mut self,
+        inputs: &[PathBuf],
+        options: &OpenOptions,
+        mut skipped: Vec<PathBuf>,
+    ) -> Result<(), SequenceError> {
+        let is_file = |entry: &FrameEntry| entry.content == FrameBytes::File(Part::Whole);
+        let is_sequence = self.entries.len() > 1 || inputs.iter().any(|input| input.is_dir());
+        let folders = if is_sequence && self.entries.iter().all(is_file) {
+            folders_beside(&self.entries, inputs)
+        } else {
+            Vec::new()
+        };
+        let times = times::stamp(&mut self.entries, &folders);
+        let poses = poses::place(&mut self.entries, &folders, options.rgbd.poses.as_deref())?;
+        let used: HashSet<&PathBuf> = times.used.iter().chain(&poses.used).collect();
+        skipped.retain(|file| !used.contains(file));
+        self.notes.extend(times.notes);
+        self.notes.extend(poses.notes);
+        // What was said of a list already is not said again.
+        skipped.retain(|file| {
+            let name = file.display().to_string();
+            !self.notes.iter().any(|note| note.starts_with(&name))
+        });
+        self.notes.extend(note_of_skipped(&skipped));
+        self.assumptions.extend(times.assumption);
+        self.assumptions.extend(poses.assumption);
+        Ok(())
+    }
+
     /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
     /// one frame, which says why when it is decoded.
     ///
-    /// It is one of `count` files: of many, text is a frame each, as it would have to be read here to know more.
-    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, count: usize) {
-        const MAX_TEXTS: usize = 16;
+    /// Of many files, text and arrays are a frame each, as they would have to be read here to know more: `opens` says
+    /// whether arrays are opened, and text.
+    fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, opens: [bool; 2]) {
+        let [opens_arrays, opens_text] = opens;
         let format = Format::of_extension(&path);
         // A file of one frame by its name is not opened here: there may be a hundred thousand.
-        let may_hold_many =
-            format.is_none_or(|format| format.holds_many() && (count <= MAX_TEXTS || !format.is_rarely_many()));
+        let may_hold_many = format.is_none_or(|format| format.holds_many() && (opens_text || !format.is_rarely_many()))
+            && (opens_arrays || !is_array(&path));
         let stays_whole = options.merge_scans && format.is_some_and(Format::holds_scans);
         let listed =
             (may_hold_many && !stays_whole).then(|| io::contents(&path, options.topic.as_deref(), &options.read));
@@ -154,62 +313,75 @@ impl Discovered {
     }
 }
 
-/// Whether nobody writes to the files of `entry` any more, as far as their times say. Its normals are waited for where
-/// the frame before it has some, but not for long.
-pub(super) fn is_written(entry: &FrameEntry, expects_normals: bool) -> bool {
-    /// Who writes a frame has it done in pieces that follow each other faster.
-    const QUIET: Duration = Duration::from_millis(500);
-    /// Who writes normals behind each frame has them done by then.
-    const NORMALS: Duration = Duration::from_secs(10);
-    let is_older = |path: &Path, least: Duration| {
-        let modified = fs::metadata(path).and_then(|metadata| metadata.modified());
-        // A clock that stands before the file's says nothing.
-        modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= least))
+/// Folders in which lists of the frames may be: that of the frames, and those above it as far as they belong to the
+/// same recording.
+fn folders_beside(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
+    /// `velodyne_points/data` in the folder of a drive.
+    const MAX_FOLDERS: usize = 4;
+    let Some(mut folder) = common_folder(entries) else {
+        return Vec::new();
     };
-    match &entry.normals {
-        Some(normals) => is_older(&entry.path, QUIET) && is_older(normals, QUIET),
-        None if expects_normals => is_older(&entry.path, NORMALS),
-        None => is_older(&entry.path, QUIET),
+    let root = inputs.iter().find(|input| input.is_dir() && folder.starts_with(input));
+    let mut folders = vec![folder.clone()];
+    while folders.len() < MAX_FOLDERS {
+        let is_below = root.is_some_and(|root| folder != *root && folder.starts_with(root));
+        if !is_below && !folder::is_frame_folder(&folder) {
+            break;
+        }
+        let above = match folder.parent() {
+            Some(above) if !above.as_os_str().is_empty() => above.to_owned(),
+            _ => folder.join(".."),
+        };
+        if above == folder {
+            break;
+        }
+        folders.push(above.clone());
+        folder = above;
     }
+    // Scans of KITTI are in a folder of any name, with the list of their times next to it.
+    let has_times_beside = |entry: &FrameEntry| Format::of_extension(&entry.path).is_some_and(Format::has_times_beside);
+    if folders.len() == 1 && entries.iter().all(has_times_beside) {
+        folders.push(folders[0].join(".."));
+    }
+    folders
 }
 
-/// Moves `group` to the end of `paths`, in natural order.
-fn append_sorted(paths: &mut Vec<PathBuf>, group: &mut Vec<PathBuf>) {
-    group.sort_by(|left, right| natural_order(left, right));
-    paths.append(group);
+/// The folder of all files, or that above them where each has one of its own.
+fn common_folder(entries: &[FrameEntry]) -> Option<PathBuf> {
+    let parents: HashSet<&Path> = entries.iter().map(|entry| entry.path.parent()).collect::<Option<_>>()?;
+    let mut folders = parents.iter();
+    let first = folders.next()?;
+    if parents.len() == 1 {
+        return Some((*first).to_owned());
+    }
+    let above = first.parent()?;
+    folders
+        .all(|folder| folder.parent() == Some(above))
+        .then(|| above.to_owned())
 }
 
-/// The point clouds directly in `folder`, in no order.
-fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
-    let unreadable = |reason| SequenceError::Unreadable {
-        path: folder.to_path_buf(),
-        reason,
-    };
-    let mut files = Vec::new();
+/// The files in or below `folder`. An empty one may be waited for.
+fn find_in_folder(folder: &Path, may_be_empty: bool) -> Result<FoundFiles, SequenceError> {
     let mut others = Vec::new();
-    let mut subfolders = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
+    let (mut subfolders, mut own) = (Vec::new(), Vec::new());
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        if is_hidden(&path) {
+        if folder::is_hidden(&path) {
             continue;
         }
-        let kind = entry.file_type().map_err(unreadable)?;
-        // Only links cost a second look at the file system.
-        let is_folder = kind.is_dir() || (kind.is_symlink() && path.is_dir());
-        if is_folder {
+        if path.is_dir() {
             subfolders.push(path);
         } else if has_known_extension(&path) {
-            files.push(path);
+            own.push(path);
         } else {
             others.push(path);
         }
     }
-    leave_out_buffers(&mut files);
-    if let Some(refusal) = refusal::of_whole(folder, &files, &others) {
+    if let Some(refusal) = refusal::of_whole(folder, &own, &others) {
         return Err(refusal);
     }
-    if files.is_empty() {
+    let found = folder::find(folder)?;
+    if found.files.is_empty() && !may_be_empty {
         let hint = if subfolders.is_empty() {
             String::new()
         } else {
@@ -224,18 +396,7 @@ fn scan_folder(folder: &Path) -> Result<Vec<PathBuf>, SequenceError> {
             hint: empty_folder_hint(subfolders),
         });
     }
-    Ok(files)
-}
-
-/// Beside a glTF file, what is named `.bin` is a buffer of it and no scan.
-fn leave_out_buffers(files: &mut Vec<PathBuf>) {
-    let has_extension = |path: &Path, wanted: &str| {
-        path.extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
-    };
-    if files.iter().any(|path| has_extension(path, "gltf")) {
-        files.retain(|path| !has_extension(path, "bin"));
-    }
+    Ok(found)
 }
 
 fn empty_folder_hint(mut subfolders: Vec<PathBuf>) -> String {
@@ -295,11 +456,6 @@ fn expand_pattern(input: &Path) -> Result<Vec<PathBuf>, SequenceError> {
     Ok(files)
 }
 
-fn is_hidden(path: &Path) -> bool {
-    path.file_name()
-        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
-}
-
 fn has_known_extension(path: &Path) -> bool {
     Format::of_extension(path).is_some()
 }
@@ -311,61 +467,10 @@ fn known_patterns() -> String {
     patterns.join(", ")
 }
 
-/// Gives every entry the number in its name that counts the frames: the last run of digits that every name has and
-/// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
-pub(in crate::source) fn number(entries: &mut [FrameEntry]) {
-    let numbers_of = |entry: &FrameEntry| -> Vec<Option<u64>> {
-        Runs(&split_name(Path::new(&entry.name)).0)
-            .filter_map(|run| match run {
-                NamePiece::Digits(digits) => Some(digits.parse().ok()),
-                NamePiece::Text(_) => None,
-            })
-            .collect()
-    };
-    let Some(first) = entries.first() else {
-        return;
-    };
-    // Which of the first name's runs still count, and their values in the name before.
-    let mut before = numbers_of(first);
-    for entry in &entries[1..] {
-        let numbers = numbers_of(entry);
-        before.truncate(numbers.len());
-        for (previous, number) in before.iter_mut().zip(numbers) {
-            *previous = match (*previous, number) {
-                (Some(previous), Some(number)) if number > previous => Some(number),
-                _ => None,
-            };
-        }
-    }
-    let Some(counting) = before.iter().rposition(Option::is_some) else {
-        return;
-    };
-    for entry in entries {
-        entry.number = numbers_of(entry).get(counting).copied().flatten();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
-
-    fn numbers(names: &[&str]) -> Vec<Option<u64>> {
-        let mut entries: Vec<FrameEntry> = names.iter().map(FrameEntry::file).collect();
-        number(&mut entries);
-        entries.iter().map(|entry| entry.number).collect()
-    }
-
-    #[test]
-    fn buffers_of_gltf_files_are_no_scans() {
-        let left_of = |names: &[&str]| {
-            let mut files = names.iter().map(PathBuf::from).collect();
-            leave_out_buffers(&mut files);
-            files
-        };
-        assert_eq!(left_of(&["a/Fox.bin", "a/Fox.GLTF"]), [Path::new("a/Fox.GLTF")]);
-        assert_eq!(left_of(&["a/0.bin", "a/1.bin"]).len(), 2);
-    }
 
     #[test]
     fn opening_tells_of_each_file_and_can_be_cancelled() {
@@ -385,32 +490,5 @@ mod tests {
         progress.cancel();
         assert!(matches!(open(&progress), Err(SequenceError::Cancelled)));
         assert_eq!(*told.lock().unwrap(), [0, 1, 2, 0].map(|done| (done, Some(3))));
-    }
-
-    #[test]
-    fn the_run_that_counts_is_the_number() {
-        assert_eq!(
-            numbers(&["cam0_7.ply", "cam0_9.ply", "cam0_10.ply"]),
-            [Some(7), Some(9), Some(10)]
-        );
-        assert_eq!(
-            numbers(&["scan1_v2.ply", "scan2_v2.ply", "scan5_v2.ply"]),
-            [Some(1), Some(2), Some(5)]
-        );
-        assert_eq!(numbers(&["tomato_03-05.xyz", "tomato_03-08.ply"]), [Some(5), Some(8)]);
-    }
-
-    #[test]
-    fn names_without_a_counting_run_have_no_number() {
-        assert_eq!(numbers(&["a.ply", "b.ply"]), [None, None]);
-        assert_eq!(numbers(&["03-30.ply", "04-02.ply"]), [Some(3), Some(4)]);
-        assert_eq!(numbers(&["a_1.ply", "b_1.ply"]), [None, None]);
-        assert_eq!(numbers(&["still.ply", "a_1.ply"]), [None, None]);
-    }
-
-    #[test]
-    fn a_single_file_has_its_last_number() {
-        assert_eq!(numbers(&["longdress_vox10_1051.ply"]), [Some(1051)]);
-        assert_eq!(numbers(&["99999999999999999999999.ply"]), [None]);
     }
 }

@@ -1,40 +1,62 @@
 //! Files, folders that may grow, patterns, and files that hold many frames.
 
+mod color_depth;
 mod companions;
+mod decode;
 mod discover;
+mod folder;
+mod looks;
+mod names;
+mod numbers;
+mod nuscenes;
+mod oxts;
+mod poses;
 mod recording;
 mod refusal;
-mod stamps;
+mod registered;
+mod series;
+mod times;
 
-pub(super) use discover::number;
+pub(super) use numbers::number;
 pub use recording::Recording;
 pub(super) use recording::topics_of;
 
 use super::{DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
-use crate::cloud::RawCloud;
-use crate::io::normals::read_with_normals;
+use crate::assumption::Assumption;
 use crate::io::{self, Part, ReadOptions, SharedFile};
 use crate::locks::{lock, read, write};
 use crate::progress::Progress;
+use color_depth::SharedDepth;
 use companions::Known;
+use decode::{decode, placed};
 use discover::Discovered;
-use std::collections::HashMap;
+use looks::Looks;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, RwLock};
+use std::thread;
 use std::time::Duration;
+
+/// How often an empty folder is looked at that is waited for.
+const EMPTY_INTERVAL: Duration = Duration::from_millis(300);
 
 /// Frames in files. Folders and patterns are looked at again.
 #[derive(Debug)]
 pub struct Files {
-    entries: RwLock<Vec<Arc<FrameEntry>>>,
+    entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>,
     inputs: Vec<PathBuf>,
     options: OpenOptions,
     recordings: Vec<Recording>,
     notes: Vec<String>,
+    assumptions: Vec<Assumption>,
     /// What was found out about files beside the frames.
     known: Mutex<Known>,
+    looks: Mutex<Looks>,
+    /// Frames whose files changed after they were found, in the order of the changes.
+    changes: Mutex<Vec<usize>>,
     shared: Arc<SharedFile>,
+    color_depth: Arc<SharedDepth>,
 }
 
 impl Files {
@@ -45,29 +67,53 @@ impl Files {
     /// what can be wrong.
     pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Self, SequenceError> {
         let mut known = Known::default();
-        let found = discover::discover(inputs, options, &mut known, progress)?;
+        let mut found = discover::discover(inputs, options, &mut known, progress)?;
+        while found.entries.is_empty() && options.waits_for_first {
+            thread::sleep(EMPTY_INTERVAL);
+            if progress.is_cancelled() {
+                return Err(SequenceError::Cancelled);
+            }
+            found = discover::discover(inputs, options, &mut known, progress)?;
+        }
         let Discovered {
             entries,
             recordings,
             notes,
+            assumptions,
         } = found;
         if options.topic.is_none() {
             recording::warn_of_unread(&recordings);
         }
+        let is_fixed = inputs.iter().all(|input| input.is_file());
+        let looks = if is_fixed {
+            Looks::default()
+        } else {
+            Looks::of_opened(&entries)
+        };
+        let entries: Vec<Arc<FrameEntry>> = entries.into_iter().map(Arc::new).collect();
+        let entries = Arc::new(RwLock::new(entries));
         Ok(Self {
-            entries: RwLock::new(entries.into_iter().map(Arc::new).collect()),
+            color_depth: Arc::new(SharedDepth::of(Arc::clone(&entries))),
+            entries,
             inputs: inputs.to_vec(),
             options: options.clone(),
             recordings,
             notes,
+            assumptions,
             known: Mutex::new(known),
+            looks: Mutex::new(looks),
+            changes: Mutex::default(),
             shared: Arc::default(),
         })
     }
 
     fn decoder_with(&self, options: ReadOptions) -> Box<dyn Decoder> {
-        let shared = Arc::clone(&self.shared);
-        Box::new(move |entry: &FrameEntry, progress: &Progress| decode(entry, &options, &shared, progress))
+        let (shared, color_depth) = (Arc::clone(&self.shared), Arc::clone(&self.color_depth));
+        Box::new(move |entry: &FrameEntry, progress: &Progress| {
+            let mut cloud = decode(entry, &options, &shared, progress)?;
+            color_depth.apply(&mut cloud, &options, &shared);
+            Ok(cloud)
+        })
     }
 }
 
@@ -101,7 +147,10 @@ impl Source for Files {
         match (&entry.content, &entry.normals) {
             (FrameBytes::File(Part::Whole), None) => {
                 let sample = io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?;
-                Ok(sample.map(|(cloud, points)| (cloud.into(), points)))
+                Ok(sample.map(|(mut cloud, points)| {
+                    self.color_depth.apply(&mut cloud, &self.options.read, &self.shared);
+                    (placed(cloud, &entry).into(), points)
+                }))
             }
             _ => Ok(None),
         }
@@ -112,33 +161,50 @@ impl Source for Files {
         self.inputs.iter().any(|input| !input.is_file())
     }
 
-    /// Looks at the inputs again. What came between others is left out: frames keep their places. Files that are still
-    /// being written are left for the next time. Normals that came beside a frame are read with it from then on.
+    /// Looks at the inputs again. Files that came between others are skipped: frames keep their places. Files that are
+    /// still being written are left for the next time. Normals that came next to a frame are read with it from then on,
+    /// and a frame whose file changed is read again.
     fn look_again(&self) -> Result<usize, SequenceError> {
         let never = Progress::default();
         let mut known = lock(&self.known);
         let found = discover::discover(&self.inputs, &self.options, &mut known, &never)?.entries;
         drop(known);
+        let mut looks = lock(&self.looks);
         let mut entries = write(&self.entries);
-        let is_last = |entry: &FrameEntry| {
-            let last = entries.last();
-            last.is_some_and(|last| last.path == entry.path && last.content == entry.content)
-        };
-        let Some(last) = found.iter().rposition(is_last) else {
-            return Ok(0);
-        };
+        let changed = looks.changed(&entries);
+        lock(&self.changes).extend(changed);
+        let places: HashSet<_> = entries
+            .iter()
+            .map(|entry| (entry.path.clone(), place_in_file(entry)))
+            .collect();
+        let is_known = |entry: &FrameEntry| places.contains(&(entry.path.clone(), place_in_file(entry)));
+        let behind = found.iter().rposition(is_known).map_or(0, |last| last + 1);
         let mut found = found.into_iter();
-        join_late_normals(&mut entries, found.by_ref().take(last + 1));
+        join_late_normals(&mut entries, found.by_ref().take(behind));
         let count_before = entries.len();
+        let mut is_next = true;
         for entry in found {
-            let before = entries.last();
-            let expects_normals = before.is_some_and(|before| before.normals.is_some());
-            if !discover::is_written(&entry, expects_normals) {
-                break;
+            let expects_normals = entries.last().is_some_and(|before| before.normals.is_some());
+            // All are looked at, and those after one that is not complete wait for it.
+            is_next &= looks.may_append(&entry, &entries, expects_normals);
+            if !is_next {
+                continue;
             }
-            entries.push(Arc::new(entry));
+            looks.note(&entry);
+            // A temporary file that was given its name: it has the place of that name.
+            match entries.last_mut().filter(|last| !last.path.exists()) {
+                Some(last) => {
+                    *last = Arc::new(entry);
+                    lock(&self.changes).push(entries.len() - 1);
+                }
+                None => entries.push(Arc::new(entry)),
+            }
         }
         Ok(entries.len() - count_before)
+    }
+
+    fn changed_since(&self, since: usize) -> Vec<usize> {
+        lock(&self.changes).get(since..).unwrap_or_default().to_vec()
     }
 
     fn inputs(&self) -> &[PathBuf] {
@@ -152,21 +218,18 @@ impl Source for Files {
     fn notes(&self) -> &[String] {
         &self.notes
     }
+
+    fn assumptions(&self) -> &[Assumption] {
+        &self.assumptions
+    }
 }
 
-/// Reads a frame of a file, or bytes in the program.
-pub(super) fn decode(
-    entry: &FrameEntry,
-    options: &ReadOptions,
-    shared: &SharedFile,
-    progress: &Progress,
-) -> Result<RawCloud, DecodeFailure> {
-    let path = &entry.path;
-    Ok(match (&entry.content, &entry.normals) {
-        (FrameBytes::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
-        (FrameBytes::File(part), _) => shared.read_part(path, part, options, progress)?,
-        (FrameBytes::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
-    })
+/// What tells frames of one file apart.
+fn place_in_file(entry: &FrameEntry) -> String {
+    match &entry.content {
+        FrameBytes::File(Part::Whole) => String::new(),
+        content => format!("{content:?}"),
+    }
 }
 
 /// Gives the frames in `entries` the normals that `found` has beside the same files by now.
@@ -175,7 +238,7 @@ fn join_late_normals(entries: &mut [Arc<FrameEntry>], found: impl Iterator<Item 
     let late: HashMap<PathBuf, FrameEntry> = with_normals.map(|entry| (entry.path.clone(), entry)).collect();
     for entry in entries.iter_mut().filter(|entry| entry.normals.is_none()) {
         if let Some(found) = late.get(&entry.path)
-            && discover::is_written(found, false)
+            && looks::is_quiet(found)
         {
             *entry = Arc::new(FrameEntry {
                 normals: found.normals.clone(),

@@ -36,6 +36,8 @@ pub use merged::MergedFrames;
 pub use options::RgbdOptions;
 pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
+pub(super) use text::{number_lines, read as read_text};
+pub(super) use trajectory::{Trajectory, matrix, read_pose, rigid};
 
 use super::{OpenOptions, SequenceError, Source};
 use std::path::{Path, PathBuf};

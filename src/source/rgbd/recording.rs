@@ -19,10 +19,10 @@ use crate::io::{Entry, Part};
 use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::files::number;
-use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, Source};
+use crate::source::{DecodeFailure, Decoder, FrameEntry, NO_POSES, OpenOptions, Source};
 use crate::wire::RawImages;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Frames a second where nothing says it: most depth cameras have it.
@@ -228,7 +228,11 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
     } else {
         probe::settle_units(found, &options.read);
     }
-    if let Some(poses) = &rgbd.poses {
+    if rgbd.poses.as_deref() == Some(Path::new(NO_POSES)) {
+        for frame in &mut found.frames {
+            frame.world_from_camera = None;
+        }
+    } else if let Some(poses) = &rgbd.poses {
         let trajectory = Trajectory::read(poses)?;
         found.take_poses(&trajectory);
         if found.frames.iter().all(|frame| frame.world_from_camera.is_none()) {

@@ -10,7 +10,7 @@ use std::path::Path;
 const MOST_BYTES: u64 = 256 << 20;
 
 /// The text of the file at `path`; bytes that are not UTF-8 are replaced.
-pub(super) fn read(path: &Path) -> Result<String, RgbdError> {
+pub(in crate::source) fn read(path: &Path) -> Result<String, RgbdError> {
     Ok(String::from_utf8_lossy(&read_bytes(path, MOST_BYTES)?).into_owned())
 }
 
@@ -70,7 +70,7 @@ pub(super) fn array(path: &Path) -> Result<(Vec<usize>, Vec<f64>), RgbdError> {
 ///
 /// # Errors
 /// The first line with something else.
-pub(super) fn number_lines(path: &Path, text: &str) -> Result<Vec<(usize, Vec<f64>)>, RgbdError> {
+pub(in crate::source) fn number_lines(path: &Path, text: &str) -> Result<Vec<(usize, Vec<f64>)>, RgbdError> {
     let mut lines = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let content = line.split('#').next().unwrap_or_default();

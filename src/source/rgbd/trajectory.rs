@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// The poses of a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Trajectory {
+pub(in crate::source) enum Trajectory {
     /// At moments, which ascend.
     Stamped(Vec<(Duration, Option<DAffine3>)>),
     /// Of frames by their numbers, from 0.
@@ -22,7 +22,7 @@ pub(super) enum Trajectory {
 
 impl Trajectory {
     /// The pose of frame `index`, which was taken at `time`.
-    pub(super) fn pose(&self, index: usize, time: Option<Duration>) -> Option<DAffine3> {
+    pub(in crate::source) fn pose(&self, index: usize, time: Option<Duration>) -> Option<DAffine3> {
         match self {
             Self::Stamped(poses) => {
                 let at = nearest(poses.len(), |index| poses[index].0, time?)?;
@@ -33,7 +33,7 @@ impl Trajectory {
     }
 
     /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
-    pub(super) fn read(path: &Path) -> Result<Self, RgbdError> {
+    pub(in crate::source) fn read(path: &Path) -> Result<Self, RgbdError> {
         let wrong = |reason: String| RgbdError::Trajectory {
             path: path.to_owned(),
             reason,
@@ -123,7 +123,7 @@ fn of_array(path: &Path) -> Result<Trajectory, RgbdError> {
 }
 
 /// The one pose in a file of 4 × 4 numbers; `None` where the camera was lost.
-pub(super) fn read_pose(path: &Path) -> Result<Option<DAffine3>, RgbdError> {
+pub(in crate::source) fn read_pose(path: &Path) -> Result<Option<DAffine3>, RgbdError> {
     match Trajectory::read(path)? {
         trajectory @ Trajectory::Numbered(_) => Ok(trajectory.pose(0, None)),
         Trajectory::Stamped(_) => Err(RgbdError::Trajectory {
@@ -134,7 +134,7 @@ pub(super) fn read_pose(path: &Path) -> Result<Option<DAffine3>, RgbdError> {
 }
 
 /// 12 or 16 numbers, row by row; nothing for another number.
-pub(super) fn matrix(rows: &[f64]) -> Option<DMat4> {
+pub(in crate::source) fn matrix(rows: &[f64]) -> Option<DMat4> {
     let last_row = [0.0, 0.0, 0.0, 1.0];
     let all: Vec<f64> = match rows.len() {
         12 => rows.iter().copied().chain(last_row).collect(),
@@ -148,7 +148,7 @@ pub(super) fn matrix(rows: &[f64]) -> Option<DMat4> {
 }
 
 /// A matrix that moves and turns, as the nearest that does so exactly; trackers write others where they are lost.
-pub(super) fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
+pub(in crate::source) fn rigid(matrix: Option<DMat4>) -> Option<DAffine3> {
     /// Rounding to four digits stays below it.
     const MOST_OFF: f64 = 0.05;
     let matrix = matrix.filter(DMat4::is_finite)?;
