@@ -94,7 +94,7 @@ impl State {
                 let failure = first_failure(&sequence);
                 match failure {
                     _ if progress.is_cancelled() => Err(NotFound::Cancelled),
-                    Some(reason) => Err(NotFound::Because(reason)),
+                    Some(reason) => Err(NotFound::Because(reason, Vec::new())),
                     None => Ok(Arc::new(sequence)),
                 }
             });
