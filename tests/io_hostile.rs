@@ -119,9 +119,9 @@ fn wrong_plys() -> Vec<Case> {
             "expected x, y and z",
         ),
         (
-            "a name twice",
+            "an element twice",
             "a.ply",
-            ply("ascii", "0", &format!("{XYZ}property float x\n"), b""),
+            ply("ascii", "0", &format!("{XYZ}element vertex 0\n"), b""),
             "same name",
         ),
         (
@@ -242,7 +242,7 @@ fn wrong_pcds() -> Vec<Case> {
             "odd header, PCD",
             "a.pcd",
             b"VERSION .7\nFIELDS x y z\nDATA ascii\n".to_vec(),
-            "header is not understood",
+            "there is no line `SIZE`",
         ),
     ]
 }

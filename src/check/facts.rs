@@ -1,6 +1,6 @@
 //! What is remembered of a frame after it was looked at.
 
-use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes};
+use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, most_radius};
 use crate::scene::{FirstLook, UpAxis};
 use glam::DVec3;
 
@@ -21,6 +21,8 @@ pub struct FrameFacts {
     pub duplicate_count: usize,
     /// Normals of no length or not finite, of finite points.
     pub zero_normal_count: usize,
+    /// Radii that are infinite, not a number, or far larger than the cloud.
+    pub absurd_radius_count: usize,
     /// Whether colours of 8 bits were found in wider fields.
     pub has_narrow_colors: bool,
     /// Whether the file has coordinates of single precision.
@@ -51,6 +53,7 @@ impl FrameFacts {
                     (length == 0.0 || !length.is_finite()) && raw.positions.get(*index).is_finite()
                 })
                 .count(),
+            absurd_radius_count: absurd_radii(&raw),
             has_narrow_colors: raw.has_narrow_colors,
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
@@ -64,6 +67,14 @@ impl FrameFacts {
             ..facts
         }
     }
+}
+
+/// How many radii cannot be drawn.
+fn absurd_radii(raw: &RawCloud) -> usize {
+    let Some(radii) = &raw.attributes.radii else { return 0 };
+    let most = most_radius(raw.positions.len(), |index| raw.positions.get(index));
+    let is_absurd = |radius: &&f32| !radius.is_finite() || **radius > most;
+    radii.iter().filter(is_absurd).count()
 }
 
 /// How many finite points lie exactly where another one does that comes before them.

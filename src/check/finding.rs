@@ -37,6 +37,8 @@ pub enum FindingKind {
     ChangedUpAxis,
     /// A photograph whose camera does not fit the points that were found in it.
     LooseCamera,
+    /// Radii of splats that are infinite or far larger than the cloud.
+    AbsurdRadii,
     /// Frames that another camera took than the first ones.
     ChangedCamera,
 }
@@ -82,6 +84,7 @@ impl FindingKind {
             | Self::SuspiciousScale
             | Self::ChangedUpAxis
             | Self::LooseCamera
+            | Self::AbsurdRadii
             | Self::ChangedCamera => Severity::Warning,
         }
     }

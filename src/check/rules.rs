@@ -86,6 +86,17 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     ));
     findings.extend(counted(
         facts,
+        FindingKind::AbsurdRadii,
+        |facts| facts.absurd_radius_count,
+        |count, frames| {
+            format!(
+                "{count} radii in {frames} are not finite or a thousand times as large as the cloud: they are taken for \
+                 missing"
+            )
+        },
+    ));
+    findings.extend(counted(
+        facts,
         FindingKind::NarrowColors,
         |facts| usize::from(facts.has_narrow_colors),
         |_, frames| {

@@ -11,7 +11,7 @@ use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
-use crate::sequence::{OpenOptions, Sequence};
+use crate::sequence::{ColorSource, OpenOptions, Sequence};
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::num::NonZeroUsize;
@@ -199,6 +199,11 @@ impl PictureArgs {
     /// Whether nothing is to be behind the cloud.
     pub(super) fn is_transparent(&self) -> bool {
         self.background == Some(Behind::Nothing)
+    }
+
+    /// The source of colours that was named.
+    pub(super) fn color_source(&self) -> Option<ColorSource> {
+        self.colors.source()
     }
 
     /// What was chosen for points to become.

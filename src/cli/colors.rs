@@ -1,8 +1,11 @@
 //! How points are coloured, as several verbs take it.
 
+use super::usage::UsageError;
+use super::warnings;
 use crate::analysis::ColorMap;
+use crate::cloud::ScalarField;
 use crate::scene::coloring::{COLORS, LOGARITHM, MAP, RANGE};
-use crate::sequence::{ColorRange, ColorSource, Coloring};
+use crate::sequence::{ColorRange, ColorSource, Coloring, Sequence};
 use clap::Args;
 
 /// What is not given is as usual.
@@ -23,6 +26,11 @@ pub(super) struct ColorArgs {
 }
 
 impl ColorArgs {
+    /// The source that is given.
+    pub(super) fn source(&self) -> Option<ColorSource> {
+        self.colors
+    }
+
     /// `default`, but for what is given. What belongs to a source goes with it.
     pub(super) fn over(&self, default: Coloring) -> Coloring {
         let is_same = self.colors.is_none_or(|source| source == default.source);
@@ -36,4 +44,64 @@ impl ColorArgs {
             one_color: default.one_color,
         }
     }
+}
+
+/// Fails, with the names that there are, where `source` names a scalar field that neither `frame` nor the first, the
+/// middle and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it names
+/// another kind of field that they have not.
+pub(super) fn check_source(
+    source: ColorSource,
+    sequence: &Sequence,
+    frame: usize,
+    fields: Option<&[ScalarField]>,
+) -> Result<(), UsageError> {
+    let kind = match source {
+        ColorSource::Scalar(Some(_)) => "",
+        ColorSource::Scalar(None) => "scalar fields",
+        ColorSource::Time => "a scalar field of times",
+        ColorSource::Class => "a scalar field of classes",
+        _ => return Ok(()),
+    };
+    if fields.is_some_and(|fields| source.is_of_fields(fields)) {
+        return Ok(());
+    }
+    let mut names = Vec::new();
+    let mut take_names = |fields: &[ScalarField]| {
+        for field in fields {
+            if !names.contains(&field.name) {
+                names.push(field.name.clone());
+            }
+        }
+    };
+    fields.into_iter().for_each(&mut take_names);
+    let last = sequence.len().saturating_sub(1);
+    let mut looked_at = vec![frame];
+    for index in [0, last / 2, last] {
+        if looked_at.contains(&index) && (index != frame || fields.is_some()) {
+            continue;
+        }
+        looked_at.push(index);
+        // One that cannot be read is reported where it is shown.
+        let Ok(cloud) = sequence.decode(index) else {
+            continue;
+        };
+        if source.is_of_fields(&cloud.attributes.scalars) {
+            return Ok(());
+        }
+        take_names(&cloud.attributes.scalars);
+    }
+    let there = if names.is_empty() {
+        "there are no scalar fields".to_owned()
+    } else {
+        format!("there are {}", names.join(", "))
+    };
+    let ColorSource::Scalar(Some(name)) = source else {
+        warnings::warn(&format!(
+            "--colors {source}: no frame that was looked at has {kind}, other colours are shown; {there}"
+        ));
+        return Ok(());
+    };
+    Err(UsageError(format!(
+        "--colors scalar:{name}: no frame that was looked at has a scalar field `{name}`; {there}"
+    )))
 }

@@ -27,6 +27,7 @@ mod session;
 mod sources;
 mod stream;
 mod style_arguments;
+mod usage;
 mod values;
 mod video;
 mod video_arguments;
@@ -78,6 +79,9 @@ enum Verb {
     CompareFrames(compare_frames::CompareFramesArgs),
 }
 
+/// Exit code of wrong usage, as of what the parser of the command line refuses.
+const WRONG_USAGE: u8 = 2;
+
 /// Parses the command line, runs the verb and says what went wrong.
 pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
@@ -111,7 +115,11 @@ pub fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             say(&format!("error: {error:#}"));
-            ExitCode::FAILURE
+            if error.is::<usage::UsageError>() {
+                ExitCode::from(WRONG_USAGE)
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::arguments::FrameRange;
 use super::assumptions;
+use super::colors::check_source;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
 use super::sources::check_sources;
@@ -88,6 +89,11 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         warnings::warn(&lack);
     }
     let style = style.resolved(&look);
+    if let Some(source) = arguments.picture.color_source() {
+        let frame = headless.frame(range.first, &style).ok();
+        let fields = frame.as_ref().map(|prepared| prepared.frame.scalar_fields());
+        check_source(source, &sequence, range.first, fields)?;
+    }
     let mut stats = Stats {
         adapter: headless.renderer().summary(),
         size: arguments.size,

@@ -1,6 +1,7 @@
 //! `pointreel view`: the window.
 
 use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
+use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
@@ -126,6 +127,12 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     }
     if let Some(path) = &args.record {
         record_arrivals(sequence.as_ref(), path)?;
+    }
+    if let (Some(source), Some(sequence)) = (args.picture.color_source(), &sequence)
+        && !args.follow
+        && !sequence.source().is_live()
+    {
+        check_source(source, sequence, 0, None)?;
     }
     let compare = open_compared(args, &open)?.map(Arc::new);
     let presets = Presets::load();

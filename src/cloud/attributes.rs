@@ -1,7 +1,7 @@
 //! What points have beside their positions: one list, from which follows all that is done to every attribute alike.
 
-use super::{Ellipse, ScalarField};
-use glam::Vec3;
+use super::{Ellipse, ScalarField, even_places};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Points that are worth handing to another thread.
@@ -101,9 +101,12 @@ impl Attributes {
 
     /// Normals become unit vectors, or zero where there is no direction; radii such that can be drawn, 0 where there is
     /// none; scalars finite or NaN. Ellipses stay beside a normal and a radius, and are circles otherwise.
-    pub(super) fn make_usable(&mut self) {
+    /// Radii above `most_radius` are missing.
+    pub(super) fn make_usable(&mut self, most_radius: f32) {
         for_each(self.normals.as_deref_mut(), |normal| *normal = unit_or_zero(*normal));
-        for_each(self.radii.as_deref_mut(), |radius| *radius = usable_radius(*radius));
+        for_each(self.radii.as_deref_mut(), |radius| {
+            *radius = usable_radius(*radius, most_radius);
+        });
         for field in &mut self.scalars {
             for_each(Some(&mut field.values), |scalar| {
                 if !scalar.is_finite() {
@@ -148,11 +151,35 @@ fn unit_or_zero(normal: [f32; 3]) -> [f32; 3] {
     }
 }
 
-fn usable_radius(radius: f32) -> f32 {
-    if radius.is_nan() {
-        0.0
+fn usable_radius(radius: f32, most_radius: f32) -> f32 {
+    if radius.is_finite() && radius <= most_radius {
+        radius.max(0.0)
     } else {
-        radius.clamp(0.0, f32::MAX)
+        0.0
+    }
+}
+
+/// The largest radius that a splat among `count` points can have: a disk a thousand times as wide as most of the cloud
+/// is a wrong number, which would cover everything. The few points far away do not count.
+pub(crate) fn most_radius(count: usize, position: impl Fn(usize) -> DVec3) -> f32 {
+    const SAMPLE: usize = 1 << 12;
+    const FEWEST: usize = 20;
+    const EXTENTS: f64 = 1000.0;
+    let places = even_places(count, SAMPLE).into_iter().map(position);
+    let sample: Vec<DVec3> = places.filter(|position| position.is_finite()).collect();
+    if sample.len() < FEWEST {
+        return f32::MAX;
+    }
+    let extent = |axis: usize| {
+        let mut values: Vec<f64> = sample.iter().map(|position| position[axis]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values[values.len() * 19 / 20] - values[values.len() / 20]
+    };
+    let extent = DVec3::new(extent(0), extent(1), extent(2)).length();
+    if extent > 0.0 {
+        (EXTENTS * extent) as f32
+    } else {
+        f32::MAX
     }
 }
 
@@ -221,6 +248,19 @@ mod tests {
     }
 
     #[test]
+    fn absurd_radii_are_missing() {
+        let place = |index: usize| DVec3::new(index as f64, 1.0, if index == 7 { 1e30 } else { 0.0 });
+        let most = most_radius(1001, place);
+        assert!((500_000.0..1_100_000.0).contains(&most), "{most}");
+        assert_eq!(most_radius(5, place), f32::MAX);
+        assert_eq!(most_radius(100, |_| DVec3::ONE), f32::MAX);
+        for radius in [1e20, f32::INFINITY, f32::NAN, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(usable_radius(radius, most), 0.0, "{radius}");
+        }
+        assert_eq!(usable_radius(3.5, most), 3.5);
+    }
+
+    #[test]
     fn ellipses_stay_where_there_are_a_normal_and_a_radius() {
         let mut attributes = all(4);
         let ellipse = Ellipse {
@@ -234,10 +274,10 @@ mod tests {
             radii: None,
             ..attributes.clone()
         };
-        attributes.make_usable();
+        attributes.make_usable(f32::MAX);
         let expected = [ellipse, Ellipse::CIRCLE, Ellipse::CIRCLE, ellipse];
         assert_eq!(attributes.ellipses.unwrap(), expected);
-        bare.make_usable();
+        bare.make_usable(f32::MAX);
         assert_eq!(bare.ellipses, None);
     }
 }

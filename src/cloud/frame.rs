@@ -3,7 +3,7 @@
 //! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
 //! finds them in the cache. [`Frame::file_index`] leads back to the file.
 
-use super::attributes::gather;
+use super::attributes::{gather, most_radius};
 use super::value_sample::{SharedSample, ValueSample};
 use super::{
     Attributes, AxisConvention, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
@@ -81,7 +81,12 @@ impl Frame {
         let mut attributes = raw.attributes;
         attributes.keep(&file_index);
         // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
-        attributes.make_usable();
+        let most_radius = if attributes.radii.is_some() {
+            most_radius(positions.len(), |index| positions[index].as_dvec3())
+        } else {
+            f32::MAX
+        };
+        attributes.make_usable(most_radius);
         Ok(Self {
             bounds,
             dropped_points: point_count - file_index.len(),

@@ -1,5 +1,7 @@
 //! Numbers of points that have a name and no other meaning here.
 
+use rayon::prelude::*;
+
 /// One number a point, under the name that the file has for it: intensity, classification, time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarField {
@@ -34,16 +36,20 @@ impl ScalarField {
     /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses
     /// digits.
     pub fn from_f64(name: impl Into<String>, values: &[f64]) -> Self {
+        /// Values that are worth handing to another thread.
+        const VALUES_PER_TASK: usize = 1 << 15;
+        let all = || values.par_iter().with_min_len(VALUES_PER_TASK);
         let is_exact = |value: &f64| !value.is_finite() || f64::from(*value as f32) == *value;
-        let offset = if values.iter().all(is_exact) {
+        let offset = if all().all(is_exact) {
             0.0
         } else {
-            let finite = values.iter().copied().filter(|value| value.is_finite());
-            finite.reduce(f64::min).unwrap_or(0.0).floor()
+            let finite = all().copied().filter(|value| value.is_finite());
+            let smallest = finite.reduce(|| f64::INFINITY, f64::min);
+            if smallest.is_finite() { smallest.floor() } else { 0.0 }
         };
         Self {
             name: name.into(),
-            values: values.iter().map(|value| (value - offset) as f32).collect(),
+            values: all().map(|value| (value - offset) as f32).collect(),
             offset,
         }
     }

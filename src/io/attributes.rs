@@ -2,6 +2,7 @@
 
 use super::column::Column;
 use super::error::Fault;
+use crate::cloud::ScalarField;
 
 const POSITIONS: [&str; 3] = ["x", "y", "z"];
 
@@ -22,13 +23,11 @@ const ALPHA: [&str; 3] = ["alpha", "diffuse_alpha", "a"];
 
 const RADII: [&str; 2] = ["radius", "splat_radius"];
 
-/// What `CloudCompare` writes before the names of scalars: whatever follows is one.
+/// `CloudCompare` writes this before the names of scalars.
 const SCALAR_PREFIX: &str = "scalar_";
 
-/// Scalars beyond those of known names that are taken.
-const MAX_OTHER_SCALARS: usize = 32;
-
-/// Names of scalars, the best to colour by first.
+/// Names of scalars in the order in which they come first, the best to colour by foremost. Columns of all other names
+/// are scalars as well, behind these.
 const SCALARS: [&str; 22] = [
     "intensity",
     "reflectance",
@@ -54,12 +53,7 @@ const SCALARS: [&str; 22] = [
     "range",
 ];
 
-/// True when a cloud looks at a column of this name.
-pub(super) fn is_used(name: &str) -> bool {
-    is_reserved(name) || is_scalar(&name.to_ascii_lowercase())
-}
-
-/// True when a column of this name is no scalar.
+/// True when a column of this name is not a scalar, where there is no other of the same meaning.
 pub(super) fn is_reserved(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.as_str();
@@ -71,11 +65,7 @@ pub(super) fn is_reserved(name: &str) -> bool {
         || RADII.contains(&name)
 }
 
-fn is_scalar(name: &str) -> bool {
-    name.starts_with(SCALAR_PREFIX) || SCALARS.contains(&name)
-}
-
-/// Which column is what, by index; what their names do not say is left out.
+/// Which column is what, by index. Every column that is nothing else is a scalar.
 #[derive(Debug)]
 pub(super) struct Roles {
     pub(super) positions: [usize; 3],
@@ -120,25 +110,46 @@ impl Roles {
                 alpha: find_any(&ALPHA),
             })
             .or_else(|| find_any(&PACKED_COLORS).map(Colors::Packed));
-        let has_name = |column: &Column<'_>, name: &str| {
-            let found = column.name.to_ascii_lowercase();
-            found.strip_prefix(SCALAR_PREFIX).unwrap_or(&found) == name
+        let normals = NORMALS.iter().find_map(find_all);
+        let radii = find_any(&RADII);
+        let mut is_free = vec![true; columns.len()];
+        let (channels, packed) = match colors {
+            Some(Colors::Channels { channels, alpha }) => (Some(channels), alpha),
+            Some(Colors::Packed(index)) => (None, Some(index)),
+            None => (None, None),
         };
-        let scalar = |name: &&str| columns.iter().position(|column| has_name(column, name));
-        let mut scalars: Vec<usize> = SCALARS.iter().filter_map(scalar).collect();
-        let others = (0..columns.len()).filter(|&index| {
-            let name = columns[index].name.to_ascii_lowercase();
-            name.starts_with(SCALAR_PREFIX) && !scalars.contains(&index)
-        });
-        let others: Vec<usize> = others.take(MAX_OTHER_SCALARS).collect();
-        scalars.extend(others);
+        let vectors = [Some(positions), normals, channels];
+        let taken = vectors.into_iter().flatten().flatten().chain(packed).chain(radii);
+        for index in taken {
+            is_free[index] = false;
+        }
+        let scalars = (0..columns.len()).filter(|&index| is_free[index]);
+        let mut scalars: Vec<usize> = scalars.collect();
+        // Stable: those of no known name stay in the order of the file.
+        scalars.sort_by_key(|&index| rank(&columns[index].name));
         Ok(Self {
             positions,
-            normals: NORMALS.iter().find_map(find_all),
+            normals,
             colors,
-            radii: find_any(&RADII),
+            radii,
             scalars,
         })
+    }
+
+    /// Bytes that a point takes in memory.
+    pub(super) fn point_bytes(&self, columns: &[Column<'_>]) -> usize {
+        let number = |is_wide: bool| if is_wide { size_of::<f64>() } else { size_of::<f32>() };
+        let is_wide = self.positions.iter().any(|&index| columns[index].is_wide());
+        // Wide scalars become narrow ones in the end.
+        let scalars = self
+            .scalars
+            .iter()
+            .map(|&index| number(columns[index].scalar.is_wide()));
+        3 * number(is_wide)
+            + self.normals.map_or(0, |_| size_of::<[f32; 3]>())
+            + self.colors.map_or(0, |_| size_of::<[u8; 4]>())
+            + self.radii.map_or(0, |_| size_of::<f32>())
+            + scalars.sum::<usize>()
     }
 
     /// Whether a row alone tells what it means. Colours wider than a byte do not: the brightest of all tells what is
@@ -152,6 +163,27 @@ impl Roles {
             Some(Colors::Packed(_)) | None => true,
         }
     }
+}
+
+/// The place of a scalar among others: that of its name in the list.
+fn rank(name: &str) -> usize {
+    let plain = plain_scalar_name(name);
+    let known = SCALARS.iter().position(|known| *known == plain);
+    known.unwrap_or(SCALARS.len())
+}
+
+/// Puts fields into the order in which they are offered, the best to colour by first.
+pub(super) fn sort_fields(fields: &mut [ScalarField]) {
+    fields.sort_by_cached_key(|field| rank(&field.name));
+}
+
+/// The name of a scalar in small letters and without what `CloudCompare` writes before it.
+pub(super) fn plain_scalar_name(name: &str) -> String {
+    let mut name = name.to_ascii_lowercase();
+    if name.len() > SCALAR_PREFIX.len() && name.starts_with(SCALAR_PREFIX) {
+        name.drain(..SCALAR_PREFIX.len());
+    }
+    name
 }
 
 /// True if columns of these names hold points.

@@ -4,11 +4,13 @@
 //! it becomes an error.
 
 use super::arrays;
+use super::attributes;
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::options::ReadOptions;
-use crate::cloud::{Positions, RawCloud};
+use super::unique_names::UniqueNames;
+use crate::cloud::{Positions, RawCloud, ScalarField};
 use draco_core::{
     DataType, DecodeLimits, DecoderBuffer, GeometryAttributeType, Mesh, MeshDecoder, PointAttribute, PointIndex,
 };
@@ -72,12 +74,71 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
         let channels = columns(colors, count)?;
         arrays::set_colors(&mut cloud, channels.each_ref(), alpha.as_ref(), count);
     }
+    add_fields(mesh, count, &mut cloud)?;
     let faces = mesh.faces().iter().map(|face| face.map(|point| point.0));
     cloud.faces = faces.collect();
     if cloud.faces.iter().flatten().any(|&point| point as usize >= count) {
         return Err(Fault::header("a face refers to a point that is not there"));
     }
     Ok(cloud)
+}
+
+/// Makes a scalar field of each number of the attributes that a cloud has no other place for.
+fn add_fields(mesh: &Mesh, count: usize, cloud: &mut RawCloud) -> Result<(), Fault> {
+    let mut names = UniqueNames::default();
+    for index in 0..mesh.num_attributes() {
+        let attribute = mesh.attribute(index);
+        let kind = attribute.attribute_type();
+        let is_first = mesh.named_attribute_id(kind) == index;
+        let is_taken = match kind {
+            GeometryAttributeType::Position => is_first,
+            GeometryAttributeType::Normal => is_first && cloud.attributes.normals.is_some(),
+            GeometryAttributeType::Color => is_first && cloud.attributes.colors.is_some(),
+            GeometryAttributeType::TexCoord | GeometryAttributeType::Generic => false,
+            GeometryAttributeType::Invalid => true,
+        };
+        if is_taken {
+            continue;
+        }
+        let name = attribute_name(mesh, attribute, index);
+        let numbers = usize::from(attribute.num_components());
+        for component in 0..numbers {
+            let name = match numbers {
+                1 => name.clone(),
+                _ => format!("{name}_{component}"),
+            };
+            let Column {
+                values: Values::Parsed(values),
+                ..
+            } = column(attribute, component, count)?
+            else {
+                continue;
+            };
+            let name = names.take(&name, attributes::plain_scalar_name);
+            cloud.attributes.scalars.push(ScalarField::from_f64(name, &values));
+        }
+    }
+    attributes::sort_fields(&mut cloud.attributes.scalars);
+    Ok(())
+}
+
+/// The name that the file has for an attribute, or its kind and place.
+fn attribute_name(mesh: &Mesh, attribute: &PointAttribute, index: i32) -> String {
+    /// Entries of metadata that are names, as the encoders of Draco and of glTF write them.
+    const NAMES: [&str; 3] = ["name", "attribute_name", "NAME"];
+    let metadata = mesh.attribute_metadata_by_unique_id(attribute.unique_id());
+    let named = NAMES.iter().find_map(|key| metadata?.metadata().get_string(key));
+    let named = named
+        .map(|name| name.trim_end_matches('\0').trim())
+        .filter(|name| !name.is_empty());
+    let kind = match attribute.attribute_type() {
+        GeometryAttributeType::Position => "position",
+        GeometryAttributeType::Normal => "normal",
+        GeometryAttributeType::Color => "color",
+        GeometryAttributeType::TexCoord => "tex_coord",
+        GeometryAttributeType::Generic | GeometryAttributeType::Invalid => "generic",
+    };
+    named.map_or_else(|| format!("{kind}_{index}"), str::to_owned)
 }
 
 fn columns(attribute: &PointAttribute, count: usize) -> Result<[Column<'static>; 3], Fault> {

@@ -3,8 +3,8 @@
 //! A plain copy of a file into memory is bound by memory, and so is taking it apart: whoever reads the whole first
 //! moves every byte three times through memory that no cache holds. Here each thread reads a piece that its core's
 //! cache holds and takes it apart, and the arrays of the cloud are written once, from their beginning to their end.
-//! Threads follow one another from the file to the positions to the other attributes, each step being held by one of
-//! them, so that pieces stay in order and a step is taken while others take theirs. Neither the file nor a second copy
+//! Threads follow one another from the file to the positions to the other attributes to each scalar field, each step
+//! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the file nor a second copy
 //! of a column is in memory beside the cloud.
 //!
 //! A decoder whose header tells of such rows says so ([`super::ply`], [`super::pcd`]). Whatever is unusual is left to
@@ -28,9 +28,6 @@ use std::time::{Duration, Instant};
 
 /// What is read at once: about what a core's own cache holds. Less is slower, for threads meet more often.
 const PIECE_BYTES: usize = 1 << 20;
-
-/// More threads than steps only wait: reading, positions, other attributes.
-const STAGES: usize = 3;
 
 /// Rows that a thread looks for one after the other, and between two looks at the clock.
 const ROWS_PER_TASK: usize = 1 << 13;
@@ -67,9 +64,16 @@ pub(super) struct FixedRows {
 }
 
 impl FixedRows {
-    /// Bytes of the cloud in memory: about as many as in the file.
-    pub(super) fn memory_bytes(&self) -> u64 {
+    /// Bytes of the rows in the file, as far as the header can be believed.
+    pub(super) fn file_bytes(&self) -> u64 {
         (self.count as u64).saturating_mul(self.row_bytes as u64)
+    }
+
+    /// Bytes of the cloud in memory: fields of a byte or two take four.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        let columns = self.columns(&[]);
+        let point_bytes = Roles::of(&columns).map_or(self.row_bytes, |roles| roles.point_bytes(&columns));
+        (self.count as u64).saturating_mul(point_bytes as u64)
     }
 
     /// The columns of rows that lie in `bytes` one after the other.
@@ -205,7 +209,8 @@ impl FixedRows {
         if self.count <= piece_rows {
             return work();
         }
-        let workers = 0..rayon::current_num_threads().min(STAGES);
+        // More threads than steps only wait: reading, and each of the arrays.
+        let workers = 0..rayon::current_num_threads().min(1 + growing.step_count());
         workers.into_par_iter().try_for_each(|_| work())
     }
 }
@@ -283,7 +288,7 @@ mod tests {
             let bytes = bytes(&rows);
             let whole = growing::cloud(&rows.columns(&bytes), COUNT).unwrap();
             assert_eq!(whole.positions.len(), COUNT);
-            assert_eq!(whole.attributes.scalars.len(), 2);
+            assert_eq!(whole.attributes.scalars.len(), 3);
             // NaN is not equal to itself, but is written alike.
             let whole = format!("{whole:?}");
             for threads in [1, 2, 3, 5] {
@@ -320,7 +325,7 @@ mod tests {
             expected.keep(&kept);
             let found = rows.read_at(file.path(), &places, Duration::MAX).unwrap();
             let found = found.unwrap();
-            assert_eq!(found.attributes.scalars.len(), 2);
+            assert_eq!(found.attributes.scalars.len(), 3);
             // GPS times have an offset of their own.
             let comparable = |mut cloud: RawCloud| {
                 cloud.attributes.scalars.retain(|field| field.name == "ring");

@@ -1,31 +1,41 @@
 //! A cloud that grows as its rows are read.
 
 use super::arrays::{Scales, append_colors, append_f32, append_f64};
-use super::attributes::{Colors, Roles};
+use super::attributes::{self, Colors, Roles};
 use super::column::Column;
 use super::error::Fault;
+use super::unique_names::UniqueNames;
 use crate::cloud::{Attributes, Positions, RawCloud, ScalarField};
 use crate::locks::lock;
+use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// The arrays of a cloud so far, with room for all.
 ///
 /// Columns of the same names and types are appended piece by piece, or all at once. Threads with a piece each follow
-/// one another along the arrays: one appends positions while the one before appends the rest.
+/// one another along the arrays: one appends positions while the one before appends the rest, and each scalar field is
+/// a step of its own, so that files with many of them are not held up by a single thread.
 #[derive(Debug)]
 pub(super) struct Growing {
     roles: Roles,
     positions: Mutex<Positions>,
     others: Mutex<Others>,
+    /// In the order of the roles.
+    scalars: Vec<Mutex<GrowingField>>,
 }
 
-/// All arrays but the positions.
+/// All arrays but the positions and the scalars.
 #[derive(Debug)]
 struct Others {
-    /// Without scalars.
     attributes: Attributes,
     scales: Option<Scales>,
-    scalars: Vec<(String, ScalarValues)>,
+}
+
+/// A scalar field so far.
+#[derive(Debug)]
+struct GrowingField {
+    name: String,
+    values: ScalarValues,
 }
 
 /// Numbers of a scalar field, as wide as the file has them.
@@ -53,15 +63,16 @@ impl Growing {
             )),
             _ => None,
         };
-        let scalar = |&index: &usize| {
-            let column = &columns[index];
-            let numbers = if column.scalar.is_wide() {
+        let names = field_names(roles.scalars.iter().map(|&index| (index, columns[index].name.as_str())));
+        let scalar = |(&index, name): (&usize, String)| {
+            let values = if columns[index].scalar.is_wide() {
                 ScalarValues::Wide(Vec::with_capacity(count))
             } else {
                 ScalarValues::Narrow(Vec::with_capacity(count))
             };
-            (column.name.clone(), numbers)
+            Mutex::new(GrowingField { name, values })
         };
+        let scalars = roles.scalars.iter().zip(names).map(scalar).collect();
         let others = Others {
             attributes: Attributes {
                 normals: roles.normals.map(|_| Vec::with_capacity(count)),
@@ -70,13 +81,18 @@ impl Growing {
                 ..Attributes::default()
             },
             scales,
-            scalars: roles.scalars.iter().map(scalar).collect(),
         };
         Self {
             roles,
             positions: Mutex::new(positions),
             others: Mutex::new(others),
+            scalars,
         }
+    }
+
+    /// Arrays that are appended to one after the other.
+    pub(super) fn step_count(&self) -> usize {
+        2 + self.scalars.len()
     }
 
     /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn` is
@@ -92,6 +108,33 @@ impl Growing {
         let mut others = lock(&self.others);
         drop(positions);
         others.append(&self.roles, columns, count);
+        let mut fields = self.scalars.iter().zip(&self.roles.scalars);
+        let Some((first, &index)) = fields.next() else { return };
+        // The next array is taken before the last one is let go: nobody overtakes.
+        let mut field = lock(first);
+        drop(others);
+        field.values.append(&columns[index], count);
+        for (next, &index) in fields {
+            field = lock(next);
+            field.values.append(&columns[index], count);
+        }
+    }
+
+    /// [`Growing::append`] of columns that have all rows: each array by a thread of its own.
+    fn append_all(&self, columns: &[Column<'_>], count: usize) {
+        let vectors = || {
+            let coordinates = self.roles.positions.map(|index| &columns[index]);
+            match &mut *lock(&self.positions) {
+                Positions::F32(vectors) => append_f32(vectors, coordinates, count),
+                Positions::F64(vectors) => append_f64(vectors, coordinates, count),
+            }
+            lock(&self.others).append(&self.roles, columns, count);
+        };
+        let scalars = || {
+            let fields = self.scalars.par_iter().zip(&self.roles.scalars);
+            fields.for_each(|(field, &index)| lock(field).values.append(&columns[index], count));
+        };
+        rayon::join(vectors, scalars);
     }
 
     /// The cloud of all rows that were appended.
@@ -103,11 +146,14 @@ impl Growing {
             (cloud.has_narrow_colors, cloud.color_depth) = (scales.is_narrow, scales.depth);
         }
         cloud.attributes = others.attributes;
-        let field = |(name, numbers)| match numbers {
-            ScalarValues::Narrow(values) => ScalarField::new(name, values),
-            ScalarValues::Wide(values) => ScalarField::from_f64(name, &values),
+        let field = |field: Mutex<GrowingField>| {
+            let GrowingField { name, values } = field.into_inner().unwrap_or_else(PoisonError::into_inner);
+            match values {
+                ScalarValues::Narrow(values) => ScalarField::new(name, values),
+                ScalarValues::Wide(values) => ScalarField::from_f64(name, &values),
+            }
         };
-        cloud.attributes.scalars = others.scalars.into_iter().map(field).collect();
+        cloud.attributes.scalars = self.scalars.into_par_iter().map(field).collect();
         // Writers that know no transparency leave zeros.
         if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.attributes.colors)
             && colors.iter().all(|color| color[3] == 0)
@@ -139,13 +185,32 @@ impl Others {
         if let (Some(radii), Some(index)) = (&mut self.attributes.radii, roles.radii) {
             columns[index].append_f32(radii, count);
         }
-        for ((_, numbers), &index) in self.scalars.iter_mut().zip(&roles.scalars) {
-            match numbers {
-                ScalarValues::Narrow(numbers) => columns[index].append_f32(numbers, count),
-                ScalarValues::Wide(numbers) => columns[index].append_f64(numbers, count),
-            }
+    }
+}
+
+impl ScalarValues {
+    fn append(&mut self, column: &Column<'_>, count: usize) {
+        match self {
+            Self::Narrow(numbers) => column.append_f32(numbers, count),
+            Self::Wide(numbers) => column.append_f64(numbers, count),
         }
     }
+}
+
+/// The names of scalar fields from those of their columns, of which the indices come first: those without a name get
+/// their place, and each is one that no field before it has, however its letters are written and whether or not
+/// `scalar_` stands before it: that is how fields are asked for.
+fn field_names<'a>(columns: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
+    let mut names = UniqueNames::default();
+    let unique = |(index, name): (usize, &str)| {
+        let numbered = format!("column_{}", index + 1);
+        let name = match name.trim() {
+            "" => &numbered,
+            name => name,
+        };
+        names.take(name, attributes::plain_scalar_name)
+    };
+    columns.map(unique).collect()
 }
 
 /// PCL packs colours as 0xAARRGGBB, into an unsigned integer or into the bits of a float. `rgb` leaves alpha at 0.
@@ -160,6 +225,6 @@ fn append_packed_colors(colors: &mut Vec<[u8; 4]>, column: &Column<'_>, count: u
 /// The cloud of `count` points in `columns`.
 pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
     let growing = Growing::new(Roles::of(columns)?, columns, count);
-    growing.append(columns, count, ());
+    growing.append_all(columns, count);
     Ok(growing.finish())
 }

@@ -51,6 +51,7 @@ mod shared;
 mod splats;
 mod stl;
 pub(crate) mod timestamps;
+mod unique_names;
 mod unpack;
 mod watched;
 mod write;

@@ -79,7 +79,11 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     if let Some((format, rows)) = fixed_rows(path, &magic) {
         // Of a header that claims more than there is the reading of whole files has to tell.
         let available = std::fs::metadata(path).map_err(failed)?.len();
-        let needed = rows.memory_bytes().min(available);
+        let needed = if rows.file_bytes() <= available {
+            rows.memory_bytes()
+        } else {
+            available
+        };
         if needed > options.max_memory_bytes {
             let what = format!("{} points", rows.count);
             let fault = Fault::too_large(&what, needed, options);

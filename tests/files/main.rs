@@ -7,6 +7,7 @@ mod corpus;
 mod data;
 mod draco;
 mod e57;
+mod fields;
 mod io_archives;
 mod io_formats;
 mod io_gltf;

@@ -6,6 +6,7 @@ mod cli;
 mod cli_convert;
 mod cli_video;
 mod compare;
+mod fields;
 mod outputs;
 mod serve;
 mod session_files;

@@ -7,6 +7,7 @@
 mod scan;
 mod streams;
 
+use super::attributes;
 use super::contents::{Entry, Part};
 use super::error::Fault;
 use super::error::IoError;
@@ -156,8 +157,19 @@ fn reasons(error: &::e57::Error) -> String {
     text
 }
 
+/// The names of the fields of any scan, in the order in which they come up.
+fn field_names(scans: &[Scan]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in scans.iter().flat_map(|scan| &scan.scalars) {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
 /// The scans as one cloud. Where only some of them have colours they are white in the others, and an intensity is 0;
-/// other fields are left out if one scan has none.
+/// other fields are missing values (NaN) in scans that have none.
 fn merge(scans: Vec<Scan>) -> RawCloud {
     const WHITE: [u8; 4] = [255; 4];
     let count = scans.iter().map(|scan| scan.positions.len()).sum();
@@ -165,18 +177,8 @@ fn merge(scans: Vec<Scan>) -> RawCloud {
     let all = |what: fn(&Scan) -> bool| !scans.is_empty() && scans.iter().all(what);
     let mut colors = has(|scan| scan.colors.is_some()).then(|| Vec::with_capacity(count));
     let mut normals = all(|scan| scan.normals.is_some()).then(|| Vec::with_capacity(count));
-    let mut fields: Vec<(&str, Vec<f64>)> = scan::SCALARS
-        .into_iter()
-        .filter(|&(name, _)| {
-            let there = |scan: &Scan| scan.scalars.iter().any(|(found, _)| *found == name);
-            if name == scan::INTENSITY {
-                scans.iter().any(there)
-            } else {
-                !scans.is_empty() && scans.iter().all(there)
-            }
-        })
-        .map(|(name, _)| (name, Vec::with_capacity(count)))
-        .collect();
+    let names = field_names(&scans).into_iter();
+    let mut fields: Vec<(String, Vec<f64>)> = names.map(|name| (name, Vec::with_capacity(count))).collect();
     let mut positions = Vec::with_capacity(count);
     for scan in scans {
         let length = scan.positions.len();
@@ -190,7 +192,8 @@ fn merge(scans: Vec<Scan>) -> RawCloud {
         for (name, values) in &mut fields {
             match scan.scalars.iter().find(|(found, _)| found == name) {
                 Some((_, more)) => values.extend(more),
-                None => values.resize(values.len() + length, 0.0),
+                None if name == scan::INTENSITY => values.resize(values.len() + length, 0.0),
+                None => values.resize(values.len() + length, f64::NAN),
             }
         }
     }
@@ -201,5 +204,6 @@ fn merge(scans: Vec<Scan>) -> RawCloud {
         .into_iter()
         .map(|(name, values)| ScalarField::from_f64(name, &values))
         .collect();
+    attributes::sort_fields(&mut cloud.attributes.scalars);
     cloud
 }

@@ -1,8 +1,10 @@
 //! The points of one scan: from its fields to positions, colours, normals and scalars, in the coordinates of the file.
 
 use super::streams::{self, FieldStream, Pages, bits};
+use crate::io::attributes;
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
+use crate::io::unique_names::UniqueNames;
 use crate::progress::Progress;
 use ::e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use glam::{DQuat, DVec3};
@@ -10,13 +12,26 @@ use glam::{DQuat, DVec3};
 /// Name of the field that every scan gets if one has it.
 pub(super) const INTENSITY: &str = "intensity";
 
-/// Scalars under the name that they get, and that of the file.
-pub(super) const SCALARS: [(&str, RecordName); 4] = [
+/// Scalars under the name that they get, and that of the file; all others keep theirs.
+const SCALARS: [(&str, RecordName); 4] = [
     (INTENSITY, RecordName::Intensity),
     ("timestamp", RecordName::TimeStamp),
     ("return_number", RecordName::ReturnIndex),
     ("number_of_returns", RecordName::ReturnCount),
 ];
+
+/// Names of the extension for surface normals.
+const NORMALS: [&str; 3] = ["normalX", "normalY", "normalZ"];
+
+/// The name of a scalar that is not among [`SCALARS`]: that of the file. `None` for what says something else.
+fn other_name(record: &RecordName) -> Option<String> {
+    match record {
+        RecordName::RowIndex => Some("rowIndex".to_owned()),
+        RecordName::ColumnIndex => Some("columnIndex".to_owned()),
+        RecordName::Unknown { name, .. } => Some(name.clone()),
+        _ => None,
+    }
+}
 
 /// Points of a scan whose fields are all constant, and that therefore no bytes vouch for.
 const MAX_CONSTANT_POINTS: u64 = 1 << 16;
@@ -26,7 +41,7 @@ pub(super) struct Scan {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) colors: Option<Vec<[u8; 4]>>,
     pub(super) normals: Option<Vec<[f32; 3]>>,
-    pub(super) scalars: Vec<(&'static str, Vec<f64>)>,
+    pub(super) scalars: Vec<(String, Vec<f64>)>,
 }
 
 /// Fails where `scans` have more points than fit into `file_bytes`, or more than `options` allow.
@@ -76,21 +91,7 @@ impl Scan {
             positions: fields.positions(index, rotation)?,
             colors: fields.colors(),
             normals: fields.normals(rotation),
-            scalars: SCALARS
-                .into_iter()
-                .filter_map(|(name, record)| {
-                    let mut values = fields.column(&record)?;
-                    let invalid = match record {
-                        RecordName::Intensity => fields.column(&RecordName::IsIntensityInvalid),
-                        RecordName::TimeStamp => fields.column(&RecordName::IsTimeStampInvalid),
-                        _ => None,
-                    };
-                    for (value, invalid) in values.iter_mut().zip(invalid.unwrap_or_default()) {
-                        *value = if invalid == 0.0 { *value } else { 0.0 };
-                    }
-                    Some((name, values))
-                })
-                .collect(),
+            scalars: fields.scalars(),
         })
     }
 }
@@ -120,6 +121,45 @@ impl ScanFields<'_> {
             stream.for_each(self.count, |index, value| values[index] = value);
         }
         Some(values)
+    }
+
+    /// All that are not positions, colours or normals, those of known names first.
+    fn scalars(&self) -> Vec<(String, Vec<f64>)> {
+        let mut names = UniqueNames::default();
+        let known = SCALARS.into_iter().map(|(name, record)| (name.to_owned(), record));
+        let others = self.scan.prototype.iter().filter_map(|record| {
+            let name = other_name(&record.name)?;
+            let is_normal = NORMALS.contains(&name.as_str()) && self.normal_names().is_some();
+            (!is_normal).then(|| (name, record.name.clone()))
+        });
+        let mut scalars = Vec::new();
+        for (name, record) in known.chain(others) {
+            let Some(mut values) = self.column(&record) else {
+                continue;
+            };
+            let invalid = match record {
+                RecordName::Intensity => self.column(&RecordName::IsIntensityInvalid),
+                RecordName::TimeStamp => self.column(&RecordName::IsTimeStampInvalid),
+                _ => None,
+            };
+            for (value, invalid) in values.iter_mut().zip(invalid.unwrap_or_default()) {
+                *value = if invalid == 0.0 { *value } else { 0.0 };
+            }
+            scalars.push((names.take(&name, attributes::plain_scalar_name), values));
+        }
+        scalars
+    }
+
+    /// The names of the extension for surface normals, under whatever prefix a file gives it.
+    fn normal_names(&self) -> Option<[RecordName; 3]> {
+        let axis = |axis: &str| {
+            self.scan.prototype.iter().find_map(|record| match &record.name {
+                RecordName::Unknown { name, .. } if name == axis => Some(record.name.clone()),
+                _ => None,
+            })
+        };
+        let [x, y, z] = NORMALS.map(axis);
+        Some([x?, y?, z?])
     }
 
     /// Three columns as vectors; `None` if one is missing.
@@ -194,14 +234,7 @@ impl ScanFields<'_> {
     }
 
     fn normals(&self, rotation: DQuat) -> Option<Vec<[f32; 3]>> {
-        // By the extension for surface normals, under whatever prefix a file gives it.
-        let axis = |axis: &str| {
-            self.scan.prototype.iter().find_map(|record| match &record.name {
-                RecordName::Unknown { name, .. } if name == axis => Some(record.name.clone()),
-                _ => None,
-            })
-        };
-        let normals = self.vectors(&[axis("normalX")?, axis("normalY")?, axis("normalZ")?])?;
+        let normals = self.vectors(&self.normal_names()?)?;
         let turned = |normal: [f64; 3]| (rotation * DVec3::from_array(normal)).as_vec3().to_array();
         Some(normals.into_iter().map(turned).collect())
     }

@@ -26,6 +26,8 @@ pub(super) struct Geometry {
     pub(super) texture_places: Vec<[f32; 2]>,
     /// Material of each vertex.
     pub(super) materials: Vec<Option<usize>>,
+    /// Attributes of the application, whose names begin with an underscore; NaN where a shape has none.
+    pub(super) fields: Vec<(String, Vec<f64>)>,
     pub(super) faces: Vec<[u32; 3]>,
 }
 
@@ -88,6 +90,8 @@ struct PrimitiveAttributes {
     texture_places: Option<Vec<[f32; 2]>>,
     /// Four bones and their weights, as often as there are.
     joints: Vec<Joints>,
+    /// By name, as [`Geometry::fields`].
+    fields: Vec<(String, Vec<f64>)>,
 }
 
 impl Geometry {
@@ -134,6 +138,7 @@ impl Geometry {
         self.has_normals |= shape.normals.is_some();
         self.has_colors |= shape.colors.is_some();
         self.materials.resize(self.positions.len(), primitive.material);
+        self.add_fields(source, &shape.fields, &used)?;
         let corners: Vec<u32> = match indices {
             Some(indices) => {
                 let place = |vertex: &u32| used.partition_point(|other| other < vertex);
@@ -155,6 +160,31 @@ impl Geometry {
             for face in &mut self.faces[first_face..] {
                 face.swap(1, 2);
             }
+        }
+        Ok(())
+    }
+
+    /// Appends the numbers of the vertices `used` of a shape with these `fields`.
+    fn add_fields(
+        &mut self,
+        source: &AccessorSource<'_>,
+        fields: &[(String, Vec<f64>)],
+        used: &[u32],
+    ) -> Result<(), Fault> {
+        let end = self.positions.len();
+        for (name, values) in fields {
+            let place = self.fields.iter().position(|(known, _)| known == name);
+            let place = place.unwrap_or_else(|| {
+                self.fields.push((name.clone(), Vec::new()));
+                self.fields.len() - 1
+            });
+            let all = &mut self.fields[place].1;
+            source.spend((end - all.len()) as u64 * size_of::<f64>() as u64)?;
+            all.resize(end - used.len(), f64::NAN);
+            all.extend(used.iter().map(|&vertex| values[vertex as usize]));
+        }
+        for (_, values) in &mut self.fields {
+            values.resize(end, f64::NAN);
         }
         Ok(())
     }
@@ -225,6 +255,8 @@ impl PrimitiveAttributes {
         ) {
             joints.push((source.read::<4>(bones)?, source.read::<4>(weights)?));
         }
+        let fields = fields(source, primitive)?;
+        let field_lengths = fields.iter().map(|(_, values)| values.len());
         let lengths = [
             normals.as_ref().map(Vec::len),
             colors.as_ref().map(Vec::len),
@@ -235,6 +267,7 @@ impl PrimitiveAttributes {
             .into_iter()
             .flatten()
             .chain(joint_lengths)
+            .chain(field_lengths)
             .find(|&length| length != count)
         {
             return Err(Fault::header(format!(
@@ -247,6 +280,7 @@ impl PrimitiveAttributes {
             colors,
             texture_places,
             joints,
+            fields,
         })
     }
 
@@ -274,6 +308,27 @@ impl PrimitiveAttributes {
         sum.translation /= total;
         Ok(Some(sum))
     }
+}
+
+/// The attributes of the application, in the order of their names; each number of those with several by itself.
+fn fields(source: &AccessorSource<'_>, primitive: &Primitive) -> Result<Vec<(String, Vec<f64>)>, Fault> {
+    let own = primitive.attributes.iter().filter(|(name, _)| name.starts_with('_'));
+    let mut own: Vec<(&String, &usize)> = own.collect();
+    own.sort_unstable();
+    let mut fields = Vec::new();
+    for (name, &accessor) in own {
+        let columns = source.read_columns(accessor)?;
+        let is_single = columns.len() == 1;
+        for (place, values) in columns.into_iter().enumerate() {
+            let name = if is_single {
+                name.clone()
+            } else {
+                format!("{name}_{place}")
+            };
+            fields.push((name, values));
+        }
+    }
+    Ok(fields)
 }
 
 /// The set of texture coordinates that the material of a shape uses.

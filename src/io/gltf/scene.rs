@@ -10,7 +10,7 @@ use super::document::{self, Document};
 use super::geometry::{self, Geometry};
 use super::material::{Surfaces, Textures};
 use super::nodes;
-use crate::cloud::{self, Positions, RawCloud};
+use crate::cloud::{self, Positions, RawCloud, ScalarField};
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
@@ -203,7 +203,7 @@ fn vertices(geometry: Geometry, surfaces: &Surfaces<'_>) -> RawCloud {
     cloud
 }
 
-/// Positions, normals and faces.
+/// Positions, normals, fields and faces.
 fn bare(geometry: Geometry) -> RawCloud {
     let is_far = geometry
         .positions
@@ -221,6 +221,8 @@ fn bare(geometry: Geometry) -> RawCloud {
         )
     });
     cloud.attributes.normals = geometry.has_normals.then_some(geometry.normals);
+    let field = |(name, values): (String, Vec<f64>)| ScalarField::from_f64(name, &values);
+    cloud.attributes.scalars = geometry.fields.into_iter().map(field).collect();
     cloud.faces = geometry.faces;
     cloud
 }

@@ -3,16 +3,16 @@
 use super::header::{LasHeader, Record, take};
 use crate::io::column::Scalar;
 
-/// Fields that are taken.
-const MAX_FIELDS: usize = 16;
-
 /// Bytes that describe a field.
 const DESCRIPTION_BYTES: usize = 192;
 
-/// A field of one plain number.
+/// A plain number.
 #[derive(Debug, Clone)]
 pub(super) struct ExtraField {
+    /// Of the file; may be empty, or that of another field.
     pub(super) name: String,
+    /// Counted from 1.
+    pub(super) number: usize,
     pub(super) scalar: Scalar,
     /// Byte of a point where it begins.
     pub(super) start: usize,
@@ -23,6 +23,11 @@ pub(super) struct ExtraField {
 }
 
 impl ExtraField {
+    /// Whether the numbers in the file are what they mean.
+    pub(super) fn is_plain(&self) -> bool {
+        self.no_data.is_none() && (self.scale, self.offset) == (1.0, 0.0)
+    }
+
     /// From the numbers in the file to what they mean.
     pub(super) fn apply(&self, values: &mut [f64]) {
         for value in values {
@@ -37,15 +42,6 @@ impl ExtraField {
 
 /// The fields that `records` describe, as far as they lie within a point.
 pub(super) fn fields<'a>(header: &LasHeader, records: impl Iterator<Item = Record<'a>>) -> Vec<ExtraField> {
-    /// Names that other fields of the cloud have.
-    const TAKEN: [&str; 6] = [
-        "intensity",
-        "classification",
-        "gps_time",
-        "return_number",
-        "number_of_returns",
-        "near_ir",
-    ];
     let mut fields: Vec<ExtraField> = Vec::new();
     let mut start = header.extra_start();
     let descriptions = records
@@ -57,28 +53,29 @@ pub(super) fn fields<'a>(header: &LasHeader, records: impl Iterator<Item = Recor
             break;
         };
         let end = start + bytes;
-        if end > header.point_bytes || fields.len() == MAX_FIELDS {
+        if end > header.point_bytes {
             break;
         }
-        if let Some(scalar) = scalar(kind) {
-            let name = &description[4..36];
-            let length = name.iter().position(|&byte| byte == 0).unwrap_or(name.len());
-            let mut name = String::from_utf8_lossy(&name[..length]).trim().to_owned();
-            let is_taken = |name: &str| {
-                TAKEN.iter().any(|taken| taken.eq_ignore_ascii_case(name))
-                    || fields.iter().any(|field| field.name == name)
-            };
-            if name.is_empty() || is_taken(&name) {
-                name = format!("{name} extra {}", fields.len() + 1);
+        let (single, numbers) = numbers(kind);
+        if let Some(scalar) = single {
+            let text = &description[4..36];
+            let length = text.iter().position(|&byte| byte == 0).unwrap_or(text.len());
+            let name = String::from_utf8_lossy(&text[..length]).trim().to_owned();
+            for place in 0..numbers {
+                let name = match numbers {
+                    1 => name.clone(),
+                    _ => format!("{name}_{place}"),
+                };
+                fields.push(ExtraField {
+                    name,
+                    number: fields.len() + 1,
+                    scalar,
+                    start: start + place * scalar.byte_size(),
+                    no_data: (options & 1 != 0).then(|| widest(scalar).read(&description[40 + 8 * place..], false)),
+                    scale: factor(description, 8, 112 + 8 * place, 1.0),
+                    offset: factor(description, 16, 136 + 8 * place, 0.0),
+                });
             }
-            fields.push(ExtraField {
-                name,
-                scalar,
-                start,
-                no_data: (options & 1 != 0).then(|| widest(scalar).read(&description[40..48], false)),
-                scale: factor(description, 8, 112, 1.0),
-                offset: factor(description, 16, 136, 0.0),
-            });
         }
         start = end;
     }
@@ -108,15 +105,19 @@ fn scalar(kind: u8) -> Option<Scalar> {
     SCALARS.get(usize::from(kind.checked_sub(1)?)).copied()
 }
 
-/// Bytes of a field; kind 0 is so many bytes without a meaning, those above 10 are two or three numbers.
-fn byte_size(kind: u8, options: u8) -> Option<usize> {
+/// The type of each number of a field, and how many there are: those of a kind above 10 are two or three.
+fn numbers(kind: u8) -> (Option<Scalar>, usize) {
     match kind {
-        0 => Some(usize::from(options)),
-        1..=30 => {
-            let numbers = usize::from((kind - 1) / 10) + 1;
-            Some(numbers * scalar((kind - 1) % 10 + 1)?.byte_size())
-        }
-        _ => None,
+        1..=30 => (scalar((kind - 1) % 10 + 1), usize::from((kind - 1) / 10) + 1),
+        _ => (None, 0),
+    }
+}
+
+/// Bytes of a field; kind 0 is so many bytes without a meaning.
+fn byte_size(kind: u8, options: u8) -> Option<usize> {
+    match numbers(kind) {
+        (Some(scalar), numbers) => Some(numbers * scalar.byte_size()),
+        (None, _) => (kind == 0).then_some(usize::from(options)),
     }
 }
 

@@ -18,6 +18,7 @@ mod scanner_channel;
 mod tests;
 mod unit;
 pub(in crate::io) mod write;
+mod write_fields;
 
 pub(in crate::io) use header::take;
 

@@ -1,11 +1,13 @@
-//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not.
+//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not. Scalar fields that the format has no
+//! place for, or whose numbers do not fit it, are extra bytes under their own names.
 //!
 //! Coordinates are integers in the file. Each axis gets the coarsest decimal scale, a thousandth or finer, at which no
 //! coordinate loses a digit that it has: files that came from integers go back to the same ones and compress well, and
 //! single precision is kept to its last bit. Where no scale does that, it is the finest at which the extent fits 32
 //! bits.
 
-use crate::cloud::{Positions, RawCloud, ScalarField};
+use super::write_fields::{self, ExtraBytes, StandardFields};
+use crate::cloud::{Positions, RawCloud};
 use crate::io::write::{Encoder, Held, Loss, WriteSeek};
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::io::{Error, Result};
@@ -103,52 +105,22 @@ pub(in crate::io) const LAZ: &Encoder = &Encoder {
     write: |out, cloud| write(out, cloud, true),
 };
 
-/// Scalars that have no field, values that do not fit theirs, and coordinates that do not fit 32 bits.
+/// Fields beyond those that can be described, values that do not fit their field, and coordinates that do not fit 32
+/// bits.
 fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
-    let points = LasPoints::new(cloud);
-    let fields = [
-        points.intensity.map(|(field, _)| field),
-        points.classification,
-        points.gps_time,
-    ];
-    let is_written = |field: &&ScalarField| fields.into_iter().flatten().any(|known| std::ptr::eq(known, *field));
-    let scalars = cloud.attributes.scalars.iter();
-    let unwritten = scalars.filter(|field| !is_written(field));
-    let mut lost: Vec<(Loss, f64)> = unwritten
-        .map(|field| (Loss::Field(format!("`{}`", field.name)), 0.0))
-        .collect();
-    let mut check = |field: Option<&ScalarField>, scale: f64, largest: f64, what: &str| {
-        let fits = |value: f64| value.fract() == 0.0 && (0.0..=largest).contains(&value);
-        let number = |field: &ScalarField, value: f32| (f64::from(value) + field.offset) * scale;
-        if let Some(field) = field
-            // A fraction of 1 in 16 bits is no more precise in other programs.
-            && (scale == 1.0 || field.values.iter().any(|value| !value.is_finite()))
-            && !field.values.iter().all(|&value| fits(number(field, value)))
-        {
-            lost.push((Loss::Values(field.name.clone(), what.to_owned()), 0.0));
-        }
-    };
-    let scale = points.intensity.map_or(1.0, |(_, scale)| scale);
-    let intensity = points.intensity.map(|(field, _)| field);
-    check(intensity, scale, f64::from(u16::MAX), "whole numbers from 0 to 65535");
-    check(
-        points.classification,
-        1.0,
-        f64::from(u8::MAX),
-        "whole numbers from 0 to 255",
-    );
-    let error = points.largest_error();
+    let mut lost = write_fields::lost(&cloud.attributes.scalars);
+    let error = LasPoints::new(cloud).largest_error();
     if error > 0.0 {
         lost.push((Loss::Precision, error));
     }
     lost
 }
 
-/// Writes the finite points of `cloud`, with colours, `intensity`, `classification` and `gps_time` if they are there.
+/// Writes the finite points of `cloud`, with colours and all scalar fields.
 pub(super) fn write(out: &mut dyn WriteSeek, cloud: &RawCloud, compressed: bool) -> Result<()> {
     let points = LasPoints::new(cloud);
     let compression = compressed
-        .then(|| LazVlrBuilder::default().with_point_format(points.format(), 0))
+        .then(|| LazVlrBuilder::default().with_point_format(points.format(), points.extra.point_bytes()))
         .transpose()
         .map_err(Error::other)?
         .map(LazVlrBuilder::build);
@@ -191,9 +163,8 @@ struct LasPoints<'a> {
     /// Corners as integers.
     bounds: [[i32; 2]; 3],
     count: u64,
-    intensity: Option<(&'a ScalarField, f64)>,
-    classification: Option<&'a ScalarField>,
-    gps_time: Option<&'a ScalarField>,
+    fields: StandardFields<'a>,
+    extra: ExtraBytes<'a>,
 }
 
 impl<'a> LasPoints<'a> {
@@ -208,18 +179,14 @@ impl<'a> LasPoints<'a> {
                 .map(move |position| position[axis]);
             Axis::new((min[axis], max[axis]), precision, &coordinates)
         });
-        let field = |name: &str| {
-            let is_named = |field: &&ScalarField| field.name.eq_ignore_ascii_case(name);
-            cloud.attributes.scalars.iter().find(is_named)
-        };
+        let fields = StandardFields::of(&cloud.attributes.scalars);
         Self {
             cloud,
             bounds: std::array::from_fn(|axis: usize| [min, max].map(|corner| Axis::raw(axes[axis], corner[axis]))),
             axes,
             count: count as u64,
-            intensity: field("intensity").map(|field| (field, intensity_scale(field))),
-            classification: field("classification"),
-            gps_time: field("gps_time"),
+            extra: ExtraBytes::of(&cloud.attributes.scalars, &fields),
+            fields,
         }
     }
 
@@ -252,7 +219,8 @@ impl<'a> LasPoints<'a> {
     }
 
     fn point_bytes(&self) -> u16 {
-        if self.cloud.attributes.colors.is_some() { 36 } else { 30 }
+        let standard = if self.cloud.attributes.colors.is_some() { 36 } else { 30 };
+        standard + self.extra.point_bytes()
     }
 
     /// The header, and behind it the record of the compression if it is not empty.
@@ -260,10 +228,19 @@ impl<'a> LasPoints<'a> {
         /// The points have no map projection in the older form.
         const WELL_KNOWN_TEXT: u16 = 1 << 4;
         const COMPRESSED: u8 = 1 << 7;
-        let has_record = !record.is_empty();
+        let is_compressed = !record.is_empty();
+        let mut records = Vec::new();
+        if is_compressed {
+            put_record(&mut records, laz::LazVlr::USER_ID, laz::LazVlr::RECORD_ID, record);
+        }
+        let descriptions = self.extra.descriptions();
+        if !descriptions.is_empty() {
+            put_record(&mut records, "LASF_Spec", EXTRA_BYTES_RECORD, &descriptions);
+        }
         let mut header = vec![0; HEADER_BYTES];
         let mut put = |at: usize, bytes: &[u8]| header[at..at + bytes.len()].copy_from_slice(bytes);
-        let points_start = HEADER_BYTES + usize::from(has_record) * (RECORD_HEADER_BYTES + record.len());
+        let record_count = u32::from(is_compressed) + u32::from(!descriptions.is_empty());
+        let points_start = HEADER_BYTES + records.len();
         put(0, b"LASF");
         put(6, &WELL_KNOWN_TEXT.to_le_bytes());
         put(24, &[1, 4]);
@@ -271,8 +248,8 @@ impl<'a> LasPoints<'a> {
         put(58, b"pointreel");
         put(94, &(HEADER_BYTES as u16).to_le_bytes());
         put(96, &(points_start as u32).to_le_bytes());
-        put(100, &u32::from(has_record).to_le_bytes());
-        put(104, &[self.format() | if has_record { COMPRESSED } else { 0 }]);
+        put(100, &record_count.to_le_bytes());
+        put(104, &[self.format() | if is_compressed { COMPRESSED } else { 0 }]);
         put(105, &self.point_bytes().to_le_bytes());
         for (axis, (scaled, [min, max])) in self.axes.iter().zip(self.bounds).enumerate() {
             put(131 + 8 * axis, &scaled.scale().to_le_bytes());
@@ -281,24 +258,15 @@ impl<'a> LasPoints<'a> {
             put(187 + 16 * axis, &scaled.value(min).to_le_bytes());
         }
         put(247, &self.count.to_le_bytes());
-        // All are first returns.
-        put(255, &self.count.to_le_bytes());
-        if has_record {
-            let mut head = [0; RECORD_HEADER_BYTES];
-            let user = laz::LazVlr::USER_ID.as_bytes();
-            head[2..2 + user.len()].copy_from_slice(user);
-            head[18..20].copy_from_slice(&laz::LazVlr::RECORD_ID.to_le_bytes());
-            head[20..22].copy_from_slice(&(record.len() as u16).to_le_bytes());
-            header.extend(head);
-            header.extend(record);
+        for (place, count) in self.fields.return_counts(self.total(), self.count).iter().enumerate() {
+            put(255 + 8 * place, &count.to_le_bytes());
         }
+        header.extend(records);
         header
     }
 
     /// The points from `start` on that are finite, up to a block of them.
     fn rows(&self, start: usize, rows: &mut Vec<u8>) {
-        /// The first of one return.
-        const RETURNS: u8 = 1 | 1 << 4;
         rows.clear();
         for index in start..self.total().min(start + BLOCK_POINTS) {
             let position = self.cloud.positions.get(index);
@@ -308,14 +276,7 @@ impl<'a> LasPoints<'a> {
             for (axis, scaled) in self.axes.iter().enumerate() {
                 rows.extend(scaled.raw(position[axis]).to_le_bytes());
             }
-            let number = |field: &ScalarField| f64::from(field.values[index]) + field.offset;
-            let intensity = self.intensity.map_or(0.0, |(field, scale)| number(field) * scale);
-            // A cast of what is no number or out of range gives the nearest one that is.
-            rows.extend((intensity.round() as u16).to_le_bytes());
-            let class = self.classification.map_or(0.0, number).round() as u8;
-            rows.extend([RETURNS, 0, class, 0, 0, 0, 0, 0]);
-            let time = self.gps_time.map_or(0.0, number);
-            rows.extend(if time.is_finite() { time } else { 0.0 }.to_le_bytes());
+            self.fields.put(index, rows);
             if let Some(colors) = &self.cloud.attributes.colors {
                 /// From 8 bits to 16, both full.
                 const WIDER: u16 = 257;
@@ -323,16 +284,20 @@ impl<'a> LasPoints<'a> {
                     rows.extend((u16::from(*channel) * WIDER).to_le_bytes());
                 }
             }
+            self.extra.put(index, rows);
         }
     }
 }
 
-/// What makes 16 bits of an intensity: other programs have it from 0 to 1.
-fn intensity_scale(field: &ScalarField) -> f64 {
-    let numbers = field.values.iter().map(|&value| f64::from(value) + field.offset);
-    let is_fraction = numbers.clone().any(|value| value.fract() != 0.0)
-        && !numbers
-            .clone()
-            .any(|value| !(0.0..=1.0).contains(&value) && value.is_finite());
-    if is_fraction { f64::from(u16::MAX) } else { 1.0 }
+/// Number of the standard record that describes extra bytes.
+const EXTRA_BYTES_RECORD: u16 = 4;
+
+/// Appends a record with its header. Precondition: its data are at most 65,535 bytes.
+fn put_record(records: &mut Vec<u8>, user: &str, id: u16, data: &[u8]) {
+    let mut head = [0; RECORD_HEADER_BYTES];
+    head[2..2 + user.len()].copy_from_slice(user.as_bytes());
+    head[18..20].copy_from_slice(&id.to_le_bytes());
+    head[20..22].copy_from_slice(&(data.len() as u16).to_le_bytes());
+    records.extend(head);
+    records.extend(data);
 }

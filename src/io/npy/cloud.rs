@@ -12,7 +12,7 @@ use super::header::{Array, ArrayLayout, column_of};
 use super::layers::{
     MAX_COLUMNS, NamedArray, assume_frames, layer_of, no_layer, numbered_frames, take_layer, unroll_images,
 };
-use crate::cloud::{ImageGrid, RawCloud};
+use crate::cloud::{ImageGrid, RawCloud, ScalarField};
 use std::io::{Cursor, Read as _};
 
 /// Names of arrays with coordinates.
@@ -41,6 +41,9 @@ const POSITIONS: [&str; 19] = [
 ];
 const COLORS: [&str; 7] = ["rgb", "rgba", "color", "colors", "colour", "colours", "rgb_colors"];
 const NORMALS: [&str; 2] = ["normals", "normal"];
+
+/// Numbers that are kept of a field of records: more than the longest descriptors have.
+const MAX_ENTRIES: usize = 2048;
 
 pub(in crate::io) fn decode(bytes: &[u8], part: &Part) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
@@ -133,8 +136,19 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
             }
         )));
     }
+    let positions = place.map(|place| arrays[place].0.as_str());
+    add_fields_beside(&mut columns, &arrays, positions, count);
     let mut cloud = growing::cloud(&columns, count)?;
-    splats::apply(&splat_arrays(&arrays, count), &mut cloud);
+    let splat_arrays = splat_arrays(&arrays, count);
+    let used = splats::apply(&splat_arrays, &mut cloud);
+    // Of what may be of splats, the rest are fields as all others.
+    let unused = splat_arrays.iter().filter(|array| !used.contains(&array.name));
+    for array in unused.filter(|array| !attributes::is_reserved(array.name)) {
+        for column in &array.columns {
+            let field = ScalarField::from_f64(column.name.as_str(), &column.to_f64(count));
+            cloud.attributes.scalars.push(field);
+        }
+    }
     match image {
         Some([height, width]) => cloud.grid = grid_of(width, height, count),
         // What an image is, four dimensions say.
@@ -152,7 +166,7 @@ fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a
             &["red", "green", "blue", "alpha"]
         } else if is_one_of(&NORMALS, name) {
             &["nx", "ny", "nz"]
-        } else if array.shape.iter().product::<usize>() == count && attributes::is_used(name) {
+        } else if array.shape.iter().product::<usize>() == count && attributes::is_reserved(name) {
             &[name.as_str()]
         } else {
             continue;
@@ -176,6 +190,51 @@ fn add_columns_beside<'a>(columns: &mut Vec<Column<'a>>, arrays: &[NamedArray<'a
     Ok(())
 }
 
+/// Adds the arrays of numbers with an entry for each of `count` points that say nothing else: each of their columns is
+/// a scalar field.
+fn add_fields_beside<'a>(
+    columns: &mut Vec<Column<'a>>,
+    arrays: &[NamedArray<'a>],
+    positions: Option<&str>,
+    count: usize,
+) {
+    let is_known = |name: &str| {
+        COLORS.contains(&name) || NORMALS.contains(&name) || attributes::is_reserved(name) || splats::is_used(name)
+    };
+    for (name, array) in arrays {
+        if is_known(name) || positions == Some(name.as_str()) {
+            continue;
+        }
+        match &array.kind {
+            ArrayLayout::Table(_) => columns.extend(entries(name, array, count).unwrap_or_default()),
+            ArrayLayout::Records { .. } if array.shape[..] == [count] => {
+                columns.extend(records(array, count).unwrap_or_default());
+            }
+            ArrayLayout::Records { .. } => {}
+        }
+    }
+}
+
+/// The columns of a table with an entry for each of `count` points: `name`, or `name_0` and so on where they are
+/// several. `None` where the array is of something else.
+fn entries<'a>(name: &str, array: &Array<'a>, count: usize) -> Option<Vec<Column<'a>>> {
+    let width = match array.shape[..] {
+        [rows] if rows == count => 1,
+        [1, rows] if rows == count => 1,
+        [rows, width] if rows == count && width <= MAX_COLUMNS => width,
+        _ => return None,
+    };
+    let named = |index: usize| match width {
+        1 => name.to_owned(),
+        _ => format!("{name}_{index}"),
+    };
+    Some(
+        (0..width)
+            .map(|index| array.column(named(index), index, width, count))
+            .collect(),
+    )
+}
+
 fn grid_of(width: usize, height: usize, count: usize) -> Option<ImageGrid> {
     ImageGrid::of(u32::try_from(width).ok()?, u32::try_from(height).ok()?, count)
 }
@@ -186,13 +245,9 @@ fn splat_arrays<'a>(arrays: &'a [(String, Array<'a>)], count: usize) -> Vec<Spla
         let is_table = matches!(array.kind, ArrayLayout::Table(_));
         is_table && splats::is_used(name) && array.shape.first() == Some(&count) && array.shape.len() <= 2
     });
-    let columns = |(name, array): &'a (String, Array<'a>)| {
-        let width = array.shape.get(1).copied().unwrap_or(1).min(MAX_COLUMNS);
-        let column = |index| array.column(String::new(), index, width, count);
-        SplatArray {
-            name,
-            columns: (0..width).map(column).collect(),
-        }
+    let columns = |(name, array): &'a (String, Array<'a>)| SplatArray {
+        name,
+        columns: entries(name, array, count).unwrap_or_default(),
     };
     of_splats.map(columns).collect()
 }
@@ -285,22 +340,22 @@ fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault
             continue;
         };
         let lower = field.name.to_ascii_lowercase();
-        let names: &[&str] = match lower.as_str() {
+        let known: &[&str] = match lower.as_str() {
             _ if field.length == 1 => &[&field.name],
             name if POSITIONS.contains(&name) => &["x", "y", "z"],
             name if COLORS.contains(&name) => &["red", "green", "blue", "alpha"],
             name if NORMALS.contains(&name) => &["nx", "ny", "nz"],
-            _ => &[&field.name],
+            _ => &[],
         };
-        for (index, name) in names.iter().enumerate().take(field.length) {
+        let several = || (0..field.length.min(MAX_ENTRIES)).map(|index| format!("{}_{index}", field.name));
+        let names: Vec<String> = if known.is_empty() {
+            several().collect()
+        } else {
+            known.iter().take(field.length).map(|name| (*name).to_owned()).collect()
+        };
+        for (index, name) in names.into_iter().enumerate() {
             let start = field.offset + index * number.bytes();
-            columns.push(column_of(
-                number,
-                (*name).to_owned(),
-                array.payload,
-                [start, *row_bytes],
-                count,
-            ));
+            columns.push(column_of(number, name, array.payload, [start, *row_bytes], count));
         }
     }
     if columns.is_empty() && count > 0 {

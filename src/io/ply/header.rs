@@ -3,8 +3,10 @@
 use super::super::column::Scalar;
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
+use super::super::unique_names::{UniqueNames, duplicate_warning};
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
+use std::collections::HashSet;
 
 /// Longer headers are not believed to be headers.
 const MAX_HEADER_BYTES: usize = 1 << 20;
@@ -18,6 +20,8 @@ pub(super) struct PlyHeader {
     pub(super) byte_size: usize,
     /// Lines up to the payload.
     pub(super) line_count: usize,
+    /// Names that were changed, a clause each with its line.
+    pub(super) warnings: Vec<String>,
 }
 
 /// A list of rows of one kind.
@@ -49,39 +53,48 @@ impl PlyHeader {
                 format!("expected `ply`, found {}", quoted(first_line(bytes))),
             ));
         }
-        let (text, byte_size) = header_text(bytes)?;
+        let HeaderText { text, names, byte_size } = HeaderText::read(bytes)?;
         let mut reader = Reader::new(text.as_bytes());
         let header = Parser::<DefaultElement>::new()
             .read_header(&mut reader)
             .map_err(|error| {
                 let line = error.line().unwrap_or(1);
-                let found = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+                let found = bytes_of_line(bytes, line);
                 Fault::new(
                     Place::Line(line),
-                    format!("the header is not understood: found {}", quoted(found.as_bytes())),
+                    format!("the header is not understood: found {}", quoted(found)),
                 )
             })?;
-        let elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
-        // The parser keeps elements and properties by name, so one of two with the same name would be lost and every
-        // row read at a wrong stride.
-        let properties: usize = elements.iter().map(|element| element.properties.len()).sum();
-        let lines_of = |keyword: &str| {
-            text.lines()
-                .filter(|line| line.split_whitespace().next() == Some(keyword))
-                .count()
-        };
-        if lines_of("property") != properties || lines_of("element") != elements.len() {
-            return Err(Fault::header(
-                "two elements or two properties of an element have the same name",
-            ));
+        let mut elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
+        // The parser keeps elements by name, so the rows of one of two with the same name would be read as others.
+        let is_element = |line: &&str| line.split_whitespace().next() == Some("element");
+        if text.lines().filter(is_element).count() != elements.len() {
+            return Err(Fault::header("two elements have the same name"));
+        }
+        let mut warnings = Vec::new();
+        for element in &mut elements {
+            element.restore_names(&names, &mut warnings);
         }
         Ok(Self {
             encoding: header.encoding,
             elements,
             byte_size,
             line_count: text.lines().count(),
+            warnings,
         })
     }
+}
+
+/// Line `number`, counted from 1, of a file.
+fn bytes_of_line(bytes: &[u8], number: usize) -> &[u8] {
+    let head = &bytes[..bytes.len().min(MAX_HEADER_BYTES)];
+    let ending = if head[first_line(head).len()..].starts_with(b"\n") || head.contains(&b'\n') {
+        b'\n'
+    } else {
+        b'\r'
+    };
+    let line = head.split(|&byte| byte == ending).nth(number.saturating_sub(1));
+    line.unwrap_or_default().trim_ascii()
 }
 
 fn first_line(bytes: &[u8]) -> &[u8] {
@@ -91,67 +104,71 @@ fn first_line(bytes: &[u8]) -> &[u8] {
         .unwrap_or(bytes)
 }
 
-/// The lines up to `end_header` as the crate's grammar wants them, and the number of bytes that they take in the file.
-fn header_text(bytes: &[u8]) -> Result<(String, usize), Fault> {
-    const LAST_LINE: &str = "end_header";
-    // Where lines end in `\r` alone, a `\n` behind the last one is the first byte of the payload.
-    let is_old_mac =
-        bytes.get(first_line(bytes).len()) == Some(&b'\r') && bytes.get(first_line(bytes).len() + 1) != Some(&b'\n');
-    let mut text = String::new();
-    let mut at = 0;
-    let mut number = 1;
-    while at < bytes.len().min(MAX_HEADER_BYTES) {
-        let rest = &bytes[at..];
-        let length = first_line(rest).len();
-        let ending = match rest[length..] {
-            [b'\r', b'\n', ..] if !is_old_mac => 2,
-            [] => 0,
-            _ => 1,
+/// The lines up to `end_header` as the crate's grammar wants them.
+struct HeaderText {
+    text: String,
+    /// Names of properties in the order of the file, and their lines. In `text` each is its place in this list: the
+    /// grammar knows no signs in names, and keeps one of two properties of the same name.
+    names: Vec<(String, usize)>,
+    /// Bytes that the lines take in the file.
+    byte_size: usize,
+}
+
+impl HeaderText {
+    fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        const LAST_LINE: &str = "end_header";
+        // Where lines end in `\r` alone, a `\n` behind the last one is the first byte of the payload.
+        let is_old_mac = bytes.get(first_line(bytes).len()) == Some(&b'\r')
+            && bytes.get(first_line(bytes).len() + 1) != Some(&b'\n');
+        let mut header = Self {
+            text: String::new(),
+            names: Vec::new(),
+            byte_size: 0,
         };
-        let line = lenient_line(&rest[..length], number);
-        at += length + ending;
-        text.push_str(&line);
-        text.push('\n');
-        if line == LAST_LINE {
-            return Ok((text, at));
+        let mut number = 1;
+        while header.byte_size < bytes.len().min(MAX_HEADER_BYTES) {
+            let rest = &bytes[header.byte_size..];
+            let length = first_line(rest).len();
+            let ending = match rest[length..] {
+                [b'\r', b'\n', ..] if !is_old_mac => 2,
+                [] => 0,
+                _ => 1,
+            };
+            let line = header.lenient_line(&rest[..length], number);
+            header.byte_size += length + ending;
+            header.text.push_str(&line);
+            header.text.push('\n');
+            if line == LAST_LINE {
+                return Ok(header);
+            }
+            number += 1;
         }
-        number += 1;
+        Err(Fault::header(
+            "there is no line `end_header`: the header is incomplete, the file may be truncated",
+        ))
     }
-    Err(Fault::header(
-        "there is no line `end_header`: the header is incomplete, the file may be truncated",
-    ))
-}
 
-/// A line without what the grammar does not know but writers write: space around it, empty lines, comments in any
-/// encoding, and names with signs (`scalar_C2C_distances_(mm)`), which cannot mean anything to us.
-fn lenient_line(line: &[u8], number: usize) -> String {
-    let ascii = line
-        .trim_ascii()
-        .iter()
-        .map(|&byte| if byte.is_ascii() { char::from(byte) } else { '?' });
-    let line: String = ascii.collect();
-    let mut words: Vec<&str> = line.split_ascii_whitespace().collect();
-    let name_index = match words.as_slice() {
-        [] => return "comment".to_owned(),
-        ["element", ..] => 1,
-        ["property", "list", ..] => 4,
-        ["property", ..] => 2,
-        _ => return line,
-    };
-    let substitute = format!("unnamed_{number}");
-    if let Some(name) = words.get_mut(name_index)
-        && !is_known_to_the_grammar(name)
-    {
-        *name = &substitute;
+    /// A line without what the grammar does not know but writers write: space around it, empty lines, comments in any
+    /// encoding, and names of properties with signs and spaces (`scalar_C2C absolute distances (mm)`).
+    fn lenient_line(&mut self, line: &[u8], number: usize) -> String {
+        let text = String::from_utf8_lossy(line.trim_ascii());
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let (kept, name) = match words.as_slice() {
+            [] => return "comment".to_owned(),
+            ["property", "list", length, item, name @ ..] if !name.is_empty() => {
+                (vec!["property", "list", length, item], name)
+            }
+            ["property", kind, name @ ..] if !name.is_empty() && *kind != "list" => (vec!["property", kind], name),
+            _ => {
+                return text
+                    .chars()
+                    .map(|sign| if sign.is_ascii() { sign } else { '?' })
+                    .collect();
+            }
+        };
+        self.names.push((name.join(" "), number));
+        format!("{} p{}", kept.join(" "), self.names.len() - 1)
     }
-    words.join(" ")
-}
-
-fn is_known_to_the_grammar(name: &str) -> bool {
-    name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
-        && name
-            .chars()
-            .all(|sign| sign.is_ascii_alphanumeric() || sign == '_' || sign == '-')
 }
 
 impl From<ElementDef> for Element {
@@ -193,6 +210,37 @@ impl From<ScalarType> for Scalar {
 }
 
 impl Element {
+    /// Gives the properties the names of the file, which the parser has seen as places in the list `names`. Of two of
+    /// the same name the first keeps it.
+    fn restore_names(&mut self, names: &[(String, usize)], warnings: &mut Vec<String>) {
+        let original = |property: &Property| {
+            let place: usize = property.name.strip_prefix('p')?.parse().ok()?;
+            names.get(place)
+        };
+        let reserved = self
+            .properties
+            .iter()
+            .filter_map(original)
+            .map(|(name, _)| name.clone());
+        let mut free = UniqueNames::reserving(reserved);
+        let mut seen = HashSet::new();
+        let mut duplicates = Vec::new();
+        for property in &mut self.properties {
+            let Some((name, line)) = original(property) else {
+                continue;
+            };
+            property.name = if seen.insert(name) {
+                name.clone()
+            } else {
+                let new = free.numbered(name, str::to_owned);
+                duplicates.push((*line, name.clone(), new.clone()));
+                new
+            };
+        }
+        let owner = format!("`{}` has a property", self.name);
+        warnings.extend(duplicate_warning(&owner, &duplicates));
+    }
+
     /// Bytes of a row without lists.
     pub(super) fn fixed_row_bytes(&self) -> Option<usize> {
         self.properties
@@ -274,12 +322,34 @@ mod tests {
             "ply\nformat ascii 1.0\ncomment \u{e9}\nelement vertex 1\nproperty float scalar_C2C_(mm)\n\
              property float 2nd\nproperty list uchar int #\nproperty float x\nend_header\n",
         );
-        let names: Vec<&str> = header.elements[0]
-            .properties
-            .iter()
-            .map(|property| property.name.as_str())
-            .collect();
-        assert_eq!(names, ["unnamed_5", "unnamed_6", "unnamed_7", "x"]);
+        assert_eq!(names(&header), ["scalar_C2C_(mm)", "2nd", "#", "x"]);
+        let header = parse(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float C2C absolute  distances\n\
+             property float p0\nproperty float h\u{f6}he\nproperty list uchar int a b\nend_header\n",
+        );
+        assert_eq!(names(&header), ["C2C absolute distances", "p0", "h\u{f6}he", "a b"]);
+        assert!(header.warnings.is_empty());
+    }
+
+    fn names(header: &PlyHeader) -> Vec<&str> {
+        let properties = header.elements[0].properties.iter();
+        properties.map(|property| property.name.as_str()).collect()
+    }
+
+    #[test]
+    fn of_two_properties_with_one_name_the_first_keeps_it() {
+        let header = parse(
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float q\nproperty int q\n\
+             property float q_2\nproperty double q\nelement face 0\nproperty int q\nend_header\n",
+        );
+        assert_eq!(names(&header), ["x", "q", "q_3", "q_2", "q_4"]);
+        let [warning] = header.warnings.as_slice() else {
+            panic!("{:?}", header.warnings)
+        };
+        assert!(
+            warning.contains("line 6") && warning.contains("`q` (now `q_3`)"),
+            "{warning}"
+        );
     }
 
     #[test]

@@ -1,6 +1,5 @@
-//! The columns that are kept of points.
+//! The columns that are kept of points: all but lists, and of splats those that nothing is made of.
 
-use super::super::attributes;
 use super::super::column::{Column, Values};
 use super::header::{Element, PropertyKind};
 use super::splats;
@@ -8,7 +7,7 @@ use super::splats;
 /// The element whose rows are points.
 pub(super) const POINTS: &str = "vertex";
 
-/// Parsed columns of the properties that a cloud has a use for.
+/// Parsed columns of the properties that are kept.
 pub(super) struct KeptColumns {
     pub(super) columns: Vec<Column<'static>>,
     /// Column of each property.
@@ -21,10 +20,11 @@ impl KeptColumns {
             columns: Vec::new(),
             column_of: Vec::new(),
         };
-        let is_used = |name: &str| attributes::is_used(name) || splats::is_used(name);
+        let names = |name: &str| vertex.properties.iter().any(|property| property.name == name);
+        let is_splat = splats::are_splats(&names);
         for property in &vertex.properties {
             let scalar = match property.kind {
-                PropertyKind::Scalar(scalar) if is_used(&property.name) => Some(scalar),
+                PropertyKind::Scalar(scalar) if !(is_splat && splats::is_unread(&property.name)) => Some(scalar),
                 _ => None,
             };
             kept.column_of.push(scalar.map(|_| kept.columns.len()));

@@ -10,6 +10,7 @@ mod binary;
 mod faces;
 mod header;
 mod kept_columns;
+mod moving_splats;
 mod packed_splats;
 mod splats;
 mod writer;
@@ -26,6 +27,7 @@ use faces::{FaceList, Faces};
 use header::PlyHeader;
 use kept_columns::POINTS;
 use ply_rs_bw::ply::Encoding;
+use splats::Splats;
 
 /// Stanford polygon file: ascii, little and big endian.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -41,10 +43,17 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         return splats;
     }
     let PlyRows { columns, count, faces } = read_rows(bytes, &header, progress)?;
-    let mut cloud = growing::cloud(&columns, count)?;
-    cloud.convention = writer::convention(bytes);
-    splats::apply(&columns, &mut cloud);
+    let mut cloud = match Splats::take(columns) {
+        Ok((splats, columns)) => {
+            let mut cloud = growing::cloud(&columns, count)?;
+            splats.put_into(&mut cloud);
+            cloud
+        }
+        Err(columns) => growing::cloud(&columns, count)?,
+    };
+    cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
+    cloud.warnings.extend(header.warnings);
     Ok(cloud)
 }
 
@@ -108,7 +117,11 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         rows.convention = writer::convention(head);
     }
     // The last line of a header that is as long as `head` may be cut off in its ending. Splats are made of all their
-    // columns.
-    let is_of_splats = |name: &str| splats::is_used(name) || packed_splats::is_used(name);
-    rows.filter(|rows| header.byte_size < head.len() && !rows.fields.iter().any(|field| is_of_splats(&field.name)))
+    // columns. What there is to say of the header the reading of whole files says.
+    rows.filter(|rows| {
+        let is_there = |name: &str| rows.fields.iter().any(|field| field.name == name);
+        let are_splats =
+            splats::are_splats(&is_there) || rows.fields.iter().any(|field| packed_splats::is_used(&field.name));
+        header.byte_size < head.len() && header.warnings.is_empty() && !are_splats
+    })
 }

@@ -92,7 +92,7 @@ fn unpack(bytes: &[u8], header: &PlyHeader, (chunks, splats): (&Element, &Elemen
         [r, g, b, alpha]
     };
     cloud.attributes.colors = Some((0..splats.count).map(color).collect());
-    put_shapes(&mut cloud, |splat| SplatShape {
+    put_shapes(&mut cloud, &[], |splat| SplatShape {
         log_scales: within(&scales, splat, three_parts(word(2, splat))).to_array(),
         rotation: rotation(word(1, splat)),
     });

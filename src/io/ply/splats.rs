@@ -1,56 +1,121 @@
-//! Gaussian splats as the authors of "3D Gaussian Splatting" store them in PLY, and flat ones of "2D Gaussian
-//! Splatting" (`io/splats`). The harmonics that change with direction (`f_rest_*`) are left out.
+//! Gaussian splats as the authors of "3D Gaussian Splatting" store them in PLY, flat ones of "2D Gaussian Splatting",
+//! those with 8-bit colours of `nerfstudio`, and moving ones of "Spacetime Gaussian Feature Splatting"
+//! (`io/splats`). The harmonics that change with direction (`f_rest_*`) are skipped.
 
 use super::super::column::Column;
-use super::super::splats::{SplatShape, alpha_of_logit, channel_of_harmonic, put_shapes};
+use super::super::splats::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, put_shapes};
+use super::moving_splats::{self, MovingSplats};
 use crate::cloud::RawCloud;
 use glam::Quat;
 
 const COLORS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
 const OPACITY: &str = "opacity";
-/// The last is left out where splats are flat.
+/// The last is absent where splats are flat.
 const SCALES: [&str; 3] = ["scale_0", "scale_1", "scale_2"];
 /// Real part first.
 const ROTATION: [&str; 4] = ["rot_0", "rot_1", "rot_2", "rot_3"];
 
-/// True for the columns that [`apply`] looks at.
-pub(super) fn is_used(name: &str) -> bool {
-    COLORS.contains(&name) || name == OPACITY || SCALES.contains(&name) || ROTATION.contains(&name)
+/// Beginnings of names of columns that nothing is made of: harmonics that change with direction, features that a
+/// network makes colours of.
+const UNREAD: [&str; 3] = ["f_rest_", "f_dc_", "f_t_"];
+
+/// Whether rows with the columns that `is_there` knows are splats.
+pub(super) fn are_splats(is_there: &dyn Fn(&str) -> bool) -> bool {
+    let mut needed = SCALES[..2].iter().chain(&ROTATION).chain([&OPACITY]);
+    needed.all(|name| is_there(name))
 }
 
-/// Gives `cloud` the colours, normals, radii and ellipses of the splats in `columns`, if there are any: the normals
-/// that such files have are zeros.
-pub(super) fn apply(columns: &[Column<'_>], cloud: &mut RawCloud) {
-    let count = cloud.positions.len();
-    let find = |name: &str| {
-        let column = columns.iter().find(|column| column.name == name)?;
-        Some(column.to_f32(count))
-    };
-    let is_there = |name: &str| columns.iter().any(|column| column.name == name);
-    let needed = COLORS.iter().chain(&SCALES[..2]).chain(&ROTATION);
-    if !needed.chain([&OPACITY]).all(|name| is_there(name)) {
-        return;
-    }
-    let [Some(red), Some(green), Some(blue)] = COLORS.map(find) else {
-        return;
-    };
-    let [Some(real), Some(i), Some(j), Some(k)] = ROTATION.map(find) else {
-        return;
-    };
-    let (Some(scale_x), Some(scale_y), Some(opacity)) = (find(SCALES[0]), find(SCALES[1]), find(OPACITY)) else {
-        return;
-    };
-    let scale_z = find(SCALES[2]);
-    let color = |index: usize| {
-        let [r, g, b] = [&red, &green, &blue].map(|channel| channel_of_harmonic(channel[index]));
-        [r, g, b, alpha_of_logit(opacity[index])]
-    };
-    cloud.attributes.colors = Some((0..count).map(color).collect());
-    put_shapes(cloud, |index| {
-        let z = scale_z.as_ref().map_or(f32::NEG_INFINITY, |z| z[index]);
-        SplatShape {
-            log_scales: [scale_x[index], scale_y[index], z],
-            rotation: Quat::from_xyzw(i[index], j[index], k[index], real[index]),
+/// Whether a column of splats of this name has nothing that is shown.
+pub(super) fn is_unread(name: &str) -> bool {
+    !COLORS.contains(&name) && UNREAD.iter().any(|prefix| name.starts_with(prefix))
+}
+
+/// The columns that splats are made of.
+pub(super) struct Splats<'a> {
+    colors: Option<[Column<'a>; 3]>,
+    opacity: Column<'a>,
+    scales: Vec<Column<'a>>,
+    rotation: [Column<'a>; 4],
+    moving: Option<MovingSplats<'a>>,
+}
+
+impl<'a> Splats<'a> {
+    /// The splats, and the columns that say something else; all columns where there are no splats.
+    pub(super) fn take(mut columns: Vec<Column<'a>>) -> Result<(Self, Vec<Column<'a>>), Vec<Column<'a>>> {
+        if !are_splats(&|name: &str| columns.iter().any(|column| column.name == name)) {
+            return Err(columns);
         }
-    });
+        columns.retain(|column| !is_unread(&column.name));
+        let moving = MovingSplats::take(&mut columns);
+        let colors = take_all(&mut columns, COLORS);
+        let scales: Vec<Column<'a>> = SCALES.iter().filter_map(|name| take(&mut columns, name)).collect();
+        let (Some(opacity), Some(rotation)) = (take(&mut columns, OPACITY), take_all(&mut columns, ROTATION)) else {
+            return Err(columns);
+        };
+        let splats = Self {
+            colors,
+            opacity,
+            scales,
+            rotation,
+            moving,
+        };
+        Ok((splats, columns))
+    }
+
+    /// Gives `cloud` their colours, normals, radii and ellipses: the normals that such files have are zeros.
+    pub(super) fn put_into(self, cloud: &mut RawCloud) {
+        let count = cloud.positions.len();
+        let values = |column: &Column<'_>| column.to_f32(count);
+        let opacity = values(&self.opacity);
+        let scales: Vec<Vec<f32>> = self.scales.iter().map(values).collect();
+        let [real, i, j, k] = self.rotation.each_ref().map(values);
+        let mut rotations: Vec<Quat> = (0..count)
+            .map(|index| Quat::from_xyzw(i[index], j[index], k[index], real[index]))
+            .collect();
+        let mut shares: Vec<f32> = vec![1.0; count];
+        // Colours of moving splats are light, not harmonics.
+        let channel = if self.moving.is_some() {
+            byte
+        } else {
+            channel_of_harmonic
+        };
+        if let Some(moving) = self.moving {
+            moving.put_into(cloud, &mut rotations, &mut shares);
+        }
+        if let Some(channels) = &self.colors {
+            let [red, green, blue] = channels.each_ref().map(values);
+            let color = |index: usize| [red[index], green[index], blue[index]].map(channel);
+            cloud.attributes.colors = Some((0..count).map(|index| with_alpha(color(index), 255)).collect());
+        }
+        // Splats without any colour are white.
+        let colors = cloud.attributes.colors.get_or_insert_with(|| vec![[255; 4]; count]);
+        for ((color, &opacity), share) in colors.iter_mut().zip(&opacity).zip(shares) {
+            color[3] = (f32::from(alpha_of_logit(opacity)) * share).round() as u8;
+        }
+        put_shapes(cloud, &opacity, |index| SplatShape {
+            log_scales: [0, 1, 2].map(|axis| scales.get(axis).map_or(f32::NEG_INFINITY, |scale| scale[index])),
+            rotation: rotations[index],
+        });
+        moving_splats::warn_of_unknown(cloud);
+    }
+}
+
+fn with_alpha([red, green, blue]: [u8; 3], alpha: u8) -> [u8; 4] {
+    [red, green, blue, alpha]
+}
+
+/// Removes the column of this name from `columns`.
+pub(super) fn take<'a>(columns: &mut Vec<Column<'a>>, name: &str) -> Option<Column<'a>> {
+    let place = columns.iter().position(|column| column.name == name)?;
+    Some(columns.remove(place))
+}
+
+/// Removes the columns of these names, if all are there.
+pub(super) fn take_all<'a, const N: usize>(columns: &mut Vec<Column<'a>>, names: [&str; N]) -> Option<[Column<'a>; N]> {
+    let is_there = |name: &&str| columns.iter().any(|column| column.name == *name);
+    if !names.iter().all(is_there) {
+        return None;
+    }
+    let taken: Vec<Column<'a>> = names.iter().filter_map(|name| take(columns, name)).collect();
+    taken.try_into().ok()
 }

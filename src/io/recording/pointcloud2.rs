@@ -11,6 +11,9 @@ use std::borrow::Cow;
 /// Is in the names of frames that look along Z with Y down (REP 103, "Suffix Frames").
 const OPTICAL: &[u8] = b"optical";
 
+/// Numbers of a field that are kept: more than the longest descriptors have.
+const MAX_NUMBERS: u64 = 2048;
+
 struct PointField {
     name: String,
     offset: u32,
@@ -67,9 +70,10 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
         return Err(Fault::too_large("the cloud", needed, options));
     }
     let bytes = grid.without_gaps(cloud.data);
-    let column = |field| column(field, &cloud, &grid, &bytes);
-    let columns = cloud.fields.iter().map(column);
-    let columns = columns.collect::<Result<Vec<_>, Fault>>()?;
+    let mut columns = Vec::new();
+    for field in &cloud.fields {
+        columns.extend(numbers(field, &cloud, &grid, &bytes)?);
+    }
     let mut read = growing::cloud(&columns, grid.count() as usize)?;
     read.convention = Some(convention(&cloud));
     read.grid = ImageGrid::of(cloud.width, cloud.height, read.positions.len());
@@ -127,32 +131,38 @@ impl Grid {
     }
 }
 
-/// The numbers of a field. Some drivers count a lone number as none; of several the first is read.
-fn column<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Column<'a>, Fault> {
+/// The numbers of a field, each as a column. Some drivers count a lone number as none. Where there are no points, of
+/// several the first is enough: nothing vouches for the count.
+fn numbers<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Vec<Column<'a>>, Fault> {
     let Some(scalar) = scalar(field.datatype) else {
         return Err(Fault::header(format!(
             "field `{}` is of type {}, expected 1 to 8",
             field.name, field.datatype
         )));
     };
-    let numbers = u64::from(field.count.max(1));
-    let end = u64::from(field.offset) + numbers * scalar.byte_size() as u64;
+    let count = u64::from(field.count.max(1));
+    let end = u64::from(field.offset) + count * scalar.byte_size() as u64;
     if end > grid.point_step && grid.count() > 0 {
         return Err(Fault::header(format!(
             "field `{}` ends at byte {end} of a point, which has {}",
             field.name, grid.point_step
         )));
     }
-    Ok(Column {
-        name: field.name.clone(),
+    let kept = if grid.count() > 0 { count.min(MAX_NUMBERS) } else { 1 };
+    let column = |place: u64| Column {
+        name: match count {
+            1 => field.name.clone(),
+            _ => format!("{}_{place}", field.name),
+        },
         scalar,
         values: Values::Packed {
             bytes,
-            start: field.offset as usize,
+            start: field.offset as usize + place as usize * scalar.byte_size(),
             step: grid.point_step as usize,
             big_endian: cloud.big_endian,
         },
-    })
+    };
+    Ok((0..kept).map(column).collect())
 }
 
 /// By the name of the frame of reference.

@@ -36,8 +36,10 @@ pub(in crate::io) fn is_used(name: &str) -> bool {
 }
 
 /// Gives `cloud` what `arrays` say of its splats: the shapes where there are half axes, one, two or three, and
-/// rotations; opacities; the colours of harmonics where the cloud has none of its own.
-pub(in crate::io) fn apply(arrays: &[SplatArray<'_>], cloud: &mut RawCloud) {
+/// rotations; opacities; the colours of harmonics where the cloud has none of its own. Names of the arrays that it was
+/// made of.
+pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) -> Vec<&'a str> {
+    let mut used = Vec::new();
     let count = cloud.positions.len();
     let find = |names: &[&str], widths: std::ops::RangeInclusive<usize>| {
         let mut named = names
@@ -47,6 +49,7 @@ pub(in crate::io) fn apply(arrays: &[SplatArray<'_>], cloud: &mut RawCloud) {
         let columns = array.columns.iter().map(|column| column.to_f32(count));
         Some((array.name, columns.collect::<Vec<Vec<f32>>>()))
     };
+    let logits = find(&OPACITIES, 1..=1).map_or_else(Vec::new, |(_, mut opacities)| opacities.swap_remove(0));
     if let Some((name, mut scales)) = find(&SCALES, 1..=3) {
         // Lengths are not negative, and logarithms of what is smaller than the unit are.
         let are_logarithms = name == "log_scales" || scales.iter().flatten().any(|&scale| scale <= 0.0);
@@ -55,19 +58,27 @@ pub(in crate::io) fn apply(arrays: &[SplatArray<'_>], cloud: &mut RawCloud) {
         }
         match (&scales[..], find(&ROTATIONS, 4..=4)) {
             // Which way a ball faces nobody knows: its normal is estimated.
-            ([radius], _) => cloud.attributes.radii = Some(radius.iter().map(|radius| radius.exp()).collect()),
-            ([x, y, others @ ..], Some((_, parts))) => put_shapes(cloud, |index| SplatShape {
-                log_scales: [
-                    x[index],
-                    y[index],
-                    others.first().map_or(f32::NEG_INFINITY, |z| z[index]),
-                ],
-                rotation: Quat::from_xyzw(parts[1][index], parts[2][index], parts[3][index], parts[0][index]),
-            }),
+            ([radius], rotations) => {
+                used.push(name);
+                used.extend(rotations.map(|(name, _)| name));
+                cloud.attributes.radii = Some(radius.iter().map(|radius| radius.exp()).collect());
+            }
+            ([x, y, others @ ..], Some((rotations, parts))) => {
+                used.extend([name, rotations]);
+                put_shapes(cloud, &logits, |index| SplatShape {
+                    log_scales: [
+                        x[index],
+                        y[index],
+                        others.first().map_or(f32::NEG_INFINITY, |z| z[index]),
+                    ],
+                    rotation: Quat::from_xyzw(parts[1][index], parts[2][index], parts[3][index], parts[0][index]),
+                });
+            }
             _ => {}
         }
     }
-    if let Some((_, harmonics)) = find(&HARMONICS, 3..=3).filter(|_| cloud.attributes.colors.is_none()) {
+    if let Some((name, harmonics)) = find(&HARMONICS, 3..=3).filter(|_| cloud.attributes.colors.is_none()) {
+        used.push(name);
         let color = |index: usize| {
             let [r, g, b] = [0, 1, 2].map(|channel| channel_of_harmonic(harmonics[channel][index]));
             [r, g, b, u8::MAX]
@@ -75,6 +86,7 @@ pub(in crate::io) fn apply(arrays: &[SplatArray<'_>], cloud: &mut RawCloud) {
         cloud.attributes.colors = Some((0..count).map(color).collect());
     }
     if let (Some((name, opacities)), Some(colors)) = (find(&OPACITIES, 1..=1), &mut cloud.attributes.colors) {
+        used.push(name);
         let opacities = &opacities[0];
         let are_shares = name != "logit_opacities" && opacities.iter().all(|share| (0.0..=1.0).contains(share));
         for (color, &opacity) in colors.iter_mut().zip(opacities) {
@@ -85,4 +97,5 @@ pub(in crate::io) fn apply(arrays: &[SplatArray<'_>], cloud: &mut RawCloud) {
             };
         }
     }
+    used
 }

@@ -41,7 +41,7 @@ pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             .map(|record| [record[24], record[25], record[26], record[27]])
             .collect(),
     );
-    put_shapes(&mut cloud, |index| {
+    put_shapes(&mut cloud, &[], |index| {
         let record = &records[index];
         let part = |index: usize| (f32::from(record[28 + index]) - 128.0) / 128.0;
         SplatShape {

@@ -29,7 +29,13 @@ pub(super) struct SplatShape {
 }
 
 /// Gives `cloud` the normals, radii and ellipses of its splats, and the axes that those who train splats leave them in.
-pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatShape) {
+/// Says how many have a shape or an opacity that cannot be used; `logits` are the opacities as a file has them, if it
+/// has numbers that may be none.
+pub(super) fn put_shapes(cloud: &mut RawCloud, logits: &[f32], shape: impl Fn(usize) -> SplatShape) {
+    let count = cloud.positions.len();
+    cloud
+        .warnings
+        .extend(Unusable::of((0..count).map(&shape), logits).warning(count));
     let splat = |index: usize| {
         let SplatShape { log_scales, rotation } = shape(index);
         let Splat {
@@ -39,7 +45,7 @@ pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatSha
         } = Splat::of(log_scales, axes(rotation));
         (normal.to_array(), (radius, ellipse))
     };
-    let (normals, (radii, ellipses)) = (0..cloud.positions.len()).map(splat).unzip();
+    let (normals, (radii, ellipses)) = (0..count).map(splat).unzip();
     let attributes = &mut cloud.attributes;
     attributes.normals = Some(normals);
     attributes.radii = Some(radii);
@@ -47,9 +53,67 @@ pub(super) fn put_shapes(cloud: &mut RawCloud, shape: impl Fn(usize) -> SplatSha
     cloud.convention = Some(AxisConvention::UsuallyYDown);
 }
 
+/// Splats of which something cannot be used.
+#[derive(Debug, Default)]
+struct Unusable {
+    scales: usize,
+    rotations: usize,
+    /// Without a scale or a rotation.
+    shapes: usize,
+    opacities: usize,
+}
+
+impl Unusable {
+    fn of(shapes: impl Iterator<Item = SplatShape>, logits: &[f32]) -> Self {
+        let mut unusable = Self {
+            opacities: logits.iter().filter(|logit| !logit.is_finite()).count(),
+            ..Self::default()
+        };
+        for shape in shapes {
+            let (has_scales, turns) = (shape.has_scales(), has_direction(shape.rotation));
+            unusable.scales += usize::from(!has_scales);
+            unusable.rotations += usize::from(!turns);
+            unusable.shapes += usize::from(!has_scales || !turns);
+        }
+        unusable
+    }
+
+    fn warning(&self, count: usize) -> Option<String> {
+        let mut reasons = Vec::new();
+        if self.shapes > 0 {
+            reasons.push(format!(
+                "{} of {count} splats have no usable scale or rotation ({} a scale that is not a number or infinite, \
+                 shown as points; {} a rotation of no length, shown unturned)",
+                self.shapes, self.scales, self.rotations
+            ));
+        }
+        if self.opacities > 0 {
+            reasons.push(format!(
+                "{} of {count} splats have an opacity that is not finite",
+                self.opacities
+            ));
+        }
+        (!reasons.is_empty()).then(|| format!("splats: {}", reasons.join("; ")))
+    }
+}
+
+impl SplatShape {
+    /// Whether the half axes are lengths that can be drawn: of flat splats one is zero.
+    fn has_scales(&self) -> bool {
+        let scales = self.log_scales.map(f32::exp);
+        let is_length = |scale: &f32| scale.is_finite();
+        scales.iter().all(is_length) && scales.iter().filter(|scale| **scale > 0.0).count() >= 2
+    }
+}
+
+fn has_direction(rotation: Quat) -> bool {
+    let length = rotation.length();
+    length > 0.0 && length.is_finite()
+}
+
 fn axes(rotation: Quat) -> Mat3 {
     let length = rotation.length();
-    if length > 0.0 && length.is_finite() {
+    if has_direction(rotation) {
         Mat3::from_quat(rotation / length)
     } else {
         Mat3::IDENTITY

@@ -213,7 +213,7 @@ fn cloud(header: &Header, [positions, alphas, colors, scales, rotations]: [&[u8]
     cloud.attributes.colors = Some(colors.as_chunks::<3>().0.iter().zip(alphas).map(color).collect());
     let scales = scales.as_chunks::<3>().0;
     let rotation_bytes = header.widths()[4];
-    put_shapes(&mut cloud, |index| {
+    put_shapes(&mut cloud, &[], |index| {
         let rotation = &rotations[index * rotation_bytes..][..rotation_bytes];
         SplatShape {
             log_scales: scales[index].map(|scale| f32::from(scale) / 16.0 - 10.0),

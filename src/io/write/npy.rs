@@ -1,33 +1,38 @@
 //! A table of numpy: all columns are of one type, and nothing names them.
 //!
-//! So only those are written that their number tells (see the reader of text): a colour, a normal, both, or a scalar
-//! alone or before a colour. Alpha, radii and further scalars are left out. Where the values would tell something else
-//! (normals that are all upright look like a dark colour), rows are records with the names of their fields.
+//! That is enough for a colour, a normal, both, or a scalar called `scalar` alone or before a colour: their number tells
+//! what they are (see the reader of text). Where there is more, a field has a name, or the values would tell something
+//! else (normals that are all upright look like a dark colour), rows are records with the names of their fields.
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
 use super::encoder::{Encoder, Held, WriteSeek};
-use super::loss::Loss;
 use crate::cloud::RawCloud;
 
 const HOLDS: &[Held] = &[Held::Normals, Held::Alpha, Held::Radii, Held::Scalars, Held::Holes];
 
-/// A bare table of numpy: positions, with colours and normals, or with one scalar.
+/// A bare table of numpy where its columns are told by their number, else records.
 pub(in crate::io) const ENCODER: &Encoder = &Encoder {
     name: "npy",
     extension: "npy",
     holds: HOLDS,
-    lost,
+    lost: |_| Vec::new(),
     write: |out, cloud| write(out, cloud),
 };
 
 fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     let columns = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
-    let columns = told_by_number(columns, cloud);
+    let rows = cloud.positions.len();
+    let (columns, is_table) = match told_by_number(columns) {
+        Ok(columns) => {
+            let is_table = are_told(&columns, rows);
+            (columns, is_table)
+        }
+        Err(columns) => (columns, false),
+    };
     let is_double = columns.iter().any(|column| column.kind() == Type::F64);
     let (kind, bytes) = if is_double { ("<f8", 8) } else { ("<f4", 4) };
-    let rows = cloud.positions.len();
-    let layout = if are_told(&columns, rows) {
+    let layout = if is_table {
         let width = columns.len();
         format!("'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {width})")
     } else {
@@ -57,41 +62,25 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
     out.write_all(&chunk)
 }
 
-/// The columns that are not told by their number.
-fn lost(cloud: &RawCloud) -> Vec<(Loss, f64)> {
-    let all = columns(cloud, Colors::Untyped, ["nx", "ny", "nz"], str::to_owned);
-    let names: Vec<String> = all.iter().map(|column| column.name.clone()).collect();
-    let kept = told_by_number(all, cloud);
-    let is_kept = |name: &String| kept.iter().any(|column| column.name == *name);
-    let lost = names.into_iter().filter(|name| !is_kept(name));
-    lost.map(|name| (Loss::Field(format!("`{name}`")), 0.0)).collect()
+/// The columns in the order of a table that their number tells, the scalar first; `None` where there are others.
+fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>) -> Result<Vec<WrittenColumn<'a>>, Vec<WrittenColumn<'a>>> {
+    let is_scalar = |column: &WrittenColumn<'_>| column.name == SCALAR;
+    let has_normals = columns.iter().any(|column| column.name == VECTORS[6]);
+    let known =
+        |column: &WrittenColumn<'_>| VECTORS.contains(&column.name.as_str()) || is_scalar(column) && !has_normals;
+    if !columns.iter().all(known) {
+        return Err(columns);
+    }
+    let mut columns = columns;
+    if let Some(place) = columns.iter().position(is_scalar) {
+        let scalar = columns.remove(place);
+        columns.insert(3, scalar);
+    }
+    Ok(columns)
 }
 
-fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>, cloud: &RawCloud) -> Vec<WrittenColumn<'a>> {
-    let (has_colors, has_normals) = (cloud.attributes.colors.is_some(), cloud.attributes.normals.is_some());
-    let scalar = match cloud.attributes.scalars.first() {
-        Some(_) if !has_normals => Some(columns.len() - cloud.attributes.scalars.len()),
-        _ => None,
-    };
-    let wanted = |name: &str| match name {
-        "x" | "y" | "z" => true,
-        "red" | "green" | "blue" => has_colors,
-        "nx" | "ny" | "nz" => has_normals,
-        _ => false,
-    };
-    let (mut kept, mut behind) = (Vec::new(), Vec::new());
-    for (index, column) in columns.into_iter().enumerate() {
-        if scalar == Some(index) {
-            kept.insert(3, column);
-        } else if index < 3 {
-            kept.push(column);
-        } else if wanted(&column.name) {
-            behind.push(column);
-        }
-    }
-    kept.extend(behind);
-    kept
-}
+/// The name of the column that a table may have without a name.
+const SCALAR: &str = "scalar";
 
 /// Whether readers that know nothing but the values take each column for what it is.
 fn are_told(columns: &[WrittenColumn<'_>], rows: usize) -> bool {
@@ -119,14 +108,21 @@ fn quoted(name: &str) -> String {
 
 /// Padded so that the numbers begin at a multiple of 64 bytes.
 fn header(layout: &str) -> Vec<u8> {
+    /// Of version 1. Later ones begin with two bytes more, and their numbers at two bytes behind such a multiple.
     const START: usize = 10;
     const ALIGNMENT: usize = 64;
     let mut text = format!("{{{layout}, }}");
     let end = (START + text.len() + 1).next_multiple_of(ALIGNMENT);
     text.extend(std::iter::repeat_n(' ', end - START - text.len() - 1));
     text.push('\n');
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend((text.len() as u16).to_le_bytes());
+    // Many fields take a longer header than version 1 has, and names in other letters the encoding of version 3.
+    let mut header = match u16::try_from(text.len()) {
+        Ok(length) if text.is_ascii() => [&b"\x93NUMPY\x01\x00"[..], &length.to_le_bytes()].concat(),
+        _ => {
+            let version = if text.is_ascii() { 2 } else { 3 };
+            [&b"\x93NUMPY"[..], &[version, 0], &(text.len() as u32).to_le_bytes()].concat()
+        }
+    };
     header.extend(text.bytes());
     header
 }

@@ -74,14 +74,20 @@ impl ColorHints {
 impl ColorSource {
     /// Whether `frame` itself has what this source is asked for.
     pub fn is_of(self, frame: &Frame) -> bool {
-        let fields = frame.scalar_fields();
         match self {
             Self::File => frame.colors().is_some(),
+            _ => self.is_of_fields(frame.scalar_fields()),
+        }
+    }
+
+    /// Whether `fields` have what this source is asked for; always for one that is not asked for a field.
+    pub fn is_of_fields(self, fields: &[ScalarField]) -> bool {
+        match self {
             Self::Scalar(Some(name)) => fields.iter().any(|field| name.names(&field.name)),
             Self::Scalar(None) => !fields.is_empty(),
             Self::Time => named(fields, &TIMES).is_some(),
             Self::Class => named(fields, &CLASSES).is_some(),
-            Self::Auto | Self::Normal | Self::Height(_) | Self::Distance(_) | Self::Uniform => true,
+            Self::Auto | Self::File | Self::Normal | Self::Height(_) | Self::Distance(_) | Self::Uniform => true,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! PCD of the Point Cloud Library, versions 0.5 to 0.7: ascii, binary, and binary compressed with LZF, column by
 //! column.
 //!
-//! The header is read by `pcd-rs`, blocks are decompressed by `lzf`.
+//! Blocks are decompressed by `lzf`.
+
+mod header;
 
 use super::attributes;
 use super::column::{Column, Scalar, Values};
@@ -13,10 +15,7 @@ use super::numbers::{Tokens, line_endings, note_row, quoted};
 use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
-use pcd_rs::{DataKind, PcdMeta, ValueKind};
-
-/// Longer headers are not believed to be headers.
-const MAX_HEADER_BYTES: usize = 1 << 20;
+use header::{Encoding, Header, PcdField};
 
 /// LZF stores at most 264 bytes in three.
 const MAX_LZF_RATIO: usize = 88;
@@ -43,78 +42,46 @@ fn begins_like_pcd(bytes: &[u8]) -> bool {
 }
 
 pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
-    let (header, payload_start) = parse_header(bytes)?;
-    let table = Table::new(&header)?;
-    let payload = (&bytes[..payload_start], &bytes[payload_start..]);
-    let mut cloud = table.with_columns(header.data, payload, progress, growing::cloud)?;
+    let header = Header::parse(bytes)?;
+    let payload = bytes.split_at(header.byte_size);
+    let table = Table::new(&header, payload.1)?;
+    let mut cloud = table.with_columns(header.encoding, payload, progress, growing::cloud)?;
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
+    cloud.warnings.extend(header.warnings);
     Ok(cloud)
 }
 
 /// The normals in a file that may have no points.
 pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
-    let (header, payload_start) = parse_header(bytes)?;
-    let payload = (&bytes[..payload_start], &bytes[payload_start..]);
-    Table::new(&header)?.with_columns(header.data, payload, progress, attributes::normals)
+    let header = Header::parse(bytes)?;
+    let payload = bytes.split_at(header.byte_size);
+    Table::new(&header, payload.1)?.with_columns(header.encoding, payload, progress, attributes::normals)
 }
 
 /// Names of what each point has in a file that begins with `head`.
 pub(super) fn point_names(head: &[u8]) -> Option<Vec<String>> {
-    let (header, _) = parse_header(head).ok()?;
-    let fields = header.field_defs.fields.into_iter();
+    let header = Header::parse(head).ok()?;
+    let fields = header.fields.into_iter();
     Some(fields.map(|field| field.name).collect())
 }
 
-/// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
+/// Where the points are in a file that begins with `head`, if they can be read without the whole of it. What there is
+/// to say of the header the reading of whole files says.
 pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
-    let (header, start) = parse_header(head).ok()?;
+    let header = Header::parse(head).ok()?;
     // The last line of a header that is as long as `head` may be cut off.
-    let is_binary = header.data == DataKind::Binary && start < head.len();
-    let rows = Table::new(&header).ok().filter(|_| is_binary)?.rows(start);
+    let is_plain = header.encoding == Encoding::Binary
+        && header.byte_size < head.len()
+        && header.warnings.is_empty()
+        && !header.has_empty_fields();
+    let rows = Table::new(&header, &[]).ok().filter(|_| is_plain)?;
     Some(FixedRows {
         sensor: sensor(&header),
         convention: FORMAT.convention(),
         grid: grid(&header),
-        ..rows
+        ..rows.rows(header.byte_size)
     })
-}
-
-/// What the header says, and the number of bytes that it takes.
-fn parse_header(bytes: &[u8]) -> Result<(PcdMeta, usize), Fault> {
-    let (text, byte_size) = header_text(bytes)?;
-    let header = PcdMeta::from_reader(text.as_slice())
-        .map_err(|error| Fault::header(format!("the header is not understood ({error})")))?;
-    Ok((header, byte_size))
-}
-
-/// The lines up to `DATA` as the crate's reader wants them, and the number of bytes that they take in the file.
-///
-/// Comments may hold what is no text, and every version that was ever written is read like the last: what changed
-/// between them is what may be left out.
-fn header_text(bytes: &[u8]) -> Result<(Vec<u8>, usize), Fault> {
-    let mut text = b"VERSION 0.7\n".to_vec();
-    let mut end = 0;
-    for line in bytes[..bytes.len().min(MAX_HEADER_BYTES)].split_inclusive(|&byte| byte == b'\n') {
-        end += line.len();
-        let content = line.trim_ascii();
-        if !content.starts_with(b"VERSION") && !content.starts_with(b"#") {
-            text.extend(content.iter().map(|&byte| if byte.is_ascii() { byte } else { b'?' }));
-            text.push(b'\n');
-        }
-        if content.len() >= 4 && content[..4].eq_ignore_ascii_case(b"DATA") {
-            return Ok((text, end));
-        }
-    }
-    Err(Fault::header(
-        "there is no line `DATA`: the header is incomplete, or this is no PCD file",
-    ))
-}
-
-struct PcdField {
-    name: String,
-    scalar: Scalar,
-    count: usize,
 }
 
 /// The points as the header describes them.
@@ -124,43 +91,69 @@ struct Table {
     rows: usize,
 }
 
+/// A number of each point.
+struct Number {
+    name: String,
+    scalar: Scalar,
+    /// Bytes before it in a row.
+    offset: usize,
+    /// Bytes before its field in a row, and those of the field.
+    field_offset: usize,
+    field_bytes: usize,
+}
+
 impl Table {
-    fn new(header: &PcdMeta) -> Result<Self, Fault> {
-        let claim = || {
-            Fault::header(format!(
-                "{} points of this size are more than can be",
-                header.num_points
-            ))
-        };
-        let mut fields = Vec::new();
-        let mut row_bytes = 0usize;
-        for field in &header.field_defs.fields {
-            let scalar = match field.kind {
-                ValueKind::U8 => Scalar::U8,
-                ValueKind::U16 => Scalar::U16,
-                ValueKind::U32 => Scalar::U32,
-                ValueKind::U64 => Scalar::U64,
-                ValueKind::I8 => Scalar::I8,
-                ValueKind::I16 => Scalar::I16,
-                ValueKind::I32 => Scalar::I32,
-                ValueKind::I64 => Scalar::I64,
-                ValueKind::F32 => Scalar::F32,
-                ValueKind::F64 => Scalar::F64,
-            };
-            let count = usize::try_from(field.count).map_err(|_| claim())?;
-            let bytes = count.checked_mul(scalar.byte_size()).ok_or_else(claim)?;
-            row_bytes = row_bytes.checked_add(bytes).ok_or_else(claim)?;
-            fields.push(PcdField {
-                name: field.name.clone(),
-                scalar,
-                count,
-            });
+    /// Fields that have no numbers by the header take no bytes in `payload`, unless there is room for one of each: old
+    /// converters counted none where they wrote one.
+    fn new(header: &Header, payload: &[u8]) -> Result<Self, Fault> {
+        let as_written = Self::of(header, header.fields.clone())?;
+        if !header.has_empty_fields() || as_written.rows == 0 {
+            return Ok(as_written);
         }
+        let mut fields = header.fields.clone();
+        for field in fields.iter_mut().filter(|field| field.count == 0) {
+            field.count = 1;
+        }
+        let with_one = Self::of(header, fields)?;
+        let has_room = match header.encoding {
+            Encoding::Ascii => with_one.is_line(payload),
+            Encoding::Binary => with_one.fits(payload.len()),
+            Encoding::BinaryCompressed => unpacked_bytes(payload).is_some_and(|bytes| with_one.fits(bytes)),
+        };
+        Ok(if has_room { with_one } else { as_written })
+    }
+
+    fn of(header: &Header, fields: Vec<PcdField>) -> Result<Self, Fault> {
+        let claim = || Fault::header(format!("{} points of this size are more than can be", header.points));
+        let row_bytes = fields
+            .iter()
+            .try_fold(0usize, |sum, field| sum.checked_add(field.bytes()?))
+            .ok_or_else(claim)?;
         Ok(Self {
             fields,
             row_bytes,
-            rows: usize::try_from(header.num_points).map_err(|_| claim())?,
+            rows: usize::try_from(header.points).map_err(|_| claim())?,
         })
+    }
+
+    fn fits(&self, bytes: usize) -> bool {
+        self.rows
+            .checked_mul(self.row_bytes)
+            .is_some_and(|needed| needed <= bytes)
+    }
+
+    /// Whether the first line of text has a word for every number.
+    fn is_line(&self, payload: &[u8]) -> bool {
+        let lines = payload.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+        let first = lines.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
+        let words = first.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.count() >= self.row_numbers()
+    }
+
+    /// Numbers of a row, padding counted.
+    fn row_numbers(&self) -> usize {
+        let counts = self.fields.iter().map(|field| field.count);
+        counts.fold(0usize, usize::saturating_add)
     }
 
     /// Fails when `available` bytes cannot hold the points that the header claims.
@@ -181,40 +174,40 @@ impl Table {
             })
     }
 
-    /// The fields but for padding, and the bytes before each in a row. Of fields with several numbers (descriptors) it
-    /// is the first.
-    fn fields(&self) -> impl Iterator<Item = (&PcdField, usize)> {
-        let mut end = 0;
-        let placed = self.fields.iter().map(move |field| {
-            let offset = end;
-            end += field.count * field.scalar.byte_size();
-            (field, offset)
-        });
-        placed.filter(|(field, _)| field.name != "_")
-    }
-
-    fn columns<'a>(&self, values: impl Fn(usize, &PcdField) -> Values<'a>) -> Vec<Column<'a>> {
-        let column = |(field, offset): (&PcdField, usize)| Column {
-            name: field.name.clone(),
-            scalar: field.scalar,
-            values: values(offset, field),
-        };
-        self.fields().map(column).collect()
+    /// The numbers of a row but for padding: of fields with several each by itself.
+    fn numbers(&self) -> Vec<Number> {
+        let mut numbers = Vec::new();
+        let mut field_offset = 0;
+        for field in &self.fields {
+            let field_bytes = field.number_bytes * field.count;
+            for (place, scalar) in (0..field.count).zip(std::iter::repeat(field.scalar)) {
+                let Some(scalar) = scalar else { break };
+                numbers.push(Number {
+                    name: field.number_name(place),
+                    scalar,
+                    offset: field_offset + place * field.number_bytes,
+                    field_offset,
+                    field_bytes,
+                });
+            }
+            field_offset += field_bytes;
+        }
+        numbers
     }
 
     /// Point after point, behind `start` bytes.
     fn rows(&self, start: usize) -> FixedRows {
-        let field = |(field, offset): (&PcdField, usize)| fixed_rows::RowField {
-            name: field.name.clone(),
-            scalar: field.scalar,
-            offset,
+        let field = |number: Number| fixed_rows::RowField {
+            name: number.name,
+            scalar: number.scalar,
+            offset: number.offset,
         };
         FixedRows {
             start,
             row_bytes: self.row_bytes,
             count: self.rows,
             big_endian: false,
-            fields: self.fields().map(field).collect(),
+            fields: self.numbers().into_iter().map(field).collect(),
             sensor: None,
             convention: FORMAT.convention(),
             grid: None,
@@ -223,17 +216,20 @@ impl Table {
 
     /// Field after field, as the compressed encoding stores them.
     fn blocks<'a>(&self, bytes: &'a [u8]) -> Vec<Column<'a>> {
-        self.columns(|offset, field| Values::Packed {
-            bytes,
-            start: offset * self.rows,
-            step: field.count * field.scalar.byte_size(),
-            big_endian: false,
-        })
+        let column = |number: Number| Column {
+            name: number.name,
+            scalar: number.scalar,
+            values: Values::Packed {
+                bytes,
+                start: number.field_offset * self.rows + (number.offset - number.field_offset),
+                step: number.field_bytes,
+                big_endian: false,
+            },
+        };
+        self.numbers().into_iter().map(column).collect()
     }
 
     fn decompress(&self, payload: &[u8], payload_start: usize) -> Result<Vec<u8>, Fault> {
-        /// Two u32: the sizes of the block before and after it is unpacked.
-        const SIZES_BYTES: usize = 8;
         let fault = |problem: String| Fault::new(Place::Byte(payload_start), problem);
         if self.rows == 0 {
             return Ok(Vec::new());
@@ -273,19 +269,19 @@ impl Table {
     fn ascii(&self, payload: &[u8], first_line: usize, progress: &Progress) -> Result<Vec<Column<'static>>, Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
-        let row_numbers = self
-            .fields
-            .iter()
-            .fold(0usize, |sum, field| sum.saturating_add(field.count));
-        self.check_claim(row_numbers.saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
-        let mut columns = self.columns(|_, _| Values::Parsed(Vec::with_capacity(self.rows)));
+        self.check_claim(self.row_numbers().saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
+        let column = |number: Number| Column {
+            name: number.name,
+            scalar: number.scalar,
+            values: Values::Parsed(Vec::with_capacity(self.rows)),
+        };
+        let mut columns: Vec<Column<'static>> = self.numbers().into_iter().map(column).collect();
         let mut tokens = Tokens::new(payload, first_line);
         for row in 0..self.rows {
             note_row(row, self.rows, progress)?;
             let mut column = columns.iter_mut();
             for field in &self.fields {
-                let mut first = f64::NAN;
-                for number in 0..field.count {
+                for _ in 0..field.count {
                     let value = tokens.next_number().ok_or_else(|| {
                         Fault::entry(
                             "point",
@@ -299,17 +295,14 @@ impl Table {
                             format!("field `{}` is {}, expected a number", field.name, quoted(token)),
                         )
                     })?;
-                    if number == 0 {
-                        first = value;
+                    if field.scalar.is_some()
+                        && let Some(Column {
+                            values: Values::Parsed(values),
+                            ..
+                        }) = column.next()
+                    {
+                        values.push(value);
                     }
-                }
-                if field.name != "_"
-                    && let Some(Column {
-                        values: Values::Parsed(values),
-                        ..
-                    }) = column.next()
-                {
-                    values.push(first);
                 }
             }
             // A point is a line: what follows its last field is of no field.
@@ -319,24 +312,24 @@ impl Table {
         Ok(columns)
     }
 
-    /// What `make` makes of the columns and the number of rows behind the header, encoded as `kind`.
+    /// What `make` makes of the columns and the number of rows behind the header, in this encoding.
     fn with_columns<T>(
         &self,
-        kind: DataKind,
+        encoding: Encoding,
         (header, payload): (&[u8], &[u8]),
         progress: &Progress,
         make: impl FnOnce(&[Column<'_>], usize) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
-        match kind {
-            DataKind::Ascii => {
+        match encoding {
+            Encoding::Ascii => {
                 let first_line = line_endings(header) + 1;
                 make(&self.ascii(payload, first_line, progress)?, self.rows)
             }
-            DataKind::Binary => {
+            Encoding::Binary => {
                 self.check_claim(self.row_bytes, payload.len())?;
                 make(&self.rows(0).columns(payload), self.rows)
             }
-            DataKind::BinaryCompressed => {
+            Encoding::BinaryCompressed => {
                 let block = self.decompress(payload, header.len())?;
                 make(&self.blocks(&block), self.rows)
             }
@@ -344,18 +337,26 @@ impl Table {
     }
 }
 
+/// Two u32: the sizes of the compressed block before and after it is unpacked.
+const SIZES_BYTES: usize = 8;
+
+/// Bytes that the compressed block in `payload` is said to unpack to.
+fn unpacked_bytes(payload: &[u8]) -> Option<usize> {
+    let bytes = payload.get(4..SIZES_BYTES)?;
+    Some(u32::from_le_bytes(bytes.try_into().ok()?) as usize)
+}
+
 /// The lines of the points of an organised cloud.
-fn grid(header: &PcdMeta) -> Option<ImageGrid> {
+fn grid(header: &Header) -> Option<ImageGrid> {
     let side = |points: u64| u32::try_from(points).ok();
-    let point_count = usize::try_from(header.num_points).ok()?;
+    let point_count = usize::try_from(header.points).ok()?;
     ImageGrid::of(side(header.width)?, side(header.height)?, point_count)
 }
 
 /// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the
 /// camera that took them.
-fn sensor(header: &PcdMeta) -> Option<DVec3> {
-    let viewpoint = &header.viewpoint;
-    let position = DVec3::new(viewpoint.tx, viewpoint.ty, viewpoint.tz);
+fn sensor(header: &Header) -> Option<DVec3> {
+    let position = header.viewpoint;
     let is_organised = header.height > 1;
     (position.is_finite() && (position != DVec3::ZERO || is_organised)).then_some(position)
 }

@@ -1,0 +1,313 @@
+//! Fields of every format under their own names, splats of several programs, and headers that other programs write.
+
+use crate::data::shared;
+use pointreel::cloud::{RawCloud, ScalarField};
+use pointreel::io;
+use std::path::Path;
+
+fn read(name: &str, bytes: &[u8]) -> RawCloud {
+    io::read_bytes(Path::new(name), bytes).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// A file of the set `meaning`, or none where that is not there.
+fn meaning(name: &str) -> Option<RawCloud> {
+    let path = shared(&format!("meaning/{name}"))?;
+    Some(io::read(&path).unwrap_or_else(|error| panic!("{error}")))
+}
+
+fn field<'a>(cloud: &'a RawCloud, name: &str) -> &'a ScalarField {
+    let mut fields = cloud.attributes.scalars.iter();
+    let names: Vec<&str> = cloud
+        .attributes
+        .scalars
+        .iter()
+        .map(|field| field.name.as_str())
+        .collect();
+    fields
+        .find(|field| field.name == name)
+        .unwrap_or_else(|| panic!("no {name} in {names:?}"))
+}
+
+fn names(cloud: &RawCloud) -> Vec<&str> {
+    cloud
+        .attributes
+        .scalars
+        .iter()
+        .map(|field| field.name.as_str())
+        .collect()
+}
+
+/// Names that no list knows.
+const NAMES: [&str; 7] = [
+    "velocity",
+    "doppler",
+    "deviation",
+    "density",
+    "segment",
+    "instance",
+    "error",
+];
+
+fn ply(properties: &[&str], rows: &[&str]) -> Vec<u8> {
+    let properties: String = properties.iter().map(|line| format!("property {line}\n")).collect();
+    let rows = rows.join("\n");
+    let count = if rows.is_empty() { 0 } else { rows.lines().count() };
+    format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{rows}\n").into_bytes()
+}
+
+#[test]
+fn every_property_of_a_ply_is_a_scalar() {
+    for name in NAMES.into_iter().chain(["C2C absolute distances", "h\u{f6}he (m)"]) {
+        let own = format!("float {name}");
+        let file = ply(
+            &["float x", "float y", "float z", &own, "uchar extra"],
+            &["1 2 3 -4.5 7", "4 5 6 2.5 8"],
+        );
+        let cloud = read("a.ply", &file);
+        assert_eq!(names(&cloud), [name, "extra"]);
+        assert_eq!(field(&cloud, name).values, [-4.5, 2.5]);
+        assert_eq!(field(&cloud, "extra").values, [7.0, 8.0]);
+    }
+    // Known names come first, and nothing is lost where there are dozens.
+    let many: Vec<String> = (0..80).map(|number| format!("float own_{number}")).collect();
+    let many = many.iter().map(String::as_str);
+    let properties: Vec<&str> = ["float x", "float y", "float z"]
+        .into_iter()
+        .chain(many)
+        .chain(["float intensity"])
+        .collect();
+    let row: Vec<String> = (0..84).map(|number| number.to_string()).collect();
+    let cloud = read("a.ply", &ply(&properties, &[&row.join(" ")]));
+    assert_eq!(cloud.attributes.scalars.len(), 81);
+    assert_eq!(names(&cloud)[..2], ["intensity", "own_0"]);
+    assert_eq!(field(&cloud, "own_79").values, [82.0]);
+}
+
+#[test]
+fn fields_of_the_shared_files_are_there() {
+    if let (Some(ply), Some(npy)) = (meaning("SC_ply_velocity.ply"), meaning("SC_npy_struct.npy")) {
+        assert_eq!(names(&ply), ["velocity"]);
+        assert_eq!(field(&ply, "velocity").values.len(), 19_998);
+        assert_eq!(field(&ply, "velocity").values, field(&npy, "velocity").values);
+    }
+    if let Some(cloud) = meaning("M12b_generic.drc") {
+        assert_eq!(cloud.attributes.scalars.len(), 1);
+        assert_eq!(cloud.attributes.scalars[0].values.len(), cloud.positions.len());
+    }
+    if let Some(cloud) = meaning("D15_nuscenes_radar.pcd") {
+        assert_eq!(cloud.positions.len(), 125);
+        for name in ["rcs", "vx", "vy", "vx_comp", "vy_comp", "dyn_prop", "id", "vy_rms"] {
+            assert_eq!(field(&cloud, name).values.len(), 125);
+        }
+        assert_eq!(cloud.attributes.scalars.len(), 15);
+    }
+}
+
+#[test]
+fn headers_of_pcd_that_other_programs_write() {
+    if let Some(cloud) = meaning("D01_count_zero.pcd") {
+        assert_eq!(cloud.positions.len(), 6000);
+        for name in ["intensity", "t", "reflectivity", "ring", "noise", "range"] {
+            assert_eq!(field(&cloud, name).values.len(), 6000);
+        }
+    }
+    if let Some(path) = shared("meaning/D05_size_shorter_than_fields.pcd") {
+        let error = io::read(&path).unwrap_err().to_string();
+        assert!(error.contains("line 4") && error.contains("SIZE"), "{error}");
+    }
+    let file =
+        |fields: &str, rest: &str| format!("VERSION .7\n{fields}\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n{rest}").into_bytes();
+    // A field of several numbers, in text.
+    let several = "FIELDS x y z hist\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 3";
+    let cloud = read("a.pcd", &file(several, "DATA ascii\n1 2 3 4 5 6\n7 8 9 10 11 12\n"));
+    assert_eq!(names(&cloud), ["hist_0", "hist_1", "hist_2"]);
+    assert_eq!(field(&cloud, "hist_2").values, [6.0, 12.0]);
+    // Fields of no numbers take no bytes, unless one of each is there.
+    let none = "FIELDS x y z a b\nSIZE 1 1 1 1 1\nTYPE U U U U U\nCOUNT 1 1 1 0 1";
+    let cloud = read(
+        "a.pcd",
+        &file(none, "DATA binary\n\u{1}\u{2}\u{3}\u{4}\u{5}\u{6}\u{7}\u{8}"),
+    );
+    assert_eq!(names(&cloud), ["b"]);
+    assert_eq!(field(&cloud, "b").values, [4.0, 8.0]);
+    let cloud = read("a.pcd", &file(none, "DATA ascii\n1 2 3 4 5\n6 7 8 9 10\n"));
+    assert_eq!(field(&cloud, "a").values, [4.0, 9.0]);
+    // Lines of their own are skipped with a warning.
+    let own = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nUNITS m";
+    let cloud = read("a.pcd", &file(own, "DATA ascii\n1 2 3\n4 5 6\n"));
+    assert!(
+        cloud.warnings[0].contains("line 5") && cloud.warnings[0].contains("UNITS"),
+        "{:?}",
+        cloud.warnings
+    );
+}
+
+#[test]
+fn a_property_that_is_there_twice_is_named() {
+    if let Some(cloud) = meaning("P20_same_property_twice.ply") {
+        assert_eq!(cloud.positions.len(), 500);
+        assert_eq!(names(&cloud), ["quality", "quality_2"]);
+        assert!(cloud.warnings[0].contains("`quality`"), "{:?}", cloud.warnings);
+    }
+    for (twice, kept) in [("x", 1.0), ("y", 2.0), ("z", 3.0)] {
+        let own = format!("float {twice}");
+        let cloud = read("a.ply", &ply(&["float x", "float y", "float z", &own], &["1 2 3 9"]));
+        assert_eq!(cloud.positions.get(0).to_array(), [1.0, 2.0, 3.0], "{kept}");
+        assert_eq!(field(&cloud, &format!("{twice}_2")).values, [9.0]);
+        assert!(
+            cloud.warnings[0].contains(&format!("`{twice}`")),
+            "{:?}",
+            cloud.warnings
+        );
+    }
+}
+
+/// Properties of splats without colours.
+const SPLAT: [&str; 11] = [
+    "float x",
+    "float y",
+    "float z",
+    "float opacity",
+    "float scale_0",
+    "float scale_1",
+    "float scale_2",
+    "float rot_0",
+    "float rot_1",
+    "float rot_2",
+    "float rot_3",
+];
+
+fn splats(more: &[&str], rows: &[&str]) -> RawCloud {
+    let properties: Vec<&str> = SPLAT.iter().chain(more).copied().collect();
+    read("a.ply", &ply(&properties, rows))
+}
+
+#[test]
+fn splats_of_several_programs() {
+    // 8-bit colours; others are fields still.
+    let rgb = ["uchar red", "uchar green", "uchar blue", "float uncertainty"];
+    let cloud = splats(&rgb, &["1 2 3 0 -1 -2 -3 1 0 0 0 255 128 0 0.5"]);
+    assert_eq!(cloud.attributes.colors, Some(vec![[255, 128, 0, 128]]));
+    assert!((cloud.attributes.radii.as_ref().unwrap()[0] - (-1.5f32).exp()).abs() < 1e-6);
+    assert_eq!(names(&cloud), ["uncertainty"]);
+    assert!(cloud.warnings.is_empty(), "{:?}", cloud.warnings);
+    // Harmonics: what is made into colours is not a field.
+    let harmonics = [
+        "float f_dc_0",
+        "float f_dc_1",
+        "float f_dc_2",
+        "float f_rest_0",
+        "float f_rest_1",
+    ];
+    let cloud = splats(&harmonics, &["1 2 3 0 -1 -2 -3 1 0 0 0 0 0 0 5 5"]);
+    assert_eq!(cloud.attributes.colors, Some(vec![[128, 128, 128, 128]]));
+    assert!(names(&cloud).is_empty());
+    if let Some(cloud) = meaning("P12_splat_with_rgb_nerfstudio.ply") {
+        assert!(cloud.attributes.ellipses.is_some() && names(&cloud).is_empty());
+        assert!(cloud.attributes.colors.iter().flatten().all(|color| color[3] == 250));
+    }
+}
+
+#[test]
+fn moving_splats_are_shown_at_one_moment() {
+    let moving = [
+        "float trbf_center",
+        "float trbf_scale",
+        "float motion_0",
+        "float motion_1",
+        "float motion_2",
+        "float motion_3",
+        "float motion_4",
+        "float motion_5",
+        "float motion_6",
+        "float motion_7",
+        "float motion_8",
+        "float omega_0",
+        "float omega_1",
+        "float omega_2",
+        "float omega_3",
+        "float f_dc_0",
+        "float f_dc_1",
+        "float f_dc_2",
+    ];
+    let shape = "100 -1 -2 -3 1 0 0 0";
+    // The median of the centres is 0.5.
+    let rows = [
+        format!("1 0 0 {shape} 0.5 0 9 9 9 9 9 9 9 9 9 0 0 0 0 1 0.5 0"),
+        format!("1 0 0 {shape} 0.25 0 4 0 0 16 0 0 64 0 0 0 0 0 0 0.2 0.2 0.2"),
+        format!("1 0 0 {shape} 0.75 0 4 8 0 0 0 0 0 0 0 0 0 0 0 0.2 0.2 0.2"),
+    ];
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    let cloud = splats(&moving, &rows);
+    let places: Vec<[f64; 3]> = (0..3).map(|index| cloud.positions.get(index).to_array()).collect();
+    assert_eq!(places, [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, -2.0, 0.0]]);
+    let colors = cloud.attributes.colors.as_ref().unwrap();
+    assert_eq!(colors[0], [255, 128, 0, 255]);
+    // exp(-0.25²) of an opaque one.
+    assert_eq!(colors[1], [51, 51, 51, 240]);
+    assert!(
+        cloud.warnings[0].contains("moving splats") && cloud.warnings[0].contains("t = 0.5"),
+        "{:?}",
+        cloud.warnings
+    );
+    if let Some(cloud) = meaning("P15_spacetime_gaussians.ply") {
+        assert!(cloud.warnings[0].contains("time is not read"), "{:?}", cloud.warnings);
+        let brightest = cloud.attributes.colors.iter().flatten().map(|color| color[0]).max();
+        assert_eq!(brightest, Some(255));
+    }
+}
+
+#[test]
+fn splats_that_cannot_be_drawn_are_counted() {
+    let colors = ["float f_dc_0", "float f_dc_1", "float f_dc_2"];
+    for (row, expected) in [
+        (
+            "1 2 3 0 nan -1 -1 1 0 0 0 0 0 0",
+            "1 of 2 splats have no usable scale or rotation",
+        ),
+        (
+            "1 2 3 0 -1 inf -1 1 0 0 0 0 0 0",
+            "1 of 2 splats have no usable scale or rotation",
+        ),
+        (
+            "1 2 3 0 -1 -1 -1 0 0 0 0 0 0 0",
+            "1 of 2 splats have no usable scale or rotation",
+        ),
+        (
+            "1 2 3 0 -1 -1 -1 nan 0 0 0 0 0 0",
+            "1 of 2 splats have no usable scale or rotation",
+        ),
+        (
+            "1 2 3 inf -1 -1 -1 1 0 0 0 0 0 0",
+            "1 of 2 splats have an opacity that is not finite",
+        ),
+    ] {
+        let cloud = splats(&colors, &[row, "4 5 6 0 -1 -1 -1 1 0 0 0 0 0 0"]);
+        assert!(cloud.warnings[0].contains(expected), "{row}: {:?}", cloud.warnings);
+    }
+    if let Some(cloud) = meaning("P14c_splat_nan_zero_quaternion.ply") {
+        assert!(
+            cloud.warnings[0].contains("6000 of 6000 splats"),
+            "{:?}",
+            cloud.warnings
+        );
+    }
+}
+
+#[test]
+fn every_format_that_is_written_keeps_fields_by_their_names() {
+    let mut cloud = read("a.xyz", b"1 2 3\n4 5 6\n7 8 9\n");
+    let own = NAMES.into_iter().enumerate();
+    cloud.attributes.scalars = own
+        .map(|(place, name)| ScalarField::new(name, vec![place as f32 - 0.5, f32::MAX, -1e-20]))
+        .collect();
+    for format in io::WriteFormat::all() {
+        let mut file = std::io::Cursor::new(Vec::new());
+        io::write(&mut file, format, &cloud).unwrap();
+        let back = read(&format!("a.{}", format.extension()), file.get_ref());
+        for name in NAMES {
+            assert_eq!(field(&back, name).values, field(&cloud, name).values, "{format} {name}");
+        }
+        assert!(format.losses(&cloud).is_empty(), "{format}");
+    }
+}
