@@ -4,6 +4,7 @@ use crate::io::WriteFormat;
 use crate::progress::Progress;
 use crate::sequence::FrameEntry;
 use glam::{DMat4, DVec3};
+use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Duration;

@@ -9,7 +9,7 @@ pub(crate) struct Model {
     pub(crate) product: u8,
     pub(crate) lasers: usize,
     unit_m: f64,
-    cycle_us: f64,
+    pub(super) cycle_us: f64,
     /// Elevation and azimuth in degrees, and height in metres, of a laser.
     laser: fn(usize) -> [f64; 3],
     /// When shot `index` of a cycle is fired, in microseconds.
