@@ -41,7 +41,7 @@ pub(super) struct ReadArgs {
     sample: Option<NonZeroUsize>,
 
     /// Columns of text and .bin files: their number in .bin, such as 7, or which is what, such as
-    /// x=3,y=4,z=5,intensity=7 or x=lon_m,y=lat_m,z=h, or both, such as 7:x=0,y=1,z=2 (counted from 0 or by the names in
+    /// x=3,y=4,z=5,intensity=7 or `x=lon_m,y=lat_m,z=h`, or both, such as 7:x=0,y=1,z=2 (counted from 0 or by the names in
     /// the header; frame=2 for the column of frames, frame=none for one frame; default: names and values decide)
     #[arg(long, value_name = "COLUMNS")]
     columns: Option<ColumnMap>,

@@ -239,9 +239,7 @@ fn is_candidate(position: DVec3) -> bool {
 fn values(positions: &Positions, indices: &[u32], present: &Extent) -> Vec<MissingValue> {
     let mut values: Vec<MissingValue> = Vec::new();
     for &index in indices {
-        let Some(value) = value_of(positions.get(index as usize), present) else {
-            continue;
-        };
+        let value = value_of(positions.get(index as usize), present);
         if let Some(known) = values.iter_mut().find(|known| known.value == value) {
             known.count += 1;
         } else if values.len() < MAX_DISTINCT {
@@ -254,18 +252,18 @@ fn values(positions: &Positions, indices: &[u32], present: &Extent) -> Vec<Missi
 }
 
 /// The coordinate that is farthest outside of the present points.
-fn value_of(position: DVec3, present: &Extent) -> Option<String> {
+fn value_of(position: DVec3, present: &Extent) -> String {
     if position == DVec3::ZERO {
-        return Some("0 0 0".to_owned());
+        return "0 0 0".to_owned();
     }
     let outside = (present.min - position).max(position - present.max);
     let axis = outside.max_position();
     let coordinate = position[axis];
     let name = ["x", "y", "z"][axis];
     if coordinate.abs() >= 1e9 {
-        Some(format!("{name} = {coordinate:e}"))
+        format!("{name} = {coordinate:e}")
     } else {
-        Some(format!("{name} = {coordinate}"))
+        format!("{name} = {coordinate}")
     }
 }
 
@@ -422,7 +420,7 @@ mod tests {
     }
 
     fn found(points: &[DVec3]) -> MissingPoints {
-        let positions = points.iter().map(|point| point.to_array()).collect();
+        let positions = points.iter().map(glam::DVec3::to_array).collect();
         MissingPoints::find(&Positions::F64(positions), NoData::Auto)
     }
 
@@ -500,7 +498,7 @@ mod tests {
 
     #[test]
     fn a_user_says_what_is_missing() {
-        let positions = ground(DVec3::ZERO).iter().map(|point| point.to_array()).collect();
+        let positions = ground(DVec3::ZERO).iter().map(glam::DVec3::to_array).collect();
         let positions = Positions::F64(positions);
         let find = |rule| MissingPoints::find(&positions, rule);
         assert_eq!(find(NoData::Value(0.0)).indices, [0]);
@@ -532,7 +530,7 @@ mod tests {
             let missing = found(&points);
             prop_assert_eq!(missing.bounds, expected.bounds);
             prop_assert_eq!(missing.indices.len(), count);
-            let mut positions = Positions::F64(points.iter().map(|point| point.to_array()).collect());
+            let mut positions = Positions::F64(points.iter().map(glam::DVec3::to_array).collect());
             make_holes(&mut positions, &missing.indices);
             prop_assert_eq!(positions.finite_bounds().1, expected.bounds);
         }

@@ -80,6 +80,10 @@ impl ColumnMap {
     }
 
     /// The column of frames: `Some(None)` if there is to be none.
+    #[expect(
+        clippy::option_option,
+        reason = "not said, said to be none, and a column are three answers"
+    )]
     pub(super) fn frame(self) -> Option<Option<&'static ColumnName>> {
         let (_, column) = self.0.roles.iter().find(|(role, _)| role == FRAME_ROLE)?;
         let is_none = matches!(column, ColumnName::Name(name) if name == NONE);

@@ -157,12 +157,11 @@ pub(super) fn decode_surfer(bytes: &[u8], progress: &Progress) -> Result<RawClou
     tokens.next();
     let mut header = [0.0; 8];
     for number in &mut header {
-        *number = match tokens.next_number() {
-            Some(Ok(found)) => found,
-            _ => {
-                let problem = "expected two numbers of nodes and three ranges behind DSAA: the grid is truncated";
-                return Err(Fault::new(Place::Line(tokens.line()), problem));
-            }
+        *number = if let Some(Ok(found)) = tokens.next_number() {
+            found
+        } else {
+            let problem = "expected two numbers of nodes and three ranges behind DSAA: the grid is truncated";
+            return Err(Fault::new(Place::Line(tokens.line()), problem));
         };
     }
     let [columns, rows, west, east, south, north, _, _] = header;

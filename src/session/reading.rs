@@ -111,7 +111,7 @@ enum Columns {
     Text(String),
 }
 
-#[expect(clippy::ref_option, reason = "serde calls it so")]
+#[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
 fn write_columns<S: Serializer>(columns: &Option<ColumnMap>, serializer: S) -> Result<S::Ok, S::Error> {
     let written = |columns: &ColumnMap| {
         let text = columns.to_string();

@@ -11,6 +11,7 @@ pub const NO_POSES: &str = "none";
 
 /// How inputs are opened.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct OpenOptions {
     /// How files are read.
     pub read: ReadOptions,

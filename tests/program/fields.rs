@@ -20,15 +20,16 @@ fn text(path: &Path) -> &str {
 
 /// A cloud of a grid with fields of these names.
 fn cloud(folder: &Path) -> std::path::PathBuf {
-    let properties: String = ["x", "y", "z"]
+    let properties: Vec<String> = ["x", "y", "z"]
         .into_iter()
         .chain(NAMES)
         .map(|name| format!("property float {name}\n"))
         .collect();
-    let rows: String = (0..100)
+    let rows: Vec<String> = (0..100)
         .map(|place| format!("{} {} 0 {place} {} 7\n", place % 10, place / 10, -place))
         .collect();
     let path = folder.join("a.ply");
+    let [properties, rows] = [properties.concat(), rows.concat()];
     let file = format!("ply\nformat ascii 1.0\nelement vertex 100\n{properties}end_header\n{rows}");
     fs::write(&path, file).unwrap();
     path

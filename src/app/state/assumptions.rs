@@ -88,7 +88,9 @@ impl State {
             Err(problem) => return self.notices.error(problem),
         };
         let mut open = self.opened_with().clone();
-        changes.iter().for_each(|change| change.apply(&mut open));
+        for change in &changes {
+            change.apply(&mut open);
+        }
         self.works.cancel(WorkKind::Open);
         let name = format!("Opening {} again", entry_name(&inputs));
         let progress = self.works.begin(WorkKind::Open, name, self.now);

@@ -10,7 +10,7 @@ const MAX_NAMED: usize = 4;
 
 /// Fails where the archive at `path` is of a kind that is not read.
 pub(super) fn check(path: &Path, members: &[Member]) -> Result<(), IoError> {
-    match foreign::by_members(members.iter().map(|member| member.name.as_str())) {
+    match foreign::by_members(&members.iter().map(|member| member.name.as_str())) {
         Some(kind) => Err(IoError::Foreign {
             path: path.to_owned(),
             kind,

@@ -81,7 +81,7 @@ pub(super) fn recognise(name: &Path, bytes: &[u8]) -> Option<&'static Foreign> {
 }
 
 /// The kind of an archive or a folder with files of these names.
-pub(crate) fn by_members<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<&'static Foreign> {
+pub(crate) fn by_members<'a>(names: &(impl Iterator<Item = &'a str> + Clone)) -> Option<&'static Foreign> {
     let has = |wanted: &&str| {
         let is = |name: &str| match wanted.strip_prefix('*') {
             Some(ending) => {

@@ -198,10 +198,10 @@ fn names_tell_where_content_does_not() {
         assert!(kind.to_string().contains(words), "{name}: {kind}");
     }
     for (names, words) in BY_MEMBERS {
-        let kind = by_members(names.iter().copied()).unwrap_or_else(|| panic!("{names:?}"));
+        let kind = by_members(&names.iter().copied()).unwrap_or_else(|| panic!("{names:?}"));
         assert!(kind.to_string().contains(words), "{names:?}: {kind}");
     }
-    assert!(by_members(["a.ply", "meta.json"].into_iter()).is_none());
+    assert!(by_members(&["a.ply", "meta.json"].into_iter()).is_none());
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn every_row_has_a_sample() {
         .filter_map(|(name, _)| recognise(Path::new(name), b"\x01"));
     let by_members = BY_MEMBERS
         .iter()
-        .filter_map(|(names, _)| by_members(names.iter().copied()));
+        .filter_map(|(names, _)| by_members(&names.iter().copied()));
     let hit: HashSet<&str> = by_content
         .chain(by_name)
         .chain(by_members)

@@ -88,9 +88,8 @@ impl Capture {
                 is_modified: header.is_modified_format(),
                 nanos_per_tick: match clock {
                     Clock::NanosecondParts => 1,
-                    Clock::MicrosecondParts => 1000,
                     Clock::Stated | Clock::Nanoseconds if is_nanoseconds => 1,
-                    Clock::Stated | Clock::Nanoseconds => 1000,
+                    Clock::MicrosecondParts | Clock::Stated | Clock::Nanoseconds => 1000,
                 },
                 // The upper bits tell of checksums behind frames.
                 link: Link::of(header.network.0 & 0xffff),

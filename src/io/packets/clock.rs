@@ -31,7 +31,7 @@ const SCALE_TOLERANCE: f64 = 0.1;
 /// Packets between which times are compared, at least.
 const MIN_SAMPLES: u32 = 8;
 
-const HOUR: Duration = Duration::from_secs(3600);
+const HOUR: Duration = Duration::from_hours(1);
 
 /// Microseconds are never below a thousandth of a second for as long.
 const MIN_SPAN_S: f64 = 0.1;

@@ -221,7 +221,8 @@ impl<'a> FoundSensors<'a> {
             let mut without_frames = self.traffic.describe();
             let count: u64 = lost.values().sum();
             if count > 0 {
-                without_frames += &format!("; {}", said_lost(count));
+                without_frames.push_str("; ");
+                without_frames.push_str(&said_lost(count));
             }
             return Ok(Contents {
                 notes,

@@ -92,7 +92,8 @@ pub(super) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> 
     let mut contents = contents.map_err(|problem| Fault::header(problem).of(path, FORMAT))?;
     if let Some(end) = end {
         if contents.entries.is_empty() {
-            contents.without_frames += &format!("; {end}");
+            contents.without_frames.push_str("; ");
+            contents.without_frames.push_str(&end);
         }
         contents.notes.push(end);
     }

@@ -44,7 +44,7 @@ impl Default for Seam {
 
 impl Seam {
     /// An azimuth counted from the seam on, from 0 to before [`TURN`].
-    pub(super) fn from_here(self, azimuth: i32) -> i32 {
+    pub(super) fn after_seam(self, azimuth: i32) -> i32 {
         (azimuth - self.azimuth).rem_euclid(TURN)
     }
 }
@@ -132,7 +132,7 @@ mod tests {
         (-600..600).for_each(|azimuth| coverage.add(azimuth));
         let seam = coverage.seam();
         assert_eq!(seam.least_fall, 600);
-        let fall = seam.from_here(599) - seam.from_here(-600);
+        let fall = seam.after_seam(599) - seam.after_seam(-600);
         assert!(fall > seam.least_fall, "{fall}");
     }
 }

@@ -65,7 +65,7 @@ impl<'a> MovingSplats<'a> {
         }
         if let Some([real, i, j, k]) = turn {
             for (index, rotation) in rotations.iter_mut().enumerate() {
-                *rotation = *rotation + Quat::from_xyzw(i[index], j[index], k[index], real[index]) * since(index);
+                *rotation += Quat::from_xyzw(i[index], j[index], k[index], real[index]) * since(index);
             }
         }
         let path = |index: usize| {

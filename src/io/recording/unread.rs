@@ -86,7 +86,9 @@ pub(super) fn describe(topics: &mut [UnreadTopic]) -> String {
             .iter()
             .any(|topic| topic.kind.rsplit('/').next() == Some(row.name))
         {
-            text += &format!("; {}: {}", row.name, row.advice);
+            for part in ["; ", row.name, ": ", row.advice] {
+                text.push_str(part);
+            }
             has_advice = true;
         }
     }

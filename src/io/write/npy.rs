@@ -63,7 +63,7 @@ fn write(out: &mut dyn WriteSeek, cloud: &RawCloud) -> std::io::Result<()> {
 }
 
 /// The columns in the order of a table that their number tells, the scalar first; `None` where there are others.
-fn told_by_number<'a>(columns: Vec<WrittenColumn<'a>>) -> Result<Vec<WrittenColumn<'a>>, Vec<WrittenColumn<'a>>> {
+fn told_by_number(columns: Vec<WrittenColumn<'_>>) -> Result<Vec<WrittenColumn<'_>>, Vec<WrittenColumn<'_>>> {
     let is_scalar = |column: &WrittenColumn<'_>| column.name == SCALAR;
     let has_normals = columns.iter().any(|column| column.name == VECTORS[6]);
     let known =

@@ -146,7 +146,7 @@ fn has_decimal_commas(lines: &[&[u8]]) -> bool {
         let mut has_comma_here = false;
         for word in words.filter(is_number) {
             numbers += 1;
-            let commas = word.iter().filter(|&&byte| byte == b',').count();
+            let commas = word.split(|&byte| byte == b',').count() - 1;
             if commas == 0 {
                 continue;
             }
@@ -210,7 +210,7 @@ fn separates(lines: &[&[u8]], mark: u8) -> bool {
     }
     // Several numbers between two marks: the mark groups cells.
     let is_list = |cell: &[u8]| {
-        let words = cell.split(|byte| byte.is_ascii_whitespace());
+        let words = cell.split(u8::is_ascii_whitespace);
         let words: Vec<&[u8]> = words.filter(|word| !word.is_empty()).collect();
         let text = String::from_utf8_lossy(cell.trim_ascii());
         words.len() > 1

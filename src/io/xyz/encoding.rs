@@ -5,10 +5,9 @@ use std::borrow::Cow;
 /// `bytes` without the mark of UTF-8, or those of UTF-16 (either byte order) as UTF-8.
 pub(in crate::io) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     match bytes {
-        [0xef, 0xbb, 0xbf, text @ ..] => Cow::Borrowed(text),
         [0xff, 0xfe, text @ ..] => Cow::Owned(of_utf16(text, u16::from_le_bytes)),
         [0xfe, 0xff, text @ ..] => Cow::Owned(of_utf16(text, u16::from_be_bytes)),
-        text => Cow::Borrowed(text),
+        [0xef, 0xbb, 0xbf, text @ ..] | text => Cow::Borrowed(text),
     }
 }
 

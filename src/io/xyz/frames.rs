@@ -90,14 +90,14 @@ impl Counter {
             [first, second] if FRAME_WORDS.contains(first) && FRAME_SUFFIXES.contains(second) => Some(Self::Frames),
             ["time", "step" | "frame"] | ["scan", "id" | "index" | "number"] => Some(Self::Frames),
             [first] if TIME_WORDS.contains(first) => Some(Self::Times(unit)),
-            ["time", "stamp"] | ["gps", "time"] | ["date", "time"] => Some(Self::Times(unit)),
+            ["time", "stamp"] | ["gps" | "date", "time"] => Some(Self::Times(unit)),
             [first, second] if TIME_WORDS.contains(first) => unit_of(second).map(|unit| Self::Times(Some(unit))),
             _ => None,
         }
     }
 }
 
-/// Signs of the columns of LiDARs, which stamp their points.
+/// Signs of the columns of `LiDARs`, which stamp their points.
 const LIDAR_WORDS: [&str; 12] = [
     "intensity",
     "reflectance",
@@ -126,7 +126,7 @@ pub(super) fn is_of_lidar(names: &[String]) -> bool {
 
 /// Rows of each value of a column, by value.
 pub(super) struct Groups {
-    groups: Vec<(f64, Vec<u32>)>,
+    by_value: Vec<(f64, Vec<u32>)>,
     /// Rows without a value.
     pub(super) without: usize,
     /// Whether each value is one block of rows.
@@ -162,25 +162,25 @@ impl Groups {
         let is_sorted = runs == groups.len();
         groups.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         (groups.len() > 1).then_some(Self {
-            groups,
+            by_value: groups,
             without,
             is_sorted,
         })
     }
 
     pub(super) fn len(&self) -> usize {
-        self.groups.len()
+        self.by_value.len()
     }
 
     /// Rows per value.
     pub(super) fn mean_rows(&self) -> f64 {
-        let rows: usize = self.groups.iter().map(|(_, rows)| rows.len()).sum();
-        rows as f64 / self.groups.len() as f64
+        let rows: usize = self.by_value.iter().map(|(_, rows)| rows.len()).sum();
+        rows as f64 / self.by_value.len() as f64
     }
 
     /// Whether nearly all values have the same number of rows.
     fn are_equal(&self) -> bool {
-        let mut sizes: Vec<usize> = self.groups.iter().map(|(_, rows)| rows.len()).collect();
+        let mut sizes: Vec<usize> = self.by_value.iter().map(|(_, rows)| rows.len()).collect();
         sizes.sort_unstable();
         let median = sizes[sizes.len() / 2];
         sizes.iter().filter(|&&size| size == median).count() * 10 >= sizes.len() * 9
@@ -225,14 +225,14 @@ impl Groups {
         };
         let whole = area(&mut (0..positions[0].len()));
         let of_group = |(_, rows): &(f64, Vec<u32>)| area(&mut rows.iter().map(|&row| row as usize)) / whole;
-        let mut parts: Vec<f64> = self.groups.iter().map(of_group).collect();
+        let mut parts: Vec<f64> = self.by_value.iter().map(of_group).collect();
         parts.sort_by(f64::total_cmp);
         parts[parts.len() / 2]
     }
 
     /// A frame per value; `seconds` of a step of it where it is a time, and words where the column has such.
     pub(super) fn frames(self, label: &str, seconds: Option<f64>, words: &[String]) -> Vec<Frame> {
-        let first = self.groups.first().map_or(0.0, |(value, _)| *value);
+        let first = self.by_value.first().map_or(0.0, |(value, _)| *value);
         // Times before the first day count from the first of them.
         let start = if first < 0.0 { first } else { 0.0 };
         let is_sorted = self.is_sorted;
@@ -254,7 +254,7 @@ impl Groups {
                 time,
             }
         };
-        self.groups.into_iter().map(frame).collect()
+        self.by_value.into_iter().map(frame).collect()
     }
 }
 

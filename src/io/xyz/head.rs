@@ -194,7 +194,7 @@ pub(super) fn names_in(text: &[u8], dialect: Dialect) -> Vec<String> {
         text.trim_ascii()
     };
     // Names may be separated by other signs than the cells are: `# x, y, z`.
-    let has = |mark: u8| text.iter().filter(|&&byte| byte == mark).count() >= 2;
+    let has = |mark: u8| text.split(|&byte| byte == mark).count() > 2;
     let own = dialect.mark.filter(|mark| text.contains(mark));
     let mark = own.or_else(|| [b';', b'\t', b','].into_iter().find(|mark| has(*mark)));
     let words = Cells::new(

@@ -8,8 +8,12 @@ use super::rows::Kind;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::LengthUnit;
 
-/// What the columns are before their values are looked at.
+/// The meaning of columns before their values are looked at.
 #[derive(Debug)]
+#[expect(
+    clippy::option_option,
+    reason = "not said, said to be none, and a column are three answers"
+)]
 pub(super) struct Naming {
     /// Of all columns; `None` where the values tell them.
     pub(super) names: Option<Vec<String>>,

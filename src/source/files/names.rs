@@ -63,16 +63,13 @@ impl SplitName {
         let (mut skeleton, mut numbers) = (String::new(), Vec::new());
         let mut at = 0;
         while at < chars.len() {
-            match number_at(&chars, at, minus) {
-                Some((number, end)) => {
-                    numbers.push(number);
-                    skeleton.push('#');
-                    at = end;
-                }
-                None => {
-                    skeleton.extend(chars[at].to_lowercase());
-                    at += 1;
-                }
+            if let Some((number, end)) = number_at(&chars, at, minus) {
+                numbers.push(number);
+                skeleton.push('#');
+                at = end;
+            } else {
+                skeleton.extend(chars[at].to_lowercase());
+                at += 1;
             }
         }
         Self { skeleton, numbers }

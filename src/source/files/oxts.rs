@@ -37,7 +37,7 @@ pub(super) fn poses(folder: &Path, entries: &[FrameEntry]) -> Option<Vec<Option<
         poses.push(world_from_unit * lidar_from_unit.inverse());
     }
     let first = poses.first()?.inverse();
-    let relative = |pose: DAffine3| Some(first * pose).filter(|pose| pose.is_finite());
+    let relative = |pose: DAffine3| Some(first * pose).filter(glam::DAffine3::is_finite);
     Some(poses.into_iter().map(relative).collect())
 }
 

@@ -1,8 +1,8 @@
 //! Poses of frames: lists next to them, which move the points of each file into one coordinate system.
 //!
 //! **How it works.** Lists are found by name in the folder of the frames and those above it, as KITTI (`poses.txt`,
-//! `../../poses/00.txt`), SemanticKITTI, SLAM programs (`optimized_poses.txt`, `pose.json`, TUM trajectories) and
-//! hdl_graph_slam (`data` in each folder) write them. A list is used if it has poses for at least half of the frames.
+//! `../../poses/00.txt`), `SemanticKITTI`, SLAM programs (`optimized_poses.txt`, `pose.json`, TUM trajectories) and
+//! `hdl_graph_slam` (`data` in each folder) write them. A list is used if it has poses for at least half of the frames.
 //! Poses of KITTI's odometry are those of the left camera: with `Tr` of `calib.txt`, from LiDAR to camera, they become
 //! those of the LiDAR, and its axes stay (Geiger et al. 2012). KITTI's raw recordings have positions of a GPS with an
 //! inertial unit instead ([`super::oxts`]).
@@ -242,9 +242,10 @@ fn of_quaternions(rows: &[Vec<f64>]) -> Result<Trajectory, String> {
         }
     };
     let pose = |row: &Vec<f64>| {
-        let rotation = match w_is_first {
-            true => DQuat::from_xyzw(row[4], row[5], row[6], row[3]),
-            false => DQuat::from_xyzw(row[3], row[4], row[5], row[6]),
+        let rotation = if w_is_first {
+            DQuat::from_xyzw(row[4], row[5], row[6], row[3])
+        } else {
+            DQuat::from_xyzw(row[3], row[4], row[5], row[6])
         };
         let is_pose = rotation.is_finite() && rotation.length() > 1e-6;
         is_pose.then(|| DAffine3::from_rotation_translation(rotation.normalize(), DVec3::new(row[0], row[1], row[2])))
@@ -294,7 +295,7 @@ fn of_folder(folder: &Path, entries: &[FrameEntry]) -> Option<Poses> {
     entries.iter().map(pose).collect()
 }
 
-/// Poses in files `data` next to `cloud.pcd`, as hdl_graph_slam dumps its key frames: `estimate` and a matrix.
+/// Poses in files `data` next to `cloud.pcd`, as `hdl_graph_slam` dumps its key frames: `estimate` and a matrix.
 fn of_folders_of_frames(entries: &[FrameEntry]) -> Option<Poses> {
     let pose = |entry: &FrameEntry| -> Option<Option<DAffine3>> {
         let text = fs::read_to_string(entry.path.parent()?.join("data")).ok()?;

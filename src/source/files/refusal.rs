@@ -31,7 +31,7 @@ pub(super) fn of_whole(folder: &Path, frames: &[PathBuf], others: &[PathBuf]) ->
     }
     let files = frames.iter().chain(others);
     let names = files.filter_map(|file| file.file_name()?.to_str());
-    let kind = by_members(names)?;
+    let kind = by_members(&names)?;
     Some(refused(folder, format!("it is {kind}")))
 }
 

@@ -32,9 +32,12 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
     let is_folder_per_frame = is_folder_per_frame(&paths);
     let names: Vec<String> = entries
         .iter()
-        .map(|entry| match is_folder_per_frame {
-            true => telling_name(&entry.path, true),
-            false => entry.name.clone(),
+        .map(|entry| {
+            if is_folder_per_frame {
+                telling_name(&entry.path, true)
+            } else {
+                entry.name.clone()
+            }
         })
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();

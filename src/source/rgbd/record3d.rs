@@ -1,4 +1,4 @@
-//! Record3D, an app of iPhones with a depth camera: `.r3d`, a ZIP archive of `metadata`, `rgbd/0.depth` and `rgbd/0.jpg`.
+//! `Record3D`, an app of iPhones with a depth camera: `.r3d`, a ZIP archive of `metadata`, `rgbd/0.depth` and `rgbd/0.jpg`.
 //!
 //! *Metadata* is JSON: `w h` of the colour images, their lens `K` (nine numbers by columns), `dw dh` of the depth images,
 //! `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses are those of `ARKit`, whose camera

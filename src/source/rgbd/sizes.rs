@@ -50,13 +50,12 @@ impl Sizes {
                 .rev()
                 .take(8)
                 .find(|(before, _)| Arc::ptr_eq(before, &frame.calibration));
-            let after = match known {
-                Some((_, after)) => Arc::clone(after),
-                None => {
-                    let after = Arc::new(sizes.completed(&frame.calibration));
-                    learned.push((Arc::clone(&frame.calibration), Arc::clone(&after)));
-                    after
-                }
+            let after = if let Some((_, after)) = known {
+                Arc::clone(after)
+            } else {
+                let after = Arc::new(sizes.completed(&frame.calibration));
+                learned.push((Arc::clone(&frame.calibration), Arc::clone(&after)));
+                after
             };
             frame.calibration = after;
         }

@@ -339,7 +339,8 @@ mod tests {
     #[test]
     fn poses_find_their_frames_by_time_order_or_number() {
         let places = |count: usize| {
-            let text: String = (0..count).map(|at| format!("{at} 0 0 0 0 0 1\n")).collect();
+            let lines: Vec<String> = (0..count).map(|at| format!("{at} 0 0 0 0 0 1\n")).collect();
+            let text = lines.concat();
             written("places.txt", &text).unwrap()
         };
         let found = |trajectory: &Trajectory, times: &[Option<Duration>], numbers: &[usize]| {

@@ -138,7 +138,7 @@ impl Turning {
         let (blocks, count) = cycles(self.model, packet);
         let mut found = None;
         for cycle in 0..count {
-            let azimuth = self.seam.from_here(packet.block(cycle * blocks).azimuth);
+            let azimuth = self.seam.after_seam(packet.block(cycle * blocks).azimuth);
             let begins = self
                 .azimuth
                 .is_none_or(|before| before - azimuth > self.seam.least_fall);

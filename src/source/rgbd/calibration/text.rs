@@ -33,9 +33,9 @@ pub(super) fn calibration(path: &Path, text: &str, because: String) -> Result<Ca
 /// principal point is in the last row.
 pub(super) fn pinhole_of(numbers: &[f64]) -> Option<[f64; 4]> {
     match *numbers {
-        [fx, fy, cx, cy] => Some([fx, fy, cx, cy]),
         [fx, _, 0.0, _, fy, 0.0, cx, cy, _] if cx != 0.0 => Some([fx, fy, cx, cy]),
-        [fx, _, cx, _, fy, cy, _, _, _]
+        [fx, fy, cx, cy]
+        | [fx, _, cx, _, fy, cy, _, _, _]
         | [fx, _, cx, _, _, fy, cy, _, _, _, _, _]
         | [fx, _, cx, _, _, fy, cy, _, _, _, _, _, _, _, _, _] => Some([fx, fy, cx, cy]),
         _ => None,

@@ -22,6 +22,7 @@ pub(super) const LAYOUT: Layout = Layout {
     find,
 };
 
+#[expect(clippy::unnecessary_wraps, reason = "other layouts may fail")]
 fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let depths = folder.files(|name| name.starts_with("depth_") && is_image(name));
     let infos = folder.files(|name| name.starts_with("frame_") && has_extension(name, &["json"]));
