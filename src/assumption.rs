@@ -1,8 +1,8 @@
 //! Assumptions: everything the program decides in a user's place, with its evidence and how to change it.
 //!
 //! **How it works.** Whoever decides something that a file does not say (a reader which column is x, the first look
-//! which axis is up) makes an [`Assumption`]. Readers put theirs into [`crate::cloud::RawCloud::assumptions`], sources
-//! into [`crate::source::Source::assumptions`]; [`Assumptions`] merges equal ones of many frames. `info` lists all of
+//! which axis is up) makes an [`Assumption`]. Readers put theirs into `RawCloud::assumptions`, sources into
+//! `Source::assumptions`; [`Assumptions`] merges equal ones of many frames. `info` lists all of
 //! them, the window shows them as a list, and the other commands print those by [`Evidence::Statistics`] or
 //! [`Evidence::Fallback`] on stderr. A new kind of assumption is a row of [`SUBJECTS`].
 

@@ -184,7 +184,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("reading.json");
         let text = r#"{"version": 1, "choices": [
-            {"inputs": ["/a"], "reading": {"fps": -1}}, 7, {"inputs": ["/b"], "reading": {"fps": 12}, "of later": 1}]}"#;
+            {"inputs": ["/a"], "reading": {"fps": -1}}, 7,
+            {"inputs": ["/b"], "reading": {"fps": 12}, "of later": 1}]}"#;
         std::fs::write(&file, text).unwrap();
         let (choices, problem) = ReadingChoices::load_from(&file);
         assert!(problem.is_some_and(|text| text.contains("reading.json")));

@@ -35,7 +35,7 @@ pub struct CheckReport {
     pub stamped_fps: Option<f64>,
     /// Smallest and largest corner of all frames in file coordinates.
     pub bounds: Option<[[f64; 3]; 2]>,
-    /// What should be looked at, in the order of the frames.
+    /// What should be looked at, the gravest first, then in the order of the frames.
     pub findings: Vec<Finding>,
 }
 

@@ -90,7 +90,8 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
         |facts| facts.absurd_radius_count,
         |count, frames| {
             format!(
-                "{count} radii in {frames} are not finite or a thousand times as large as the cloud: they are taken for \
+                "{count} radii in {frames} are not finite or a thousand times as large as the cloud: they are taken \
+                 for \
                  missing"
             )
         },

@@ -40,15 +40,21 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "N")]
     sample: Option<NonZeroUsize>,
 
-    /// Columns of text and .bin files: their number in .bin, such as 7, or which is what, such as
-    /// x=3,y=4,z=5,intensity=7 or `x=lon_m,y=lat_m,z=h`, or both, such as 7:x=0,y=1,z=2 (counted from 0 or by the names in
-    /// the header; frame=2 for the column of frames, frame=none for one frame; default: names and values decide)
-    #[arg(long, value_name = "COLUMNS")]
+    /// Columns of text and .bin files by number from 0 or by name, such as x=3,y=4,z=5,intensity=7; of .bin
+    /// their count, such as 7, or both, such as 7:x=0,y=1,z=2; frame=2 for the column of frames, frame=none
+    /// for one frame (default: names and values decide)
+    #[arg(long, value_name = "COLUMNS", verbatim_doc_comment)]
     columns: Option<ColumnMap>,
 
-    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that stands for a
-    /// missing coordinate
-    #[arg(long, value_name = "VALUE|auto|none", default_value_t = NoData::Auto, allow_hyphen_values = true)]
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that
+    /// stands for a missing coordinate
+    #[arg(
+        long,
+        value_name = "VALUE|auto|none",
+        default_value_t = NoData::Auto,
+        allow_hyphen_values = true,
+        verbatim_doc_comment
+    )]
     no_data: NoData,
 
     /// All scans of an E57 file are one frame, not a frame each

@@ -47,8 +47,8 @@ impl ColorArgs {
 }
 
 /// Fails, with the names that there are, where `source` names a scalar field that neither `frame` nor the first, the
-/// middle and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it names
-/// another kind of field that they have not.
+/// middle and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it
+/// names another kind of field that they have not.
 pub(super) fn check_source(
     source: ColorSource,
     sequence: &Sequence,

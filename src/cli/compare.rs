@@ -209,12 +209,13 @@ fn too_large(path: &Path, claimed: &str) -> anyhow::Error {
 /// A heatmap must not take the place of what it is made from, nor of what is no file.
 fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     let name = heatmap.display();
-    PictureFormat::of_name(heatmap)?;
-    let Ok(metadata) = fs::metadata(heatmap) else {
-        return Ok(());
-    };
-    if !metadata.is_file() {
+    let metadata = fs::metadata(heatmap).ok();
+    if metadata.as_ref().is_some_and(|metadata| !metadata.is_file()) {
         bail!("{name} is no file, and no heatmap can take its place");
+    }
+    PictureFormat::of_name(heatmap)?;
+    if metadata.is_none() {
+        return Ok(());
     }
     let place = fs::canonicalize(heatmap).ok();
     if inputs.map(|input| fs::canonicalize(input).ok()).contains(&place) {

@@ -241,7 +241,8 @@ impl NamedPlace {
         }
         let Some(by_name) = WriteFormat::of_extension(output) else {
             bail!(
-                "{text}: .{extension} files are not written. The formats of files are {}, and .reel for a sequence file; \
+                "{text}: .{extension} files are not written. The formats of files are {}, and .reel for a sequence \
+                 file; \
                  for a folder of that name add a slash: {text}/",
                 WriteFormat::names()
             );

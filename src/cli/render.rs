@@ -88,6 +88,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     if let Some(lack) = look.lack_of(style.primitive) {
         warnings::warn(&lack);
     }
+    let chooses_primitive = style.primitive != Primitive::Auto;
     let style = style.resolved(&look);
     if let Some(source) = arguments.picture.color_source() {
         let frame = headless.frame(range.first, &style).ok();
@@ -114,8 +115,9 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
         std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
     }
-    let primitive = arguments.picture.primitive().map(|_| Subject::Primitive);
-    let up = arguments.camera.sets_up().then_some(Subject::UpAxis);
+    let sets_up = arguments.camera.sets_up() || arguments.video.has_path();
+    let primitive = chooses_primitive.then_some(Subject::Primitive);
+    let up = sets_up.then_some(Subject::UpAxis);
     let chosen: Vec<Subject> = primitive.into_iter().chain(up).collect();
     assumptions::print_guesses(headless.sequence(), Some(&look), &chosen);
     match failed.as_slice() {

@@ -15,11 +15,12 @@ pub(super) struct RenderArgs {
     #[arg(required = true, value_name = "INPUT")]
     pub(super) inputs: Vec<PathBuf>,
 
-    /// Picture to write: .png, .jpg, .webp or .tif, or - for a PNG on stdout; of a range of frames the name must contain
-    /// {frame}. Pictures that are there are replaced
+    /// Picture to write: .png, .jpg, .webp or .tif, or - for a PNG on stdout; of a range of frames the name
+    /// must contain {frame}. Pictures that are there are replaced
     #[arg(
         short,
         long,
+        verbatim_doc_comment,
         value_name = "OUT",
         required_unless_present = "video",
         conflicts_with = "video"

@@ -39,6 +39,13 @@ pub(super) struct VideoArgs {
     pub(super) seconds: Option<f64>,
 }
 
+impl VideoArgs {
+    /// True if the camera moves along a path, which has an up axis of its own.
+    pub(super) fn has_path(&self) -> bool {
+        self.path.is_some() || self.path_of_session.is_some()
+    }
+}
+
 fn number(text: &str, range: std::ops::RangeInclusive<f64>, expected: &str) -> Result<f64, String> {
     text.parse()
         .ok()

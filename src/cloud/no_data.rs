@@ -2,8 +2,8 @@
 //!
 //! **How it works.** Programs write a constant where there is no return, and overflow to the smallest integer. One such
 //! point in a survey in UTM coordinates moves the origin by thousands of kilometres and makes single precision coarser
-//! than the points are apart. So the *bulk* of a cloud is measured first: the box between quantiles of a sample that has
-//! no candidate in it. A point is missing if
+//! than the points are apart. So the *bulk* of a cloud is measured first: the box between quantiles of a sample that
+//! has no candidate in it. A point is missing if
 //!
 //! - it is at 0 0 0, away from the bulk, or again and again in a void of its own,
 //! - a coordinate is a constant that programs are known to write, away from the bulk along that axis,

@@ -87,7 +87,8 @@ pub enum ConvertError {
     },
     /// The folder holds frames that were converted otherwise.
     #[error(
-        "{} holds frames of another conversion ({difference}): nothing was written, choose another folder, or --overwrite \
+        "{} holds frames of another conversion ({difference}): nothing was written, choose another folder, or \
+         --overwrite \
          to replace them",
         path.display()
     )]

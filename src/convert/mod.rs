@@ -3,9 +3,9 @@
 //! **How it works.** Each frame is read, edited ([`Edit`]) and written by itself, as many at a time as there are cores,
 //! so that a sequence of any length takes the memory of a few frames. A frame is written under a hidden name and
 //! renamed when it is whole: what stands in the folder is finished. Files keep the names of those that they were made
-//! from (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): who is interrupted
-//! and starts again goes on; a folder of another conversion, a file of somebody else, and an output that is the input
-//! are refused before anything is written. Shards take every n-th frame, whoever runs them.
+//! from (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): who is
+//! interrupted and starts again goes on; a folder of another conversion, a file of somebody else, and an output that is
+//! the input are refused before anything is written. Shards take every n-th frame, whoever runs them.
 //!
 //! Or all frames go into one sequence file (`convert::reel`). What either comes to is estimated beforehand, by a few
 //! frames (`convert::estimate`), and looked for where it would be written ([`Place`]). What a target cannot hold is

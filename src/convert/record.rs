@@ -2,10 +2,10 @@
 //! a file of somebody else for a finished frame.
 //!
 //! **How it works.** The options of the conversion and its inputs are one hidden file ([`Record`]). A second one has a
-//! line per frame that was written ([`Ledger`]): name, size, and of what file it was made, in which state. A frame counts
-//! as finished if a file of that name and size is there and its source is as it was. The line is written before the file
-//! has its name: whatever interrupts the conversion, a file without a line is not of this conversion. Each shard appends
-//! to a ledger of its own, all of them are read.
+//! line per frame that was written ([`Ledger`]): name, size, and of what file it was made, in which state. A frame
+//! counts as finished if a file of that name and size is there and its source is as it was. The line is written before
+//! the file has its name: whatever interrupts the conversion, a file without a line is not of this conversion. Each
+//! shard appends to a ledger of its own, all of them are read.
 
 use super::conversion::{Conversion, Output, Shard};
 use super::error::ConvertError;

@@ -1,6 +1,7 @@
 //! The format that the name of a still picture says, and what it cannot hold.
 
 use super::error::ExportError;
+use super::picture::check_size;
 use super::picture_format::{FORMATS, PictureFormat, Row};
 use std::path::Path;
 
@@ -27,8 +28,9 @@ impl PictureFormat {
     /// What the format cannot hold is refused before anything is drawn.
     ///
     /// # Errors
-    /// [`ExportError::OpaquePicture`], [`ExportError::LargePicture`].
+    /// [`ExportError::OpaquePicture`], [`ExportError::LargePicture`]; [`ExportError::PictureSize`] where no format can.
     pub fn check(self, [width, height]: [u32; 2], is_transparent: bool) -> Result<(), ExportError> {
+        check_size([width, height])?;
         if is_transparent && !self.has_alpha() {
             return Err(ExportError::OpaquePicture { format: self });
         }
@@ -78,7 +80,12 @@ mod tests {
                 .to_string()
                 .contains(".png")
         );
-        assert!(PictureFormat::Webp.check([16_384, 10], false).is_err());
+        let refused = |format: PictureFormat, size_px| format.check(size_px, false).unwrap_err().to_string();
+        assert!(refused(PictureFormat::Webp, [16_384, 10]).contains("choose .png"));
+        for format in [PictureFormat::Png, PictureFormat::Webp] {
+            let said = refused(format, [1_000_000, 8]);
+            assert!(said.contains("from 1 to 65536 pixels"), "{said}");
+        }
         PictureFormat::Png
             .check([crate::export::MAX_EDGE_PX, 10], true)
             .unwrap();

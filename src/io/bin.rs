@@ -1,5 +1,5 @@
-//! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity), nuScenes' `.pcd.bin` (x y z intensity ring), radars
-//! of seven floats and more.
+//! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity), nuScenes' `.pcd.bin` (x y z intensity ring),
+//! radars of seven floats and more.
 //!
 //! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is
 //! estimated:
@@ -11,8 +11,8 @@
 //!    tiny but for zero: other data read as floats is full of numbers like 1e-38.
 //! 3. Read at the right width a column holds numbers of one kind, which change little from a point to the next; at a
 //!    wrong one it holds coordinates and intensities by turns. So the width is taken whose columns change least
-//!    ([`roughness`]). Where that does not decide, it is the most common one. Multiples of the right width are as smooth,
-//!    so the smallest of equals is taken, and rare widths have to be clearly smoother.
+//!    ([`roughness`]). Where that does not decide, it is the most common one. Multiples of the right width are as
+//!    smooth, so the smallest of equals is taken, and rare widths have to be clearly smoother.
 
 use super::column::{Column, Scalar, Values};
 use super::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
@@ -241,7 +241,8 @@ fn implausible(bytes: &[u8], width: usize, positions: [usize; 3]) -> Option<Faul
 }
 
 /// How much the columns change from a point to the next: the mean over them of the logarithm of the mean step. Numbers
-/// of another kind in between make steps as large as the cloud.
+/// of another kind in between make steps as large as the cloud. Infinite where there is no next point, which says
+/// nothing for a width.
 fn roughness(bytes: &[u8], width: usize) -> f64 {
     let mut steps = vec![0.0f64; width];
     let (mut sizes, mut count) = (0.0, 0.0);
@@ -254,10 +255,13 @@ fn roughness(bytes: &[u8], width: usize) -> f64 {
         }
         count += 1.0;
     }
+    if count == 0.0 {
+        return f64::INFINITY;
+    }
     // A column that never changes is as smooth as one that changes by a ten thousandth.
     let least = 1e-4 * sizes + f64::MIN_POSITIVE;
     let logarithms = steps.iter().map(|step| step.max(least).ln());
-    logarithms.sum::<f64>() / width as f64 - f64::ln(f64::max(count, 1.0))
+    logarithms.sum::<f64>() / width as f64 - f64::ln(count)
 }
 
 /// Names by the user, and by all that is known: intensities are never negative, and rings are whole numbers.

@@ -77,8 +77,8 @@ macro_rules! walk {
     }};
 }
 
-/// Whether the decimal number `value` is what a number of single precision is written as: the nearest of these is off by
-/// less than half of the last digit.
+/// Whether the decimal number `value` is what a number of single precision is written as: the nearest of these is off
+/// by less than half of the last digit.
 fn is_written_single(value: f64) -> bool {
     /// More than single precision has, of numbers near 1.
     const MOST_DECIMALS: i32 = 12;
@@ -215,7 +215,7 @@ pub(super) mod tests {
             (&[1.234_567, 12_345.678, -0.001_234_567], false),
             // As `%f` writes an f32.
             (&[f64::from(0.1f32), 123.456_787], false),
-            (&[0.1, 691_234.56], true),
+            (&[0.1, 691_234.567], true),
             (&[0.123_456_789_1], true),
             (&[5_334_567.125, 0.001], true),
         ] {

@@ -2,10 +2,10 @@
 //!
 //! **How it works.** A name is taken apart into words: `Points_m_XYZ:0` is `points m xyz 0`, `posX` is `pos x`. One of
 //! the words, or what is glued to a known word, is an axis; the others are the *stem*. Three columns of one stem with
-//! the three axes are a triple. A bare stem (`x`) is taken before one of known words (`pos_x`, `Points:0`), these before
-//! surveyors' names (`Easting`), and these before unknown words (`head_x`), which count only if nothing else is there
-//! and if they are no vector of another kind (`vel_x`). Longitude and latitude come last. Units are in brackets or the
-//! last word.
+//! the three axes are a triple. A bare stem (`x`) is taken before one of known words (`pos_x`, `Points:0`), these
+//! before surveyors' names (`Easting`), and these before unknown words (`head_x`), which count only if nothing else is
+//! there and if they are no vector of another kind (`vel_x`). Longitude and latitude come last. Units are in brackets
+//! or the last word.
 
 use crate::cloud::LengthUnit;
 

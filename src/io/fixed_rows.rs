@@ -4,8 +4,8 @@
 //! moves every byte three times through memory that no cache holds. Here each thread reads a piece that its core's
 //! cache holds and takes it apart, and the arrays of the cloud are written once, from their beginning to their end.
 //! Threads follow one another from the file to the positions to the other attributes to each scalar field, each step
-//! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the file nor a second copy
-//! of a column is in memory beside the cloud.
+//! being held by one of them, so that pieces stay in order and a step is taken while others take theirs. Neither the
+//! file nor a second copy of a column is in memory beside the cloud.
 //!
 //! A decoder whose header tells of such rows says so ([`super::ply`], [`super::pcd`]). Whatever is unusual is left to
 //! the reading of whole files, which also has the words for what is wrong: headers that claim more than there is,

@@ -5,13 +5,12 @@
 //! unpacked length, then LZF.
 
 mod arrays;
+mod pixels;
 
-use super::error::mebibytes;
 use image::{DynamicImage, ImageReader, Limits};
+use pixels::{MOST_EDGE_PX, checked_bytes, checked_size};
+pub(crate) use pixels::{Raster, Samples};
 use std::io::Cursor;
-
-/// Most pixels along an edge.
-const MOST_EDGE_PX: u32 = 1 << 15;
 
 /// First bytes of images of PCL.
 const PCLZF: &[u8] = b"PCLZF";
@@ -21,43 +20,6 @@ const PCLZF_HEADER_BYTES: usize = 37;
 
 /// The most that LZF can reach: 264 bytes out of three.
 const MOST_LZF_RATIO: u64 = 88;
-
-/// An image, line by line from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Raster {
-    pub(crate) size_px: [u32; 2],
-    pub(crate) samples: Samples,
-}
-
-/// What a pixel is: as many entries as there are pixels.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Samples {
-    Gray8(Vec<u8>),
-    Gray16(Vec<u16>),
-    GrayF32(Vec<f32>),
-    Rgb8(Vec<[u8; 3]>),
-}
-
-impl Samples {
-    /// What it is, for people.
-    pub(crate) fn name(&self) -> &'static str {
-        match self {
-            Self::Gray8(_) => "grey of 8 bits",
-            Self::Gray16(_) => "grey of 16 bits",
-            Self::GrayF32(_) => "grey in single floats",
-            Self::Rgb8(_) => "colours",
-        }
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Gray8(samples) => samples.len(),
-            Self::Gray16(samples) => samples.len(),
-            Self::GrayF32(samples) => samples.len(),
-            Self::Rgb8(samples) => samples.len(),
-        }
-    }
-}
 
 /// The image in `bytes`, which takes no more than `most_bytes`.
 ///
@@ -108,27 +70,6 @@ pub(crate) fn size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
     };
     let (width, height) = size?;
     checked_size([width, height])
-}
-
-fn checked_size(size_px: [u32; 2]) -> Result<[u32; 2], String> {
-    let [width, height] = size_px;
-    if size_px.iter().all(|edge| (1..=MOST_EDGE_PX).contains(edge)) {
-        return Ok(size_px);
-    }
-    Err(format!(
-        "it claims {width} × {height} pixels, and 1 to {MOST_EDGE_PX} along an edge are read"
-    ))
-}
-
-fn checked_bytes(bytes: u64, most_bytes: u64) -> Result<(), String> {
-    if bytes <= most_bytes {
-        return Ok(());
-    }
-    Err(format!(
-        "it would take {} of memory, and may take {}: raise --max-memory if the machine has it",
-        mebibytes(bytes),
-        mebibytes(most_bytes)
-    ))
 }
 
 fn decode_usual(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {

@@ -83,9 +83,11 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         });
     }
     for landmark in array_at(&scene, "structure") {
-        let Some(position) = numbers_at(landmark, "X") else {
+        let Some(position) = landmark.get("X") else {
             continue;
         };
+        // Those that are not finite are skipped and counted.
+        let position = numbers(position).map_or(DVec3::NAN, DVec3::from_array);
         let color = numbers_at(landmark, "color")
             .unwrap_or([128.0; 3])
             .map(|value| value as u8);
@@ -97,7 +99,7 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
                 pixel: Vec2::new(x as f32, y as f32),
             })
         });
-        drafts.points.push(DVec3::from_array(position), color, track);
+        drafts.points.push(position, color, track);
     }
     Ok(drafts)
 }
@@ -119,12 +121,14 @@ fn is_of_rig(view: &Value) -> bool {
         .is_some_and(|value| !is_independent(value))
 }
 
-/// The number of a pose, with the axes of its camera as columns, and its centre.
+/// The number of a pose, with the axes of its camera as columns, and its centre. Those of which a number is not finite
+/// are NaN, so that the photograph is named as one that cannot be shown.
 fn pose(entry: &Value) -> Option<(String, Pose)> {
     let transform = entry.get("pose")?.get("transform")?;
-    let by_rows = DMat3::from_cols_array(&numbers_at(transform, "rotation")?).transpose();
-    let center = DVec3::from_array(numbers_at(transform, "center")?);
-    Some((key_at(entry, "poseId")?, (by_rows, center)))
+    let by_columns = numbers::<9>(transform.get("rotation")?);
+    let by_columns = by_columns.map_or(DMat3::NAN, |by_columns| DMat3::from_cols_array(&by_columns));
+    let center = numbers(transform.get("center")?).map_or(DVec3::NAN, DVec3::from_array);
+    Some((key_at(entry, "poseId")?, (by_columns.transpose(), center)))
 }
 
 fn lens(intrinsic: &Value, version: [f64; 3]) -> Result<Lens, String> {

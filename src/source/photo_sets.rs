@@ -9,6 +9,7 @@ use super::photo_video::PhotoVideo;
 use super::photos::PhotoScene;
 use super::{OpenOptions, SequenceError, Source, rgbd};
 use crate::io::Format;
+use crate::io::foreign::by_members;
 use crate::natural::natural_order;
 use crate::photos::{self, PhotosError};
 use std::fs;
@@ -62,8 +63,9 @@ pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<A
     let found: Vec<PathBuf> = folders.into_iter().take(MOST_FOLDERS).filter(holds_set).collect();
     match found.as_slice() {
         [] => match photos::unread(input) {
-            Some(error) => Err(wrong(error)),
-            None => Ok(None),
+            // Pictures are next to the parts of many things, which the refusal of the files names.
+            Some(error) if !is_foreign(input) => Err(wrong(error)),
+            _ => Ok(None),
         },
         [one] => {
             let inputs = [one.clone()];
@@ -78,6 +80,15 @@ pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<A
             advice: format!("open one of them ({})", names(several)),
         })),
     }
+}
+
+/// True if the files of a folder are the parts of one thing that is not read, such as a ReCap project.
+fn is_foreign(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
+    let names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    by_members(&names.iter().map(String::as_str)).is_some()
 }
 
 fn wrong(error: PhotosError) -> SequenceError {
@@ -157,6 +168,7 @@ mod tests {
     fn a_folder_of_clouds_is_none() {
         assert_eq!(opened(&["a.ply", "scene/transforms.json", "scene/a.png"]), Ok(None));
         assert_eq!(opened(&["notes.md"]), Ok(None));
+        assert_eq!(opened(&["scan.rcp", "a.png"]), Ok(None));
     }
 
     #[test]

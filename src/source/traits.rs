@@ -105,8 +105,8 @@ pub trait Source: Send + Sync {
         Ok(0)
     }
 
-    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of them
-    /// is outdated.
+    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of
+    /// them is outdated.
     fn changed_since(&self, _since: usize) -> Vec<usize> {
         Vec::new()
     }

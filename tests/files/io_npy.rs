@@ -454,8 +454,12 @@ fn what_is_no_table_is_refused_with_advice() {
     assert!(message("(2, 2)", 4).contains("3 to 64 numbers"));
     assert!(message("(2, 3)", 5).contains("truncated"));
     assert!(message("(4611686018427387904, 4)", 5).contains("truncated"));
+    let objects = refused("a.npy", &npy(1, "'|O'", false, "(1, 3)", &[0; 64]));
+    assert!(
+        objects.contains("pickled Python objects") && objects.contains("save the arrays with numpy.savez"),
+        "{objects}"
+    );
     for descr in [
-        "'|O'",
         "'<c8'",
         "[('x', '<f4', (2, 99999999999999999999))]",
         "((((",

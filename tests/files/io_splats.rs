@@ -411,6 +411,11 @@ fn splats_of_numpy_in_half_precision() {
 #[test]
 fn what_no_format_is_for_is_said_without_a_command() {
     let error = refused("a.jpg", b"\xff\xd8");
+    assert!(
+        error.contains("a.jpg is an image: a single image has no depth") && !error.contains("--help"),
+        "{error}"
+    );
+    let error = refused("a.unknown", b"\x01\x02");
     assert!(!error.contains("--help"), "a window has no command line: {error}");
     for name in ["PLY", "SPZ", "SPLAT", "NPZ"] {
         assert!(error.contains(name), "{error}");

@@ -1,7 +1,8 @@
 //! What is written is read back equal, as far as the format holds it.
 
 use glam::DVec3;
-use pointreel::cloud::{ImageGrid, Positions, RawCloud, ScalarField};
+use pointreel::assumption::{Evidence, Subject};
+use pointreel::cloud::{AxisConvention, ColorDepth, ImageGrid, Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -80,6 +81,16 @@ fn as_precise(read: &Positions, original: &Positions) -> Positions {
     }
 }
 
+/// The range of colours in text, which has no types: those that are all 0 or 1 are written as fractions.
+fn depth_in_text(colors: &[[u8; 4]]) -> ColorDepth {
+    let is_dark = |[red, green, blue, _]: &[u8; 4]| [red, green, blue].into_iter().all(|&channel| channel <= 1);
+    if colors.iter().all(is_dark) {
+        ColorDepth::Unit
+    } else {
+        ColorDepth::Bits8
+    }
+}
+
 proptest! {
     #[test]
     fn ply_holds_all_but_the_sensor(cloud in clouds()) {
@@ -92,7 +103,11 @@ proptest! {
 
     #[test]
     fn pcd_holds_all_but_faces(cloud in clouds()) {
-        let mut expected = RawCloud { faces: Vec::new(), ..cloud.clone() };
+        let mut expected = RawCloud {
+            faces: Vec::new(),
+            convention: Some(AxisConvention::UsuallyZUp),
+            ..cloud.clone()
+        };
         // Its readers take all zeros for no alpha.
         let colors = expected.attributes.colors.as_mut();
         if let Some(colors) = colors.filter(|colors| colors.iter().all(|color| color[3] == 0)) {
@@ -103,14 +118,30 @@ proptest! {
 
     #[test]
     fn text_holds_all_but_faces_and_the_sensor(cloud in clouds()) {
-        let expected = RawCloud { sensor: None, faces: Vec::new(), ..cloud.clone() };
+        let expected = RawCloud {
+            sensor: None,
+            faces: Vec::new(),
+            convention: Some(AxisConvention::UsuallyZUp),
+            color_depth: cloud.attributes.colors.as_deref().map(depth_in_text),
+            ..cloud.clone()
+        };
         let mut text = read_back("xyz", "a.xyz", &cloud);
+        // A column of times may be one of frames: that each point has its own is said.
+        let assumed = std::mem::take(&mut text.assumptions);
+        let has_times = cloud.attributes.scalars.iter().any(|field| field.name == "gps_time");
+        prop_assert_eq!(assumed.len(), usize::from(has_times && cloud.positions.len() > 1));
+        for assumption in assumed {
+            prop_assert_eq!(
+                (assumption.subject, assumption.value.as_str(), assumption.evidence),
+                (Subject::Frames, "one", Evidence::Convention)
+            );
+        }
         text.positions = as_precise(&text.positions, &cloud.positions);
         prop_assert_eq!(text, expected);
     }
 
     #[test]
-    fn tables_hold_positions_colors_and_unit_normals(
+    fn tables_hold_positions_colors_unit_normals_and_fields(
         mut cloud in clouds(),
         normal in prop_oneof![
             (0.1f32..1.5).prop_map(|angle| [angle.cos(), -angle.sin(), 0.0]),
@@ -126,17 +157,14 @@ proptest! {
             field.values.fill(f32::from(whole));
         }
         let read = read_back("npy", "a.npy", &cloud);
-        let first = cloud.attributes.scalars.first().filter(|_| cloud.attributes.normals.is_none());
         // A scalar of times makes all numbers double.
         prop_assert!(wide || matches!((&read.positions, &cloud.positions),
             (Positions::F64(_), _) | (Positions::F32(_), Positions::F32(_))));
         prop_assert_eq!(as_precise(&read.positions, &cloud.positions), cloud.positions);
-        let opaque = |[red, green, blue, _]: [u8; 4]| [red, green, blue, 255];
-        let opaque = cloud.attributes.colors.map(|colors| colors.into_iter().map(opaque).collect::<Vec<_>>());
-        prop_assert_eq!(read.attributes.colors, opaque);
+        prop_assert_eq!(read.attributes.colors, cloud.attributes.colors);
         prop_assert_eq!(read.attributes.normals, cloud.attributes.normals);
-        prop_assert_eq!(read.attributes.scalars.first().map(|field| (&field.values, field.offset)),
-            first.map(|field| (&field.values, field.offset)));
+        prop_assert_eq!(read.attributes.radii, cloud.attributes.radii);
+        prop_assert_eq!(read.attributes.scalars, cloud.attributes.scalars);
     }
 }
 
@@ -166,6 +194,18 @@ fn files_look_as_other_programs_expect() {
         ),
         "{pcd}"
     );
+    let npy = written("npy", &cloud);
+    assert!(
+        String::from_utf8_lossy(&npy).contains(
+            "{'descr': [('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('red', '<f8'), ('green', '<f8'), ('blue', '<f8'), \
+             ('a b,c', '<f8'), ('scalar_x', '<f8')], 'fortran_order': False, 'shape': (1,), }"
+        ),
+        "fields have names: {}",
+        String::from_utf8_lossy(&npy)
+    );
+    assert_eq!((npy.len() - 8 * 8) % 64, 0);
+    // What the number of columns tells is a bare table.
+    cloud.attributes.scalars = vec![ScalarField::new("scalar", vec![0.1])];
     let npy = written("npy", &cloud);
     assert!(String::from_utf8_lossy(&npy).contains("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }"));
     assert_eq!((npy.len() - 7 * 8) % 64, 0);

@@ -100,9 +100,10 @@ proptest! {
             let holes = usize::from(loses(&losses, &Loss::Holes));
             prop_assert_eq!(read.positions.len(), COUNT - holes, "{}: points", format);
             prop_assert_eq!(read_of.colors.is_some(), there.colors.is_some(), "{}: colours", format);
+            let loses_alpha = loses_field(&losses, &["the alpha of colours", "alpha"]);
             for (what, is_there, is_read, is_said) in [
                 ("normals", there.normals.is_some(), read_of.normals.is_some(), loses_field(&losses, &["normals"])),
-                ("alpha", has_alpha(&cloud), has_alpha(&read), loses_field(&losses, &["the alpha of colours", "alpha"])),
+                ("alpha", has_alpha(&cloud), has_alpha(&read), loses_alpha),
                 ("radii", there.radii.is_some(), read_of.radii.is_some(), loses_field(&losses, &["radii", "radius"])),
                 ("ellipses", there.ellipses.is_some(), read_of.ellipses.is_some(), loses_field(&losses, &["ellipses"])),
                 ("faces", !cloud.faces.is_empty(), !read.faces.is_empty(), loses(&losses, &Loss::Faces)),

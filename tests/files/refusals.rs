@@ -126,7 +126,13 @@ fn folders_are_named_by_their_files() {
             &["a.fls, as 2 others, is a FARO scan", "SCENE"],
         ),
         (&["scan.rcp", "photo.png"], &["ReCap"]),
-        (&["a.png", "b.png"], &["a.png, as 1 others, is an image"]),
+        (
+            &["a.png", "b.png"],
+            &[
+                "photographs, and nothing that says where they were taken from",
+                "COLMAP",
+            ],
+        ),
     ] {
         let folder = tempfile::tempdir().unwrap();
         for name in names {

@@ -269,6 +269,10 @@ fn broken_faces_are_said_by_every_verb_and_cost_no_point() {
             "32x32",
             "--renderer",
             "cpu",
+            "--up",
+            "y",
+            "--primitive",
+            "point",
         ],
         &["convert", text(&file), text(&converted)],
     ] {
@@ -333,6 +337,8 @@ fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output 
     let picture = folder.path().join("picture.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
     command.args(["render", text(folder.path()), "-o", text(&picture)]);
+    // Guesses would be said.
+    command.args(["--up", "y", "--primitive", "point"]);
     command.args(["--size", "32x32", "--renderer", renderer]);
     for name in ["XDG_RUNTIME_DIR", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(name);
@@ -525,34 +531,6 @@ fn a_clipped_picture_shows_what_is_in_the_box_alone() {
 }
 
 #[test]
-fn frames_are_compared_point_by_point() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, y) in [("a_0.xyz", 0.0), ("a_1.xyz", 0.25)] {
-        let lines = (0..100).map(|x| format!("{x} {y} 0\n"));
-        std::fs::write(folder.path().join(name), lines.collect::<String>()).unwrap();
-    }
-    let inputs = ["compare-frames", text(folder.path()), "--from", "0"];
-    let output = pointreel(&[&inputs[..], &["--to", "1", "--threshold", "0.2", "--json"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
-    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    for (key, expected) in [
-        ("points", 100.0),
-        ("mean", 0.25),
-        ("quantile_95", 0.25),
-        ("max", 0.25),
-        ("share_above", 1.0),
-    ] {
-        assert_eq!(answer[key].as_f64(), Some(expected), "{key}");
-    }
-    let output = pointreel(&[&inputs[..], &["--to", "1"]].concat());
-    let table = String::from_utf8(output.stdout).unwrap();
-    assert!(table.contains("mean                0.25"), "{table}");
-    let output = pointreel(&[&inputs[..], &["--to", "7"]].concat());
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains('7'), "{}", stderr(&output));
-}
-
-#[test]
 fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
     let folder = small_sequence();
     let picture = folder.path().join("way.png");
@@ -569,6 +547,8 @@ fn the_ways_of_points_are_drawn_and_where_they_break_is_said() {
             "6",
             "--eye-dome",
             "off",
+            "--up",
+            "y",
         ];
         pointreel(&[&input[..], &how[..], more].concat())
     };

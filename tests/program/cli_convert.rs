@@ -60,10 +60,24 @@ fn check_exits_with_3_where_something_is_found() {
         .iter()
         .map(|finding| finding["kind"].as_str().unwrap())
         .collect();
-    assert_eq!(kinds, ["number_gap", "unreadable_frame"]);
-    let words = pointreel(&["check", text(folder.path())]);
-    let words = String::from_utf8_lossy(&words.stdout).into_owned();
-    assert!(words.contains("scan_3.xyz") && words.contains("scan_6.xyz"), "{words}");
+    // The gravest first.
+    assert_eq!(kinds, ["unreadable_frame", "number_gap"]);
+    let severities = [&report["findings"][0]["severity"], &report["findings"][1]["severity"]];
+    assert_eq!(severities, ["error", "warning"]);
+    let said = pointreel(&["check", text(folder.path())]);
+    assert_eq!(said.status.code(), Some(3));
+    let words = String::from_utf8_lossy(&said.stdout).into_owned();
+    let lines: Vec<&str> = words.lines().collect();
+    assert!(
+        lines[0].starts_with("- error: ") && lines[0].contains("scan_6.xyz"),
+        "{words}"
+    );
+    assert!(
+        lines[1].starts_with("- warning: ") && lines[1].contains("scan_3.xyz"),
+        "{words}"
+    );
+    let summary = String::from_utf8_lossy(&said.stderr).into_owned();
+    assert_eq!(summary.trim_end(), "1 error, 1 warning");
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn rendered(input: &Path, colors: &str, picture: &Path) -> Output {
         "--renderer",
         "cpu",
         "--primitive",
-        "points",
+        "point",
         "--colors",
         colors,
     ];

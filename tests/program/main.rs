@@ -2,10 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
+mod assumptions;
 mod cli;
 mod cli_convert;
 mod cli_video;
 mod compare;
+mod compare_frames;
 mod fields;
 mod outputs;
 mod serve;

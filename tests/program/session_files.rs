@@ -78,10 +78,12 @@ fn labels_are_in_pictures_and_a_camera_path_is_the_video() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("walk.pointreel");
     fs::write(&file, session("demo:", "")).unwrap();
-    let without = rendered(folder.path(), &[text(&file)]);
+    // The session says no primitive: it would be guessed, which is said.
+    let picture = || rendered(folder.path(), &[text(&file), "--primitive", "surfel"]);
+    let without = picture();
     let label = r#", "labels": [{"text": "Gehender Mann", "at": [0, 0.9, 0]}]"#;
     fs::write(&file, session("demo:", label)).unwrap();
-    assert_ne!(rendered(folder.path(), &[text(&file)]), without);
+    assert_ne!(picture(), without);
     let key = |time_s: f64, frame: u32| {
         format!(
             r#"{{"time_s": {time_s}, "frame": {frame}, "target": [0, 0.9, 0], "distance": 4, "azimuth_deg": 0,

@@ -116,7 +116,7 @@ fn mixed_inputs_keep_their_order_and_no_file_comes_twice() {
 
 #[test]
 fn what_is_wrong_is_said_in_one_sentence() {
-    let folder = folder(&["takes/one/readme.md", "takes/two/x.ply", "empty/readme.md"]);
+    let folder = folder(&["takes/one/y.ply", "takes/two/x.ply", "empty/readme.md"]);
     let error = |path: &Path| {
         Sequence::discover(&[path.to_path_buf()])
             .expect_err("nothing to open")
@@ -125,7 +125,7 @@ fn what_is_wrong_is_said_in_one_sentence() {
     let missing = error(&folder.path().join("gone.ply"));
     assert!(missing.contains("gone.ply does not exist"), "{missing}");
     let parent = error(&folder.path().join("takes"));
-    assert!(parent.contains("sub-folders (one, two)"), "{parent}");
+    assert!(parent.contains("takes holds 2 sequences"), "{parent}");
     let empty = error(&folder.path().join("empty"));
     assert!(empty.contains("*.ply") && empty.contains("*.pcd"), "{empty}");
     assert!(matches!(Sequence::discover(&[]), Err(SequenceError::NoInput)));

@@ -1,6 +1,7 @@
 //! Point clouds of other programs and devices.
 
-use super::{Foreign, ROW, looks};
+use super::looks;
+use super::row::{Foreign, ROW};
 use crate::io::format::Magic;
 
 pub(super) const ROWS: &[Foreign] = &[
@@ -22,7 +23,8 @@ pub(super) const ROWS: &[Foreign] = &[
     Foreign {
         name: "a Potree 1 octree",
         writer: "PotreeConverter 1",
-        advice: "open the LAS or LAZ file it was made of; if that is lost, and its nodes are LAZ (data/**/*.laz), merge \
+        advice: "open the LAS or LAZ file it was made of; if that is lost, and its nodes are LAZ (data/**/*.laz), \
+            merge \
             them with `pdal merge`",
         looks_like: Some(looks::potree_1),
         names: &["cloud.js"],
@@ -32,7 +34,8 @@ pub(super) const ROWS: &[Foreign] = &[
     Foreign {
         name: "a Potree 2 octree",
         writer: "PotreeConverter 2",
-        advice: "open the LAS or LAZ file it was made of, or crop all of it to a LAS file with PotreeDesktop or CPotree",
+        advice: "open the LAS or LAZ file it was made of, or crop all of it to a LAS file with PotreeDesktop or \
+            CPotree",
         looks_like: Some(looks::potree_2),
         names: &["octree.bin", "hierarchy.bin"],
         members: &["metadata.json", "octree.bin"],
@@ -41,7 +44,8 @@ pub(super) const ROWS: &[Foreign] = &[
     Foreign {
         name: "an Entwine Point Tile set (EPT)",
         writer: "Entwine and PDAL",
-        advice: "write it as one file with `pdal translate ept.json cloud.laz`; its tiles are LAZ files, which open one \
+        advice: "write it as one file with `pdal translate ept.json cloud.laz`; its tiles are LAZ files, which open \
+            one \
             by one (ept-data/0-0-0-0.laz is the coarsest)",
         looks_like: Some(looks::ept),
         names: &["ept.json"],
@@ -67,7 +71,8 @@ pub(super) const ROWS: &[Foreign] = &[
     Foreign {
         name: "a 3D Tiles tileset",
         writer: "Cesium ion and other tilers",
-        advice: "open the data it was made of, or its glTF tiles (*.glb) one by one; tiles of other kinds are converted \
+        advice: "open the data it was made of, or its glTF tiles (*.glb) one by one; tiles of other kinds are \
+            converted \
             with 3d-tiles-tools",
         looks_like: Some(looks::tileset),
         names: &["tileset.json"],

@@ -1,6 +1,7 @@
 //! Arrays, tables, volumes, molecules and measurements.
 
-use super::{Foreign, ROW, looks};
+use super::looks;
+use super::row::{Foreign, ROW};
 use crate::io::format::Magic;
 
 pub(super) const ROWS: &[Foreign] = &[

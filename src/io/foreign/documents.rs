@@ -1,6 +1,7 @@
 //! Web pages, pointers, images, videos, documents and archives: files that were meant to be something else.
 
-use super::{Foreign, ROW, looks};
+use super::looks;
+use super::row::{Foreign, ROW};
 use crate::io::format::Magic;
 
 const IMAGE_ADVICE: &str = "a single image has no depth: name the folder of a recording of depth images, or of images \
@@ -9,7 +10,8 @@ const IMAGE_ADVICE: &str = "a single image has no depth: name the folder of a re
 pub(super) const ROWS: &[Foreign] = &[
     Foreign {
         name: "a web page, not a point cloud",
-        advice: "the download gave an error or sign-in page instead of the file: download it again, signed in, from the \
+        advice: "the download gave an error or sign-in page instead of the file: download it again, signed in, from \
+            the \
             link of the file itself",
         looks_like: Some(looks::web_page),
         extensions: &["html", "htm"],

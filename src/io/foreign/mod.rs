@@ -1,9 +1,9 @@
 //! Kinds of files that are not read, recognised so that a refusal names them, who writes them, and what converts them.
 //!
-//! **How it works.** One row per kind ([`Foreign`]). Content is looked at first: bytes that only files of the kind begin
-//! with, or a structure. It takes precedence over the *extension* of a format that is read, as `.bin`, `.las` and `.txt`
-//! are extensions of many programs; it never takes precedence over the *first bytes* of such a format. Names count where
-//! content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files.
+//! **How it works.** One row per kind ([`Foreign`]). Content is looked at first: bytes that only files of the kind
+//! begin with, or a structure. It takes precedence over the *extension* of a format that is read, as `.bin`, `.las` and
+//! `.txt` are extensions of many programs; it never takes precedence over the *first bytes* of such a format. Names
+//! count where content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files.
 //!
 //! To add a kind: a row in one of the tables below, and its sample in the test of this module.
 
@@ -11,46 +11,15 @@ mod clouds;
 mod data;
 mod documents;
 mod looks;
+mod row;
 mod scenes;
 mod splats;
 #[cfg(test)]
 mod tests;
 
-use super::format::{Format, Magic};
+use super::format::Format;
+pub use row::Foreign;
 use std::path::Path;
-
-/// A kind of file that is not read.
-#[derive(Debug)]
-pub struct Foreign {
-    /// With its article: `a CloudCompare project`.
-    name: &'static str,
-    /// The programs or devices that write it; empty where that says nothing.
-    writer: &'static str,
-    /// The way to a file that is read, after a colon.
-    advice: &'static str,
-    /// Bytes that no other file has at this place; any of them is enough.
-    magic: &'static [Magic],
-    /// A structure, where first bytes are not enough.
-    looks_like: Option<fn(&Path, &[u8]) -> bool>,
-    /// Whole names, in lower case, that take precedence over the extension of a format that is read.
-    names: &'static [&'static str],
-    /// Without dot, in lower case.
-    extensions: &'static [&'static str],
-    /// Names of files that an archive or folder of the kind holds, all of them; `*.x` is any name with that extension.
-    members: &'static [&'static str],
-}
-
-/// A row without anything to recognise it by.
-const ROW: Foreign = Foreign {
-    name: "",
-    writer: "",
-    advice: "",
-    magic: &[],
-    looks_like: None,
-    names: &[],
-    extensions: &[],
-    members: &[],
-};
 
 /// All rows; of two that match, the earlier one counts.
 const TABLES: [&[Foreign]; 5] = [clouds::ROWS, splats::ROWS, scenes::ROWS, data::ROWS, documents::ROWS];

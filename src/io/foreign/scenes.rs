@@ -1,6 +1,7 @@
 //! Models, meshes and drawings of other programs.
 
-use super::{Foreign, ROW, looks};
+use super::looks;
+use super::row::{Foreign, ROW};
 use crate::io::format::Magic;
 
 pub(super) const ROWS: &[Foreign] = &[

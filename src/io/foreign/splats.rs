@@ -1,6 +1,7 @@
 //! Gaussian splats of other programs.
 
-use super::{Foreign, ROW, looks};
+use super::looks;
+use super::row::{Foreign, ROW};
 use crate::io::format::Magic;
 
 pub(super) const ROWS: &[Foreign] = &[

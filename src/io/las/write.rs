@@ -1,5 +1,5 @@
-//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not. Scalar fields that the format has no
-//! place for, or whose numbers do not fit it, are extra bytes under their own names.
+//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not. Scalar fields that the format has
+//! no place for, or whose numbers do not fit it, are extra bytes under their own names.
 //!
 //! Coordinates are integers in the file. Each axis gets the coarsest decimal scale, a thousandth or finer, at which no
 //! coordinate loses a digit that it has: files that came from integers go back to the same ones and compress well, and

@@ -52,7 +52,8 @@ pub(super) fn layer_count(array: &Array<'_>) -> Option<usize> {
 }
 
 /// Places of arrays that are frames, in the order of their numbers: all arrays are, their names differ in the numbers
-/// alone, and they are tables of the same type and width. So `numpy.savez(file, *frames)` names them `arr_0`, `arr_1`, ….
+/// alone, and they are tables of the same type and width. So `numpy.savez(file, *frames)` names them `arr_0`, `arr_1`,
+/// ….
 pub(super) fn numbered_frames(arrays: &[NamedArray<'_>]) -> Option<Vec<usize>> {
     let number = |name: &str| -> Option<(String, u64)> {
         let text = name.trim_end_matches(|c: char| c.is_ascii_digit());

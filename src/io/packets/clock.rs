@@ -42,7 +42,8 @@ impl Clock {
         match self {
             Self::Stated => None,
             Self::NanosecondParts => Some(
-                "the capture says that its times are in microseconds, but parts of seconds are a million and more: they \
+                "the capture says that its times are in microseconds, but parts of seconds are a million and more: \
+                 they \
                  are read as nanoseconds",
             ),
             Self::Nanoseconds => Some(
@@ -50,7 +51,8 @@ impl Clock {
                  nanoseconds, not as microseconds. Frames are cut by azimuth; the date is lost",
             ),
             Self::MicrosecondParts => Some(
-                "the capture says that its times are in nanoseconds, but no part of a second is a million or more: they \
+                "the capture says that its times are in nanoseconds, but no part of a second is a million or more: \
+                 they \
                  are read as microseconds",
             ),
         }

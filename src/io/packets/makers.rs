@@ -14,7 +14,8 @@ pub(super) struct Maker {
 const MAKERS: [Maker; 9] = [
     Maker {
         name: "RoboSense packets",
-        advice: "export PCD from RSView, or play the capture into rslidar_sdk and record the PointCloud2 topic as a bag",
+        advice: "export PCD from RSView, or play the capture into rslidar_sdk and record the PointCloud2 topic as a \
+            bag",
         is_one: |_, bytes| {
             const BEGINS: [&[u8]; 4] = [
                 b"\x55\xaa\x05\x0a\x5a\xa5\x50\xa0",
@@ -48,7 +49,8 @@ const MAKERS: [Maker; 9] = [
     },
     Maker {
         name: "Livox packets (Mid-40, Horizon, Tele-15 or Avia)",
-        advice: "record with Livox Viewer and export LAS or CSV, or record a bag with livox_ros_driver, whose CustomMsg \
+        advice: "record with Livox Viewer and export LAS or CSV, or record a bag with livox_ros_driver, whose \
+            CustomMsg \
             and PointCloud2 are read",
         is_one: |port, bytes| (55_000..=62_000).contains(&port) && bytes.first() == Some(&5) && bytes.len() >= 400,
     },

@@ -82,8 +82,8 @@ impl Rows {
         }
     }
 
-    /// Drops the first and the last revolution where they are less than half of one, as a capture begins and ends in the
-    /// middle of it; a sentence that says so.
+    /// Drops the first and the last revolution where they are less than half of one, as a capture begins and ends in
+    /// the middle of it; a sentence that says so.
     pub(super) fn drop_stubs(&mut self) -> Option<String> {
         let whole = self.whole_packets()?;
         let is_stub = |row: Option<&Row>| row.is_some_and(|row| row.packets * 2 < whole);

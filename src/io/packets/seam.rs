@@ -120,9 +120,10 @@ mod tests {
         assert_eq!(seam(45..315), 0);
         assert_eq!(seam(0..270), 0);
         assert_eq!(seam((0..180).chain(190..360)), 0);
-        assert_eq!(seam((0..90).chain(270..360)), 180);
-        assert_eq!(seam((0..30).chain(200..360)), 115);
-        assert_eq!(seam((0..10).chain(350..360)), 180);
+        // Between the last measured half degree and the next.
+        assert_eq!(seam((0..90).chain(270..360)), 179);
+        assert_eq!(seam((0..30).chain(200..360)), 114);
+        assert_eq!(seam((0..10).chain(350..360)), 179);
         assert_eq!(seam(std::iter::empty()), 0);
     }
 

@@ -117,9 +117,10 @@ impl PcdField {
         self.number_bytes.checked_mul(self.count)
     }
 
-    /// The name of number `place` of a point.
+    /// The name of number `place` of a point. A coordinate with several numbers is the first of them, as in PCL.
     pub(super) fn number_name(&self, place: usize) -> String {
-        if self.count <= 1 {
+        let is_coordinate = ["x", "y", "z"].iter().any(|axis| self.name.eq_ignore_ascii_case(axis));
+        if self.count <= 1 || (is_coordinate && place == 0) {
             self.name.clone()
         } else {
             format!("{}_{place}", self.name)
@@ -425,7 +426,7 @@ mod tests {
             header
                 .warnings
                 .iter()
-                .any(|warning| warning.contains("line 9: POINTS is 2"))
+                .any(|warning| warning.contains("line 10: POINTS is 2"))
         );
     }
 
@@ -460,6 +461,11 @@ mod tests {
         );
         assert_eq!(header.fields[3].scalar, None);
         assert_eq!(header.fields[4].number_name(32), "e_32");
+        let header = parse("FIELDS x y z\nSIZE 4 1 4\nTYPE F U I\nCOUNT 1 3 1\nPOINTS 0\nDATA ascii\n");
+        assert_eq!(
+            [0, 1, 2].map(|place| header.fields[1].number_name(place)),
+            ["y", "y_1", "y_2"]
+        );
         assert!(header.warnings[0].contains("skipped: d"), "{:?}", header.warnings);
     }
 }

@@ -12,6 +12,7 @@ mod header;
 mod kept_columns;
 mod moving_splats;
 mod packed_splats;
+mod splat_columns;
 mod splats;
 mod writer;
 

@@ -1,10 +1,10 @@
-//! Splats that move: "Spacetime Gaussian Feature Splatting" (Li et al. 2024, §3.1 and §3.2) gives each a moment at which
-//! it is seen best, a width in time, a polynomial for its path and a rotation that changes. One moment is shown.
+//! Splats that move: "Spacetime Gaussian Feature Splatting" (Li et al. 2024, §3.1 and §3.2) gives each a moment at
+//! which it is seen best, a width in time, a polynomial for its path and a rotation that changes. One moment is shown.
 //!
 //! Their colours are light from 0 to 1, not harmonics.
 
 use super::super::column::Column;
-use super::splats::{take, take_all};
+use super::splat_columns::{take, take_all};
 use crate::cloud::{Positions, RawCloud};
 use glam::{DVec3, Quat};
 

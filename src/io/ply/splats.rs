@@ -5,6 +5,7 @@
 use super::super::column::Column;
 use super::super::splats::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, put_shapes};
 use super::moving_splats::{self, MovingSplats};
+use super::splat_columns::{take, take_all};
 use crate::cloud::RawCloud;
 use glam::Quat;
 
@@ -102,20 +103,4 @@ impl<'a> Splats<'a> {
 
 fn with_alpha([red, green, blue]: [u8; 3], alpha: u8) -> [u8; 4] {
     [red, green, blue, alpha]
-}
-
-/// Removes the column of this name from `columns`.
-pub(super) fn take<'a>(columns: &mut Vec<Column<'a>>, name: &str) -> Option<Column<'a>> {
-    let place = columns.iter().position(|column| column.name == name)?;
-    Some(columns.remove(place))
-}
-
-/// Removes the columns of these names, if all are there.
-pub(super) fn take_all<'a, const N: usize>(columns: &mut Vec<Column<'a>>, names: [&str; N]) -> Option<[Column<'a>; N]> {
-    let is_there = |name: &&str| columns.iter().any(|column| column.name == *name);
-    if !names.iter().all(is_there) {
-        return None;
-    }
-    let taken: Vec<Column<'a>> = names.iter().filter_map(|name| take(columns, name)).collect();
-    taken.try_into().ok()
 }

@@ -3,7 +3,7 @@
 //! Two dimensions are rows and columns; a third of one entry is dropped, one of three are colours. Floats are kept as
 //! they are; whole numbers become 16 bits, as those of images have them.
 
-use super::{Raster, Samples, checked_bytes, checked_size};
+use super::pixels::{Raster, Samples, checked_bytes, checked_size};
 use crate::binary::{Header, Layout, Number, Scalar};
 use std::io::{Cursor, Read};
 
@@ -123,7 +123,8 @@ fn samples(scalar: Option<Scalar>, numbers: impl Iterator<Item = f64>) -> Result
                 ..0.0 => Ok(0),
                 number if number <= f64::from(u16::MAX) => Ok(number as u16),
                 number => Err(format!(
-                    "it has the whole number {number}, and those of depth images end at 65535: save it as floats, in metres"
+                    "it has the whole number {number}, and those of depth images end at 65535: save it as floats, in \
+                     metres"
                 )),
             };
             Ok(Samples::Gray16(numbers.map(word).collect::<Result<_, _>>()?))

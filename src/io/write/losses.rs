@@ -1,7 +1,7 @@
 //! Losses of a cloud in a format, by comparing what it has with what the format holds.
 //!
-//! **How it works.** An [`Encoder`] lists what its format holds ([`Held`]). What the cloud has and the list has not is a
-//! [`Loss`], as is what the encoder itself finds, such as coordinates that are rounded.
+//! **How it works.** An [`Encoder`] lists what its format holds ([`Held`]). What the cloud has and the list has not is
+//! a [`Loss`], as is what the encoder itself finds, such as coordinates that are rounded.
 
 use super::encoder::{Encoder, Held};
 use super::loss::{Loss, Losses};

@@ -1,8 +1,9 @@
 //! A table of numpy: all columns are of one type, and nothing names them.
 //!
-//! That is enough for a colour, a normal, both, or a scalar called `scalar` alone or before a colour: their number tells
-//! what they are (see the reader of text). Where there is more, a field has a name, or the values would tell something
-//! else (normals that are all upright look like a dark colour), rows are records with the names of their fields.
+//! That is enough for a colour, a normal, both, or a scalar called `scalar` alone or before a colour: their number
+//! tells what they are (see the reader of text). Where there is more, a field has a name, or the values would tell
+//! something else (normals that are all upright look like a dark colour), rows are records with the names of their
+//! fields.
 
 use super::super::xyz;
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};

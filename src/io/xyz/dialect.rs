@@ -121,7 +121,8 @@ fn without_groups(text: &str, point: char, group: char) -> Option<String> {
         .all(|digits| digits.len() == GROUP_DIGITS && is_digits(digits));
     let is_first = is_digits(first) && (groups.is_empty() || (1..=GROUP_DIGITS).contains(&first.len()));
     let has_digits = !first.is_empty() || fraction.is_some_and(|fraction| !fraction.is_empty());
-    if !is_grouped || !is_first || !has_digits {
+    let is_fraction = fraction.is_none_or(|fraction| !fraction.contains(group));
+    if !is_grouped || !is_first || !has_digits || !is_fraction {
         return None;
     }
     let sign = &whole[..whole.len() - unsigned.len()];
@@ -154,7 +155,9 @@ fn has_decimal_commas(lines: &[&[u8]]) -> bool {
             let is_between_digits = word
                 .windows(3)
                 .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit());
-            if commas > 1 || !is_between_digits || without_groups(text, ',', '.').is_none() {
+            let number = without_groups(text, ',', '.');
+            let is_decimal = number.is_some_and(|number| parse_number(number.as_bytes()).is_some());
+            if commas > 1 || !is_between_digits || !is_decimal {
                 return false;
             }
             has_comma_here = true;
@@ -180,7 +183,7 @@ fn separates(lines: &[&[u8]], mark: u8) -> bool {
         [count, count - usize::from(line.last() == Some(&mark) && count > 0)]
     }
     const MIN_MARKS: usize = 2;
-    let lines = lines.iter().filter(|line| super::rows::comment(line).is_none());
+    let lines = lines.iter().filter(|line| comment(line).is_none());
     let counted: Vec<(&[u8], [usize; 2])> = lines.map(|line| (*line, counts(line, mark))).collect();
     // Lines of text before and behind the table, and a count of points, say nothing.
     let of_rows = |(line, [all, _]): &&(&[u8], [usize; 2])| {
@@ -232,6 +235,16 @@ pub(super) fn seconds_of(word: &[u8]) -> Option<f64> {
         return None;
     }
     time_of_text(text).map(|time| time.as_secs_f64())
+}
+
+/// The text behind the mark of a comment.
+pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
+    match line {
+        [b'/', b'/', rest @ ..] | [b'#' | b'%' | b'!', rest @ ..] => Some(rest),
+        // Where semicolons separate cells, the first one may be empty.
+        [b';', rest @ ..] if !rest.contains(&b';') => Some(rest),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

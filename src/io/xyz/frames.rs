@@ -131,6 +131,8 @@ pub(super) struct Groups {
     pub(super) without: usize,
     /// Whether each value is one block of rows.
     is_sorted: bool,
+    /// The value rises from most rows to the next, as in tracks one after the other.
+    is_rising: bool,
 }
 
 impl Groups {
@@ -138,7 +140,7 @@ impl Groups {
     pub(super) fn of(values: &[f64]) -> Option<Self> {
         let mut places: HashMap<u64, usize> = HashMap::new();
         let mut groups: Vec<(f64, Vec<u32>)> = Vec::new();
-        let (mut without, mut runs) = (0, 0);
+        let (mut without, mut runs, mut rises) = (0, 0, 0);
         let mut before = f64::NAN;
         for (row, &value) in values.iter().enumerate() {
             let row = u32::try_from(row).ok()?;
@@ -149,6 +151,7 @@ impl Groups {
             // Zero has two signs.
             let value = value + 0.0;
             runs += usize::from(value != before);
+            rises += usize::from(value > before);
             before = value;
             let place = *places.entry(value.to_bits()).or_insert_with(|| {
                 groups.push((value, Vec::new()));
@@ -165,6 +168,7 @@ impl Groups {
             by_value: groups,
             without,
             is_sorted,
+            is_rising: rises * 2 > values.len(),
         })
     }
 
@@ -205,6 +209,10 @@ impl Groups {
         let mean = self.mean_rows();
         if is_of_lidar {
             return mean >= MIN_ROWS && self.coverage(positions) >= MIN_COVERAGE;
+        }
+        // A clock that starts again and again stamps points in no order: nothing moves along its turns.
+        if self.is_rising && !self.is_sorted && !moves_little(positions) {
+            return false;
         }
         let are_tracks = mean >= MIN_TRACKS && self.are_equal() && self.len() <= MAX_TRACK_FRAMES;
         mean >= MIN_ROWS || are_tracks
@@ -256,6 +264,28 @@ impl Groups {
         };
         self.by_value.into_iter().map(frame).collect()
     }
+}
+
+/// True if a row is much closer to the next one, as the places of a track are, than to one far away in the table.
+fn moves_little(positions: [&[f64]; 3]) -> bool {
+    /// Of the distance between rows that are far away from each other.
+    const MAX_STEP: f64 = 0.5;
+    /// Of the rows. In no simple ratio to the length of tracks.
+    const FAR: f64 = 0.618;
+    let rows = positions[0].len();
+    let far = (rows as f64 * FAR) as usize;
+    let median = |offset: usize| {
+        let distance = |row: usize| {
+            let squares = positions.map(|values| (values[row] - values[(row + offset) % rows]).powi(2));
+            squares.into_iter().sum::<f64>().sqrt()
+        };
+        let distances = (0..rows).map(distance);
+        let mut known: Vec<f64> = distances.filter(|distance| distance.is_finite()).collect();
+        let middle = known.len() / 2;
+        (!known.is_empty()).then(|| *known.select_nth_unstable_by(middle, f64::total_cmp).1)
+    };
+    let steps = median(1).zip(median(far));
+    steps.is_none_or(|(next, far)| next <= MAX_STEP * far)
 }
 
 /// Seconds of a step of times that do not say their unit: counts since 1970 are as long as their unit is short.
@@ -424,6 +454,13 @@ mod tests {
             groups((0..1000).map(|i| f64::from(i % 100)).collect()),
             Some((100, true))
         );
+        // Each track moves by 1 at a time and begins 50 behind the one before; the other points are anywhere.
+        let turns = Groups::of(&(0..6000).map(|i| f64::from(i % 60)).collect::<Vec<f64>>()).unwrap();
+        let moving: Vec<f64> = (0..6000).map(|i| f64::from(i % 60 + 50 * (i / 60))).collect();
+        let scattered: Vec<f64> = (0..6000).map(|i| f64::from((i * 7919) % 6007)).collect();
+        let zeros = vec![0.0; 6000];
+        assert!(turns.are_times_of_frames(false, [&moving, &zeros, &zeros]));
+        assert!(!turns.are_times_of_frames(false, [&scattered, &zeros, &zeros]));
         assert_eq!(groups(vec![1.0; 10]), None);
         // The packets of a LiDAR are sectors of a circle, its turns are all of it.
         let angle = |i: i32| f64::from(i) * std::f64::consts::TAU / 8000.0;

@@ -51,7 +51,12 @@ pub(in crate::io) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
         }
     };
     let found = if width <= MAX_USUAL_COLUMNS {
-        color(&names, is_bytes).or_else(|| color(&names, is_fractions))
+        match color(&names, is_bytes) {
+            // Normals along axes are whole numbers as well: fractions elsewhere are more like a colour.
+            Some(first) if is_unit_length(&columns[first..first + 3]) => color(&names, is_fractions).or(Some(first)),
+            Some(first) => Some(first),
+            None => color(&names, is_fractions),
+        }
     } else {
         color(&names, is_bright_bytes)
     };
@@ -163,6 +168,7 @@ mod tests {
             ("1 2 3 0.5 0.25 0 1.0", "x y z red green blue alpha"),
             ("1 2 3 255 0 1 0 0 1", "x y z red green blue nx ny nz"),
             ("1 2 3 0 0.6 0.8 255 0 1", "x y z nx ny nz red green blue"),
+            ("1 2 3 0.25 1 0.5 0 0 1", "x y z red green blue nx ny nz"),
             ("1 2 3 7.5 0 0.6 0.8", "x y z scalar nx ny nz"),
             ("1 2 3 0 0.6 0.8 7.5", "x y z nx ny nz scalar"),
             ("1 2 3 25 0 1 255 0 0.6 0.8", "x y z red green blue alpha nx ny nz"),

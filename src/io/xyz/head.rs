@@ -2,8 +2,8 @@
 
 use super::super::column_names::axes;
 use super::super::error::{Fault, Place};
-use super::dialect::{Cell, Dialect, sample, seconds_of};
-use super::rows::{Cells, Kind, comment, trimmed};
+use super::dialect::{Cell, Dialect, comment, sample, seconds_of};
+use super::rows::{Cells, Kind, trimmed};
 
 /// More columns are no table of points.
 pub(super) const MAX_COLUMNS: usize = 4096;

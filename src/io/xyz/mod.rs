@@ -7,11 +7,13 @@
 
 mod counted;
 pub(super) mod dialect;
+mod divide;
 mod encoding;
 mod frames;
 mod guess;
 mod head;
 mod naming;
+mod parsed;
 pub(super) mod rows;
 mod sequence;
 mod table;

@@ -5,7 +5,7 @@
 
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
-use super::dialect::{Cell, Dialect, seconds_of};
+use super::dialect::{Cell, Dialect, comment, seconds_of};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -27,16 +27,6 @@ pub(in crate::io) enum Kind {
     Time,
     /// Words, which become numbers of a [`ParsedRows::words`].
     Text,
-}
-
-/// The text behind the mark of a comment.
-pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
-    match line {
-        [b'/', b'/', rest @ ..] | [b'#' | b'%' | b'!', rest @ ..] => Some(rest),
-        // Where semicolons separate cells, the first one may be empty.
-        [b';', rest @ ..] if !rest.contains(&b';') => Some(rest),
-        _ => None,
-    }
 }
 
 /// The cells of a line, one after the other.

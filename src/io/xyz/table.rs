@@ -8,13 +8,14 @@ use super::super::error::{Fault, Place};
 use super::super::growing;
 use super::super::options::ReadOptions;
 use super::counted::{self, Counted};
+use super::divide::divide;
 use super::encoding::utf8;
 use super::frames::{Frame, Rows};
 use super::guess::guessed_names;
 use super::head::{Head, Header, count_of_points, names_in, strs};
 use super::naming::Naming;
+use super::parsed::Parsed;
 use super::rows::{self, Kind, MAX_WORDS, Odd, ParsedRows};
-use super::sequence;
 use super::utm::Zone;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
@@ -34,18 +35,6 @@ pub(in crate::io) struct Table {
     unit: Option<LengthUnit>,
     assumptions: Vec<Assumption>,
     warnings: Vec<String>,
-}
-
-/// Rows, what is known of their columns, and where they stood.
-pub(super) struct Parsed {
-    pub(super) rows: ParsedRows,
-    pub(super) names: Vec<String>,
-    /// As the file has them; empty where it has none.
-    pub(super) raw_names: Vec<String>,
-    pub(super) naming: Naming,
-    pub(super) counted: Option<Counted>,
-    /// Whether all points of a file of several counts are one cloud.
-    pub(super) is_one_cloud: bool,
 }
 
 impl Table {
@@ -116,7 +105,7 @@ impl Table {
                 .extension()
                 .is_some_and(|extension| extension.eq_ignore_ascii_case("pts")),
         };
-        table.frames = sequence::divide(&parsed, &mut table.assumptions, &mut table.warnings);
+        table.frames = divide(&parsed, &mut table.assumptions, &mut table.warnings);
         table.take_columns(parsed, &kinds);
         Ok(table)
     }

@@ -163,7 +163,8 @@ mod tests {
     #[test]
     fn spacing_is_found_where_singles_cannot_tell_points_apart() {
         let fine = (0..40).map(|place| DVec3::new(3.0 + 1e-10 * f64::from(place), 0.0, 0.0));
-        let coarse = (0..40).map(|place| DVec3::new(f64::from(place) * 100.0, 50.0, 0.0));
+        // So far away that none of the fine ones is among the points around a coarse one.
+        let coarse = (0..40).map(|place| DVec3::new(f64::from(place) * 100.0, 1e5, 0.0));
         let positions: Vec<DVec3> = fine.chain(coarse).collect();
         let found = spacings(&positions, DVec3::ZERO);
         for (place, spacing) in found.iter().enumerate() {

@@ -260,13 +260,36 @@ fn every_level_is_a_coarser_frame() {
     }
 }
 
-/// Means of colours on a coarse level are those of the points below it, but for rounding and for cells of few.
+/// Colours of a coarse level are means of the level below it, but for rounding.
+#[test]
+fn colors_of_a_level_are_means_of_the_level_below() {
+    let cloud = surface(10_000, 0.0);
+    for options in [ReelOptions::default(), ReelOptions::merged(), ReelOptions::lossless()] {
+        let options = ReelOptions {
+            color_error: 0,
+            ..options
+        };
+        let bytes = file_of(std::slice::from_ref(&cloud), &options);
+        let [root, below] = [1, 8].map(|most_points| decoded(&bytes, 0, most_points));
+        assert_eq!((root.levels, below.levels), (1, 2));
+        let root = root.cloud.attributes.colors.unwrap()[0];
+        let below = below.cloud.attributes.colors.unwrap();
+        for channel in 0..3 {
+            let sum: f64 = below.iter().map(|color| f64::from(color[channel])).sum();
+            let error = f64::from(root[channel]) - sum / below.len() as f64;
+            assert!(error.abs() <= 0.5, "{root:?} for {below:?}");
+        }
+    }
+}
+
+/// So they are about those of the points, where no cell of few counts as much as others: the cube of merged points is
+/// divided evenly, and that of points that are kept one by one is as large as their precision asks for.
 #[test]
 fn coarse_colors_are_means() {
     let cloud = surface(10_000, 0.0);
     let options = ReelOptions {
         color_error: 0,
-        ..ReelOptions::default()
+        ..ReelOptions::merged()
     };
     let bytes = file_of(std::slice::from_ref(&cloud), &options);
     let root = decoded(&bytes, 0, 1);

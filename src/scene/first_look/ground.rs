@@ -1,4 +1,4 @@
-//! The up axis of clouds that do not stand on zero or on a broad base: maps, terrain, trees, rooms.
+//! The up axis of clouds that do not stand on zero or on a broad base: maps, terrain, trees.
 //!
 //! **How it works.** Each rule looks at one thing that gravity or surveying makes:
 //!
@@ -6,8 +6,6 @@
 //! - *A narrow foot.* Trees and tables are narrow where they stand; the other end is not, nor are the other axes.
 //! - *A height field.* Seen from an aircraft or a drone the ground has one height at each place, though hills may rise
 //!   as high as the map is wide.
-//! - *A floor.* A plane at the end of an axis covers most of the footprint, and none does at the ends of the other axis
-//!   that may be up.
 
 use super::sample::{CloudSample, quantile};
 use super::up::{Up, along};
@@ -132,46 +130,6 @@ fn thickness(sample: &CloudSample, bounds: &Aabb, axis: usize) -> f32 {
     quantile(&mut thicknesses, 0.5) / bounds.extent()[axis].max(f32::MIN_POSITIVE)
 }
 
-/// A floor: the larger plane at an end of Y or Z, the axes that are up; walls are at the ends of the others.
-pub(super) fn of_floor(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Share of the footprint that a floor covers, and how many times as much as the best end of the other axis.
-    const MIN_COVER: f32 = 0.4;
-    const BETTER: f32 = 2.0;
-    /// A ceiling is no more than this, beside the floor below it.
-    const CEILING: f32 = 1.4;
-    let [y, z] = [1, 2].map(|axis| [true, false].map(|is_low| cover_of_end(sample, bounds, axis, is_low)));
-    let best = |[low, high]: [f32; 2]| low.max(high);
-    let (axis, [low, high], other) = if best(y) > best(z) { (1, y, z) } else { (2, z, y) };
-    let is_clear = low.max(high) >= MIN_COVER && low.max(high) >= BETTER * best(other);
-    is_clear.then(|| {
-        Up::by_points(
-            along(axis, high < CEILING * low),
-            "its largest plane has everything on one side",
-        )
-    })
-}
-
-/// Share of the footprint along `axis` whose outermost points at one end lie in one plane.
-fn cover_of_end(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> f32 {
-    const THICKNESS: f32 = 0.02;
-    const BINS: usize = 40;
-    /// A floor is within this share of the height from the end.
-    const NEAR_END: usize = BINS / 4;
-    let extent = bounds.extent();
-    let sign = if is_low { 1.0 } else { -1.0 };
-    let mut outermost = [f32::INFINITY; GRID * GRID];
-    for &position in &sample.positions {
-        let edge = if is_low { bounds.min[axis] } else { bounds.max[axis] };
-        let height = sign * (position[axis] - edge) / extent[axis].max(f32::MIN_POSITIVE);
-        let cell = cell_of(position, bounds, axis);
-        outermost[cell] = outermost[cell].min(height);
-    }
-    let met: Vec<f32> = outermost.into_iter().filter(|height| height.is_finite()).collect();
-    let within = |low: f32| met.iter().filter(|&&height| (height - low).abs() <= THICKNESS).count();
-    let most = (0..NEAR_END).map(|bin| within(bin as f32 / BINS as f32)).max();
-    most.unwrap_or(0) as f32 / met.len().max(1) as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,36 +194,19 @@ mod tests {
         for points in [ball.collect::<Vec<_>>(), cube.collect(), pole.collect()] {
             let (sample, bounds) = sample(points);
             assert_eq!(of_narrow_foot(&sample, &bounds), None);
-            assert_eq!(of_floor(&sample, &bounds), None);
         }
     }
 
     #[test]
     fn hills_are_a_height_field_along_z_alone() {
         let hills: Vec<Vec3> = numbers(8000)
-            .map(|[a, b, _]| Vec3::new(150.0 * a, 170.0 * b, 18.0 * (5.0 * a).sin() + 15.0 * (4.0 * b).cos()))
+            .map(|[a, b, _]| Vec3::new(150.0 * a, 170.0 * b, 12.0 * (10.0 * a).sin() + 10.0 * (9.0 * b).cos()))
             .collect();
         let (all, bounds) = sample(hills.clone());
         assert_eq!(of_height_field(&all, &bounds).map(|up| up.axis), Some(UpAxis::Z));
         let facade: Vec<Vec3> = hills.iter().map(|p| Vec3::new(p.x, p.z, p.y)).collect();
         let (facade, bounds) = sample(facade);
         assert_eq!(of_height_field(&facade, &bounds), None);
-    }
-
-    #[test]
-    fn a_floor_beside_a_wall_is_below() {
-        let room: Vec<Vec3> = numbers(9000)
-            .enumerate()
-            .map(|(index, [a, b, c])| match index % 6 {
-                0..3 => Vec3::new(5.0 * a, 4.0 * b, 0.0),
-                3 | 4 => Vec3::new(0.0, 4.0 * a, 2.5 * b),
-                _ => Vec3::new(1.0 + a, 1.0 + b, 0.8 * c),
-            })
-            .collect();
-        for (up, points) in turned(&room) {
-            let (sample, bounds) = sample(points);
-            assert_eq!(of_floor(&sample, &bounds).map(|up| up.axis), Some(up));
-        }
     }
 
     #[test]

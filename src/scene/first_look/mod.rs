@@ -355,7 +355,6 @@ impl Told {
             .or_else(|| ground::of_map_coordinates(&bounds, zero))
             .or(stands)
             .or(foot)
-            .or_else(|| ground::of_floor(sample, &bounds))
             .or(by_format)
             .or(field)
             .or_else(flat)

@@ -110,8 +110,8 @@ pub(super) fn point_size_px(point_count: usize) -> f32 {
     size.map_or(2.0, |&(_, size_px)| size_px)
 }
 
-/// True where points are so near to a line that its surface would be less than a pixel wide, as where degrees and metres
-/// are mixed.
+/// True where points are so near to a line that its surface would be less than a pixel wide, as where degrees and
+/// metres are mixed.
 fn is_needle(bounds: &Aabb) -> bool {
     const THIN: f32 = 0.01;
     let mut edges = bounds.extent().to_array();

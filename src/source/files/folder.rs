@@ -3,9 +3,9 @@
 //! **How it works.** Clouds directly in the folder are its frames. Otherwise its sub-folders are looked at: numbered
 //! ones with a cloud each are *a folder per frame*; numbered ones whose numbers go on from one to the next are parts of
 //! one sequence; of others the only one with clouds is opened, as in the roots of KITTI (`velodyne_points/data`,
-//! `velodyne`), nuScenes (`samples/LIDAR_TOP`) and SLAM programs (`pcd`, `Scans`). If several could be meant, the caller
-//! is told the choices. Clouds next to a folder of numbered frames, such as the map that a SLAM program merged, are
-//! skipped.
+//! `velodyne`), nuScenes (`samples/LIDAR_TOP`) and SLAM programs (`pcd`, `Scans`). If several could be meant, the
+//! caller is told the choices. Clouds next to a folder of numbered frames, such as the map that a SLAM program merged,
+//! are skipped.
 
 use super::names::{Minus, SplitName};
 use super::series::{Tier, is_list, largest_series};

@@ -124,7 +124,8 @@ pub enum RgbdError {
     },
     /// A trajectory that is none.
     #[error(
-        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of Redwood (.log), \
+        "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of \
+         Redwood (.log), \
          matrices of 3 × 4 or 4 × 4 numbers, or the JSON of Open3D",
         path.display()
     )]

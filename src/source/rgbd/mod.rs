@@ -16,6 +16,7 @@ mod frames_before;
 mod joined;
 mod kinect;
 mod layouts;
+mod member_image;
 mod merged;
 mod moving_frames;
 mod options;

@@ -1,10 +1,11 @@
-//! `Record3D`, an app of iPhones with a depth camera: `.r3d`, a ZIP archive of `metadata`, `rgbd/0.depth` and `rgbd/0.jpg`.
+//! `Record3D`, an app of iPhones with a depth camera: `.r3d`, a ZIP archive of `metadata`, `rgbd/0.depth` and
+//! `rgbd/0.jpg`.
 //!
-//! *Metadata* is JSON: `w h` of the colour images, their lens `K` (nine numbers by columns), `dw dh` of the depth images,
-//! `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses are those of `ARKit`, whose camera
-//! has x right, y up and z backward. *Depths* are metres in single floats, packed by Apple's LZFSE; where nothing was
-//! measured they are NaN or 0. Older versions lack `dw dh`: their images are 192 × 256 (LiDAR) or 480 × 640 (`TrueDepth`),
-//! which the number of floats tells.
+//! *Metadata* is JSON: `w h` of the colour images, their lens `K` (nine numbers by columns), `dw dh` of the depth
+//! images, `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses are those of `ARKit`,
+//! whose camera has x right, y up and z backward. *Depths* are metres in single floats, packed by Apple's LZFSE; where
+//! nothing was measured they are NaN or 0. Older versions lack `dw dh`: their images are 192 × 256 (LiDAR) or 480 × 640
+//! (`TrueDepth`), which the number of floats tells.
 
 use super::calibration::{Calibration, Intrinsics};
 use super::depth_code::DepthCode;
@@ -12,15 +13,14 @@ use super::depth_scale::Units;
 use super::error::RgbdError;
 use super::folder::{has_extension, name_of};
 use super::layouts::{FoundRecording, FrameImages};
+use super::member_image::{MemberImage, archive, member, pixels, unpacked};
 use super::stored_image::StoredImage;
 use super::trajectory::{of_backward, pose_of};
 use crate::io::ReadOptions;
-use crate::io::raster::{self, Raster, Samples};
 use glam::{DAffine3, DQuat, DVec3};
-use lzfse_rust::LzfseRingDecoder;
 use serde_json::Value;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,49 +35,6 @@ const MOST_METADATA_BYTES: u64 = 64 << 20;
 /// Whether the file at `path` is one by its name.
 pub(super) fn is_one(path: &Path) -> bool {
     has_extension(name_of(path), &["r3d"])
-}
-
-/// An image in an archive.
-#[derive(Debug, Clone)]
-pub(super) struct MemberImage {
-    pub(super) path: Arc<Path>,
-    name: String,
-    /// Of depths, which do not say it themselves; `None` of images as files have them.
-    depth_px: Option<[u32; 2]>,
-}
-
-impl MemberImage {
-    /// Its pixels.
-    pub(super) fn raster(&self, options: &ReadOptions) -> Result<Raster, RgbdError> {
-        let most_bytes = options.max_memory_bytes;
-        let wrong = |reason: String| RgbdError::Image {
-            path: self.path.join(&self.name),
-            reason,
-        };
-        let bytes = member(&mut archive(&self.path)?, &self.path, &self.name, most_bytes)?;
-        match self.depth_px {
-            None => raster::decode(&bytes, most_bytes).map_err(wrong),
-            Some(size_px) => Ok(Raster {
-                size_px,
-                samples: Samples::GrayF32(depths(&bytes, pixels(size_px)).map_err(wrong)?),
-            }),
-        }
-    }
-
-    /// Width and height.
-    pub(super) fn size_px(&self, options: &ReadOptions) -> Option<[u32; 2]> {
-        if self.depth_px.is_some() {
-            return self.depth_px;
-        }
-        let bytes = member(
-            &mut archive(&self.path).ok()?,
-            &self.path,
-            &self.name,
-            options.max_memory_bytes,
-        )
-        .ok()?;
-        raster::size_px(&bytes).ok()
-    }
 }
 
 /// The recording in the archive at `path`.
@@ -133,45 +90,6 @@ pub(super) fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording,
     })
 }
 
-fn archive(path: &Path) -> Result<ZipArchive<BufReader<File>>, RgbdError> {
-    let unreadable = |reason| RgbdError::Unreadable {
-        path: path.to_owned(),
-        reason,
-    };
-    let file = File::open(path).map_err(unreadable)?;
-    ZipArchive::new(BufReader::new(file)).map_err(|error| RgbdError::Image {
-        path: path.to_owned(),
-        reason: format!("the archive is not understood ({error})"),
-    })
-}
-
-/// The unpacked file `name` of an archive, of at most `most_bytes`.
-fn member(
-    archive: &mut ZipArchive<BufReader<File>>,
-    path: &Path,
-    name: &str,
-    most_bytes: u64,
-) -> Result<Vec<u8>, RgbdError> {
-    let wrong = |reason: String| RgbdError::Image {
-        path: path.join(name),
-        reason,
-    };
-    let member = archive.by_name(name).map_err(|error| wrong(error.to_string()))?;
-    let mut bytes = Vec::new();
-    member
-        .take(most_bytes.saturating_add(1))
-        .read_to_end(&mut bytes)
-        .map_err(|error| wrong(error.to_string()))?;
-    if bytes.len() as u64 > most_bytes {
-        return Err(RgbdError::TooLarge {
-            path: path.join(name),
-            bytes: bytes.len() as u64,
-            most_bytes,
-        });
-    }
-    Ok(bytes)
-}
-
 /// Numbers of the depth images, in their order.
 fn depth_numbers(archive: &ZipArchive<BufReader<File>>) -> Vec<u64> {
     let names = (0..archive.len()).filter_map(|index| archive.name_for_index(index)?.ok());
@@ -179,30 +97,6 @@ fn depth_numbers(archive: &ZipArchive<BufReader<File>>) -> Vec<u64> {
     let mut numbers: Vec<u64> = names.filter_map(|name| number(&name)).collect();
     numbers.sort_unstable();
     numbers
-}
-
-fn pixels([width, height]: [u32; 2]) -> usize {
-    width as usize * height as usize
-}
-
-/// `count` floats that are packed by LZFSE. No more than those are unpacked, whatever the bytes claim.
-fn depths(bytes: &[u8], count: usize) -> Result<Vec<f32>, String> {
-    let unpacked = unpacked(bytes, 4 * count as u64 + 1)?;
-    if unpacked.len() != 4 * count {
-        let more = if unpacked.len() > 4 * count { "more than " } else { "" };
-        let found = unpacked.len().min(4 * count) / 4;
-        return Err(format!("it has {more}{found} depths, and its size is {count} pixels"));
-    }
-    let floats = unpacked.as_chunks::<4>().0.iter();
-    Ok(floats.map(|&bytes| f32::from_le_bytes(bytes)).collect())
-}
-
-fn unpacked(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
-    let mut decoder = LzfseRingDecoder::default();
-    let mut unpacked = Vec::new();
-    let read = decoder.reader_bytes(bytes).take(most_bytes).read_to_end(&mut unpacked);
-    read.map_err(|error| format!("it is not packed by LZFSE, or damaged ({error})"))?;
-    Ok(unpacked)
 }
 
 /// What the metadata say, or the size of this kind that has as many pixels as the first image.

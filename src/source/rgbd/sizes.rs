@@ -1,8 +1,8 @@
 //! Sizes of images before they are decoded, and which of them the numbers of a camera are for.
 //!
-//! A file of a camera seldom says for which size its numbers are. The principal point does: it is near the middle of the
-//! image, so that twice of it is about the size. It may be that of the colour images, of which depth images are smaller
-//! copies; films are not read, and there the size is a multiple of that of the depth images.
+//! A file of a camera seldom says for which size its numbers are. The principal point does: it is near the middle of
+//! the image, so that twice of it is about the size. It may be that of the colour images, of which depth images are
+//! smaller copies; films are not read, and there the size is a multiple of that of the depth images.
 
 use super::calibration::{Calibration, Intrinsics};
 use super::layouts::FoundRecording;

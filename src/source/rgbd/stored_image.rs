@@ -2,7 +2,7 @@
 //! received.
 
 use super::error::RgbdError;
-use super::record3d::MemberImage;
+use super::member_image::MemberImage;
 use super::text;
 use crate::io::matroska::Block;
 use crate::io::raster::{self, Raster, Samples};

@@ -66,15 +66,22 @@ fn cameras_of_other_models_are_refused_by_name() {
     Scene::simple().write_colmap_binary(binary.path());
     let file = binary.path().join("sparse/cameras.bin");
     let mut bytes = fs::read(&file).unwrap();
-    for (number, words) in [
-        (17, "of the model EQUIRECTANGULAR"),
-        (99, "of the model number 99, expected 0 to 6"),
-    ] {
-        bytes[12] = number;
-        fs::write(&file, &bytes).unwrap();
-        let error = error_of(binary.path());
-        assert!(error.contains(words), "{error}");
+    bytes[12] = 99;
+    fs::write(&file, &bytes).unwrap();
+    let error = error_of(binary.path());
+    assert!(error.contains("of the model number 99, expected 0 to 6"), "{error}");
+    bytes[12] = 17;
+    fs::write(&file, &bytes).unwrap();
+    // The points of the scene are shown without its photographs.
+    let set = read(binary.path());
+    let notes = set.notes.join("\n");
+    assert_eq!((set.photos.len(), set.points.len()), (0, 40), "{notes}");
+    for words in ["6 photographs were left out", "of the model EQUIRECTANGULAR"] {
+        assert!(notes.contains(words), "{notes}");
     }
+    fs::remove_file(binary.path().join("sparse/points3D.bin")).unwrap();
+    let error = error_of(binary.path());
+    assert!(error.contains("of the model EQUIRECTANGULAR"), "{error}");
     let folder = folder_with(&[("cameras.txt", "1 PINHOLE 64 48 50 50 32\n"), images]);
     assert!(error_of(folder.path()).contains("PINHOLE, has 4 numbers, found 3"));
     let folder = folder_with(&[("cameras.txt", "2 PINHOLE 64 48 50 50 32 24\n"), images]);

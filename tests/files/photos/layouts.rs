@@ -207,12 +207,18 @@ fn cameras_of_mvsnet_count_from_the_corner_and_tell_their_depths() {
         let ranges: Vec<_> = set.photos.iter().map(|photo| photo.depth_range).collect();
         assert_eq!(ranges, [Some([425.0, 905.0]), Some([2.0, 9.0])]);
     }
+    // A broken file costs its photograph, and a set of broken files is an error.
+    let reason = |name: &str| format!("{name}_cam.txt, line 1: expected the word `extrinsic`");
     fs::write(cams.join("00000001_cam.txt"), "425.0 2.5\n").unwrap();
+    let set = read(folder.path());
+    assert_eq!(names(&set), ["00000000"]);
+    assert_eq!(set.notes.len(), 1, "{:?}", set.notes);
+    assert!(set.notes[0].contains(&reason("00000001")), "{:?}", set.notes);
+    fs::write(cams.join("00000000_cam.txt"), "425.0 2.5\n").unwrap();
     let error = error_of(folder.path());
-    assert!(
-        error.contains("00000001_cam.txt, line 1: expected the word `extrinsic`"),
-        "{error}"
-    );
+    for name in ["00000000", "00000001"] {
+        assert!(error.contains(&reason(name)), "{error}");
+    }
 }
 
 const PAIR: &str = "cam0=[50 0 30.5; 0 50 24; 0 0 1]\ncam1=[50 0 33; 0 50 24; 0 0 1]\ndoffs=2.5\nbaseline=200\n\
@@ -287,9 +293,14 @@ fn folders_above_and_beside_sets_say_what_they_hold() {
     Scene::simple().write_middlebury(&other);
     let error = opened(&folder.path().join("data")).unwrap_err();
     assert!(
-        error.contains("2 folders that can be opened: open one of them (dino, temple)"),
+        error.contains("data holds 2 sequences, which are not played one after the other: choose one of"),
         "{error}"
     );
+    for set in [&other, &scene] {
+        let name = set.file_name().unwrap().to_string_lossy();
+        let choice = format!("\n  {name} (1 file): {}", set.display());
+        assert!(error.contains(&choice), "{error}");
+    }
 
     let pictures = tempfile::tempdir().unwrap();
     save(

@@ -62,11 +62,14 @@ impl Scene {
         }
     }
 
-    /// Where a photograph shows a point of the world.
+    /// Where a photograph shows a point of the world; not finite where one of both is not.
     pub(crate) fn pixel(&self, photo: usize, point: DVec3) -> DVec2 {
         let (turn, shift) = self.poses[photo];
         let at = turn * point + shift;
-        assert!(at.z > 0.0, "the points of the scene are before its cameras");
+        assert!(
+            at.z > 0.0 || !at.is_finite(),
+            "the points of the scene are before its cameras"
+        );
         let at = DVec2::new(at.x / at.z, at.y / at.z);
         let r2 = at.x * at.x + at.y * at.y;
         self.focal_px * at * (1.0 + self.k[0] * r2 + self.k[1] * r2 * r2) + self.principal_px

@@ -187,7 +187,11 @@ fn frames_without_poses_are_not_merged() {
         merge: Some((first, last)),
         ..RgbdOptions::default()
     };
-    assert!(refusal(&inputs, merge(1, 3)).contains("the recording has 3 frames"));
+    let error = refusal(&inputs, merge(1, 3));
+    assert!(
+        error.contains("there is no frame 3: the sequence has 3 frames, 0..2 (of --merge-frames 1..3 it has 1..2)"),
+        "{error}"
+    );
     fs::remove_file(folder.path().join("trajectory.log")).unwrap();
     assert!(refusal(&inputs, merge(0, 2)).contains("--poses"));
     let cloud = folder.path().join("a.ply");

@@ -250,7 +250,7 @@ mod tests {
         let count = |cloud: &RawCloud, sweep| choices(cloud).iter().filter(|choice| choice.sweep == sweep).count();
         let bare = RawCloud::from_positions(sphere().positions);
         for (sweep, all, of_bare) in [
-            (Sweep::Positions, 12, 12),
+            (Sweep::Positions, 13, 13),
             (Sweep::Normals, 3, 0),
             (Sweep::Colors, 7, 0),
         ] {
@@ -264,6 +264,7 @@ mod tests {
             choice.options.check().unwrap();
         }
         let labels: Vec<String> = choices(&sphere()).into_iter().map(|choice| choice.label).collect();
+        assert_eq!(labels[..2], ["every point", "sampling density"]);
         assert!(labels.contains(&"within 0.00098".to_owned()), "{labels:?}");
     }
 

@@ -207,6 +207,7 @@ fn extra_bytes_are_scalars_as_far_as_they_are_plain_numbers() {
     let height = numbers(&cloud, "Height");
     assert_eq!((height[0], height[2]), (12.0, 65535.0 * 0.5 + 10.0));
     assert!(height[1].is_nan(), "9 stands for no height");
-    assert_eq!(numbers(&cloud, "Intensity extra 2"), [-3.0; 3]);
-    assert_eq!(cloud.attributes.scalars.len(), 4 + 2);
+    assert_eq!(numbers(&cloud, "Intensity extra 5"), [-3.0; 3]);
+    assert_eq!(numbers(&cloud, "triple_2").len(), 3);
+    assert_eq!(cloud.attributes.scalars.len(), 4 + 6);
 }

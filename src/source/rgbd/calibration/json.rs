@@ -1,7 +1,7 @@
 //! Cameras in JSON: Open3D, Replica, `librealsense`, `pointreel info --json`.
 
+use super::model::{Calibration, Intrinsics};
 use super::text::{pinhole_of, units_of_scale};
-use super::{Calibration, Intrinsics};
 use crate::rgbd::Distortion;
 use glam::{DAffine3, DMat4};
 use serde_json::Value;

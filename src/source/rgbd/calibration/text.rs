@@ -1,10 +1,11 @@
 //! Cameras in text: numbers, a matrix, or names with values.
 //!
 //! *Names.* Programs write `fx: 525.0` (YAML), `fx_depth = 577.87` (the text next to a scan of ScanNet) or
-//! `Camera.fx: 535.4` with `DepthMapFactor: 5000` (ORB-SLAM); BundleFusion's `info.txt` and the exports of ScanNet write
-//! a matrix behind `m_calibrationDepthIntrinsic = `, ROS and OpenCV behind `data`. A value of the depth camera counts more than one without its name.
+//! `Camera.fx: 535.4` with `DepthMapFactor: 5000` (ORB-SLAM); BundleFusion's `info.txt` and the exports of ScanNet
+//! write a matrix behind `m_calibrationDepthIntrinsic = `, ROS and OpenCV behind `data`. A value of the depth camera
+//! counts more than one without its name.
 
-use super::{Calibration, Intrinsics};
+use super::model::{Calibration, Intrinsics};
 use crate::source::rgbd::error::RgbdError;
 use crate::source::rgbd::text::number_lines;
 use glam::DAffine3;
@@ -155,7 +156,8 @@ mod tests {
             "640 480 577.5 578.5 319.5 239.5",
             "fx: 577.5\nfy: 578.5\ncx: 319.5\ncy: 239.5\n",
             "%YAML:1.0\nCamera.fx: 577.5\nCamera.fy: 578.5\nCamera.cx: 319.5\nCamera.cy: 239.5\n",
-            "image_width: 640\nimage_height: 480\ncamera_matrix:\n  rows: 3\n  data: [577.5, 0., 319.5, 0., 578.5, 239.5, 0., 0., 1.]\n",
+            "image_width: 640\nimage_height: 480\ncamera_matrix:\n  rows: 3\n  data: [577.5, 0., 319.5, 0., 578.5, \
+             239.5, 0., 0., 1.]\n",
             "fx_color = 1.0\nfx_depth = 577.5\nfy_depth = 578.5\nmx_depth = 319.5\nmy_depth = 239.5\n",
             "m_depthShift = 1000\nm_calibrationDepthIntrinsic = 577.5 0 319.5 0 0 578.5 239.5 0 0 0 1 0 0 0 0 1 \n",
         ] {

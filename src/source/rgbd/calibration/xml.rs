@@ -1,6 +1,6 @@
 //! Cameras in XML: PCL's grabbers.
 
-use super::{Calibration, Intrinsics};
+use super::model::{Calibration, Intrinsics};
 
 /// What PCL's grabbers write: two elements without one around them, which XML does not allow.
 pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, String> {

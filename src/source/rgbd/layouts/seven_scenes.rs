@@ -1,5 +1,5 @@
-//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`; and what is written by the same
-//! names with other images (`.color.jpg`, `.depth.pgm`: ScanNet's reader, BundleFusion, TSDF fusion).
+//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`; and what is written by the
+//! same names with other images (`.color.jpg`, `.depth.pgm`: ScanNet's reader, BundleFusion, TSDF fusion).
 //!
 //! The latter tell their cameras: `_info.txt` or `info.txt` next to the images, `camera-intrinsics.txt` there or in the
 //! folder around. Where no file does, the cameras are those of the data set:

@@ -1,0 +1,17 @@
+//! A table before it is divided into frames.
+
+use super::counted::Counted;
+use super::naming::Naming;
+use super::rows::ParsedRows;
+
+/// Rows, what is known of their columns, and where they stood.
+pub(super) struct Parsed {
+    pub(super) rows: ParsedRows,
+    pub(super) names: Vec<String>,
+    /// As the file has them; empty where it has none.
+    pub(super) raw_names: Vec<String>,
+    pub(super) naming: Naming,
+    pub(super) counted: Option<Counted>,
+    /// Whether all points of a file of several counts are one cloud.
+    pub(super) is_one_cloud: bool,
+}

@@ -1,0 +1,57 @@
+//! Guesses on stderr: each is a line, and what a person chooses is none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const UP: &str = "assumed up axis: y (as most models have it; fallback; change with --up)";
+const PRIMITIVE: &str = "assumed primitive: point (the points are too sparse for a surface, or lie in lines or in a \
+    volume; statistics; change with --primitive)";
+
+/// A file that says neither.
+fn cloud(folder: &Path) -> PathBuf {
+    let path = folder.join("a.ply");
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    fs::write(&path, format!("{header}end_header\n0 0 0\n0 1 0\n0 0 1\n")).unwrap();
+    path
+}
+
+/// The lines on stderr of a picture of `input`.
+fn said(input: &Path, more: &[&str]) -> Vec<String> {
+    let picture = input.with_extension("png");
+    let output = Command::new(env!("CARGO_BIN_EXE_pointreel"))
+        .args(["render", input.to_str().unwrap(), "-o", picture.to_str().unwrap()])
+        .args(["--size", "32x32", "--renderer", "cpu"])
+        .args(more)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && picture.exists(), "{said}");
+    said.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn guesses_are_said_unless_they_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = cloud(folder.path());
+    assert_eq!(said(&cloud, &[]), [UP, PRIMITIVE]);
+    assert_eq!(said(&cloud, &["--up", "y"]), [PRIMITIVE]);
+    assert_eq!(said(&cloud, &["--primitive", "surfel"]), [UP]);
+    // To let the program decide is no choice.
+    assert_eq!(said(&cloud, &["--primitive", "auto"]), [UP, PRIMITIVE]);
+    assert_eq!(said(&cloud, &["--up", "z", "--primitive", "point"]), [""; 0]);
+}
+
+#[test]
+fn a_session_chooses_as_options_do() {
+    let folder = tempfile::tempdir().unwrap();
+    cloud(folder.path());
+    let session = folder.path().join("a.pointreel");
+    let with = |more: &str| {
+        let session_text = format!(r#"{{"pointreel_session": 1, "files": ["a.ply"]{more}}}"#);
+        fs::write(&session, session_text).unwrap();
+        said(&session, &[])
+    };
+    assert_eq!(with(""), [UP, PRIMITIVE]);
+    assert_eq!(with(r#", "settings": {"primitive": "surfel"}"#), [UP]);
+}
