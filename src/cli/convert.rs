@@ -2,7 +2,7 @@
 
 use super::arguments::{FrameRange, ReadArgs, open_sequence_and_tell};
 use super::assumptions;
-use super::output::answer;
+use super::output::{answer, say};
 use super::progress::Bar;
 use super::reel_arguments::ReelArgs;
 use super::reel_info::ReelInfo;
@@ -104,7 +104,8 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         reading: arguments.read.in_words(),
     };
     match MergePrice::of(&conversion, &sequence) {
-        Ok(price) => price.iter().for_each(|price| warnings::warn(&price.to_string())),
+        // At once: it is to be known before anything is written.
+        Ok(price) => price.iter().for_each(|price| say(&format!("warning: {price}"))),
         Err(error) => warnings::warn(&format!("what merging costs cannot be estimated: {error}")),
     }
     let bar = Arc::new(Bar::new(frame_count));

@@ -109,9 +109,10 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             Ok(None) => {}
             Err(error) => {
                 return match Files::open(inputs, options, progress) {
-                    Ok(files) => Ok(shared(files)),
+                    // Lists of numbers next to images are no recording of clouds.
+                    Ok(files) if !files.are_texts() => Ok(shared(files)),
                     Err(several @ SequenceError::Several { .. }) => Err(several),
-                    Err(_) => Err(error),
+                    _ => Err(error),
                 };
             }
         }

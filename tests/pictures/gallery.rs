@@ -350,8 +350,8 @@ fn every_set_is_seen_at_once_whole_and_right_side_up() {
     corpus(&data.join("corpus"));
 }
 
-/// A part of a room with Y up, in a PCD file, most of which have Z up: nothing in its points says so. Once it stands, it
-/// belongs to the sets above.
+/// A part of a room with Y up, in a PCD file, most of which have Z up: nothing in its points says so. Once it stands,
+/// it belongs to the sets above.
 #[test]
 fn a_part_of_a_room_lies_on_its_side() {
     let Some(data) = shared("") else {

@@ -60,6 +60,13 @@ pub struct Files {
 }
 
 impl Files {
+    /// True if all frames are text, which may be lists of other things.
+    pub(in crate::source) fn are_texts(&self) -> bool {
+        let entries = crate::locks::read(&self.entries);
+        let is_text = |entry: &Arc<FrameEntry>| Format::of_extension(&entry.path).is_some_and(Format::is_rarely_many);
+        entries.iter().all(is_text)
+    }
+
     /// Finds the frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. `progress`
     /// counts the files that were looked at, and may be cancelled.
     ///

@@ -15,6 +15,9 @@ use std::time::Duration;
 /// Points that are compared of each frame.
 const POINTS: usize = 4096;
 
+/// Fewer points meet by chance, or do not.
+const MIN_POINTS: usize = 64;
+
 /// Larger files are not read for this, unless some of their points can be read alone.
 const MAX_BYTES: u64 = 64 << 20;
 
@@ -36,6 +39,9 @@ pub(super) fn are_registered(entries: &[FrameEntry], poses: &[Option<DAffine3>])
         let other_pose = poses[other]?;
         let apart = other_pose.translation.distance(first_pose.translation);
         let other = points_of(&entries[other])?;
+        if first.len().min(other.len()) < MIN_POINTS {
+            return None;
+        }
         let cell = apart / 3.0;
         let without = share_that_meets(&first, &other, cell);
         let placed = |points: &[DVec3], pose: &DAffine3| -> Vec<DVec3> {
