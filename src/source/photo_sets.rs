@@ -82,7 +82,7 @@ pub(super) fn open_below(input: &Path, options: &OpenOptions) -> Result<Option<A
     }
 }
 
-/// True if the files of a folder are the parts of one thing that is not read, such as a ReCap project.
+/// True if the files of a folder are the parts of one thing that is not read, such as a project of `ReCap`.
 fn is_foreign(folder: &Path) -> bool {
     let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
     let names: Vec<String> = entries

@@ -49,7 +49,11 @@ const NAMES: [&str; 7] = [
 ];
 
 fn ply(properties: &[&str], rows: &[&str]) -> Vec<u8> {
-    let properties: String = properties.iter().map(|line| format!("property {line}\n")).collect();
+    let properties = properties
+        .iter()
+        .map(|line| format!("property {line}\n"))
+        .collect::<Vec<_>>()
+        .concat();
     let rows = rows.join("\n");
     let count = if rows.is_empty() { 0 } else { rows.lines().count() };
     format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{rows}\n").into_bytes()

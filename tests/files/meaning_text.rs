@@ -393,26 +393,41 @@ fn columns_of_frames_and_times_are_sequences() {
 #[test]
 fn blocks_of_rows_are_sequences() {
     let joined = |frame: usize| rows(frame, 60).join("\n").replace(',', " ");
-    let counted: String = (0..4)
+    let counted = (0..4)
         .map(|frame| format!("60\nt = {}\n{}\n", 0.5 * frame as f64, joined(frame)))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     let found = frames("a.xyz", &counted, None);
     assert_eq!(found.len(), 4);
     assert_eq!(found[1].1, Some(Duration::from_millis(500)));
     assert_eq!(points(&found[3].2)[0], [0.5, 0.0, 0.1 * 3.0]);
-    let blank: String = (0..4).map(|frame| format!("{}\n\n", joined(frame))).collect();
+    let blank = (0..4)
+        .map(|frame| format!("{}\n\n", joined(frame)))
+        .collect::<Vec<_>>()
+        .concat();
     assert_eq!(frames("a.txt", &blank, None).len(), 4);
-    let commented: String = (0..4)
+    let commented = (0..4)
         .map(|frame| format!("# frame {frame}\n{}\n", joined(frame)))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     let found = frames("a.txt", &commented, None);
     assert_eq!((found.len(), found[2].0.as_str()), (4, "frame 3 (frame 2)"));
     // Scans of a survey are one cloud, and so are the lines of a surface.
-    let scans: String = (0..4).map(|scan| format!("60\n{}\n", joined(scan))).collect();
+    let scans = (0..4)
+        .map(|scan| format!("60\n{}\n", joined(scan)))
+        .collect::<Vec<_>>()
+        .concat();
     assert_eq!(frames("a.pts", &scans, None).len(), 1);
-    let lines: String = (0..9)
-        .map(|x| (0..9).map(|y| format!("{x} {y} {}\n", x * y)).collect::<String>() + "\n")
-        .collect();
+    let lines = (0..9)
+        .map(|x| {
+            (0..9)
+                .map(|y| format!("{x} {y} {}\n", x * y))
+                .collect::<Vec<_>>()
+                .concat()
+                + "\n"
+        })
+        .collect::<Vec<_>>()
+        .concat();
     let found = frames("a.txt", &lines, None);
     assert_eq!((found.len(), found[0].2.positions.len()), (1, 81));
     assert_eq!(assumed(&found[0].2, Subject::Frames).unwrap().0, "one");

@@ -2,6 +2,7 @@
 
 use super::*;
 use pointreel::assumption::{Assumption, Evidence, Subject};
+use std::fmt::Write as _;
 use std::fs;
 
 /// Text of a PLY with one point at `x`.
@@ -19,22 +20,26 @@ fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         let content = match *text {
-            "" if name.ends_with(".pcd") => format!(
+            "" if extension_of(name) == "pcd" => format!(
                 "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n\
                  POINTS 1\nDATA ascii\n{number} 0 0\n"
             )
             .into_bytes(),
-            "" if name.ends_with(".bin") => [number as f32, 0.0, 0.0, 0.5, 1.0, 2.0, 3.0, 0.5]
+            "" if extension_of(name) == "bin" => [number as f32, 0.0, 0.0, 0.5, 1.0, 2.0, 3.0, 0.5]
                 .iter()
                 .flat_map(|value| value.to_le_bytes())
                 .collect(),
-            "" if name.ends_with(".txt") => format!("{number} 0 0\n").into_bytes(),
+            "" if extension_of(name) == "txt" => format!("{number} 0 0\n").into_bytes(),
             "" => ply(number as f64).into_bytes(),
             text => text.as_bytes().to_vec(),
         };
         fs::write(path, content).unwrap();
     }
     folder
+}
+
+fn extension_of(name: &str) -> &str {
+    name.rsplit_once('.').map_or("", |(_, extension)| extension)
 }
 
 fn clouds<'a>(names: &[&'a str]) -> Vec<(&'a str, &'static str)> {
@@ -51,10 +56,8 @@ fn times(sequence: &Sequence) -> Option<Vec<f64>> {
 }
 
 fn assumption(sequence: &Sequence, subject: Subject) -> Option<Assumption> {
-    let all = sequence.source().assumptions().iter();
-    all.filter(|assumption| assumption.subject == subject)
-        .next_back()
-        .cloned()
+    let mut all = sequence.source().assumptions().iter();
+    all.rfind(|assumption| assumption.subject == subject).cloned()
 }
 
 fn open(folder: &Path) -> Sequence {
@@ -141,7 +144,7 @@ fn two_prefixes_are_refused_with_the_choices() {
                 ..OpenOptions::default()
             };
             let by_option = Sequence::open(&[folder.to_path_buf()], &options).unwrap();
-            let by_input = Sequence::discover(&[choice.input.clone()]).unwrap();
+            let by_input = Sequence::discover(std::slice::from_ref(&choice.input)).unwrap();
             assert_eq!(by_option.len(), count);
             assert_eq!(names(&by_option), names(&by_input));
         }
@@ -307,7 +310,8 @@ fn clouds_in_one_coordinate_system_are_not_moved_again() {
         let mut text = String::from("# x y z\n");
         for index in 0..2000 {
             let (x, z) = ((index % 100) as f64 * 0.1 - shift, (index / 100) as f64 * 0.1);
-            text += &format!("{x} {} {z}\n", (0.7 * (x + shift)).sin());
+            let y = (0.7 * (x + shift)).sin();
+            writeln!(text, "{x} {y} {z}").unwrap();
         }
         text
     };

@@ -6,13 +6,19 @@ use std::io::Write as _;
 
 /// A PLY of `count` points.
 fn ply(count: usize) -> Vec<u8> {
-    let rows: String = (0..count).map(|index| format!("{index} 0 0\n")).collect();
+    let rows = (0..count)
+        .map(|index| format!("{index} 0 0\n"))
+        .collect::<Vec<_>>()
+        .concat();
     let properties = "property float x\nproperty float y\nproperty float z\n";
     format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n{rows}").into_bytes()
 }
 
 fn pcd(count: usize) -> Vec<u8> {
-    let rows: String = (0..count).map(|index| format!("{index} 0 0\n")).collect();
+    let rows = (0..count)
+        .map(|index| format!("{index} 0 0\n"))
+        .collect::<Vec<_>>()
+        .concat();
     format!(
         "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {count}\nHEIGHT 1\n\
          POINTS {count}\nDATA ascii\n{rows}"

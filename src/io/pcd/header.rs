@@ -461,11 +461,11 @@ mod tests {
         );
         assert_eq!(header.fields[3].scalar, None);
         assert_eq!(header.fields[4].number_name(32), "e_32");
+        assert!(header.warnings[0].contains("skipped: d"), "{:?}", header.warnings);
         let header = parse("FIELDS x y z\nSIZE 4 1 4\nTYPE F U I\nCOUNT 1 3 1\nPOINTS 0\nDATA ascii\n");
         assert_eq!(
             [0, 1, 2].map(|place| header.fields[1].number_name(place)),
             ["y", "y_1", "y_2"]
         );
-        assert!(header.warnings[0].contains("skipped: d"), "{:?}", header.warnings);
     }
 }

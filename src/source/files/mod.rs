@@ -23,7 +23,7 @@ pub(super) use recording::topics_of;
 
 use super::{DecodeFailure, Decoder, FrameBytes, FrameEntry, FrameSample, OpenOptions, SequenceError, Source};
 use crate::assumption::Assumption;
-use crate::io::{self, Part, ReadOptions, SharedFile};
+use crate::io::{self, Format, Part, ReadOptions, SharedFile};
 use crate::locks::{lock, read, write};
 use crate::progress::Progress;
 use color_depth::SharedDepth;
@@ -62,7 +62,7 @@ pub struct Files {
 impl Files {
     /// True if all frames are text, which may be lists of other things.
     pub(in crate::source) fn are_texts(&self) -> bool {
-        let entries = crate::locks::read(&self.entries);
+        let entries = read(&self.entries);
         let is_text = |entry: &Arc<FrameEntry>| Format::of_extension(&entry.path).is_some_and(Format::is_rarely_many);
         entries.iter().all(is_text)
     }

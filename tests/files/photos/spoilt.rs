@@ -83,7 +83,10 @@ fn points_are_shown_where_photographs_are_missing() {
 }
 
 fn write_cloud(path: &Path, count: usize) {
-    let points: String = (0..count).map(|at| format!("{} 0 0\n", 0.01 * at as f64)).collect();
+    let points = (0..count)
+        .map(|at| format!("{} 0 0\n", 0.01 * at as f64))
+        .collect::<Vec<_>>()
+        .concat();
     let header = "property float x\nproperty float y\nproperty float z\nend_header\n";
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(

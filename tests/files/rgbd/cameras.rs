@@ -124,9 +124,10 @@ fn images_that_are_some_of_a_longer_trajectory_find_their_poses() {
             fs::rename(name(frame), name(10 * frame)).unwrap();
         }
     }
-    let lines: String = (0..30)
+    let lines = (0..30)
         .map(|line| format!("1 0 0 {line} 0 1 0 0 0 0 1 0 0 0 0 1\n"))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     fs::write(folder.path().join("traj.txt"), lines).unwrap();
     // The folder of the images may be opened as well.
     for opened in [folder.path(), results.as_path()] {
