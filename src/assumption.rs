@@ -4,7 +4,7 @@
 //! which axis is up) makes an [`Assumption`]. Readers put theirs into `RawCloud::assumptions`, sources into
 //! `Source::assumptions`; [`Assumptions`] merges equal ones of many frames. `info` lists all of
 //! them, the window shows them as a list, and the other commands print those by [`Evidence::Statistics`] or
-//! [`Evidence::Fallback`] on stderr. A new kind of assumption is a row of [`SUBJECTS`].
+//! [`Evidence::Fallback`] on stderr. A new kind of assumption is a row of `SUBJECTS`.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
