@@ -95,7 +95,7 @@ if [ "\${SLURM_ARRAY_TASK_ID:-}" = 2 ] && [ "\${SLURM_RESTART_COUNT:-0}" = 0 ]; 
     # Slow in the first run: killed while it works.
     "$program" "\$@" --keyframes 1 &
     child=\$!
-    sleep 1; kill -STOP \$child; sleep 600; exit 1
+    sleep 0.2; kill -STOP \$child; sleep 600; exit 1
 fi
 case "\$*" in *--join*) exec "$program" "\$@" ;; esac
 exec "$program" "\$@" --keyframes 1

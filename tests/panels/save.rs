@@ -342,6 +342,10 @@ fn merging_is_a_choice_that_says_its_price_before() {
     assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
     harness.get_by_role_and_label(Role::CheckBox, "Merging").click();
     harness.run();
+    // The dialog asks for an estimate of what it offers once it is drawn with the choice.
+    harness.run();
+    let now = harness.state().now() + Duration::from_millis(10);
+    harness.state_mut().update(now);
     wait_for_estimate(&mut harness, 5);
     assert_eq!(harness.state().save.precision, PrecisionKind::SamplingDensity);
     let (estimate, _) = harness.state().estimates.estimate().unwrap();
