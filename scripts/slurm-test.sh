@@ -91,8 +91,9 @@ mkdir "$folder/bin"
 cat > "$folder/bin/pointreel" <<WRAP
 #!/bin/sh
 echo "start \$(date +%s) \${SLURM_ARRAY_TASK_ID:-join} \${SLURM_RESTART_COUNT:-0} \$*" >> "$folder/runs"
-if [ "\${SLURM_ARRAY_TASK_ID:-}" = 2 ] && [ "\${SLURM_RESTART_COUNT:-0}" = 0 ]; then
-    # Slow in the first run: killed while it works.
+if [ "\${SLURM_ARRAY_TASK_ID:-}" = 2 ] && [ ! -e "$folder/slowed" ]; then
+    # Slow in the first run of the first array: killed while it works.
+    touch "$folder/slowed"
     "$program" "\$@" --keyframes 1 &
     child=\$!
     sleep 0.2; kill -STOP \$child; sleep 600; exit 1
