@@ -239,28 +239,26 @@ impl fmt::Display for Assumption {
     }
 }
 
-/// Distinct assumptions in the order in which they came up, each with the number of frames that it was made for.
+/// Distinct assumptions in the order in which they came up.
 #[derive(Debug, Clone, Default)]
 pub struct Assumptions {
-    entries: Vec<(Assumption, usize)>,
+    entries: Vec<Assumption>,
 }
 
 impl Assumptions {
     /// More distinct ones than anybody reads; further ones are dropped.
     const MAX: usize = 256;
 
-    /// Adds one frame's or source's assumption.
+    /// Adds one frame's or source's assumption, if it is not there.
     pub fn add(&mut self, assumption: &Assumption) {
-        if let Some((_, count)) = self.entries.iter_mut().find(|(known, _)| known == assumption) {
-            *count += 1;
-        } else if self.entries.len() < Self::MAX {
-            self.entries.push((assumption.clone(), 1));
+        if self.entries.len() < Self::MAX && !self.entries.contains(assumption) {
+            self.entries.push(assumption.clone());
         }
     }
 
     /// The distinct ones, by subject.
     pub fn sorted(&self) -> Vec<Assumption> {
-        let mut sorted: Vec<Assumption> = self.entries.iter().map(|(assumption, _)| assumption.clone()).collect();
+        let mut sorted = self.entries.clone();
         sorted.sort_by_key(|assumption| assumption.subject);
         sorted
     }

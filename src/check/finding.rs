@@ -103,15 +103,3 @@ pub struct Finding {
     /// What was found and what to do, in a sentence.
     pub message: String,
 }
-
-impl Finding {
-    /// A finding in `frames` with the weight of its kind.
-    pub fn new(kind: FindingKind, frames: Vec<usize>, message: impl Into<String>) -> Self {
-        Self {
-            kind,
-            severity: kind.severity(),
-            frames,
-            message: message.into(),
-        }
-    }
-}

@@ -248,7 +248,7 @@ impl Sequence {
         self.decode_count.fetch_add(1, Ordering::Relaxed);
         progress.set(0, 0);
         let mut decoder = take_idle(idle, index, |frame| self.source.group(frame)).unwrap_or_else(decoder);
-        let decoded = catch_panic(index, &path, || {
+        let mut decoded = catch_panic(index, &path, || {
             let decoded = decoder.decode(index, &entry, detail.most_points(), progress);
             // One that has panicked is not used again.
             lock(idle).push((index, decoder));
@@ -262,14 +262,11 @@ impl Sequence {
             return Err(self.cancelled(index));
         }
         progress.set(0, 0);
-        let decoded = decoded.map(|mut decoded| {
+        if let Ok(decoded) = &mut decoded {
             // A user's word holds for every command, statistics for pictures alone.
             if let NoData::Value(_) = self.no_data {
                 self.drop_missing(&mut decoded.cloud);
             }
-            decoded
-        });
-        if let Ok(decoded) = &decoded {
             lock(&self.assumptions).extend(&decoded.cloud.assumptions);
         }
         decoded
