@@ -23,6 +23,7 @@ mod normal_errors;
 mod normals;
 mod openings;
 mod orientation;
+mod places;
 #[cfg(test)]
 mod plane_tests;
 mod point_tree;
@@ -54,6 +55,7 @@ use crate::cloud::Ellipse;
 use crate::progress::Progress;
 use blocks::SlotSurface;
 use glam::Vec3;
+use places::Places;
 use point_tree::PointTree;
 use steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
 
@@ -178,6 +180,21 @@ fn surface_oriented_by(
     sensor: Option<Vec3>,
     progress: &Progress,
 ) -> Surface {
+    if let Some(places) = Places::of(positions) {
+        let surface = surface_of_distinct(orientation, &places.positions, sensor, progress);
+        let copies = positions.len() - places.positions.len();
+        progress.advance(surface_steps(copies, sensor));
+        return places.spread_surface(&surface);
+    }
+    surface_of_distinct(orientation, positions, sensor, progress)
+}
+
+fn surface_of_distinct(
+    orientation: Orientation,
+    positions: &[Vec3],
+    sensor: Option<Vec3>,
+    progress: &Progress,
+) -> Surface {
     let estimated = estimated_surface(positions, sensor, orientation, progress);
     estimated.unwrap_or_else(|| Surface {
         normals: vec![Vec3::Z; positions.len()],
@@ -267,6 +284,13 @@ pub fn surface_steps(points: usize, sensor: Option<Vec3>) -> usize {
 /// Precondition: as many normals as positions.
 pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     assert_eq!(positions.len(), normals.len(), "one normal for each point");
+    if let Some(places) = Places::of(positions) {
+        return places.spread(&radii_of_distinct(&places.positions, &places.gather(normals)));
+    }
+    radii_of_distinct(positions, normals)
+}
+
+fn radii_of_distinct(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
     let mut normals = tree.to_slot_order(normals);
@@ -284,6 +308,13 @@ pub fn splat_radii(positions: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
 /// Precondition: as many normals as positions.
 pub fn splat_ellipses(positions: &[Vec3], normals: &[Vec3]) -> Vec<Option<Ellipse>> {
     assert_eq!(positions.len(), normals.len(), "one normal for each point");
+    if let Some(places) = Places::of(positions) {
+        return places.spread(&ellipses_of_distinct(&places.positions, &places.gather(normals)));
+    }
+    ellipses_of_distinct(positions, normals)
+}
+
+fn ellipses_of_distinct(positions: &[Vec3], normals: &[Vec3]) -> Vec<Option<Ellipse>> {
     let tree = PointTree::new(positions);
     let neighbours = tree.neighbours(DEFAULT_NEIGHBOURS);
     let mut normals = tree.to_slot_order(normals);

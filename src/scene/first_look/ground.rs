@@ -4,6 +4,7 @@
 //!
 //! - *Map coordinates.* Eastings and northings are large numbers, elevations are not.
 //! - *A narrow foot.* Trees and tables are narrow where they stand; the other end is not, nor are the other axes.
+//! - *Undersides alone.* What faces down is seldom all that was scanned: a camera that looks along +Z saw it.
 //! - *A height field.* Seen from an aircraft or a drone the ground has one height at each place, though hills may rise
 //!   as high as the map is wide.
 
@@ -30,6 +31,25 @@ pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
         along(up, true),
         "the two other axes are coordinates of a map",
     ))
+}
+
+/// The axes of a camera, where the normals of the file say that everything faces -Z: with Z up that would be a ceiling.
+pub(super) fn of_undersides(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
+    /// Shares of normals within 60° of -Z and of +Z.
+    const LEAST_BELOW: f32 = 0.6;
+    const MOST_ABOVE: f32 = 0.03;
+    let share = |is_meant: fn(&Vec3) -> bool| {
+        let count = sample.normals.iter().filter(|normal| is_meant(normal)).count();
+        count as f32 / sample.normals.len().max(1) as f32
+    };
+    let faces_camera = share(|normal| normal.z < -0.5) >= LEAST_BELOW && share(|normal| normal.z > 0.5) <= MOST_ABOVE;
+    // A map whose heights are counted downwards faces there as well.
+    (faces_camera && !bounds.is_flat_along_z()).then(|| {
+        Up::by_points(
+            UpAxis::NegY,
+            "what was scanned faces -Z, towards a camera that looks along +Z: Y is down",
+        )
+    })
 }
 
 /// Things that stand on a narrow foot along Y or Z, such as a trunk.
@@ -195,6 +215,24 @@ mod tests {
             let (sample, bounds) = sample(points);
             assert_eq!(of_narrow_foot(&sample, &bounds), None);
         }
+    }
+
+    #[test]
+    fn a_wall_that_faces_a_camera_has_y_down() {
+        let wall: Vec<Vec3> = numbers(4000)
+            .map(|[a, b, c]| Vec3::new(3.0 * a, 2.0 * b, 2.0 + 0.8 * c))
+            .collect();
+        let (mut sample, bounds) = sample(wall);
+        assert_eq!(of_undersides(&sample, &bounds), None, "without normals");
+        let up = |sample: &CloudSample| of_undersides(sample, &bounds).map(|up| up.axis);
+        let front = |index: usize| if index % 4 == 0 { Vec3::X } else { Vec3::NEG_Z };
+        sample.normals = (0..4000).map(front).collect();
+        assert_eq!(up(&sample), Some(UpAxis::NegY));
+        sample.normals.iter_mut().for_each(|normal| *normal = -*normal);
+        assert_eq!(up(&sample), None, "ground seen from above");
+        let both = |index: usize| if index % 8 == 0 { Vec3::Z } else { Vec3::NEG_Z };
+        sample.normals = (0..4000).map(both).collect();
+        assert_eq!(up(&sample), None, "seen from both sides");
     }
 
     #[test]

@@ -353,6 +353,7 @@ impl Told {
         let foot = foot.filter(|foot| by_format.is_none_or(|format| !foot.is_opposite(format)));
         let guess = sure
             .or_else(|| ground::of_map_coordinates(&bounds, zero))
+            .or_else(|| ground::of_undersides(sample, &bounds))
             .or(stands)
             .or(foot)
             .or(by_format)

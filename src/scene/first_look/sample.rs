@@ -141,21 +141,25 @@ pub(super) fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(place.min(last), f32::total_cmp).1
 }
 
-/// How far away the nearest point is, and the one that tells the spacing.
+/// How far away the nearest point is, and the one that tells the spacing; points at the same place are one.
 fn spacings_at(positions: &[Vec3], slot: usize) -> (f32, f32) {
-    let first = slot.saturating_sub(SLOTS_AROUND);
-    let last = (slot + SLOTS_AROUND).min(positions.len() - 1);
-    let mut squares = [f32::INFINITY; 2 * SLOTS_AROUND];
-    let others = (first..=last).filter(|&other| other != slot);
-    for (square, other) in squares.iter_mut().zip(others) {
-        *square = positions[slot].distance_squared(positions[other]);
+    /// Slots to either side that are looked at where many are copies.
+    const MOST_SLOTS: usize = 16 * SLOTS_AROUND;
+    let squares = (1..=MOST_SLOTS)
+        .flat_map(|step| [slot.checked_sub(step), slot.checked_add(step)])
+        .filter_map(|other| Some(positions[slot].distance_squared(*positions.get(other?)?)))
+        .filter(|&square| square > 0.0);
+    let mut nearest = [f32::INFINITY; 2 * SLOTS_AROUND];
+    let mut found = 0;
+    for (place, square) in nearest.iter_mut().zip(squares) {
+        *place = square;
+        found += 1;
     }
-    let found = (last - first).min(squares.len());
     if found == 0 {
         return (0.0, 0.0);
     }
     let place = SPACING_NEIGHBOUR.min(found) - 1;
-    let (nearer, further, _) = squares[..found].select_nth_unstable_by(place, f32::total_cmp);
+    let (nearer, further, _) = nearest[..found].select_nth_unstable_by(place, f32::total_cmp);
     let nearest = nearer.iter().copied().fold(*further, f32::min);
     (nearest.sqrt(), further.sqrt())
 }
@@ -166,10 +170,22 @@ fn planar_share(positions: &[Vec3]) -> f32 {
         return 0.0;
     }
     let starts = even_slots(positions.len() - RUN + 1, PLACES);
-    let planar = starts
-        .iter()
-        .filter(|&&start| is_planar(&positions[start..start + RUN]));
+    let planar = starts.iter().filter(|&&start| is_planar(&run_at(positions, start)));
     planar.count() as f32 / starts.len() as f32
+}
+
+/// Places of a run that begins at a slot; copies stand together and are one.
+fn run_at(positions: &[Vec3], start: usize) -> Vec<Vec3> {
+    let mut run: Vec<Vec3> = Vec::with_capacity(RUN);
+    for &position in positions[start..].iter().take(16 * RUN) {
+        if run.last() != Some(&position) {
+            run.push(position);
+            if run.len() == RUN {
+                break;
+            }
+        }
+    }
+    run
 }
 
 /// Whether the neighbours of the point in the middle of a run lie in a plane, and not in a line of it as those of a
@@ -178,6 +194,9 @@ fn is_planar(run: &[Vec3]) -> bool {
     /// Thickness and width as shares of the whole variance.
     const MOST_THICKNESS: f64 = 0.06;
     const LEAST_WIDTH: f64 = 0.05;
+    if run.len() <= NEIGHBOURS {
+        return false;
+    }
     let middle = run[run.len() / 2];
     let mut near: Vec<Vec3> = run.iter().map(|&position| position - middle).collect();
     near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.length_squared().total_cmp(&b.length_squared()));
