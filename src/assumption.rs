@@ -65,6 +65,8 @@ pub enum Subject {
     FrameTimes,
     /// Points, surfels, a mesh.
     Primitive,
+    /// What points are coloured by.
+    Colors,
     /// Points that a filter removed.
     FilteredPoints,
     /// Points that were merged or that an export leaves out.
@@ -89,7 +91,7 @@ struct Row {
 const IN_LIST: Option<&str> = Some("View > Assumptions");
 
 /// One row per subject.
-const SUBJECTS: [Row; 14] = [
+const SUBJECTS: [Row; 15] = [
     row(Subject::UpAxis, "up-axis", "up axis", Some("--up"), IN_LIST),
     row(Subject::Unit, "unit", "unit", None, None),
     row(
@@ -119,6 +121,7 @@ const SUBJECTS: [Row; 14] = [
         Some("--primitive"),
         IN_LIST,
     ),
+    row(Subject::Colors, "colors", "colours", Some("--colors"), IN_LIST),
     row(
         Subject::FilteredPoints,
         "filtered-points",

@@ -14,7 +14,7 @@ use crate::headless::{Headless, PictureStats};
 use crate::messages::frame_with_index;
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Style};
-use crate::sequence::{Loader, LoaderOptions};
+use crate::sequence::{ColorSource, Loader, LoaderOptions};
 use crate::session::Session;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -89,6 +89,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         warnings::warn(&lack);
     }
     let chooses_primitive = style.primitive != Primitive::Auto;
+    let chooses_colors = style.colors.source != ColorSource::Auto;
     let style = style.resolved(&look);
     if let Some(source) = arguments.picture.color_source() {
         let frame = headless.frame(range.first, &style).ok();
@@ -118,7 +119,8 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let sets_up = arguments.camera.sets_up() || arguments.video.has_path();
     let primitive = chooses_primitive.then_some(Subject::Primitive);
     let up = sets_up.then_some(Subject::UpAxis);
-    let chosen: Vec<Subject> = primitive.into_iter().chain(up).collect();
+    let colors = chooses_colors.then_some(Subject::Colors);
+    let chosen: Vec<Subject> = [primitive, up, colors].into_iter().flatten().collect();
     assumptions::print_guesses(headless.sequence(), Some(&look), &chosen);
     match failed.as_slice() {
         [] => Ok(()),

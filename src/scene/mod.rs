@@ -47,7 +47,7 @@ pub use compose::{Scene, SceneStats};
 pub use content::{CodedCells, Content, Selected, Surfels, Voxels};
 pub use environment::{Environment, EnvironmentError, EnvironmentFile, EnvironmentMap, EnvironmentWord, Harmonics};
 pub use eye_dome::EyeDomeLight;
-pub use first_look::{CaptureKind, FirstLook, Standpoint};
+pub use first_look::{CaptureKind, ColorGuess, FirstLook, Standpoint};
 pub(crate) use first_look::{PointSpacing, typical_spacing};
 pub use followed::FollowedPoint;
 pub use gaps::gap_px;

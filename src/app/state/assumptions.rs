@@ -39,6 +39,8 @@ impl State {
             primitive: self.style.primitive,
             guessed_primitive: guessed.map(|look| look.primitive),
             lacks: Primitive::ALL.iter().filter_map(lack).collect(),
+            colors: self.style.colors.source,
+            offered_colors: guessed.map_or(&[], |look| &look.colors.offered),
             open: self.can_open_again().then(|| self.opened_with()),
             has_filters,
         })
@@ -65,6 +67,7 @@ impl State {
                 Change::Up(Some(up)) => self.choose_up(up),
                 Change::Up(None) => self.guess_up(),
                 Change::Primitive(primitive) => self.style.primitive = primitive,
+                Change::Colors(source) => self.style.colors.source = source,
                 Change::Read(change) => read.push(change),
             }
         }

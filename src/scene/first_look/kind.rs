@@ -25,6 +25,11 @@ pub enum CaptureKind {
 }
 
 impl CaptureKind {
+    /// Whether the ground is what was scanned.
+    pub(super) fn is_of_ground(self) -> bool {
+        matches!(self, Self::Sweep | Self::Terrain)
+    }
+
     /// For people.
     pub fn name(self) -> &'static str {
         match self {

@@ -7,6 +7,7 @@
 //! comes with its reason, for the person who is to believe or change it. It takes a few milliseconds, of clouds of any
 //! size, and the same frames give the same answer.
 
+mod colors;
 mod ground;
 mod kind;
 mod primitive;
@@ -17,6 +18,7 @@ mod tests;
 mod trim;
 mod up;
 
+pub use colors::ColorGuess;
 pub use kind::CaptureKind;
 use primitive::Captured;
 pub(crate) use sample::{PointSpacing, typical_spacing};
@@ -31,7 +33,7 @@ use crate::math::Aabb;
 use crate::photos::{Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{self, Sensor};
-use crate::sequence::{Detail, Sequence};
+use crate::sequence::{ColorHints, Detail, Sequence};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use sample::{CloudSample, MOST_POINTS, median_luma, quantile};
@@ -69,6 +71,8 @@ pub struct FirstLook {
     pub knows_outside: bool,
     /// Edge of points that are drawn as such, pixels.
     pub point_size_px: f32,
+    /// What points are coloured by, and why.
+    pub colors: ColorGuess,
     /// Whether the colours are those of a camera, or of splats that were made of photographs: light is in them.
     pub colors_have_light: bool,
     /// Whether the colours of the file are so dark that the usual background would hide them.
@@ -138,6 +142,7 @@ impl FirstLook {
             spacing_spread: sample.spread(),
             is_closed: standpoint::is_closed(&sample, &trimmed),
             point_size_px: primitive::point_size_px(frames.first().map_or(0, |frame| frame.points_in_file())),
+            colors: colors_of(frames.first().copied(), told.kind, up),
             colors_have_light: frames.first().is_some_and(|frame| {
                 let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
                 (is_image || are_splats) && frame.value_sample().has_telling_colors()
@@ -193,22 +198,26 @@ impl FirstLook {
         }
         self.primitive = Primitive::Surfel;
         self.primitive_why = "there are photographs of a surface";
+        // Photographs give the colours.
+        self.colors.why.clear();
         self.colors_have_light = true;
         self.photo = set.photos.first().cloned();
         self
     }
 
-    /// The guessed up axis and primitive.
-    pub fn assumptions(&self) -> [Assumption; 2] {
+    /// The guessed up axis and primitive, and colours where the file has none.
+    pub fn assumptions(&self) -> Vec<Assumption> {
         let primitive = self.primitive.to_string();
         let evidence = match self.primitive {
             Primitive::Mesh | Primitive::Ellipse => Evidence::File,
             _ => Evidence::Statistics,
         };
-        [
+        let mut assumptions = vec![
             Assumption::new(Subject::UpAxis, self.up.name(), self.up_why, self.up_evidence),
             Assumption::new(Subject::Primitive, primitive, self.primitive_why, evidence),
-        ]
+        ];
+        assumptions.extend(self.colors.assumption());
+        assumptions
     }
 
     /// Whether the points sample a surface, so that disks or ellipses show it.
@@ -256,7 +265,7 @@ impl FirstLook {
 
     /// Whether height tells more than the direction of normals: where the ground is what was scanned.
     pub fn prefers_height(&self) -> bool {
-        matches!(self.kind, CaptureKind::Sweep | CaptureKind::Terrain)
+        self.kind.is_of_ground()
     }
 
     /// Where the sensor stood, if a file or the points say so; relative to the origin.
@@ -308,6 +317,15 @@ impl FirstLook {
         let shown: Vec<Vec3> = self.shown.iter().copied().chain(corners).collect();
         camera.frame_points(&shown, origin, aspect);
     }
+}
+
+/// What `frame` is coloured by.
+fn colors_of(frame: Option<&Frame>, kind: CaptureKind, up: UpAxis) -> ColorGuess {
+    let hints = ColorHints {
+        up: Some(up.direction().as_vec3()),
+        prefers_height: Some(kind.is_of_ground()),
+    };
+    frame.map(|frame| ColorGuess::of(frame, &hints)).unwrap_or_default()
 }
 
 /// What the points and the file tell.

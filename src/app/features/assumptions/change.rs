@@ -4,7 +4,7 @@ use crate::cloud::NoData;
 use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::scene::{Primitive, UpAxis};
-use crate::sequence::OpenOptions;
+use crate::sequence::{ColorSource, OpenOptions};
 use std::path::PathBuf;
 
 /// An alternative to an assumption; `None` is the automatic choice.
@@ -14,6 +14,8 @@ pub(in crate::app) enum Change {
     Up(Option<UpAxis>),
     /// Another primitive; `Auto` is the automatic choice.
     Primitive(Primitive),
+    /// Other colours; `Auto` is the automatic choice.
+    Colors(ColorSource),
     /// Other options of reading: the inputs are opened again.
     Read(ReadChange),
 }

@@ -4,7 +4,7 @@ use super::change::{Change, Field};
 use super::read_rows::ReadRow;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::scene::{Primitive, UpAxis};
-use crate::sequence::OpenOptions;
+use crate::sequence::{ColorSource, OpenOptions};
 
 /// Facts about the open sequence.
 pub(in crate::app) struct Given<'a> {
@@ -20,6 +20,10 @@ pub(in crate::app) struct Given<'a> {
     pub(in crate::app) guessed_primitive: Option<Primitive>,
     /// Primitives that the files do not have, with the reason.
     pub(in crate::app) lacks: Vec<(Primitive, String)>,
+    /// The colours of the settings; `Auto` where they are guessed.
+    pub(in crate::app) colors: ColorSource,
+    /// What points can be coloured by.
+    pub(in crate::app) offered_colors: &'a [ColorSource],
     /// How the inputs were opened; `None` of what cannot be opened again.
     pub(in crate::app) open: Option<&'a OpenOptions>,
     /// True if there are filters of depth images that can be changed.
@@ -102,6 +106,7 @@ fn group(subject: Subject, given: &Given<'_>) -> Group {
     match subject {
         Subject::UpAxis => with_up(assumed, given),
         Subject::Primitive => with_primitives(assumed, given),
+        Subject::Colors => with_colors(assumed, given),
         _ => match ReadRow::of(subject) {
             Some(row) => with_reading(assumed, row, given),
             None => assumed,
@@ -169,6 +174,23 @@ fn with_primitives(mut group: Group, given: &Given<'_>) -> Group {
     group
 }
 
+fn with_colors(mut group: Group, given: &Given<'_>) -> Group {
+    if given.colors != ColorSource::Auto {
+        group.lines = by_user(given.colors.to_string());
+        group.reset = Some(Change::Colors(ColorSource::Auto));
+    }
+    let sources = std::iter::once(&ColorSource::Auto).chain(given.offered_colors);
+    let alternatives = sources.map(|&source| Alternative {
+        label: source.to_string(),
+        hint: "As View > Colours does, for whatever is opened".to_owned(),
+        change: Change::Colors(source),
+        is_current: given.colors == source,
+        lack: None,
+    });
+    group.alternatives = alternatives.collect();
+    group
+}
+
 /// The choice of a row in words, where it was made by the user and can be taken back.
 fn chosen_reading(row: &ReadRow, given: &Given<'_>) -> Option<String> {
     (row.chosen)(options_of(row, given)?)
@@ -226,6 +248,8 @@ mod tests {
             primitive: Primitive::Auto,
             guessed_primitive: Some(Primitive::Point),
             lacks: vec![(Primitive::Mesh, "there are no triangles".to_owned())],
+            colors: ColorSource::Auto,
+            offered_colors: &[ColorSource::Normal, ColorSource::Uniform],
             open: Some(open),
             has_filters: true,
         }
@@ -253,10 +277,13 @@ mod tests {
         ReadChange::DepthScale(Some(5000.0)).apply(&mut open);
         let mut given = given(vec![assumed(Subject::UpAxis), assumed(Subject::Columns)], &open);
         given.chosen_up = Some(UpAxis::NegY);
+        given.colors = ColorSource::Normal;
+        given.assumptions.push(assumed(Subject::Colors));
         let groups = groups(&given);
         let of = |subject| groups.iter().find(|group| group.subject == subject).unwrap();
         for (subject, value) in [
             (Subject::UpAxis, "-Y"),
+            (Subject::Colors, "normal"),
             (Subject::DepthScale, "5000 per metre"),
             (Subject::Columns, "some value"),
         ] {
@@ -264,7 +291,7 @@ mod tests {
             assert_eq!((group.lines[0].value.as_str(), group.weakest()), (value, None));
             assert!(group.reset.is_some(), "{subject:?}");
         }
-        assert_eq!(groups.len(), 3);
+        assert_eq!(groups.len(), 4);
     }
 
     #[test]

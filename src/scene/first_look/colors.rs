@@ -1,0 +1,66 @@
+//! What points are coloured by where nobody has chosen it, with the reason.
+
+use crate::assumption::{Assumption, Evidence, Subject};
+use crate::cloud::Frame;
+use crate::sequence::{ColorHints, ColorSource, Coloring, FieldName};
+
+/// A guess of what to colour points by.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ColorGuess {
+    /// What points are coloured by.
+    pub source: ColorSource,
+    /// Why, a clause; empty where the file has colours that tell something.
+    pub why: String,
+    /// What they can be coloured by: the sources that the first frame has, with each of its fields.
+    pub offered: Vec<ColorSource>,
+}
+
+impl ColorGuess {
+    /// As [`Coloring::default`] colours `frame`.
+    pub(super) fn of(frame: &Frame, hints: &ColorHints) -> Self {
+        let source = Coloring::default().paint(hints, frame).source();
+        let lack = match frame.colors() {
+            None => "the file has no colours",
+            Some(_) => "all colours of the file are alike, black or white",
+        };
+        let because = match source {
+            ColorSource::File => "",
+            ColorSource::Scalar(_) => ", and this field varies",
+            ColorSource::Class => ", and the classes vary",
+            ColorSource::Height(_) => ", and the ground tells most by its height",
+            _ => ", so normals show the shape",
+        };
+        let why = match source {
+            ColorSource::File => String::new(),
+            _ => format!("{lack}{because}"),
+        };
+        Self {
+            source,
+            why,
+            offered: offered(frame),
+        }
+    }
+
+    /// `None` where the colours are those of the file: nothing was decided.
+    pub(super) fn assumption(&self) -> Option<Assumption> {
+        let is_decided = !self.why.is_empty();
+        is_decided.then(|| {
+            Assumption::new(
+                Subject::Colors,
+                self.source.to_string(),
+                &self.why,
+                Evidence::Statistics,
+            )
+        })
+    }
+}
+
+/// Every source that a frame has, but for those that ask for more than a name.
+fn offered(frame: &Frame) -> Vec<ColorSource> {
+    let fields = frame.scalar_fields().iter();
+    let fields = fields.map(|field| ColorSource::Scalar(Some(FieldName::new(&field.name))));
+    let general = ColorSource::ALL.into_iter().filter(|source| {
+        !matches!(source, ColorSource::Scalar(_) | ColorSource::Time | ColorSource::Auto) && source.is_of(frame)
+    });
+    general.chain(fields).collect()
+}
