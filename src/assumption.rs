@@ -69,7 +69,7 @@ pub enum Subject {
     Colors,
     /// Points that a filter removed.
     FilteredPoints,
-    /// Points that were merged or that an export leaves out.
+    /// Points that were merged.
     MergedPoints,
     /// Projection of geographic coordinates.
     Projection,
@@ -104,8 +104,14 @@ const SUBJECTS: [Row; 15] = [
     row(Subject::Camera, "camera", "camera", Some("--intrinsics"), IN_LIST),
     row(Subject::Poses, "poses", "poses", Some("--poses"), IN_LIST),
     row(Subject::Columns, "columns", "columns", Some("--columns"), IN_LIST),
-    row(Subject::ColorDepth, "color-depth", "colour depth", None, None),
-    row(Subject::Frames, "frames", "frames", Some("--only"), None),
+    row(
+        Subject::ColorDepth,
+        "color-depth",
+        "colour depth",
+        Some("--color-depth"),
+        IN_LIST,
+    ),
+    row(Subject::Frames, "frames", "frames", Some("--only"), IN_LIST),
     row(Subject::NoData, "no-data", "no-data values", Some("--no-data"), IN_LIST),
     row(
         Subject::FrameTimes,
@@ -129,8 +135,20 @@ const SUBJECTS: [Row; 15] = [
         Some("--rgbd-filters"),
         IN_LIST,
     ),
-    row(Subject::MergedPoints, "merged-points", "merged points", None, None),
-    row(Subject::Projection, "projection", "projection", None, None),
+    row(
+        Subject::MergedPoints,
+        "merged-points",
+        "merged points",
+        Some("--merge-cells"),
+        IN_LIST,
+    ),
+    row(
+        Subject::Projection,
+        "projection",
+        "projection",
+        Some("--columns"),
+        IN_LIST,
+    ),
 ];
 
 const fn row(
@@ -220,7 +238,8 @@ impl Assumption {
     /// The same, changed by another option; `None` where none changes it.
     #[must_use]
     pub fn with_option(self, option: Option<&'static str>) -> Self {
-        Self { option, ..self }
+        let window = option.and(self.window);
+        Self { option, window, ..self }
     }
 }
 

@@ -6,7 +6,7 @@ use super::session::open_inputs_and_tell;
 use super::style_arguments::StyleArgs;
 use super::values::number_in;
 pub(super) use super::values::{DEMO_INPUT, FrameRange, positive_f64};
-use crate::cloud::NoData;
+use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
@@ -56,6 +56,11 @@ pub(super) struct ReadArgs {
         verbatim_doc_comment
     )]
     no_data: NoData,
+
+    /// Range of colours that could have several: unit (0 to 1), 8 (0 to 255) or 16 (0 to 65535), or more if
+    /// there are larger values (default: the values of all frames decide)
+    #[arg(long, value_name = "BITS", verbatim_doc_comment)]
+    color_depth: Option<ColorDepth>,
 
     /// All scans of an E57 file are one frame, not a frame each
     #[arg(long)]
@@ -126,6 +131,7 @@ impl ReadArgs {
             "no-data",
             Some(no_data).filter(|no_data| *no_data != NoData::Auto.to_string()),
         );
+        add("color-depth", self.color_depth.map(|depth| depth.to_string()));
         add("merge-scans", given(self.merge_scans));
         add("dense", given(self.dense));
         words.extend(self.rgbd.in_words());
@@ -141,6 +147,7 @@ impl ReadArgs {
                 .with_sample_count(self.sample)
                 .with_columns(self.columns),
             no_data: self.no_data,
+            color_depth: self.color_depth,
             fps: None,
             merge_scans: self.merge_scans,
             topic: self.topic.as_deref().map(Arc::from),

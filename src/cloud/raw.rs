@@ -5,6 +5,8 @@ use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
 use crate::assumption::Assumption;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
+use std::fmt;
+use std::str::FromStr;
 
 /// Coordinates at the precision of the file, so that nothing is lost before the origin is subtracted.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,6 +118,30 @@ impl ColorDepth {
             Self::Unit => 1.0,
             Self::Bits8 => f32::from(u8::MAX),
             Self::Bits16 => f32::from(u16::MAX),
+        }
+    }
+}
+
+impl fmt::Display for ColorDepth {
+    /// As on the command line.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Unit => "unit",
+            Self::Bits8 => "8",
+            Self::Bits16 => "16",
+        })
+    }
+}
+
+impl FromStr for ColorDepth {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.trim() {
+            "unit" => Ok(Self::Unit),
+            "8" => Ok(Self::Bits8),
+            "16" => Ok(Self::Bits16),
+            _ => Err(format!("expected unit (0 to 1), 8 or 16 bits, found \"{text}\"")),
         }
     }
 }

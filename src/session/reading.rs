@@ -3,13 +3,15 @@
 
 use super::SessionError;
 use super::paths::{as_text, joined};
-use crate::cloud::NoData;
+use crate::cloud::{ColorDepth, NoData};
 use crate::io::{ColumnMap, ReadOptions};
 use crate::rgbd::Filters;
 use crate::source::{NO_POSES, OpenOptions, RgbdOptions};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::Arc;
 
 /// Choices of reading; what is `None` or false is as usual.
@@ -42,9 +44,16 @@ pub struct Reading {
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_word",
-        deserialize_with = "no_data"
+        deserialize_with = "word"
     )]
     pub no_data: Option<NoData>,
+    /// The least range of colours whose type does not say it.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "write_word",
+        deserialize_with = "word"
+    )]
+    pub color_depth: Option<ColorDepth>,
     /// Points of photographs are made by stereo.
     #[serde(skip_serializing_if = "is_false")]
     pub dense: bool,
@@ -52,7 +61,7 @@ pub struct Reading {
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_word",
-        deserialize_with = "filters"
+        deserialize_with = "word"
     )]
     pub rgbd_filters: Option<Filters>,
     /// Pattern of the names of depth images.
@@ -134,13 +143,7 @@ fn write_word<T: ToString, S: Serializer>(value: &Option<T>, serializer: S) -> R
     value.as_ref().map(T::to_string).serialize(serializer)
 }
 
-fn no_data<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NoData>, D::Error> {
-    let text = Option::<String>::deserialize(deserializer)?;
-    text.map(|text| text.parse().map_err(serde::de::Error::custom))
-        .transpose()
-}
-
-fn filters<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Filters>, D::Error> {
+fn word<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(deserializer: D) -> Result<Option<T>, D::Error> {
     let text = Option::<String>::deserialize(deserializer)?;
     text.map(|text| text.parse().map_err(serde::de::Error::custom))
         .transpose()
@@ -158,6 +161,7 @@ impl Reading {
             sample: read.sample_count,
             columns: read.columns,
             no_data: (options.no_data != NoData::Auto).then_some(options.no_data),
+            color_depth: options.color_depth,
             dense: options.dense,
             rgbd_filters: (rgbd.filters != Filters::USUAL).then_some(rgbd.filters),
             depth_images: rgbd.depth.clone(),
@@ -183,6 +187,7 @@ impl Reading {
                 NoData::Auto => self.no_data.unwrap_or_default(),
                 given => given,
             },
+            color_depth: options.color_depth.or(self.color_depth),
             fps: options.fps.or(self.fps),
             merge_scans: options.merge_scans || self.merge_scans,
             topic: options.topic.clone().or_else(|| self.topic.as_deref().map(Arc::from)),

@@ -1,7 +1,7 @@
 //! How inputs are opened.
 
 use super::rgbd::RgbdOptions;
-use crate::cloud::NoData;
+use crate::cloud::{ColorDepth, NoData};
 use crate::io::ReadOptions;
 use crate::stereo::SharedMatcher;
 use std::sync::Arc;
@@ -17,6 +17,8 @@ pub struct OpenOptions {
     pub read: ReadOptions,
     /// Handling of points that stand for no measurement.
     pub no_data: NoData,
+    /// The least range of colours whose type does not say it; the values decide if `None`.
+    pub color_depth: Option<ColorDepth>,
     /// Frames a second, in place of what time stamps say.
     pub fps: Option<f64>,
     /// The scans of an E57 file are one frame, not a frame each.

@@ -309,7 +309,7 @@ fn every_set_is_seen_at_once_whole_and_right_side_up() {
     let Some(data) = shared("") else {
         return;
     };
-    let sets: [(&str, Option<CaptureKind>, UpAxis, Option<Primitive>); 9] = [
+    let sets: [(&str, Option<CaptureKind>, UpAxis, Option<Primitive>); 10] = [
         (
             "sequences/cesiumman_24fps",
             Some(Object),

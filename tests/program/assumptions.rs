@@ -1,5 +1,6 @@
 //! Guesses on stderr: each is a line, and what a person chooses is none.
 
+use pointreel::assumption::Subject;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,7 +9,10 @@ const UP: &str = "assumed up axis: y (as most models have it; fallback; change w
 const PRIMITIVE: &str = "assumed primitive: point (the points are too sparse for a surface, or lie in lines or in a \
     volume; statistics; change with --primitive)";
 
-/// A file that says neither.
+const COLORS: &str = "assumed colours: normal (the file has no colours, so normals show the shape; statistics; change \
+    with --colors)";
+
+/// A file that says none of them.
 fn cloud(folder: &Path) -> PathBuf {
     let path = folder.join("a.ply");
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
@@ -34,12 +38,28 @@ fn said(input: &Path, more: &[&str]) -> Vec<String> {
 fn guesses_are_said_unless_they_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let cloud = cloud(folder.path());
-    assert_eq!(said(&cloud, &[]), [UP, PRIMITIVE]);
-    assert_eq!(said(&cloud, &["--up", "y"]), [PRIMITIVE]);
-    assert_eq!(said(&cloud, &["--primitive", "surfel"]), [UP]);
+    assert_eq!(said(&cloud, &[]), [UP, PRIMITIVE, COLORS]);
+    assert_eq!(said(&cloud, &["--up", "y"]), [PRIMITIVE, COLORS]);
+    assert_eq!(said(&cloud, &["--primitive", "surfel"]), [UP, COLORS]);
+    assert_eq!(said(&cloud, &["--colors", "uniform"]), [UP, PRIMITIVE]);
     // To let the program decide is no choice.
-    assert_eq!(said(&cloud, &["--primitive", "auto"]), [UP, PRIMITIVE]);
-    assert_eq!(said(&cloud, &["--up", "z", "--primitive", "point"]), [""; 0]);
+    assert_eq!(said(&cloud, &["--primitive", "auto"]), [UP, PRIMITIVE, COLORS]);
+    let all = ["--up", "z", "--primitive", "point", "--colors", "height"];
+    assert_eq!(said(&cloud, &all), [""; 0]);
+}
+
+#[test]
+fn the_option_that_an_assumption_names_is_an_option() {
+    let help = Command::new(env!("CARGO_BIN_EXE_pointreel"))
+        .args(["view", "--help"])
+        .output()
+        .unwrap();
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    let options: Vec<&str> = help.split_whitespace().collect();
+    for subject in Subject::all() {
+        let is_there = subject.option().is_none_or(|option| options.contains(&option));
+        assert!(is_there, "{subject:?}: {:?}", subject.option());
+    }
 }
 
 #[test]
@@ -52,6 +72,6 @@ fn a_session_chooses_as_options_do() {
         fs::write(&session, session_text).unwrap();
         said(&session, &[])
     };
-    assert_eq!(with(""), [UP, PRIMITIVE]);
-    assert_eq!(with(r#", "settings": {"primitive": "surfel"}"#), [UP]);
+    assert_eq!(with(""), [UP, PRIMITIVE, COLORS]);
+    assert_eq!(with(r#", "settings": {"primitive": "surfel"}"#), [UP, COLORS]);
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use pointreel::assumption::{Assumption, Evidence, Subject};
+use pointreel::cloud::ColorDepth;
 use std::fmt::Write as _;
 use std::fs;
 
@@ -392,6 +393,17 @@ fn one_dark_frame_stays_dark() {
     // All frames are narrow: eight bits in fields of sixteen.
     let folder = folder_of(&[("0.ply", &dark), ("1.ply", &dark)]);
     assert_eq!(brightest(&open(folder.path()), 0), 255);
+    // Unless somebody knows better, who is not asked again.
+    for (depth, expected) in [(ColorDepth::Bits16, 1), (ColorDepth::Bits8, 255)] {
+        let options = OpenOptions {
+            color_depth: Some(depth),
+            ..OpenOptions::default()
+        };
+        let chosen = Sequence::open(&[folder.path().to_path_buf()], &options).unwrap();
+        assert_eq!(brightest(&chosen, 0), expected);
+        let said = chosen.assumptions();
+        assert!(said.iter().all(|assumption| assumption.subject != Subject::ColorDepth));
+    }
 }
 
 #[test]

@@ -204,7 +204,7 @@ impl Table {
             "the columns are longitude and latitude in degrees, WGS 84 is supposed",
             Evidence::Fallback,
         );
-        self.assumptions.push(projection.with_option(Some("--columns")));
+        self.assumptions.push(projection);
         Ok(())
     }
 

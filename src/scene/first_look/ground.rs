@@ -225,12 +225,12 @@ mod tests {
         let (mut sample, bounds) = sample(wall);
         assert_eq!(of_undersides(&sample, &bounds), None, "without normals");
         let up = |sample: &CloudSample| of_undersides(sample, &bounds).map(|up| up.axis);
-        let front = |index: usize| if index % 4 == 0 { Vec3::X } else { Vec3::NEG_Z };
+        let front = |index: usize| if index.is_multiple_of(4) { Vec3::X } else { Vec3::NEG_Z };
         sample.normals = (0..4000).map(front).collect();
         assert_eq!(up(&sample), Some(UpAxis::NegY));
         sample.normals.iter_mut().for_each(|normal| *normal = -*normal);
         assert_eq!(up(&sample), None, "ground seen from above");
-        let both = |index: usize| if index % 8 == 0 { Vec3::Z } else { Vec3::NEG_Z };
+        let both = |index: usize| if index.is_multiple_of(8) { Vec3::Z } else { Vec3::NEG_Z };
         sample.normals = (0..4000).map(both).collect();
         assert_eq!(up(&sample), None, "seen from both sides");
     }

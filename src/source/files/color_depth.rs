@@ -29,13 +29,16 @@ const LARGE_BYTES: u64 = 64 << 20;
 pub(super) struct SharedDepth {
     entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>,
     decided: OnceLock<Option<ColorDepth>>,
+    /// The least range, where somebody has chosen it.
+    chosen: Option<ColorDepth>,
 }
 
 impl SharedDepth {
-    pub(super) fn of(entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>) -> Self {
+    pub(super) fn of(entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>, chosen: Option<ColorDepth>) -> Self {
         Self {
             entries,
             decided: OnceLock::new(),
+            chosen,
         }
     }
 
@@ -44,6 +47,12 @@ impl SharedDepth {
         let Some(own) = cloud.color_depth.filter(|own| *own < ColorDepth::Bits16) else {
             return;
         };
+        if let Some(chosen) = self.chosen.filter(|chosen| *chosen >= own) {
+            if chosen > own {
+                cloud.widen_colors(chosen);
+            }
+            return;
+        }
         let widest = *self.decided.get_or_init(|| self.decide(options, shared));
         if let Some(widest) = widest.filter(|widest| *widest > own) {
             cloud.widen_colors(widest);

@@ -100,7 +100,7 @@ impl Files {
         let entries: Vec<Arc<FrameEntry>> = entries.into_iter().map(Arc::new).collect();
         let entries = Arc::new(RwLock::new(entries));
         Ok(Self {
-            color_depth: Arc::new(SharedDepth::of(Arc::clone(&entries))),
+            color_depth: Arc::new(SharedDepth::of(Arc::clone(&entries), options.color_depth)),
             entries,
             inputs: inputs.to_vec(),
             options: options.clone(),

@@ -4,6 +4,7 @@
 //! more than a picture takes a moment to draw; then they are joined in cells, which grow whenever there are too many of
 //! them. The mean of many measurements is nearer to the wall than each is.
 
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Cells, LengthUnit, Positions, RawCloud, TooManyCells};
 use crate::messages::frame_by_index;
 use glam::{DAffine3, Vec3};
@@ -123,11 +124,10 @@ impl Merged {
             let edge_mm = 1e3 * edge_m;
             (cloud.positions, cloud.attributes) = cells.into_points();
             if self.edge_m.is_none_or(|asked| asked < edge_m) {
-                self.warnings.push(format!(
-                    "{} points of merged frames are joined to {count}, in cells of {edge_mm:.1} mm (--merge-cells 0 \
-                     joins none)",
-                    self.joined
-                ));
+                let value = format!("{} points to {count}, in cells of {edge_mm:.1} mm", self.joined);
+                let why = "the frames have more points than a picture needs";
+                let assumption = Assumption::new(Subject::MergedPoints, value, why, Evidence::Statistics);
+                cloud.assumptions.push(assumption);
             }
         }
         if self.lacks_colors {
@@ -217,8 +217,11 @@ mod tests {
         assert!((7_000..8_000).contains(&count), "{count}");
         assert_eq!(cloud.attributes.colors, Some(vec![[10, 20, 30, 255]; count]));
         assert_eq!(cloud.attributes.normals, Some(vec![[0.0, 0.0, -1.0]; count]));
-        let said = format!("40000 points of merged frames are joined to {count}, in cells of 4.0 mm");
-        assert!(cloud.warnings[0].starts_with(&said), "{:?}", cloud.warnings);
+        let [assumption] = &cloud.assumptions[..] else {
+            panic!("{:?}", cloud.assumptions)
+        };
+        assert_eq!(assumption.subject, Subject::MergedPoints);
+        assert_eq!(assumption.value, format!("40000 points to {count}, in cells of 4.0 mm"));
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Alternatives to assumptions.
 
-use crate::cloud::NoData;
+use crate::cloud::{ColorDepth, NoData};
 use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::scene::{Primitive, UpAxis};
 use crate::sequence::{ColorSource, OpenOptions};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// An alternative to an assumption; `None` is the automatic choice.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,12 @@ pub(in crate::app) enum ReadChange {
     Poses(Option<PathBuf>),
     /// Values that stand for a missing point; [`NoData::Auto`] is the automatic choice.
     NoData(NoData),
+    /// The least range of colours.
+    ColorDepth(Option<ColorDepth>),
+    /// A pattern of the names of files that are frames.
+    Only(Option<Arc<str>>),
+    /// Edge of the cells in which points of merged frames are joined, metres.
+    MergeCells(Option<f64>),
     /// Frames per second.
     Fps(Option<f64>),
     /// Filters of depth images; [`Filters::USUAL`] is the automatic choice.
@@ -48,6 +55,9 @@ impl ReadChange {
             Self::Intrinsics(text) => open.rgbd.intrinsics = text,
             Self::Poses(file) => open.rgbd.poses = file,
             Self::NoData(rule) => open.no_data = rule,
+            Self::ColorDepth(depth) => open.color_depth = depth,
+            Self::Only(pattern) => open.only = pattern,
+            Self::MergeCells(edge_m) => open.rgbd.merge_edge_m = edge_m,
             Self::Fps(fps) => open.fps = fps,
             Self::Filters(filters) => {
                 open.rgbd.filters = filters;
@@ -66,8 +76,13 @@ impl ReadChange {
     /// True if points may be elsewhere afterwards: a view or a clip that was made before does not fit.
     pub(in crate::app) fn moves_points(&self) -> bool {
         match self {
-            Self::Columns(_) | Self::DepthScale(_) | Self::Intrinsics(_) | Self::Poses(_) | Self::NoData(_) => true,
-            Self::Fps(_) | Self::Filters(_) => false,
+            Self::Columns(_)
+            | Self::DepthScale(_)
+            | Self::Intrinsics(_)
+            | Self::Poses(_)
+            | Self::NoData(_)
+            | Self::Only(_) => true,
+            Self::ColorDepth(_) | Self::MergeCells(_) | Self::Fps(_) | Self::Filters(_) => false,
         }
     }
 }

@@ -96,9 +96,10 @@ fn group(subject: Subject, given: &Given<'_>) -> Group {
     let assumed = Group {
         subject,
         lines: lines.collect(),
-        option: of_subject()
-            .find_map(|assumption| assumption.option)
-            .or(subject.option()),
+        option: match of_subject().next() {
+            Some(_) => of_subject().find_map(|assumption| assumption.option),
+            None => subject.option(),
+        },
         alternatives: Vec::new(),
         field: None,
         reset: None,
@@ -107,7 +108,7 @@ fn group(subject: Subject, given: &Given<'_>) -> Group {
         Subject::UpAxis => with_up(assumed, given),
         Subject::Primitive => with_primitives(assumed, given),
         Subject::Colors => with_colors(assumed, given),
-        _ => match ReadRow::of(subject) {
+        _ => match assumed.option.and_then(ReadRow::of_option) {
             Some(row) => with_reading(assumed, row, given),
             None => assumed,
         },

@@ -2,11 +2,12 @@
 
 use super::change::{Field, ReadChange};
 use crate::assumption::Subject;
-use crate::cloud::NoData;
+use crate::cloud::{ColorDepth, NoData};
 use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::sequence::OpenOptions;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// How a subject is changed.
 pub(super) struct ReadRow {
@@ -22,6 +23,40 @@ pub(super) struct ReadRow {
 
 impl ReadRow {
     pub(super) const ALL: &[Self] = &[
+        Self {
+            subject: Subject::ColorDepth,
+            chosen: |open| Some(format!("{} bits", open.color_depth?)),
+            automatic: ReadChange::ColorDepth(None),
+            offered: || {
+                let depths = [("0 to 255", ColorDepth::Bits8), ("0 to 65535", ColorDepth::Bits16)];
+                let offered = depths.map(|(range, depth)| (range.to_owned(), ReadChange::ColorDepth(Some(depth))));
+                offered.to_vec()
+            },
+            field: None,
+        },
+        Self {
+            subject: Subject::Frames,
+            chosen: |open| open.only.as_deref().map(str::to_owned),
+            automatic: ReadChange::Only(None),
+            offered: Vec::new,
+            field: Some(Field {
+                hint: "names of frames, such as body_*",
+                parse: |text| match text.trim() {
+                    "" => Err("expected a pattern such as body_*".to_owned()),
+                    pattern => Ok(ReadChange::Only(Some(Arc::from(pattern)))),
+                },
+            }),
+        },
+        Self {
+            subject: Subject::MergedPoints,
+            chosen: |open| Some(format!("cells of {} m", open.rgbd.merge_edge_m?)),
+            automatic: ReadChange::MergeCells(None),
+            offered: || vec![("None".to_owned(), ReadChange::MergeCells(Some(0.0)))],
+            field: Some(Field {
+                hint: "edge of cells in metres",
+                parse: |text| Ok(ReadChange::MergeCells(Some(positive(text)?))),
+            }),
+        },
         Self {
             subject: Subject::DepthScale,
             chosen: |open| Some(format!("{} per metre", open.rgbd.depth_scale?)),
@@ -109,9 +144,9 @@ impl ReadRow {
         },
     ];
 
-    /// The row of `subject`.
-    pub(super) fn of(subject: Subject) -> Option<&'static Self> {
-        Self::ALL.iter().find(|row| row.subject == subject)
+    /// The row that changes what `option` of the command line changes.
+    pub(super) fn of_option(option: &str) -> Option<&'static Self> {
+        Self::ALL.iter().find(|row| row.subject.option() == Some(option))
     }
 }
 
@@ -168,7 +203,13 @@ mod tests {
 
     #[test]
     fn fields_take_what_is_sound_and_say_what_they_expect() {
-        let of = |subject| ReadRow::of(subject).unwrap().field.unwrap().parse;
+        let of = |subject: Subject| {
+            ReadRow::of_option(subject.option().unwrap())
+                .unwrap()
+                .field
+                .unwrap()
+                .parse
+        };
         let scale = of(Subject::DepthScale);
         assert_eq!(scale(" 6553.5 "), Ok(ReadChange::DepthScale(Some(6553.5))));
         for text in ["", "0", "-1", "inf", "nan", "five"] {
