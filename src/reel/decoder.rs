@@ -306,7 +306,7 @@ impl Limits {
             );
             return Err(Fault::new(problem).at(file.path(), data));
         }
-        let needed = (nodes + points).saturating_mul(point_bytes);
+        let needed = (nodes + points).saturating_mul(point_bytes).saturating_add(bytes);
         if needed > self.allowed {
             return Err(ReelError::TooLarge {
                 path: file.path().to_owned(),

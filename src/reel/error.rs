@@ -88,6 +88,18 @@ pub enum ReelError {
         /// Frames that there are.
         count: usize,
     },
+    /// A file without a frame.
+    #[error(
+        "{} holds no frame{}: if it is still being written, --follow waits for the first",
+        path.display(),
+        damage.as_ref().map(|damage| format!(" ({damage})")).unwrap_or_default()
+    )]
+    NoFrames {
+        /// The file.
+        path: PathBuf,
+        /// What could not be read of it.
+        damage: Option<String>,
+    },
     /// Somebody cancelled it.
     #[error("{}: cancelled", path.display())]
     Cancelled {

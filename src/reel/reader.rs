@@ -18,6 +18,9 @@ use std::time::Duration;
 /// Bytes that are looked through at a time for the next chunk behind a damaged one.
 const PIECE: usize = 1 << 16;
 
+/// Bytes of the largest directory or index: millions of frames.
+const MOST_CHECKED_BYTES: u32 = 1 << 28;
+
 /// A sequence file.
 pub struct ReelFile {
     bytes: Arc<dyn ReadAt>,
@@ -147,10 +150,21 @@ impl ReelFile {
             let problem = format!("a chunk of kind {kind:?} was expected, found was {:?}", header.kind);
             return Err(self.fault(offset, Fault::new(problem)));
         }
+        if header.checked_len > MOST_CHECKED_BYTES {
+            let problem = format!("a directory of {} bytes: at most 256 MiB can be", header.checked_len);
+            return Err(self.fault(offset, Fault::new(problem)));
+        }
         let start = offset + CHUNK_HEADER_BYTES as u64;
         let checked = self.take(start, u64::from(header.checked_len))?;
         header.check(&checked).map_err(|fault| self.fault(start, fault))?;
         Ok((header, checked))
+    }
+
+    /// The directory of the group at a place, as all of it was written.
+    fn read_directory(&self, offset: u64) -> Result<(ChunkHeader, Directory), ReelError> {
+        let (header, bytes) = self.checked(offset, ChunkKind::Group)?;
+        let directory = Directory::read(&bytes, header.unchecked_len()).map_err(|fault| self.fault(offset, fault))?;
+        Ok((header, directory))
     }
 
     /// A damaged head costs nothing that is drawn.
@@ -238,8 +252,7 @@ impl ReelFile {
         };
         match header.kind {
             ChunkKind::Group => {
-                let (_, directory) = self.checked(offset, ChunkKind::Group)?;
-                let directory = Directory::read(&directory).map_err(|fault| self.fault(offset, fault))?;
+                let (_, directory) = self.read_directory(offset)?;
                 self.index.push(offset, &directory);
             }
             // What is to be written next goes in its place.
@@ -252,16 +265,15 @@ impl ReelFile {
     /// The last group, of which the file has but the beginning.
     fn take_cut_group(&mut self, offset: u64) {
         let first = self.index.frames.len();
-        let read = self.checked(offset, ChunkKind::Group).and_then(|(header, bytes)| {
-            let directory = Directory::read(&bytes).map_err(|fault| self.fault(offset, fault))?;
-            Ok((header, directory))
-        });
-        let Ok((header, mut directory)) = read else {
-            let path = self.path.display();
-            self.damage.push(format!(
-                "{path} ends early: within the directory of a group, whose frames, from frame {first} on, are missing"
-            ));
-            return;
+        let (header, mut directory) = match self.read_directory(offset) {
+            Ok(read) => read,
+            Err(error) => {
+                let path = self.path.display();
+                self.damage.push(format!(
+                    "{path} ends early: within a group, whose frames, from frame {first} on, are missing ({error})"
+                ));
+                return;
+            }
         };
         let missing = directory.cut(self.data_there(offset, &header).unwrap_or(0));
         self.damage.push(note_of_group(&self.path, &directory, first, missing));
@@ -380,14 +392,21 @@ impl ReelFile {
     /// The directory of a group, its first frame, and where its data begins.
     pub(super) fn directory(&self, group: usize) -> Result<(Directory, Range<usize>, u64), ReelError> {
         let entry = &self.index.groups[group];
-        let (header, bytes) = self.checked(entry.offset, ChunkKind::Group)?;
-        let mut directory = Directory::read(&bytes).map_err(|fault| self.fault(entry.offset, fault))?;
+        let (header, mut directory) = self.read_directory(entry.offset)?;
         if let Some(bytes) = self.data_there(entry.offset, &header) {
             directory.cut(bytes);
         }
         if directory.frames.len() != entry.frames.len() {
             let (found, expected) = (directory.frames.len(), entry.frames.len());
             let problem = format!("a group has {found} frames, and {expected} by the index");
+            return Err(self.fault(entry.offset, Fault::new(problem)));
+        }
+        let mut listed = Index::default();
+        listed.push(entry.offset, &directory);
+        let by_index = &self.index.frames[entry.frames.clone()];
+        if let Some(place) = (0..by_index.len()).find(|&place| listed.frames[place] != by_index[place]) {
+            let frame = entry.frames.start + place;
+            let problem = format!("the index and the directory of the group say different things of frame {frame}");
             return Err(self.fault(entry.offset, Fault::new(problem)));
         }
         let data = entry.offset + CHUNK_HEADER_BYTES as u64 + u64::from(header.checked_len);
@@ -397,8 +416,7 @@ impl ReelFile {
     /// The directory of a group, and all bytes of its chunk.
     pub(super) fn group_chunk(&self, group: usize) -> Result<(Directory, Vec<u8>), ReelError> {
         let offset = self.index.groups[group].offset;
-        let (header, bytes) = self.checked(offset, ChunkKind::Group)?;
-        let directory = Directory::read(&bytes).map_err(|fault| self.fault(offset, fault))?;
+        let (header, directory) = self.read_directory(offset)?;
         let chunk = self.take(offset, CHUNK_HEADER_BYTES as u64 + header.len)?;
         Ok((directory, chunk))
     }

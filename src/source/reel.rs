@@ -64,6 +64,16 @@ impl Reel {
             Some(url) => Opened::on_web(path, url, options.most_bits_per_s),
             None => Opened::at(path),
         };
+        let opened = opened.and_then(|opened| {
+            let is_waited_for = options.waits_for_first && !Self::is_url(path);
+            if opened.entries.is_empty() && !is_waited_for {
+                return Err(ReelError::NoFrames {
+                    path: path.to_owned(),
+                    damage: opened.file.damage().first().cloned(),
+                });
+            }
+            Ok(opened)
+        });
         let opened = opened.map_err(|reason| SequenceError::Reel(Box::new(reason)))?;
         Ok(Self {
             notes: opened.file.damage().to_vec(),

@@ -101,6 +101,11 @@ impl ChunkHeader {
         Ok(header)
     }
 
+    /// Bytes behind those that are checked.
+    pub(in crate::reel) fn unchecked_len(&self) -> u64 {
+        self.len - u64::from(self.checked_len)
+    }
+
     /// Whether the first bytes of the contents are those that were written.
     pub(in crate::reel) fn check(&self, checked: &[u8]) -> Result<(), Fault> {
         match crc32fast::hash(checked) {

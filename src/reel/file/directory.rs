@@ -103,7 +103,8 @@ impl Directory {
         writer.bytes
     }
 
-    pub(in crate::reel) fn read(bytes: &[u8]) -> Result<Self, Fault> {
+    /// Of a group that has `data_bytes` bytes of data, as its chunk says.
+    pub(in crate::reel) fn read(bytes: &[u8], data_bytes: u64) -> Result<Self, Fault> {
         let mut reader = ByteReader::new(bytes);
         let min = DVec3::new(reader.f64()?, reader.f64()?, reader.f64()?);
         let grid = Grid {
@@ -120,12 +121,12 @@ impl Directory {
         }
         let mut frames = Vec::new();
         for _ in 0..reader.count("frames")? {
-            let frame = FrameRecord::read(&mut reader, &grid, &schemas)?;
-            frame.check_before(frames.last())?;
-            frames.push(frame);
+            frames.push(FrameRecord::read(&mut reader, &grid, &schemas)?);
         }
         reader.end()?;
-        Ok(Self { grid, schemas, frames })
+        let directory = Self { grid, schemas, frames };
+        directory.check(data_bytes)?;
+        Ok(directory)
     }
 
     /// Leaves what is in the first `bytes` of the data, as the file has no more: of each frame the sections that are
@@ -292,18 +293,6 @@ impl FrameRecord {
             sections,
             cut: None,
         })
-    }
-
-    /// A frame that is told by the one before has its nodes.
-    fn check_before(&self, before: Option<&Self>) -> Result<(), Fault> {
-        let fits = before.is_some_and(|before| {
-            before.schema == self.schema && before.counts == self.counts && before.points == self.points
-        });
-        if self.is_moved && !fits {
-            let problem = format!("frame {} is told by a frame before that has other points", self.name);
-            return Err(Fault::new(problem));
-        }
-        Ok(())
     }
 
     /// Bytes of each kind of stream.

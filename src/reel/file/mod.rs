@@ -7,6 +7,7 @@ mod head;
 mod index;
 mod part;
 mod read_at;
+mod validate;
 
 pub(super) use bytes::{ByteReader, ByteWriter};
 pub(super) use chunk::{CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, SYNC};
