@@ -12,7 +12,10 @@ mod ground;
 mod kind;
 mod primitive;
 mod sample;
+mod shape;
 mod standpoint;
+#[cfg(test)]
+mod test_clouds;
 #[cfg(test)]
 mod tests;
 mod trim;
@@ -96,22 +99,25 @@ impl FirstLook {
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
         let samples = frames.iter().filter(|frame| !frame.is_empty()).map(|frame| {
             let all = CloudSample::of(frame, MOST_POINTS);
-            (*frame, all.at(&trim::inliers(&all)))
+            (*frame, all.at(&trim::inliers(&all)), all.positions.len())
         });
-        let samples: Vec<(&Frame, CloudSample)> = samples.collect();
+        let samples: Vec<(&Frame, CloudSample, usize)> = samples.collect();
         let zero = (-origin).as_vec3();
-        let luma = samples.first().and_then(|(frame, _)| median_luma(frame));
+        let luma = samples.first().and_then(|(frame, ..)| median_luma(frame));
         let (convention, sensor) = samples
             .first()
-            .map_or((None, None), |(frame, _)| (frame.convention(), frame.sensor()));
+            .map_or((None, None), |(frame, ..)| (frame.convention(), frame.sensor()));
         let full = samples
             .iter()
-            .fold(Aabb::EMPTY, |bounds, (frame, _)| bounds.union(&frame.bounds()));
-        let sample = samples.first().map(|(_, sample)| sample.clone()).unwrap_or_default();
+            .fold(Aabb::EMPTY, |bounds, (frame, ..)| bounds.union(&frame.bounds()));
+        let outliers = samples
+            .first()
+            .map_or(0, |(_, sample, all)| all - sample.positions.len());
+        let sample = samples.first().map(|(_, sample, _)| sample.clone()).unwrap_or_default();
         let told = Told::by(&sample, convention, sensor, zero);
         let up = told.up.axis;
         let mut shown = Vec::new();
-        for (_, sample) in samples {
+        for (_, sample, _) in samples {
             match told.kind {
                 CaptureKind::Sweep => shown.extend(near(&sample.positions, told.eye.unwrap_or(zero), up)),
                 _ => shown.extend(sample.positions),
@@ -123,6 +129,7 @@ impl FirstLook {
         let (primitive, primitive_why) = primitive::choose(&Captured {
             kind: told.kind,
             sample: &sample,
+            outliers,
             trimmed: &trimmed,
             eye: told.eye.unwrap_or(zero),
             has_faces,
@@ -359,22 +366,27 @@ impl Told {
         }
         let is_flat = bounds.is_flat_along_z();
         let flat = || is_flat.then(|| Up::by_points(UpAxis::Z, "it is wide and flat along Z"));
-        let field = ground::of_height_field(sample, &bounds);
+        let field = shape::of_height_field(sample, &bounds);
         let fallback = Up::new(UpAxis::Y, "as most models have it", Evidence::Fallback);
-        // A crown is broad and flat where it ends, but a trunk is narrow: what says the opposite of another rule or of
-        // the format says nothing.
-        let foot = ground::of_narrow_foot(sample, &bounds);
-        let stands = up::of_standing(sample, zero).filter(|up| {
-            let contradicts = |other: Option<Up>| other.is_some_and(|other| up.is_opposite(other));
-            !contradicts(foot) && !contradicts(by_format)
-        });
-        let foot = foot.filter(|foot| by_format.is_none_or(|format| !foot.is_opposite(format)));
+        let is_opposite = |up: &Up| by_format.is_some_and(|format| up.is_opposite(format));
+        let on_zero = up::on_zero(&bounds, zero).filter(|up| !is_opposite(up));
+        let mut on_base = up::on_base(sample, &bounds).filter(|up| !is_opposite(up));
+        let mut symmetric = shape::of_symmetry(sample, &bounds);
+        // Two rules that say different things say nothing.
+        if let (Some(base), Some(other)) = (on_base, symmetric)
+            && base.axis != other.up.axis
+        {
+            (on_base, symmetric) = (None, None);
+        }
         let guess = sure
             .or_else(|| ground::of_map_coordinates(&bounds, zero))
             .or_else(|| ground::of_undersides(sample, &bounds))
-            .or(stands)
-            .or(foot)
+            .or(on_zero)
+            .or(on_base)
+            .or(symmetric.filter(|found| found.is_strong).map(|found| found.up))
             .or(by_format)
+            .or_else(|| shape::of_slender(&bounds))
+            .or(symmetric.map(|found| found.up))
             .or(field)
             .or_else(flat)
             .unwrap_or(fallback);
@@ -421,7 +433,7 @@ fn by_convention(convention: AxisConvention) -> Up {
     let (axis, why) = match convention {
         AxisConvention::YUp => (UpAxis::Y, "the format says that Y is up"),
         AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
-        AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format usually have Z up"),
+        AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format, or of the program that wrote this one, usually have Z up"),
         AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
         AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
     };
@@ -433,6 +445,14 @@ fn up_of_sweep(around: &kind::Around, by_format: Option<Up>) -> Up {
     /// Scanners that look up and down as far as around have no axis that can be told.
     const FLAT: f32 = 0.35;
     let axis = around.flattest_axis();
+    // Unless directions are much flatter along another axis, it is that of the format.
+    const MUCH_FLATTER: f32 = 0.6;
+    if let Some(format) = by_format {
+        let along_format = around.mean_abs_direction.dot(format.axis.direction().as_vec3().abs());
+        if around.mean_abs_direction[axis] > MUCH_FLATTER * along_format {
+            return format;
+        }
+    }
     if around.mean_abs_direction[axis] > FLAT {
         return by_format.unwrap_or(Up::new(UpAxis::Z, "laser scanners have Z up", Evidence::Convention));
     }

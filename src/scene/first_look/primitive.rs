@@ -26,10 +26,17 @@ const MAX_WIDE_SPACING: f32 = 0.3;
 const WIDE: f32 = 3.0;
 const MAX_WIDE_AREA: f32 = 0.2;
 
+/// Outliers have the widest disks of all. So many, of a cloud that has fewer than so many points to each of them, are
+/// those of a sparse reconstruction from photographs.
+const MANY_OUTLIERS: usize = 20;
+const FEW_TO_EACH: usize = 50;
+
 /// A cloud, and how it was captured.
 pub(super) struct Captured<'a> {
     pub(super) kind: CaptureKind,
     pub(super) sample: &'a CloudSample,
+    /// Points of the sample that were left out as outliers.
+    pub(super) outliers: usize,
     /// Without outliers.
     pub(super) trimmed: &'a Aabb,
     /// The place of the sensor.
@@ -80,6 +87,9 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
     let is_wide = |share: f64, most: f32| quantile(&mut sample.spacing.clone(), share) > most * radius;
     if is_wide(0.5, max_spacing) || is_wide(0.99, MAX_WIDE_SPACING) {
         return Some("there are too few points for a surface");
+    }
+    if captured.outliers >= MANY_OUTLIERS && captured.outliers * FEW_TO_EACH >= sample.positions.len() {
+        return Some("so many points are by themselves that their disks would hide the rest");
     }
     // Around a scanner the far ones are wide by nature, and dense as seen from there.
     if sample.spread() > MAX_SPREAD || (*kind != CaptureKind::Sweep && wide_area(sample) > MAX_WIDE_AREA) {

@@ -1,7 +1,6 @@
 //! Which axis is up, where neither the format nor the sensor says so: from how things stand.
 
 use super::sample::{CloudSample, quantile};
-use super::trim;
 use crate::assumption::Evidence;
 use crate::math::Aabb;
 use crate::scene::UpAxis;
@@ -43,14 +42,8 @@ pub(super) fn along(axis: usize, is_positive: bool) -> UpAxis {
     }
 }
 
-/// The up axis told by the points alone; `zero` is where the zero of the file is.
-pub(super) fn of_standing(sample: &CloudSample, zero: Vec3) -> Option<Up> {
-    let bounds = trim::bounds(sample);
-    on_zero(&bounds, zero).or_else(|| on_base(sample, &bounds))
-}
-
 /// Models stand on the plane through zero: one end of one axis is there, and zero is well within the others.
-fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
+pub(super) fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     /// Of the extent: how near the end is to zero, and how far within the others it is.
     const NEAR: f32 = 0.03;
     const WITHIN: f32 = 0.2;
@@ -80,38 +73,50 @@ fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     found
 }
 
-/// Things stand on what is broad and flat: of one of the six sides a large share lies in one plane.
-fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Share of the footprint that a base covers: along Y and Z, and along the axes that are hardly ever up.
-    const BASE: [f32; 2] = [0.15, 0.35];
-    /// A base covers so many times what the side above it does.
+/// Things stand on what is broad and flat: a large share of one side lies in one plane. Upside down, that has to be as
+/// broad as the cloud: crowns of trees are flat above as well.
+pub(super) fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
+    /// Share of the footprint that a base covers, and how many times what the other side does.
+    const BASE: f32 = 0.15;
     const BROADER: f32 = 5.0;
-    let contact = |axis: usize, is_low: bool| contact(sample, bounds, axis, is_low);
-    let mut bases = (0..3).flat_map(|axis| {
-        let sides = [true, false].map(|is_low| contact(axis, is_low));
-        [true, false]
-            .into_iter()
-            .filter(move |&is_low| {
-                let [base, top] = if is_low { sides } else { [sides[1], sides[0]] };
-                let is_usual = axis > 0 && is_low;
-                base >= BASE[usize::from(!is_usual)] && base >= BROADER * top
-            })
-            .map(move |is_low| Up::by_points(along(axis, is_low), "it stands on a flat base"))
+    /// The same of a base above, as a share of the box too.
+    const BASE_ABOVE: f32 = 0.5;
+    const BROADER_ABOVE: f32 = 8.0;
+    let mut bases = [1, 2].into_iter().filter_map(|axis| {
+        let [low, high] = [true, false].map(|is_low| contact(sample, bounds, axis, is_low));
+        let is_above = high.of_footprint.min(high.of_box) >= BASE_ABOVE;
+        if low.of_footprint >= BASE && low.of_footprint >= BROADER * high.of_footprint {
+            Some(along(axis, true))
+        } else if is_above && high.of_footprint >= BROADER_ABOVE * low.of_footprint {
+            Some(along(axis, false))
+        } else {
+            None
+        }
     });
     let base = bases.next()?;
     // Two bases are a box, a room or chance.
-    bases.next().is_none().then_some(base)
+    let is_alone = bases.next().is_none();
+    is_alone.then(|| Up::by_points(base, "it stands on a flat base"))
+}
+
+/// What lies at one end.
+#[derive(Debug, Clone, Copy, Default)]
+struct Contact {
+    /// Share of the cells that have points.
+    of_footprint: f32,
+    /// Share of all cells of the box.
+    of_box: f32,
 }
 
 /// Cells along an edge of the grid that footprints are counted in.
 const GRID: usize = 32;
 
-/// The share of the footprint along `axis` that lies at the low or the high end.
-fn contact(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> f32 {
+/// How much of the footprint along `axis` lies at the low or the high end.
+fn contact(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> Contact {
     const THICKNESS: f32 = 0.03;
     let extent = bounds.extent();
     if extent[axis] < 0.2 * extent.max_element() {
-        return 0.0;
+        return Contact::default();
     }
     let mut heights: Vec<f32> = sample.positions.iter().map(|p| p[axis]).collect();
     // A thousandth may be noise below the ground.
@@ -129,5 +134,8 @@ fn contact(sample: &CloudSample, bounds: &Aabb, axis: usize, is_low: bool) -> f3
         }
     }
     let count = |cells: &[bool]| cells.iter().filter(|&&is_met| is_met).count() as f32;
-    count(&base) / count(&footprint).max(1.0)
+    Contact {
+        of_footprint: count(&base) / count(&footprint).max(1.0),
+        of_box: count(&base) / base.len() as f32,
+    }
 }
