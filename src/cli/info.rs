@@ -11,6 +11,7 @@ use super::warnings;
 use crate::assumption::Assumption;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
+use crate::rgbd::Filters;
 use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
@@ -197,6 +198,10 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
 
 /// From the first frame that can be read, and some others; `None` without a point.
 fn first_look(sequence: &Sequence) -> Option<FirstLook> {
+    // Pictures have the usual filters of depth images, without which stray points hide what is a surface.
+    let has_none = sequence.source().filters() == Some(Filters::NONE);
+    let filtered = has_none.then(|| sequence.filtered(Filters::USUAL)).flatten();
+    let sequence = filtered.as_ref().unwrap_or(sequence);
     let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
     let look = FirstLook::of_sequence(&frame, sequence);
     (!look.trimmed.is_empty()).then_some(look)

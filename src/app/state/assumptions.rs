@@ -7,7 +7,7 @@
 
 use super::State;
 use super::outcome::{FoundSequence, NotFound};
-use crate::app::features::assumptions::{Change, Given, Group, ReadChange, groups};
+use crate::app::features::assumptions::{Change, FileKind, Given, Group, ReadChange, groups};
 use crate::app::reading_choices::first_failure;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
@@ -42,6 +42,10 @@ impl State {
             colors: self.style.colors.source,
             offered_colors: guessed.map_or(&[], |look| &look.colors.offered),
             open: self.can_open_again().then(|| self.opened_with()),
+            file_kind: sequence
+                .frames()
+                .next()
+                .map_or(FileKind::Other, |first| FileKind::of(&sequence.entry(first).path)),
             has_filters,
         })
     }

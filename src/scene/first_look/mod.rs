@@ -433,7 +433,10 @@ fn by_convention(convention: AxisConvention) -> Up {
     let (axis, why) = match convention {
         AxisConvention::YUp => (UpAxis::Y, "the format says that Y is up"),
         AxisConvention::ZUp => (UpAxis::Z, "the format says that Z is up"),
-        AxisConvention::UsuallyZUp => (UpAxis::Z, "files of this format, or of the program that wrote this one, usually have Z up"),
+        AxisConvention::UsuallyZUp => (
+            UpAxis::Z,
+            "files of this format, or of the program that wrote this one, usually have Z up",
+        ),
         AxisConvention::Camera => (UpAxis::NegY, "the file has the axes of a camera: Y is down"),
         AxisConvention::UsuallyYDown => (UpAxis::NegY, "Gaussian splats usually have Y down"),
     };

@@ -1,10 +1,11 @@
 //! The list of assumptions as the window shows it: those of the sequence joined with the user's choices, by subject.
 
 use super::change::{Change, Field};
-use super::read_rows::ReadRow;
+use super::read_rows::{FileKind, ReadRow};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::scene::{Primitive, UpAxis};
 use crate::sequence::{ColorSource, OpenOptions};
+use std::cmp::Reverse;
 
 /// Facts about the open sequence.
 pub(in crate::app) struct Given<'a> {
@@ -26,6 +27,8 @@ pub(in crate::app) struct Given<'a> {
     pub(in crate::app) offered_colors: &'a [ColorSource],
     /// How the inputs were opened; `None` of what cannot be opened again.
     pub(in crate::app) open: Option<&'a OpenOptions>,
+    /// The kind of the files.
+    pub(in crate::app) file_kind: FileKind,
     /// True if there are filters of depth images that can be changed.
     pub(in crate::app) has_filters: bool,
 }
@@ -71,14 +74,17 @@ impl Group {
     }
 }
 
-/// All groups, by subject.
+/// All groups, those with the weakest evidence first, what the user has chosen last.
 pub(in crate::app) fn groups(given: &Given<'_>) -> Vec<Group> {
     let chosen = ReadRow::ALL.iter().filter(|row| chosen_reading(row, given).is_some());
     let mut subjects: Vec<Subject> = given.assumptions.iter().map(|assumption| assumption.subject).collect();
     subjects.extend(chosen.map(|row| row.subject));
     subjects.sort_unstable();
     subjects.dedup();
-    subjects.into_iter().map(|subject| group(subject, given)).collect()
+    let mut groups: Vec<Group> = subjects.into_iter().map(|subject| group(subject, given)).collect();
+    // What is least sure is seen first.
+    groups.sort_by_key(|group| Reverse(group.weakest()));
+    groups
 }
 
 fn group(subject: Subject, given: &Given<'_>) -> Group {
@@ -217,7 +223,7 @@ fn with_reading(mut group: Group, row: &ReadRow, given: &Given<'_>) -> Group {
         group.reset = Some(Change::Read(row.automatic.clone()));
     }
     let automatic = ("Auto".to_owned(), row.automatic.clone());
-    let all = std::iter::once(automatic).chain((row.offered)());
+    let all = std::iter::once(automatic).chain((row.offered)(&given.file_kind));
     let alternatives = all.map(|(label, change)| Alternative {
         label,
         hint: "Opens the inputs again".to_owned(),
@@ -252,6 +258,7 @@ mod tests {
             colors: ColorSource::Auto,
             offered_colors: &[ColorSource::Normal, ColorSource::Uniform],
             open: Some(open),
+            file_kind: FileKind::Binary,
             has_filters: true,
         }
     }

@@ -13,3 +13,4 @@ mod read_rows;
 
 pub(in crate::app) use change::{Change, ReadChange};
 pub(in crate::app) use groups::{Given, Group, groups};
+pub(in crate::app) use read_rows::FileKind;

@@ -8,6 +8,7 @@ use crate::app::widgets::names::named;
 use crate::app::widgets::numbers::counted;
 use crate::app::widgets::tool_window::tool_window;
 use crate::assumption::Evidence;
+use egui::style::ScrollStyle;
 use egui::{Align2, Button, Id, Key, Label, Pos2, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 /// The name of the window among panels.
@@ -20,7 +21,7 @@ pub(in crate::app) const CHIP_WIDTH: f32 = 120.0;
 const WIDTH: f32 = 380.0;
 
 /// Its height, points.
-const HEIGHT: f32 = 560.0;
+const HEIGHT: f32 = 700.0;
 
 /// Width of a field, points.
 const FIELD_WIDTH: f32 = 150.0;
@@ -67,6 +68,8 @@ pub(in crate::app) fn assumptions_ui(ui: &mut Ui, is_open: &mut bool, groups: &[
             }
             ui.weak("Decided in your place. A choice is remembered for these inputs.");
             let resets: Vec<Change> = groups.iter().filter_map(|group| group.reset.clone()).collect();
+            // A list that is cut off without a word looks complete.
+            ui.spacing_mut().scroll = ScrollStyle::solid();
             ScrollArea::vertical().id_salt("list of assumptions").show(ui, |ui| {
                 for group in groups {
                     ui.separator();

@@ -9,6 +9,25 @@ use crate::sequence::OpenOptions;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// What there is to choose depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::app) enum FileKind {
+    /// Floats without a header (`.bin`).
+    Binary,
+    /// All others.
+    Other,
+}
+
+impl FileKind {
+    /// By the extension of `path`.
+    pub(in crate::app) fn of(path: &Path) -> Self {
+        match path.extension() {
+            Some(extension) if extension.eq_ignore_ascii_case("bin") => Self::Binary,
+            _ => Self::Other,
+        }
+    }
+}
+
 /// How a subject is changed.
 pub(super) struct ReadRow {
     pub(super) subject: Subject,
@@ -16,7 +35,7 @@ pub(super) struct ReadRow {
     pub(super) chosen: fn(&OpenOptions) -> Option<String>,
     pub(super) automatic: ReadChange,
     /// Values that files usually have.
-    pub(super) offered: fn() -> Vec<(String, ReadChange)>,
+    pub(super) offered: fn(&FileKind) -> Vec<(String, ReadChange)>,
     /// Any other value.
     pub(super) field: Option<Field>,
 }
@@ -27,7 +46,7 @@ impl ReadRow {
             subject: Subject::ColorDepth,
             chosen: |open| Some(format!("{} bits", open.color_depth?)),
             automatic: ReadChange::ColorDepth(None),
-            offered: || {
+            offered: |_| {
                 let depths = [("0 to 255", ColorDepth::Bits8), ("0 to 65535", ColorDepth::Bits16)];
                 let offered = depths.map(|(range, depth)| (range.to_owned(), ReadChange::ColorDepth(Some(depth))));
                 offered.to_vec()
@@ -38,7 +57,7 @@ impl ReadRow {
             subject: Subject::Frames,
             chosen: |open| open.only.as_deref().map(str::to_owned),
             automatic: ReadChange::Only(None),
-            offered: Vec::new,
+            offered: |_| Vec::new(),
             field: Some(Field {
                 hint: "names of frames, such as body_*",
                 parse: |text| match text.trim() {
@@ -51,7 +70,7 @@ impl ReadRow {
             subject: Subject::MergedPoints,
             chosen: |open| Some(format!("cells of {} m", open.rgbd.merge_edge_m?)),
             automatic: ReadChange::MergeCells(None),
-            offered: || vec![("None".to_owned(), ReadChange::MergeCells(Some(0.0)))],
+            offered: |_| vec![("None".to_owned(), ReadChange::MergeCells(Some(0.0)))],
             field: Some(Field {
                 hint: "edge of cells in metres",
                 parse: |text| Ok(ReadChange::MergeCells(Some(positive(text)?))),
@@ -61,7 +80,7 @@ impl ReadRow {
             subject: Subject::DepthScale,
             chosen: |open| Some(format!("{} per metre", open.rgbd.depth_scale?)),
             automatic: ReadChange::DepthScale(None),
-            offered: || {
+            offered: |_| {
                 let usual = [1000.0, 5000.0, 6553.5, 4000.0, 256.0, 1.0];
                 numbers(&usual, |scale| ReadChange::DepthScale(Some(scale)))
             },
@@ -74,7 +93,7 @@ impl ReadRow {
             subject: Subject::Camera,
             chosen: |open| open.rgbd.intrinsics.clone(),
             automatic: ReadChange::Intrinsics(None),
-            offered: Vec::new,
+            offered: |_| Vec::new(),
             field: Some(Field {
                 hint: "fx,fy,cx,cy or a file",
                 parse: |text| Ok(ReadChange::Intrinsics(Some(intrinsics(text)?))),
@@ -84,7 +103,7 @@ impl ReadRow {
             subject: Subject::Poses,
             chosen: |open| Some(open.rgbd.poses.as_deref()?.display().to_string()),
             automatic: ReadChange::Poses(None),
-            offered: Vec::new,
+            offered: |_| Vec::new(),
             field: Some(Field {
                 hint: "a file of poses",
                 parse: |text| Ok(ReadChange::Poses(Some(file(text)?))),
@@ -94,12 +113,20 @@ impl ReadRow {
             subject: Subject::Columns,
             chosen: |open| Some(open.read.columns?.to_string()),
             automatic: ReadChange::Columns(None),
-            offered: || {
-                let named = (3..=8).map(|width| {
-                    let columns = ReadChange::Columns(Some(ColumnMap::of_width(width)));
-                    (format!("{width} values"), columns)
-                });
-                named.collect()
+            offered: |kind| match kind {
+                FileKind::Binary => {
+                    let named = (3..=8).map(|width| {
+                        let columns = ReadChange::Columns(Some(ColumnMap::of_width(width)));
+                        (format!("{width} values per point"), columns)
+                    });
+                    named.collect()
+                }
+                FileKind::Other => {
+                    let first = "x=0,y=1,z=2".parse().ok();
+                    let named = first.map(|columns| ("First three columns".to_owned(), columns));
+                    let offered = named.map(|(name, columns)| (name, ReadChange::Columns(Some(columns))));
+                    offered.into_iter().collect()
+                }
             },
             field: Some(Field {
                 hint: "x=0,y=1,z=2",
@@ -110,7 +137,7 @@ impl ReadRow {
             subject: Subject::NoData,
             chosen: |open| (open.no_data != NoData::Auto).then(|| open.no_data.to_string()),
             automatic: ReadChange::NoData(NoData::Auto),
-            offered: || vec![("None".to_owned(), ReadChange::NoData(NoData::None))],
+            offered: |_| vec![("None".to_owned(), ReadChange::NoData(NoData::None))],
             field: Some(Field {
                 hint: "value of missing points",
                 parse: |text| text.trim().parse().map(ReadChange::NoData),
@@ -120,7 +147,7 @@ impl ReadRow {
             subject: Subject::FrameTimes,
             chosen: |open| Some(format!("{} frames per second", open.fps?)),
             automatic: ReadChange::Fps(None),
-            offered: || {
+            offered: |_| {
                 let usual = [10.0, 15.0, 24.0, 25.0, 30.0, 60.0];
                 numbers(&usual, |fps| ReadChange::Fps(Some(fps)))
             },
@@ -139,7 +166,7 @@ impl ReadRow {
                 })
             },
             automatic: ReadChange::Filters(Filters::USUAL),
-            offered: || vec![("Off".to_owned(), ReadChange::Filters(Filters::NONE))],
+            offered: |_| vec![("Off".to_owned(), ReadChange::Filters(Filters::NONE))],
             field: None,
         },
     ];
@@ -190,7 +217,8 @@ mod tests {
         ReadChange::Filters(Filters::USUAL).apply(&mut usual);
         for row in ReadRow::ALL {
             assert_eq!((row.chosen)(&usual), None, "{:?}", row.subject);
-            for (label, change) in (row.offered)() {
+            let offered = [FileKind::Binary, FileKind::Other].map(|kind| (row.offered)(&kind));
+            for (label, change) in offered.concat() {
                 let mut open = usual.clone();
                 change.apply(&mut open);
                 assert!((row.chosen)(&open).is_some(), "{label}");
