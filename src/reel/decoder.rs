@@ -13,6 +13,11 @@ use std::sync::Arc;
 /// A byte of a stream holds at most so many nodes: even a bit that is foreseen costs something.
 const NODES_PER_BYTE: u64 = 1 << 15;
 
+/// So many nodes take a second. Of more, a byte holds at most so many: a file of a few kilobytes that claims a billion
+/// points is made to keep its reader busy.
+const MANY_NODES: u64 = 1 << 22;
+const MANY_NODES_PER_BYTE: u64 = 1 << 9;
+
 /// A frame that was decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedFrame {
@@ -299,7 +304,11 @@ impl Limits {
             0
         };
         let bytes: u64 = sections.iter().map(SectionRecord::bytes).sum();
-        if nodes + points > NODES_PER_BYTE.saturating_mul(bytes + 8) {
+        let per_byte = match nodes + points {
+            0..=MANY_NODES => NODES_PER_BYTE,
+            _ => MANY_NODES_PER_BYTE,
+        };
+        if nodes + points > per_byte.saturating_mul(bytes.saturating_add(8)) {
             let problem = format!(
                 "frame {} has {nodes} nodes and {points} points in {bytes} bytes",
                 self.frame

@@ -413,12 +413,15 @@ impl ReelFile {
         Ok((directory, entry.frames.clone(), data))
     }
 
-    /// The directory of a group, and all bytes of its chunk.
-    pub(super) fn group_chunk(&self, group: usize) -> Result<(Directory, Vec<u8>), ReelError> {
+    /// The directory of a group, and where its chunk is.
+    pub(super) fn group_chunk(&self, group: usize) -> Result<(Directory, Range<u64>), ReelError> {
         let offset = self.index.groups[group].offset;
         let (header, directory) = self.read_directory(offset)?;
-        let chunk = self.take(offset, CHUNK_HEADER_BYTES as u64 + header.len)?;
-        Ok((directory, chunk))
+        let end = (offset + CHUNK_HEADER_BYTES as u64).checked_add(header.len);
+        match end.filter(|&end| end <= self.len) {
+            Some(end) => Ok((directory, offset..end)),
+            None => Err(self.fault(offset, Fault::new("the end of the file cuts this group"))),
+        }
     }
 
     /// What the file says of itself.

@@ -11,6 +11,9 @@ use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Bytes of a group that are copied at a time.
+const PIECE: u64 = 1 << 22;
+
 /// Writes a sequence file.
 #[derive(Debug)]
 pub struct ReelWriter<W: Write> {
@@ -159,7 +162,12 @@ impl<W: Write> ReelWriter<W> {
         for group in 0..from.groups().count() {
             let (directory, chunk) = from.group_chunk(group)?;
             let offset = self.written;
-            self.put(&chunk)?;
+            let mut rest = chunk;
+            while !rest.is_empty() {
+                let count = (rest.end - rest.start).min(PIECE);
+                self.put(&from.data(rest.start, count)?)?;
+                rest.start += count;
+            }
             self.index.push(offset, &directory);
         }
         Ok(())

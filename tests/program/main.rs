@@ -9,6 +9,7 @@ mod cli_video;
 mod compare;
 mod compare_frames;
 mod fields;
+mod hostile;
 mod outputs;
 mod serve;
 mod session_files;

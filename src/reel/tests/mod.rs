@@ -4,6 +4,7 @@ mod clouds;
 mod codings;
 mod damage;
 mod moved;
+mod mutations;
 mod round_trip;
 mod spacing;
 mod vector;
