@@ -18,6 +18,19 @@ pub enum IoError {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// A file that is larger than the memory that may be used.
+    #[error(
+        "{} has {} and may take {} of memory: raise --max-memory if the machine has it",
+        path.display(), mebibytes(*length), mebibytes(*allowed)
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its bytes.
+        length: u64,
+        /// Bytes that it may take.
+        allowed: u64,
+    },
     /// A folder, pipe or device.
     #[error("{} is not a regular file: name a file, or a folder of frames as the input", path.display())]
     NotAFile {

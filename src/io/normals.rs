@@ -117,10 +117,7 @@ fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) 
 }
 
 fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoError> {
-    let bytes = watched::read_file(path, progress).map_err(|source| IoError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = watched::read_file(path, ReadOptions::default().max_memory_bytes, progress)?;
     let unknown = || IoError::unknown(path, &bytes);
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
     let columns = format.codec().and_then(|codec| codec.columns.as_ref());

@@ -13,6 +13,9 @@ use crate::progress::Progress;
 use std::path::Path;
 use std::time::Duration;
 
+/// The user of the first record behind the header of a COPC file.
+const COPC: &[u8] = b"copc\0";
+
 /// Reads the cloud in the file at `path`: by its first bytes, else by its extension. Of a file with many frames, all
 /// that belong together (scans) or the first one.
 pub fn read(path: &Path) -> Result<RawCloud, IoError> {
@@ -93,7 +96,10 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             return Ok(cloud);
         }
     }
-    let bytes = watched::read_file(path, progress).map_err(failed)?;
+    // Of a file with coarse levels only some points are decoded.
+    let has_levels = magic.windows(COPC.len()).any(|bytes| bytes == COPC);
+    let most_bytes = if has_levels { u64::MAX } else { options.max_memory_bytes };
+    let bytes = watched::read_file(path, most_bytes, progress)?;
     read_bytes_with(path, &bytes, part, options, progress)
 }
 

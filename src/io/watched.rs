@@ -1,5 +1,6 @@
 //! Bytes that are counted as they are read, until nobody wants them any more.
 
+use super::error::IoError;
 use crate::progress::Progress;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -32,11 +33,29 @@ impl<R: Seek> Seek for Watched<'_, R> {
     }
 }
 
-/// All bytes of the file at `path`, in one allocation of its length, refused by an error where there is no memory for
-/// it.
-pub(super) fn read_file(path: &Path, progress: &Progress) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
-    let length = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
+/// All bytes of the file at `path`, in one allocation of its length.
+///
+/// # Errors
+/// A file that cannot be read, and one of more than `most_bytes`: a sparse file takes no disk, and all of that memory.
+pub(super) fn read_file(path: &Path, most_bytes: u64, progress: &Progress) -> Result<Vec<u8>, IoError> {
+    let failed = |source| IoError::Io {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = File::open(path).map_err(failed)?;
+    let length = file.metadata().map_err(failed)?.len();
+    if length > most_bytes {
+        return Err(IoError::TooLarge {
+            path: path.to_owned(),
+            length,
+            allowed: most_bytes,
+        });
+    }
+    read_opened(&mut file, length, progress).map_err(failed)
+}
+
+fn read_opened(file: &mut File, length: u64, progress: &Progress) -> io::Result<Vec<u8>> {
+    let length = usize::try_from(length).map_err(io::Error::other)?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length)?;
     progress.set(0, length);

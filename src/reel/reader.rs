@@ -18,6 +18,9 @@ use std::time::Duration;
 /// Bytes that are looked through at a time for the next chunk behind a damaged one.
 const PIECE: usize = 1 << 16;
 
+/// Bytes behind a damaged group that are looked through: groups are smaller, and a sparse file has terabytes of zeros.
+const MOST_SEARCHED_BYTES: u64 = 1 << 30;
+
 /// Bytes of the largest directory or index: millions of frames.
 const MOST_CHECKED_BYTES: u32 = 1 << 28;
 
@@ -293,8 +296,9 @@ impl ReelFile {
     /// Where, from a place on, a chunk begins.
     fn find_chunk(&self, from: u64) -> Result<Option<u64>, ReelError> {
         let mut offset = from;
-        while offset + (SYNC.len() as u64) < self.len {
-            let count = (PIECE as u64).min(self.len - offset);
+        let end = from.saturating_add(MOST_SEARCHED_BYTES).min(self.len);
+        while offset + (SYNC.len() as u64) < end {
+            let count = (PIECE as u64).min(end - offset);
             let piece = self.take(offset, count)?;
             for (place, _) in piece
                 .windows(SYNC.len())

@@ -21,7 +21,9 @@ use super::contents::{Entry, Part};
 use super::error::{Fault, IoError};
 use super::format::{Format, Holding, Magic, Traits};
 use super::options::ReadOptions;
+use super::watched;
 use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
+use crate::progress::Progress;
 use accessor::AccessorSource;
 use buffers::Buffers;
 pub(super) use scene::Scene;
@@ -48,10 +50,7 @@ const MAX_FRAMES: usize = 100_000;
 
 /// The frames of the file at `path`.
 pub(super) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
-    let bytes = std::fs::read(path).map_err(|source| IoError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = watched::read_file(path, options.max_memory_bytes, &Progress::default())?;
     list_bytes(path, &bytes, options).map_err(|fault| fault.of(path, FORMAT))
 }
 

@@ -155,6 +155,10 @@ impl Capture {
             ByteOrder::Big => parse_pcap_frame_be(bytes),
         };
         let (_, frame) = parsed.map_err(|_| cut(offset))?;
+        // Zeros are no packet, and there may be terabytes of them in a sparse file.
+        if frame.origlen == 0 && frame.caplen == 0 {
+            return Err(damaged(offset, 0));
+        }
         self.fractions.largest = self.fractions.largest.max(frame.ts_usec);
         let nanos = u64::from(frame.ts_usec) * u64::from(records.nanos_per_tick);
         let packet = Packet {

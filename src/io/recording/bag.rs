@@ -119,7 +119,8 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
         (length <= most).then_some(length)
     };
-    let header_bytes = length(MOST_HEADER_BYTES)?;
+    // Zeros are no record, and there may be terabytes of them in a sparse file.
+    let header_bytes = length(MOST_HEADER_BYTES).filter(|&length| length > 0)?;
     let header = RecordHeader::parse(&walk.take(header_bytes)?)?;
     let data_bytes = u64::from(Bytes::new(&walk.take(4)?).u32()?);
     let offset = walk.position();

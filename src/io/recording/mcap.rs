@@ -94,7 +94,8 @@ impl Finder {
         let (kind, length) = (head.u8()?, head.u64()?);
         let body = walk.position();
         let end = body.checked_add(length)?;
-        if length > walk.left() {
+        // Zeros are no records, and there may be terabytes of them in a sparse file.
+        if length > walk.left() || kind == 0 {
             return None;
         }
         match kind {
