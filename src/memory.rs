@@ -3,6 +3,8 @@
 //! Frames are tens of megabytes that come and go many times a second. The system's allocator gives such pieces back at
 //! once and pays for every page again; this one keeps them for the next frame.
 
+mod control_group;
+
 pub use mimalloc::MiMalloc;
 
 use std::ffi::c_long;
@@ -33,14 +35,13 @@ pub(crate) fn give_back_freed_pages() {
     }
 }
 
-/// Bytes of memory that this process may have: the machine's, or those of its control group if they are fewer; `None`
+/// Bytes of memory that this process may have: the machine's, or those of its control groups if they are fewer; `None`
 /// where the system does not say.
 pub(crate) fn machine_bytes() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
     let machine = Some(system.total_memory()).filter(|&bytes| bytes > 0);
-    let group = system.cgroup_limits().map(|limits| limits.total_memory);
-    machine.into_iter().chain(group).min()
+    machine.into_iter().chain(control_group::limit_bytes()).min()
 }
 
 #[cfg(test)]
