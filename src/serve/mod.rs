@@ -6,27 +6,32 @@
 //! file's name, whole or a range (RFC 9110 §14), are answered, and nothing else: there are no paths to other files.
 //! Connections stay open. Any server of plain files does the same; this one needs no installation.
 //!
-//! **Bounds.** A request has 8 KiB of head at most and no body, a connection that says nothing is closed, and more
-//! connections than `MOST_CONNECTIONS` wait.
+//! **Bounds.** A request has 8 KiB of head at most, which come within `HEAD_TIME`, and no body; a connection that says
+//! nothing is closed; of more connections than `MOST_CONNECTIONS` the idle and the slow give way (`places.rs`).
 
 pub mod live;
+mod places;
 mod request;
 
+use places::{Place, Places};
 use request::{Answer, Request};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Connections that are answered at once.
 const MOST_CONNECTIONS: usize = 64;
 
 /// A connection that says nothing for so long is closed.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// How long the head of a request may take from its first byte on.
+const HEAD_TIME: Duration = Duration::from_secs(10);
 
 /// Bytes of the head of a request.
 const MOST_HEAD_BYTES: usize = 8 << 10;
@@ -46,7 +51,7 @@ struct Shared {
     path: PathBuf,
     /// What the file is called in requests: `/` and its name.
     target: String,
-    connections: AtomicUsize,
+    places: Arc<Places>,
     sent_bytes: AtomicU64,
     is_over: AtomicBool,
 }
@@ -62,7 +67,7 @@ impl FileServer {
             shared: Arc::new(Shared {
                 path: path.to_owned(),
                 target: format!("/{}", request::encoded(&name)),
-                connections: AtomicUsize::new(0),
+                places: Arc::new(Places::new(MOST_CONNECTIONS)),
                 sent_bytes: AtomicU64::new(0),
                 is_over: AtomicBool::new(false),
             }),
@@ -92,19 +97,17 @@ impl FileServer {
                     continue;
                 }
             };
-            while self.shared.connections.load(Ordering::Relaxed) >= MOST_CONNECTIONS {
-                thread::sleep(Duration::from_millis(10));
-            }
             let shared = Arc::clone(&self.shared);
-            shared.connections.fetch_add(1, Ordering::Relaxed);
+            let Ok(place) = shared.places.take(&stream) else {
+                continue;
+            };
             let answered = thread::Builder::new().name("connection".to_owned()).spawn(move || {
-                if let Err(error) = shared.answer_all(stream) {
+                if let Err(error) = shared.answer_all(stream, &place) {
                     log::debug!("a connection ended: {error}");
                 }
-                shared.connections.fetch_sub(1, Ordering::Relaxed);
             });
-            if answered.is_err() {
-                self.shared.connections.fetch_sub(1, Ordering::Relaxed);
+            if let Err(error) = answered {
+                log::warn!("a connection has no thread ({error}): it is closed");
             }
         }
         Ok(())
@@ -118,13 +121,15 @@ impl FileServer {
 }
 
 impl Shared {
-    fn answer_all(&self, mut stream: TcpStream) -> io::Result<()> {
+    fn answer_all(&self, mut stream: TcpStream, place: &Place) -> io::Result<()> {
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;
         stream.set_nodelay(true)?;
         let mut read = Vec::new();
         while let Some(request) = next_request(&mut stream, &mut read)? {
-            let keeps_open = self.answer(&mut stream, &request)?;
+            place.is_answered();
+            let keeps_open = self.answer(&mut stream, &request, place)?;
+            place.waits();
             if !keeps_open || self.is_over.load(Ordering::Relaxed) {
                 break;
             }
@@ -133,7 +138,7 @@ impl Shared {
     }
 
     /// Answers one request; says whether the connection stays open.
-    fn answer(&self, stream: &mut TcpStream, request: &Request) -> io::Result<bool> {
+    fn answer(&self, stream: &mut TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
         let mut file = File::open(&self.path)?;
         let metadata = file.metadata()?;
         let answer = request.answer(&self.target, metadata.len(), metadata.modified().ok());
@@ -148,6 +153,7 @@ impl Shared {
                     break;
                 }
                 stream.write_all(&piece[..count])?;
+                place.sent(count);
                 self.sent_bytes.fetch_add(count as u64, Ordering::Relaxed);
             }
             // A file that was cut meanwhile: who waits for the rest would wait in vain.
@@ -162,6 +168,7 @@ impl Shared {
 /// The next request of a connection, of which `read` has what was read beyond the last one; `None` at its end.
 fn next_request(stream: &mut TcpStream, read: &mut Vec<u8>) -> io::Result<Option<Request>> {
     let mut piece = [0; 1024];
+    let mut begun = (!read.is_empty()).then(Instant::now);
     loop {
         match Request::parse(read) {
             Ok(Some((request, end))) => {
@@ -172,10 +179,16 @@ fn next_request(stream: &mut TcpStream, read: &mut Vec<u8>) -> io::Result<Option
             Ok(None) => {}
             Err(_) => return Ok(Some(Request::bad())),
         }
+        let left = begun.map_or(PATIENCE, |begun| HEAD_TIME.saturating_sub(begun.elapsed()));
+        if left.is_zero() {
+            return Ok(None);
+        }
+        stream.set_read_timeout(Some(left))?;
         let count = stream.read(&mut piece)?;
         if count == 0 {
             return Ok(None);
         }
+        begun = begun.or_else(|| Some(Instant::now()));
         read.extend(&piece[..count]);
     }
 }

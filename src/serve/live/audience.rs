@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 /// Clients at once.
 pub(super) const MOST_CLIENTS: usize = 64;
 
+/// A client that has not taken a whole message for so long gives way where all places are taken.
+const STUCK: Duration = Duration::from_millis(2500);
+
 /// How long clients may take to hear that it is over.
 const PARTING: Duration = Duration::from_millis(500);
 
@@ -58,6 +61,8 @@ pub(super) struct Client {
     pub(super) whole_bytes: AtomicU64,
     view: Mutex<Option<View>>,
     joined: Instant,
+    /// When it had taken all that was sent to it so far, ms after it joined.
+    taken_ms: AtomicU64,
     /// To end what its threads wait for.
     stream: TcpStream,
 }
@@ -72,6 +77,7 @@ impl Client {
             whole_bytes: AtomicU64::new(0),
             view: Mutex::default(),
             joined: Instant::now(),
+            taken_ms: AtomicU64::new(0),
             stream,
         }
     }
@@ -83,6 +89,19 @@ impl Client {
 
     pub(super) fn look_from(&self, view: View) {
         *lock(&self.view) = Some(view);
+    }
+
+    /// Notes that it has taken a message to its end.
+    pub(super) fn has_taken(&self) {
+        let now = self.joined.elapsed().as_millis();
+        self.taken_ms
+            .store(u64::try_from(now).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    /// How long ago it had taken a whole message. Heartbeats come every second, so one that listens has.
+    fn stuck_for(&self) -> Duration {
+        let taken = Duration::from_millis(self.taken_ms.load(Ordering::Relaxed));
+        self.joined.elapsed().saturating_sub(taken)
     }
 
     pub(super) fn hang_up(&self) {
@@ -117,11 +136,20 @@ struct Inside {
 }
 
 impl Audience {
-    /// Takes a client; `false` where there are too many, or it is over.
+    /// Takes a client; `false` where there are too many, or it is over. One that has taken nothing for a while gives
+    /// way.
     pub(super) fn join(&self, client: Arc<Client>) -> bool {
         let mut inside = lock(&self.inside);
-        if inside.clients.len() >= MOST_CLIENTS || inside.is_over {
+        if inside.is_over {
             return false;
+        }
+        if inside.clients.len() >= MOST_CLIENTS {
+            let stuck = inside.clients.iter().max_by_key(|client| client.stuck_for());
+            let Some(stuck) = stuck.filter(|client| client.stuck_for() > STUCK).cloned() else {
+                return false;
+            };
+            stuck.hang_up();
+            inside.clients.retain(|other| !Arc::ptr_eq(other, &stuck));
         }
         if let Some(newest) = &inside.newest {
             client.mailbox.push(Arc::clone(newest));

@@ -3,10 +3,13 @@
 use super::audience::Client;
 use super::mailbox::{Next, heartbeat};
 use crate::analysis::screen::ScreenEstimator;
+use crate::locks::lock;
 use crate::wire::{Got, Kind, Ping, Pong, StreamHead, View, WireError, read_message};
 use std::io::{self, BufReader, Write as _};
 use std::net::TcpStream;
-use std::sync::atomic::Ordering;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Duration;
 
 /// Where there is no frame, it is said once in this time that the server is there.
@@ -18,15 +21,40 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Bytes of a message of a client.
 const MOST_SAID_BYTES: u64 = 256;
 
+/// Estimators of what views show: as many as there are processors, as each has numbers for every pixel of the largest
+/// view that anybody has sent it.
+#[derive(Debug)]
+pub(super) struct Estimators {
+    all: Vec<Mutex<ScreenEstimator>>,
+    next: AtomicUsize,
+}
+
+impl Default for Estimators {
+    fn default() -> Self {
+        let count = thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            all: (0..count).map(|_| Mutex::default()).collect(),
+            next: AtomicUsize::new(0),
+        }
+    }
+}
+
+impl Estimators {
+    /// One of them, in turn.
+    fn one(&self) -> &Mutex<ScreenEstimator> {
+        &self.all[self.next.fetch_add(1, Ordering::Relaxed) % self.all.len()]
+    }
+}
+
 /// Sends what is in the mailbox until the client has left, or there is no more; says why it has ended.
 pub(super) fn send(
     client: &Client,
     mut stream: &TcpStream,
     head: &StreamHead,
+    estimators: &Estimators,
     clock_ns: impl Fn() -> u64,
     newest: impl Fn() -> Option<u64>,
 ) -> String {
-    let mut estimator = ScreenEstimator::default();
     let mut sent = || -> io::Result<String> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -35,10 +63,13 @@ pub(super) fn send(
             match client.mailbox.next(HEARTBEAT) {
                 Next::Frame(frame) => {
                     let whole_bytes = frame.byte_size() as u64;
-                    let seen = client.view().and_then(|view| frame.seen_by(&view, &mut estimator));
+                    let seen = client
+                        .view()
+                        .and_then(|view| frame.seen_by(&view, &mut lock(estimators.one())));
                     let frame = seen.unwrap_or(frame);
                     stream.write_all(&frame.head)?;
                     stream.write_all(&frame.body.bytes)?;
+                    client.has_taken();
                     client.sent_frames.fetch_add(1, Ordering::Relaxed);
                     client.sent_bytes.fetch_add(frame.byte_size() as u64, Ordering::Relaxed);
                     client.whole_bytes.fetch_add(whole_bytes, Ordering::Relaxed);
@@ -46,8 +77,12 @@ pub(super) fn send(
                 Next::Answer(mut answer) => {
                     stamp(&mut answer.payload, answer.kind, clock_ns());
                     stream.write_all(&answer.encode())?;
+                    client.has_taken();
                 }
-                Next::Nothing => stream.write_all(&heartbeat(clock_ns(), newest()).encode())?,
+                Next::Nothing => {
+                    stream.write_all(&heartbeat(clock_ns(), newest()).encode())?;
+                    client.has_taken();
+                }
                 Next::End(reason) => {
                     let end = crate::wire::Message::new(Kind::End, reason.clone().into_bytes());
                     stream.write_all(&end.encode())?;

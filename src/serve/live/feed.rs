@@ -9,6 +9,7 @@ use crate::scene::PointSpacing;
 use crate::source::{Decoder, Source};
 use crate::wire::{ImageCoding, Kind, MOST_PAYLOAD_BYTES, images_body, points_body};
 use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
@@ -16,6 +17,12 @@ const MOST_KEPT_BYTES: usize = 256 << 20;
 
 /// How far apart points are is looked at anew after so many frames.
 const SPACING_FRAMES: usize = 100;
+
+/// What `work` gives; a sentence if the program fails in it: one frame that it cannot make ends no stream.
+fn without_panic<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    let done = catch_unwind(AssertUnwindSafe(work));
+    done.unwrap_or_else(|_| Err("the program failed on this frame: please report it with the file".to_owned()))
+}
 
 /// Makes bodies of the frames of a source.
 pub(super) struct Feed {
@@ -64,8 +71,16 @@ impl Feed {
 
     fn decoded(&mut self, index: usize) -> Result<RawCloud, String> {
         let entry = self.source.entry(index);
-        let decoded = self.decoder.decode(index, &entry, usize::MAX, &Progress::default());
-        decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
+        let decoder = &mut self.decoder;
+        let decoded = without_panic(|| {
+            let decoded = decoder.decode(index, &entry, usize::MAX, &Progress::default());
+            decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
+        });
+        if decoded.is_err() {
+            // One that has failed half-way may be in any state.
+            self.decoder = self.source.decoder();
+        }
+        decoded
     }
 
     /// The body of frame `index`; `None` if it cannot be read, which is logged once.
@@ -76,7 +91,7 @@ impl Feed {
         if self.broken.contains(&index) {
             return None;
         }
-        let body = match self.made(index) {
+        let body = match without_panic(|| self.made(index)) {
             Ok(body) => body,
             Err(problem) => {
                 log::warn!("{} is left out: {problem}", frame_by_index(index));

@@ -1,7 +1,7 @@
 //! Plays a sequence to all who are connected.
 
 use super::audience::{Audience, Client, LiveEvent};
-use super::client;
+use super::client::{self, Estimators};
 use super::feed::Feed;
 use super::outgoing::{Body, Outgoing};
 use super::schedule::Schedule;
@@ -57,6 +57,7 @@ pub struct LiveServer {
 /// What threads of clients share with the one that plays.
 struct Shared {
     audience: Audience,
+    estimators: Estimators,
     begun: Instant,
     session: u64,
     fps: f64,
@@ -109,6 +110,7 @@ impl LiveServer {
             options,
             shared: Arc::new(Shared {
                 audience: Audience::default(),
+                estimators: Estimators::default(),
                 begun: Instant::now(),
                 session: RandomState::new().build_hasher().finish(),
                 fps: schedule.fps(),
@@ -313,7 +315,7 @@ fn attend(shared: &Arc<Shared>, client: &Arc<Client>, stream: TcpStream) -> io::
         .spawn(move || {
             let head = shared.head();
             let (clock, newest) = (|| shared.clock_ns(), || shared.audience.newest());
-            let reason = client::send(&client, &stream, &head, clock, newest);
+            let reason = client::send(&client, &stream, &head, &shared.estimators, clock, newest);
             client.hang_up();
             shared.audience.leave(&client);
             let report = client.report(reason);

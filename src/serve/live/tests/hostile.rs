@@ -1,6 +1,7 @@
 //! Servers that are none, and clients that talk nonsense.
 
 use super::*;
+use crate::serve::live::audience::MOST_CLIENTS;
 
 /// Answers each connection by `bytes`, and then keeps silent for as long as it is there.
 fn hostile(bytes: Vec<u8>) -> (PathBuf, SocketAddr) {
@@ -106,4 +107,44 @@ fn clients_that_talk_nonsense_are_left() {
     wait_for("frames", || {
         quick.live().unwrap().status().received_frames > before + 10
     });
+}
+
+#[test]
+fn clients_that_never_read_keep_nobody_out() {
+    // Larger than what sockets hold, so that a sender waits for its client.
+    let server = Running::new(points(2, 400_000), 20.0, RAW);
+    let stuck: Vec<TcpStream> = (0..MOST_CLIENTS)
+        .map(|_| TcpStream::connect(server.address()).unwrap())
+        .collect();
+    wait_for("clients", || server.server.report().clients == stuck.len());
+    let begun = Instant::now();
+    let good = loop {
+        match LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()) {
+            Ok(good) => break good,
+            // There is no place before the others have been stuck for a while.
+            Err(error) => assert!(begun.elapsed() < LONG, "{error}"),
+        }
+        thread::sleep(Duration::from_millis(50));
+    };
+    let before = good.live().unwrap().status().received_frames;
+    wait_for("frames", || good.live().unwrap().status().received_frames > before + 2);
+}
+
+/// A source whose second frame is a defect of the program.
+fn failing() -> FrameList {
+    let entries = (0..3).map(|frame| FrameEntry::embedded(frame.to_string(), &[]));
+    FrameList::new(entries.collect(), |entry, _| {
+        assert_ne!(entry.name, "1", "a defect");
+        Ok(cloud(entry.name.parse()?, 10))
+    })
+}
+
+#[test]
+fn a_frame_that_the_program_fails_on_ends_no_stream() {
+    let server = Running::new(failing(), 100.0, RAW);
+    let client = opened(&server.url());
+    wait_for("frames of several rounds", || {
+        client.live().unwrap().status().received_frames > 10
+    });
+    assert!(server.server.report().missed_frames > 0);
 }

@@ -1,0 +1,200 @@
+//! The places of connections: when all are taken, who holds one for nothing gives way.
+//!
+//! **How it works.** A connection waits for a request or is answered. Of those that wait, the one that has waited
+//! longest is hung up on when another one comes; else the slowest of those that take their answer more slowly than
+//! anybody who wants it. So any number of slow clients keep nobody else out.
+
+use crate::locks::lock;
+use std::io;
+use std::net::{Shutdown, TcpStream};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Slower answers give way, bytes a second, after so long.
+const LEAST_RATE: f64 = 65536.0;
+const GRACE: Duration = Duration::from_secs(5);
+
+/// How long is waited for a place before others are looked at again.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Places for connections.
+#[derive(Debug)]
+pub(super) struct Places {
+    most: usize,
+    taken: Mutex<Taken>,
+    left: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Taken {
+    places: Vec<Held>,
+    next: u64,
+}
+
+#[derive(Debug)]
+struct Held {
+    number: u64,
+    /// To hang up.
+    stream: TcpStream,
+    since: Instant,
+    /// Bytes of the answer that were sent since then; `None` while it waits for a request.
+    sent_bytes: Option<u64>,
+    /// Whether it was hung up on.
+    is_over: bool,
+}
+
+/// A place, which is left when this is dropped.
+#[derive(Debug)]
+pub(super) struct Place {
+    places: Arc<Places>,
+    number: u64,
+}
+
+impl Places {
+    pub(super) fn new(most: usize) -> Self {
+        Self {
+            most,
+            taken: Mutex::default(),
+            left: Condvar::new(),
+        }
+    }
+
+    /// A place for `stream`, once there is one.
+    pub(super) fn take(self: &Arc<Self>, stream: &TcpStream) -> io::Result<Place> {
+        let stream = stream.try_clone()?;
+        let mut taken = lock(&self.taken);
+        while taken.places.len() >= self.most {
+            taken.give_way();
+            let waited = self.left.wait_timeout(taken, LOOK);
+            taken = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let number = taken.next;
+        taken.next += 1;
+        taken.places.push(Held {
+            number,
+            stream,
+            since: Instant::now(),
+            sent_bytes: None,
+            is_over: false,
+        });
+        Ok(Place {
+            places: Arc::clone(self),
+            number,
+        })
+    }
+}
+
+impl Taken {
+    /// Hangs up on one who holds a place for nothing, unless that was done and has not come to its end.
+    fn give_way(&mut self) {
+        if self.places.iter().any(|held| held.is_over) {
+            return;
+        }
+        let waiting = self.places.iter_mut().filter(|held| held.sent_bytes.is_none());
+        let chosen = match waiting.min_by_key(|held| held.since) {
+            Some(waiting) => Some(waiting),
+            None => {
+                let slow = self.places.iter_mut().filter(|held| held.rate() < LEAST_RATE);
+                slow.min_by(|a, b| a.rate().total_cmp(&b.rate()))
+            }
+        };
+        if let Some(held) = chosen {
+            held.is_over = true;
+            // It may have left already.
+            let _ = held.stream.shutdown(Shutdown::Both);
+        }
+    }
+}
+
+impl Held {
+    /// Bytes a second; infinite at first.
+    fn rate(&self) -> f64 {
+        let age = self.since.elapsed();
+        match self.sent_bytes {
+            Some(bytes) if age > GRACE => bytes as f64 / age.as_secs_f64(),
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+impl Place {
+    fn with(&self, change: impl FnOnce(&mut Held)) {
+        let mut taken = lock(&self.places.taken);
+        if let Some(held) = taken.places.iter_mut().find(|held| held.number == self.number) {
+            change(held);
+        }
+    }
+
+    /// From now on it waits for a request.
+    pub(super) fn waits(&self) {
+        self.with(|held| (held.since, held.sent_bytes) = (Instant::now(), None));
+    }
+
+    /// From now on it is answered.
+    pub(super) fn is_answered(&self) {
+        self.with(|held| (held.since, held.sent_bytes) = (Instant::now(), Some(0)));
+    }
+
+    /// So many bytes more were sent.
+    pub(super) fn sent(&self, bytes: usize) {
+        self.with(|held| {
+            if let Some(sent) = &mut held.sent_bytes {
+                *sent += bytes as u64;
+            }
+        });
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        lock(&self.places.taken)
+            .places
+            .retain(|held| held.number != self.number);
+        self.places.left.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::serve::{FileServer, MOST_CONNECTIONS};
+    use std::io::{Read as _, Write as _};
+    use std::net::TcpStream;
+    use std::sync::Arc;
+    use std::thread;
+    use std::time::Duration;
+
+    #[test]
+    fn connections_that_ask_for_nothing_keep_nobody_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.reel");
+        std::fs::write(&path, b"0123456789").unwrap();
+        let server = Arc::new(FileServer::bind(&path, "127.0.0.1:0".parse().unwrap()).unwrap());
+        let runs = Arc::clone(&server);
+        let thread = thread::spawn(move || runs.run());
+        let url = server.url().unwrap();
+        let address = url.trim_start_matches("http://").split('/').next().unwrap().to_owned();
+        let slow: Vec<TcpStream> = (0..MOST_CONNECTIONS + 8)
+            .map(|number| {
+                let mut stream = TcpStream::connect(&address).unwrap();
+                // Some say nothing, some begin and never end.
+                if number % 2 == 0 {
+                    let _ = stream.write_all(b"GET /a.reel HTTP/1.1\r\nX: ");
+                }
+                stream
+            })
+            .collect();
+        let mut good = TcpStream::connect(&address).unwrap();
+        good.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        good.write_all(b"GET /a.reel HTTP/1.1\r\nConnection: close\r\n\r\n")
+            .unwrap();
+        let mut answer = String::new();
+        good.read_to_string(&mut answer).unwrap();
+        assert!(
+            answer.starts_with("HTTP/1.1 200 OK") && answer.ends_with("0123456789"),
+            "{answer}"
+        );
+        drop(slow);
+        server.stop().unwrap();
+        thread.join().unwrap().unwrap();
+    }
+}
