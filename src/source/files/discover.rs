@@ -240,7 +240,11 @@ impl Discovered {
             Vec::new()
         };
         let times = times::stamp(&mut self.entries, &folders);
-        let poses = poses::place(&mut self.entries, &folders, options.rgbd.poses.as_deref())?;
+        let poses = poses::place(
+            &mut self.entries,
+            &folders,
+            (options.rgbd.poses.as_deref(), options.rgbd.invert_poses),
+        )?;
         let used: HashSet<&PathBuf> = times.used.iter().chain(&poses.used).collect();
         skipped.retain(|file| !used.contains(file));
         self.notes.extend(times.notes);

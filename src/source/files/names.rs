@@ -6,6 +6,7 @@
 //! `0.25` is right for versions and wrong for seconds. Decimals have no trailing zeros, or all the same number of
 //! digits; `1.9` followed by `1.10` is a version, and keeps the natural order.
 
+use super::kinds;
 use crate::natural::{natural_order, split_name};
 use std::cmp::Ordering;
 use std::ffi::OsStr;
@@ -43,6 +44,11 @@ pub(super) enum Minus {
 }
 
 impl NameNumber {
+    /// Whether it has a fraction or an exponent.
+    pub(super) fn is_decimal(&self) -> bool {
+        self.fraction.is_some() || self.has_exponent
+    }
+
     fn is_plain(&self) -> bool {
         self.fraction.is_none() && !self.has_exponent && !self.has_sign
     }
@@ -152,6 +158,15 @@ pub(super) fn is_folder_per_frame(files: &[PathBuf]) -> bool {
 /// Sorts `files`: by value if their names have decimals, naturally otherwise.
 pub(super) fn sort(files: &mut [PathBuf]) {
     files.sort_by(|left, right| natural_order(left, right));
+    let stems: Vec<String> = files.iter().map(|file| split_name(file).0.into_owned()).collect();
+    if let Some(numbers) = kinds::hexadecimal(&stems) {
+        let mut keyed: Vec<(u64, PathBuf)> = numbers.into_iter().zip(files.iter().cloned()).collect();
+        keyed.sort_by_key(|(number, _)| *number);
+        for (place, (_, file)) in files.iter_mut().zip(keyed) {
+            *place = file;
+        }
+        return;
+    }
     let Some(split) = decimals_of(files) else {
         return;
     };

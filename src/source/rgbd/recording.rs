@@ -96,12 +96,31 @@ impl RgbdRecording {
         number(&mut entries);
         let notes = std::mem::take(&mut found.notes);
         let mut assumptions = std::mem::take(&mut found.assumptions);
-        assumptions.extend(assumed_camera(&found.frames[0].calibration));
+        let calibration = Arc::clone(&found.frames[0].calibration);
         let mut recorded = Recorded::new(found, sizes, options);
+        if rgbd.intrinsics.is_none() {
+            assumptions.push(assumed_camera(&calibration, recorded.sensor(0).as_ref()));
+        }
+        let has_times = entries.iter().any(|entry| entry.time.is_some());
+        if entries.len() > 1 && !has_times && options.fps.is_none() {
+            let why = "nothing says when they were taken, and most depth cameras have it";
+            let value = format!("{USUAL_FPS} frames per second");
+            assumptions.push(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback));
+        }
         if recorded.may_skip_filters() {
             let (filters, skipped) = probe::usual_filters(&recorded, entries.len());
             recorded.filters = filters;
             assumptions.extend(skipped);
+            if filters != Filters::NONE {
+                let value = format!("the depth filters `{filters}` are applied");
+                let why = "they are the usual ones of pictures of depth images";
+                assumptions.push(Assumption::new(
+                    Subject::FilteredPoints,
+                    value,
+                    why,
+                    Evidence::Convention,
+                ));
+            }
         }
         Ok(Some(Self {
             entries: entries.into_iter().map(Arc::new).collect(),
@@ -166,28 +185,26 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
     }
 }
 
-/// The camera, if no file of the recording says it.
-fn assumed_camera(calibration: &Calibration) -> Option<Assumption> {
-    let (focal, principal) = (calibration.depth.focal_px, calibration.depth.principal_px);
-    let size = calibration
-        .depth
-        .for_size_px
-        .map(|[width, height]| format!(" of {width} × {height} pixels"));
-    calibration.is_assumed.then(|| {
-        Assumption::new(
-            Subject::Camera,
-            format!(
-                "fx,fy,cx,cy {},{},{},{} for images{}",
-                focal.x,
-                focal.y,
-                principal.x,
-                principal.y,
-                size.unwrap_or_default()
-            ),
-            format!("no file of the recording says it: {}", calibration.because),
-            Evidence::Fallback,
-        )
-    })
+/// The camera of the first frame: its numbers for the images that are there.
+fn assumed_camera(calibration: &Calibration, sensor: Option<&Sensor>) -> Assumption {
+    let camera = sensor.map(|sensor| &sensor.rig.depth);
+    let (focal, principal, size) = match camera {
+        Some(camera) => (camera.focal_px(), camera.principal_px(), Some(camera.size_px())),
+        None => {
+            let depth = &calibration.depth;
+            (depth.focal_px, depth.principal_px, depth.for_size_px)
+        }
+    };
+    let size = size.map(|[width, height]| format!(" for images of {width} × {height} pixels"));
+    let [fx, fy, cx, cy] = [focal.x, focal.y, principal.x, principal.y].map(|number| (number * 1e6).round() / 1e6);
+    let value = format!("fx,fy,cx,cy {fx},{fy},{cx},{cy}{}", size.unwrap_or_default());
+    let because = &calibration.because;
+    if calibration.is_assumed {
+        let why = format!("no file of the recording says it: {because}");
+        Assumption::new(Subject::Camera, value, why, Evidence::Fallback)
+    } else {
+        Assumption::new(Subject::Camera, value, format!("{because} says so"), Evidence::File)
+    }
 }
 
 /// Says how many frames have no pose, where others have one.
@@ -232,8 +249,10 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
         for frame in &mut found.frames {
             frame.world_from_camera = None;
         }
+        found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
     } else if let Some(poses) = &rgbd.poses {
         let trajectory = Trajectory::read(poses)?;
+        found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
         found.take_poses(&trajectory);
         if found.frames.iter().all(|frame| frame.world_from_camera.is_none()) {
             found.notes.push(format!(
@@ -243,7 +262,18 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
             ));
         }
     }
+    if rgbd.invert_poses {
+        invert_poses(found);
+    }
     Ok(())
+}
+
+/// Turns the poses round. What a person says is no assumption.
+fn invert_poses(found: &mut FoundRecording) {
+    for frame in &mut found.frames {
+        frame.world_from_camera = frame.world_from_camera.map(|pose| pose.inverse());
+    }
+    found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
 }
 
 impl Source for RgbdRecording {

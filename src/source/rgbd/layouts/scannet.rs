@@ -34,7 +34,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let pairs = by_name(&depths, &colors);
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
     found.units = Units::Usual("ScanNet");
-    found.take_pose_files(&poses);
+    found.take_pose_files(name_of(&pose), &poses);
     Ok(Some(found))
 }
 
