@@ -4,13 +4,13 @@ use super::detail::Detail;
 use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
-use crate::assumption::{Assumption, Assumptions};
+use crate::assumption::{Assumption, Assumptions, Evidence, Subject};
 use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
 use crate::source::{
-    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameEntry, FrameList, OpenOptions,
+    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameBytes, FrameEntry, FrameList, OpenOptions,
     SequenceError, Source,
 };
 use crate::stopwatch::milliseconds_since;
@@ -277,7 +277,25 @@ impl Sequence {
         let mut assumptions = Assumptions::default();
         assumptions.extend(self.source.assumptions());
         assumptions.extend(&lock(&self.assumptions).sorted());
-        assumptions.sorted()
+        let mut assumptions = assumptions.sorted();
+        match self.fps {
+            // What a person says is no assumption.
+            Some(_) => assumptions.retain(|assumption| assumption.subject != Subject::FrameTimes),
+            None => assumptions.extend(self.assumed_fps()),
+        }
+        assumptions
+    }
+
+    /// The frame rate of files whose times nothing says.
+    fn assumed_fps(&self) -> Option<Assumption> {
+        let is_file = |index| matches!(self.entry(index).content, FrameBytes::File(_));
+        let is_untold = self.len() > 1 && self.source.fps().is_none() && is_file(0);
+        if !is_untold || self.stamped_pace().is_some() {
+            return None;
+        }
+        let value = format!("{DEFAULT_FPS} frames per second");
+        let why = "nothing says when the frames were taken";
+        Some(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback))
     }
 
     /// [`Source::changed_since`]: frames that are to be read again.

@@ -72,7 +72,9 @@ pub(super) fn are_levels(files: &[PathBuf]) -> bool {
     let is_level = |file: &PathBuf| {
         let skeleton = SplitName::of(&split_name(file).0, Minus::AfterSeparator).skeleton;
         let skeleton = skeleton.replace(['_', '-', ' '], "");
-        ["lod#", "level#", "#k", "#mio"].iter().any(|end| skeleton.ends_with(end))
+        ["lod#", "level#", "#k", "#mio"]
+            .iter()
+            .any(|end| skeleton.ends_with(end))
     };
     files.iter().all(is_level)
 }
@@ -183,7 +185,12 @@ mod tests {
         let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
         assert_eq!(hexadecimal(&names(&["9", "a", "10"])), Some(vec![9, 10, 16]));
         assert_eq!(hexadecimal(&names(&["f_0e", "f_0f", "f_10"])), Some(vec![14, 15, 16]));
-        for other in [&["a", "b", "c"][..], &["7", "8", "10"], &["e1", "f2", "c10"], &["a1", "x2"]] {
+        for other in [
+            &["a", "b", "c"][..],
+            &["7", "8", "10"],
+            &["e1", "f2", "c10"],
+            &["a1", "x2"],
+        ] {
             assert_eq!(hexadecimal(&names(other)), None, "{other:?}");
         }
         let order = without_order(&paths(&["9.ply", "a.ply", "10.ply"])).unwrap();

@@ -10,8 +10,8 @@
 use super::registered::are_registered;
 use super::{nuscenes, oxts};
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::source::FrameEntry;
 use crate::natural::{natural_order, split_name};
+use crate::source::FrameEntry;
 use crate::source::rgbd::{INVERT_POSES, Trajectory, last_number, matrix, number_lines, read_pose, read_text, rigid};
 use crate::source::{NO_POSES, SequenceError};
 use glam::{DAffine3, DQuat, DVec3};
@@ -108,7 +108,11 @@ pub(super) fn place(
         ));
     }
     for (entry, pose) in entries.iter_mut().zip(&poses) {
-        entry.pose = if inverted { pose.map(|pose| pose.inverse()) } else { *pose };
+        entry.pose = if inverted {
+            pose.map(|pose| pose.inverse())
+        } else {
+            *pose
+        };
     }
     // What a person says is no assumption.
     if given.is_some() {
@@ -156,7 +160,10 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
     {
         let own = entries.iter().map(|entry| entry.path.with_extension("txt"));
         found.used.extend(own);
-        return Some((poses, format!("the text of the same name beside each file in {}", folder.display())));
+        return Some((
+            poses,
+            format!("the text of the same name beside each file in {}", folder.display()),
+        ));
     }
     for folder in folders {
         if let Some((poses, tables)) = nuscenes::poses(folder, entries) {
@@ -235,9 +242,15 @@ fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<Poses, String> {
         let rows = number_lines(list, &text).ok()?;
         Some(rows.into_iter().map(|(_, row)| row).collect::<Vec<_>>())
     };
-    let is_text = list.extension().is_some_and(|extension| extension != "npy" && extension != "npz");
+    let is_text = list
+        .extension()
+        .is_some_and(|extension| extension != "npy" && extension != "npz");
     let has_names = || read_text(list).is_ok_and(|text| text.contains(|c: char| matches!(c, 'q' | 'Q' | '{')));
-    let plain = if is_text && !has_names() { rows().and_then(|rows| of_rows(&rows)) } else { None };
+    let plain = if is_text && !has_names() {
+        rows().and_then(|rows| of_rows(&rows))
+    } else {
+        None
+    };
     let poses = match plain {
         Some(rows) => rows?,
         None => Trajectory::read(list).map_err(|error| error.to_string())?,
@@ -345,13 +358,17 @@ fn of_folder(folder: &Path, entries: &[FrameEntry], by_name_alone: bool) -> Opti
             by_stem.insert(stem_of(&path), path);
         }
     }
-    let numbered = by_stem.iter().filter_map(|(stem, path)| Some((last_number(stem)?, path)));
+    let numbered = by_stem
+        .iter()
+        .filter_map(|(stem, path)| Some((last_number(stem)?, path)));
     let by_number: HashMap<usize, &PathBuf> = numbered.collect();
     let is_numbered = !by_name_alone && by_number.len() == by_stem.len();
     let file_of = |entry: &FrameEntry| {
         let stem = stem_of(&entry.path);
         let numbered = || by_number.get(&last_number(&stem)?).copied();
-        by_stem.get(&stem).or_else(|| if is_numbered { numbered() } else { None })
+        by_stem
+            .get(&stem)
+            .or_else(|| if is_numbered { numbered() } else { None })
     };
     // Text beside the first cloud that is no pose is something else beside all of them.
     let first = file_of(entries.first()?)?;

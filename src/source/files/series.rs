@@ -250,7 +250,15 @@ fn alone(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Vec<Openin
 fn without_faces(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     const VERTICES: [&str; 7] = ["v", "verts", "vertices", "points", "xyz", "coords", "positions"];
     const FACES: [&str; 9] = [
-        "f", "faces", "face", "triangles", "tris", "edges", "cells", "elements", "weights",
+        "f",
+        "faces",
+        "face",
+        "triangles",
+        "tris",
+        "edges",
+        "cells",
+        "elements",
+        "weights",
     ];
     let is_named = |file: &PathBuf, names: &[&str]| {
         Tier::of(file) == Tier::Arrays && names.contains(&split_name(file).0.to_lowercase().as_str())

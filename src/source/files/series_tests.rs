@@ -85,7 +85,10 @@ fn two_prefixes_are_a_question() {
 fn patterns_choose_one_series_alone() {
     for (one, other) in [
         (["000.ply", "001.ply"], ["000_gt.ply", "001_gt.ply"]),
-        (["cloud_00.ply", "cloud_01.ply"], ["cloud_00_filtered.ply", "cloud_01_filtered.ply"]),
+        (
+            ["cloud_00.ply", "cloud_01.ply"],
+            ["cloud_00_filtered.ply", "cloud_01_filtered.ply"],
+        ),
         (["1.ply", "10.ply"], ["1_clean.ply", "10_clean.ply"]),
     ] {
         let files = [one, other].concat();

@@ -178,13 +178,21 @@ fn mend(times: &mut [Option<Duration>]) -> Option<Vec<usize>> {
     if bad.len() > most {
         return None;
     }
-    let known: Vec<(usize, Duration)> = times.iter().enumerate().filter_map(|(at, time)| Some((at, (*time)?))).collect();
+    let known: Vec<(usize, Duration)> = times
+        .iter()
+        .enumerate()
+        .filter_map(|(at, time)| Some((at, (*time)?)))
+        .collect();
     if bad.is_empty() || known.len() < 2 {
         return bad.is_empty().then_some(bad);
     }
     for number in &bad {
         let at = number - 1;
-        let later = known.iter().position(|(other, _)| *other > at).unwrap_or(known.len() - 1).max(1);
+        let later = known
+            .iter()
+            .position(|(other, _)| *other > at)
+            .unwrap_or(known.len() - 1)
+            .max(1);
         let ((first, from), (last, to)) = (known[later - 1], known[later]);
         let step = to.saturating_sub(from).as_secs_f64() / (last - first) as f64;
         let seconds = from.as_secs_f64() + step * (at as f64 - first as f64);

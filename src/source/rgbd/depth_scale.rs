@@ -20,7 +20,7 @@ const MILLIMETRES: f64 = 1000.0;
 const FIFTHS: f64 = 5000.0;
 
 /// Units in use, which are named as alternatives.
-const KNOWN: [f64; 5] = [1000.0, 4000.0, 5000.0, 6553.5, 10_000.0];
+const KNOWN: [f64; 6] = [1000.0, 256.0, 4000.0, 5000.0, 6553.5, 10_000.0];
 
 /// Share of multiples above which numbers are multiples.
 const ALL: f64 = 0.98;
@@ -84,7 +84,16 @@ impl DepthScale {
         let rooms: Vec<f64> = CHOSEN.into_iter().filter(|&other| depths.is_room(other)).collect();
         Some(match rooms.as_slice() {
             [] => said(usual, Evidence::Fallback, "the depths are those of no room"),
-            [only] => said(*only, Evidence::Statistics, "of 1000 and 5000 it alone makes a room"),
+            [only] => {
+                // Other units in use make a room as well: then the numbers do not tell.
+                let is_told = !KNOWN.iter().any(|other| other != only && depths.is_room(*other));
+                let evidence = if is_told {
+                    Evidence::Statistics
+                } else {
+                    Evidence::Fallback
+                };
+                said(*only, evidence, "of 1000 and 5000 it alone makes a room")
+            }
             [first, ..] => said(
                 *first,
                 Evidence::Fallback,
@@ -103,18 +112,24 @@ impl DepthScale {
         depths.sort_unstable_by(f32::total_cmp);
         let median = f64::from(*depths.get(depths.len() / 2)?);
         let are_millimetres = median > 100.0 && MEDIAN_M.contains(&(median / MILLIMETRES));
-        Some(if are_millimetres {
-            Self {
-                units_per_metre: MILLIMETRES,
-                evidence: Evidence::Statistics,
-                why: format!("half of the depths are below {median:.0}, which in metres is no room"),
-            }
+        let (units_per_metre, evidence, why) = if are_millimetres {
+            let why = format!("half of the depths are below {median:.0}, which in metres is no room");
+            (MILLIMETRES, Evidence::Statistics, why)
+        } else if median > FAR_M {
+            let why = format!(
+                "depths in floats are metres, and half of these are nearer than {median:.1}: 100 a metre would make \
+                 that {:.2} m, 1000 a metre {:.3} m",
+                median / 100.0,
+                median / MILLIMETRES
+            );
+            (1.0, Evidence::Fallback, why)
         } else {
-            Self {
-                units_per_metre: 1.0,
-                evidence: Evidence::Convention,
-                why: "depths in floats are metres".to_owned(),
-            }
+            (1.0, Evidence::Convention, "depths in floats are metres".to_owned())
+        };
+        Some(Self {
+            units_per_metre,
+            evidence,
+            why,
         })
     }
 }

@@ -110,7 +110,10 @@ fn header(text: &str) -> Result<Option<Columns>, String> {
         let names: Vec<&str> = if by_commas {
             content.split(',').collect()
         } else {
-            content.split_whitespace().filter(|word| !word.starts_with('[')).collect()
+            content
+                .split_whitespace()
+                .filter(|word| !word.starts_with('['))
+                .collect()
         };
         let roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
         let count = |role: Role| roles.iter().filter(|&&other| other == role).count();
@@ -137,7 +140,10 @@ fn header(text: &str) -> Result<Option<Columns>, String> {
 fn role(name: &str) -> Role {
     let name = name.split('[').next().unwrap_or_default();
     let name = name.trim().trim_matches('"').to_ascii_lowercase();
-    let parts: Vec<&str> = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|part| !part.is_empty()).collect();
+    let parts: Vec<&str> = name
+        .split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|part| !part.is_empty())
+        .collect();
     let Some((&last, before)) = parts.split_last() else {
         return Role::Other;
     };
@@ -151,7 +157,11 @@ fn role(name: &str) -> Role {
     if ["nsec", "nsecs", "nanosec"].contains(&last) {
         return Role::Nanos;
     }
-    if parts.iter().any(|part| part.starts_with("time") || part.starts_with("stamp")) || (name == "t") {
+    if parts
+        .iter()
+        .any(|part| part.starts_with("time") || part.starts_with("stamp"))
+        || (name == "t")
+    {
         return Role::Time;
     }
     if ["num", "number", "index", "idx", "id", "frame", "frameid", "seq"].contains(&last) && before.is_empty() {

@@ -31,7 +31,10 @@ fn headers_say_the_order_of_quaternions() {
         ("timestamp,tx,ty,tz,qw,qx,qy,qz", format!("5.0,1,2,3,{half},0,{half},0")),
         ("# timestamp tx ty tz qx qy qz qw", format!("5 1 2 3 0 {half} 0 {half}")),
         ("#sec,nsec,x,y,z,qx,qy,qz,qw", format!("5,0,1,2,3,0,{half},0,{half}")),
-        ("num,t_sec,t_nsec,x,y,z,qx,qy,qz,qw", format!("0,5,0,1,2,3,0,{half},0,{half}")),
+        (
+            "num,t_sec,t_nsec,x,y,z,qx,qy,qz,qw",
+            format!("0,5,0,1,2,3,0,{half},0,{half}"),
+        ),
         (
             "%time,field.header.frame_id,field.pose.position.x,field.pose.position.y,field.pose.position.z,\
              field.pose.orientation.x,field.pose.orientation.y,field.pose.orientation.z,field.pose.orientation.w",
@@ -51,7 +54,11 @@ fn headers_say_the_order_of_quaternions() {
 
 #[test]
 fn headers_without_a_quaternion_are_refused() {
-    for header in ["# time x y z roll pitch yaw", "t,x,y,z,q0,q1,q2,q3", "# tx ty tz qw qx qy"] {
+    for header in [
+        "# time x y z roll pitch yaw",
+        "t,x,y,z,q0,q1,q2,q3",
+        "# tx ty tz qw qx qy",
+    ] {
         let error = read(&format!("{header}\n0 1 2 3 0 0 0 1\n")).unwrap_err().to_string();
         assert!(error.contains("qx qy qz qw"), "{header}: {error}");
     }

@@ -15,6 +15,7 @@ use super::stored_image::StoredImage;
 use super::topics;
 use super::trajectory::Trajectory;
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::io::timestamps::times_of_names;
 use crate::io::{Entry, Part};
 use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};
@@ -101,11 +102,8 @@ impl RgbdRecording {
         if rgbd.intrinsics.is_none() {
             assumptions.push(assumed_camera(&calibration, recorded.sensor(0).as_ref()));
         }
-        let has_times = entries.iter().any(|entry| entry.time.is_some());
-        if entries.len() > 1 && !has_times && options.fps.is_none() {
-            let why = "nothing says when they were taken, and most depth cameras have it";
-            let value = format!("{USUAL_FPS} frames per second");
-            assumptions.push(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback));
+        if options.fps.is_none() {
+            assumptions.extend(assumed_times(&entries));
         }
         if recorded.may_skip_filters() {
             let (filters, skipped) = probe::usual_filters(&recorded, entries.len());
@@ -185,6 +183,28 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
     }
 }
 
+/// The times of frames, where their names tell them or nothing does.
+fn assumed_times(entries: &[FrameEntry]) -> Option<Assumption> {
+    let (first, last) = (entries.first()?, entries.last()?);
+    let said = |value: String, why: &str, evidence: Evidence| {
+        let assumption = Assumption::new(Subject::FrameTimes, value, why, evidence);
+        (entries.len() > 1).then_some(assumption)
+    };
+    if entries.iter().all(|entry| entry.time.is_none()) {
+        let why = "nothing says when they were taken, and most depth cameras have it";
+        return said(format!("{USUAL_FPS} frames per second"), why, Evidence::Fallback);
+    }
+    let names: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+    let of_names = times_of_names(&names);
+    let are_told = entries.iter().zip(&of_names).all(|(entry, time)| entry.time == *time);
+    if !are_told {
+        return None;
+    }
+    let span = last.time?.saturating_sub(first.time?);
+    let value = format!("{:.3} s for {} frames", span.as_secs_f64(), entries.len());
+    said(value, "the file names are times", Evidence::Convention)
+}
+
 /// The camera of the first frame: its numbers for the images that are there.
 fn assumed_camera(calibration: &Calibration, sensor: Option<&Sensor>) -> Assumption {
     let camera = sensor.map(|sensor| &sensor.rig.depth);
@@ -249,10 +269,14 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
         for frame in &mut found.frames {
             frame.world_from_camera = None;
         }
-        found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
+        found
+            .assumptions
+            .retain(|assumption| assumption.subject != Subject::Poses);
     } else if let Some(poses) = &rgbd.poses {
         let trajectory = Trajectory::read(poses)?;
-        found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
+        found
+            .assumptions
+            .retain(|assumption| assumption.subject != Subject::Poses);
         found.take_poses(&trajectory);
         if found.frames.iter().all(|frame| frame.world_from_camera.is_none()) {
             found.notes.push(format!(
@@ -273,7 +297,9 @@ fn invert_poses(found: &mut FoundRecording) {
     for frame in &mut found.frames {
         frame.world_from_camera = frame.world_from_camera.map(|pose| pose.inverse());
     }
-    found.assumptions.retain(|assumption| assumption.subject != Subject::Poses);
+    found
+        .assumptions
+        .retain(|assumption| assumption.subject != Subject::Poses);
 }
 
 impl Source for RgbdRecording {

@@ -47,6 +47,14 @@ pub(super) fn array(path: &Path) -> Result<Array, RgbdError> {
     array_of(path, &read_bytes(path, MOST_BYTES)?)
 }
 
+/// The shape of the array at `path`, of which only the head is read.
+pub(super) fn array_shape(path: &Path) -> Option<Vec<usize>> {
+    const HEAD_BYTES: u64 = 1 << 16;
+    let mut head = Vec::new();
+    File::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    Some(Header::parse(&head).ok()?.shape)
+}
+
 /// A shape and numbers.
 type Array = (Vec<usize>, Vec<f64>);
 

@@ -161,7 +161,15 @@ fn is_json(text: &str) -> bool {
 
 /// The one array of an archive that can be poses, by its name.
 fn of_arrays(path: &Path) -> Result<Trajectory, RgbdError> {
-    const KEYS: [&str; 7] = ["pose", "c2w", "cam2world", "camera_to_world", "w2c", "world2cam", "extrinsic"];
+    const KEYS: [&str; 7] = [
+        "pose",
+        "c2w",
+        "cam2world",
+        "camera_to_world",
+        "w2c",
+        "world2cam",
+        "extrinsic",
+    ];
     let arrays = text::arrays(path)?;
     let named = KEYS
         .iter()
@@ -183,7 +191,11 @@ fn of_arrays(path: &Path) -> Result<Trajectory, RgbdError> {
 fn of_array(path: &Path, (shape, numbers): (Vec<usize>, Vec<f64>)) -> Result<Trajectory, RgbdError> {
     // One matrix alone is one pose.
     let is_one = matches!(*shape.as_slice(), [3 | 4, 4]);
-    let width = if is_one { numbers.len() } else { shape.iter().skip(1).product::<usize>() };
+    let width = if is_one {
+        numbers.len()
+    } else {
+        shape.iter().skip(1).product::<usize>()
+    };
     match width {
         7 => {
             let lines: Vec<(usize, Vec<f64>)> = numbers

@@ -76,17 +76,23 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
             .find(|path| is_of_colors(name_of(path)) && **path != chosen);
         if let Some(colors) = of_colors {
             calibration.color = Some((Calibration::read(colors)?.depth, glam::DAffine3::IDENTITY));
+            notes.push(format!(
+                "no file says where the camera of {} is: colours are taken as registered, from the place of the depth \
+                 camera",
+                name_of(colors)
+            ));
         }
         return Ok(Some(calibration));
     }
-    let other = folder.files(|name| has_extension(name, &["json"]) && !is_trajectory(name));
+    let other =
+        folder.files(|name| has_extension(name, &["json", "yaml", "yml", "ini", "cfg"]) && !is_trajectory(name));
     let told = other
         .iter()
         .find_map(|path| Some((path, Calibration::read(path).ok()?)));
     if let Some((path, calibration)) = told {
         if other.len() > 1 {
             notes.push(format!(
-                "of {} JSON files, {} is read for the camera",
+                "of {} files that may tell it, {} is read for the camera",
                 other.len(),
                 path.display()
             ));
@@ -217,7 +223,12 @@ pub(super) fn trajectories(folder: &Folder) -> Vec<PathBuf> {
     let freiburg = folder.files(|name| has_extension(name, &["freiburg"]));
     let transforms = folder.files(|name| name == super::transforms::NAME);
     let mut found: Vec<PathBuf> = Vec::new();
-    for path in TRAJECTORIES.iter().flat_map(|word| folder.files(named(word))).chain(freiburg).chain(transforms) {
+    for path in TRAJECTORIES
+        .iter()
+        .flat_map(|word| folder.files(named(word)))
+        .chain(freiburg)
+        .chain(transforms)
+    {
         if !found.contains(&path) {
             found.push(path);
         }
@@ -227,9 +238,18 @@ pub(super) fn trajectories(folder: &Folder) -> Vec<PathBuf> {
 
 fn is_trajectory(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
-    ["trajectory", "traj", "pose", "odom", "fragment", "groundtruth", "c2w", "w2c"]
-        .iter()
-        .any(|word| name.contains(word))
+    [
+        "trajectory",
+        "traj",
+        "pose",
+        "odom",
+        "fragment",
+        "groundtruth",
+        "c2w",
+        "w2c",
+    ]
+    .iter()
+    .any(|word| name.contains(word))
 }
 
 /// Whether `name` is that of a camera.

@@ -142,19 +142,30 @@ impl FoundRecording {
             }
         }
         if self.pose_count() > 0 {
-            self.assumptions.push(direction_of(folder, &format!("files in {folder}")));
+            self.assumptions
+                .push(direction_of(folder, &format!("files in {folder}")));
         }
     }
 
     /// Frames with a pose.
     pub(in crate::source::rgbd) fn pose_count(&self) -> usize {
-        self.frames.iter().filter(|frame| frame.world_from_camera.is_some()).count()
+        self.frames
+            .iter()
+            .filter(|frame| frame.world_from_camera.is_some())
+            .count()
     }
 }
 
 /// Whether a name says that poses lead from the world to the camera.
 fn names_inverse(name: &str) -> bool {
-    const WORDS: [&str; 6] = ["extrinsic", "w2c", "world2cam", "world_to_cam", "worldtocam", "cam_from_world"];
+    const WORDS: [&str; 6] = [
+        "extrinsic",
+        "w2c",
+        "world2cam",
+        "world_to_cam",
+        "worldtocam",
+        "cam_from_world",
+    ];
     let name = name.to_lowercase();
     WORDS.iter().any(|word| name.contains(word))
 }
@@ -167,7 +178,11 @@ fn direction_of(name: &str, place: &str) -> Assumption {
         let why = format!("{place}: extrinsics lead from the world to the camera");
         ("world to camera", why, Evidence::Convention)
     } else if WORDS.iter().any(|word| lower.contains(word)) || has_extension(name, &["json", "log", "freiburg"]) {
-        ("camera to world", format!("{place}: files of such names lead so"), Evidence::Convention)
+        (
+            "camera to world",
+            format!("{place}: files of such names lead so"),
+            Evidence::Convention,
+        )
     } else {
         let why = format!("{place} does not say which way its poses lead, and most lead so");
         ("camera to world", why, Evidence::Fallback)

@@ -5,6 +5,7 @@
 
 mod arkit_scenes;
 mod beside;
+mod flat;
 mod folders;
 mod found;
 mod icl;
@@ -47,6 +48,7 @@ const TABLE: &[Layout] = &[
     arkit_scenes::LAYOUT,
     scanner_app::LAYOUT,
     folders::LAYOUT,
+    flat::LAYOUT,
 ];
 
 /// The recording in `folder`; `None` if it is laid out in no way of the table.

@@ -44,7 +44,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     };
     let frames = json.as_object();
     let Some(first) = frames.and_then(|frames| frames.values().find_map(lens)) else {
-        return Err(wrong("expected `intrinsic`, a matrix of 3 × 3 numbers, for each frame".to_owned()));
+        return Err(wrong(
+            "expected `intrinsic`, a matrix of 3 × 3 numbers, for each frame".to_owned(),
+        ));
     };
     let pairs = by_name(&depths, &colors);
     let code = DepthCode::per_metre(1000.0);
@@ -55,9 +57,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
         let name = name_of(frame.depth.path());
         let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
         let Some(said) = json.get(stem) else {
-            found
-                .notes
-                .push(format!("{NAME} has no entry {stem}: that frame has no pose and the lens of the first"));
+            found.notes.push(format!(
+                "{NAME} has no entry {stem}: that frame has no pose and the lens of the first"
+            ));
             continue;
         };
         if let Some(lens) = lens(said) {

@@ -129,7 +129,11 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
 /// 1 / 0.001 is not quite 1000.
 fn tidy(units: f64) -> f64 {
     let whole = units.round();
-    if (units / whole - 1.0).abs() < 1e-9 { whole } else { units }
+    if (units / whole - 1.0).abs() < 1e-9 {
+        whole
+    } else {
+        units
+    }
 }
 
 /// The lens of `frame`, of its own keys or of those of the file.
@@ -186,8 +190,10 @@ mod tests {
             )
         };
         let frames = [frame(0), frame(1)].join(",");
-        let text = format!(r#"{{"fl_x": 140, "fl_y": 141, "cx": 80, "cy": 60, "w": 160, "h": 120, {keys}
-            "frames": [{frames}]}}"#);
+        let text = format!(
+            r#"{{"fl_x": 140, "fl_y": 141, "cx": 80, "cy": 60, "w": 160, "h": 120, {keys}
+            "frames": [{frames}]}}"#
+        );
         fs::write(folder.path().join(NAME), text).unwrap();
         folder
     }
