@@ -18,6 +18,10 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
     /// The same without the user's choice of the up axis.
     pub(in crate::app) guessed: Option<Arc<FirstLook>>,
+    /// The frame that was looked at first: its index and its content, as `PreparedFrame::id`.
+    pub(in crate::app) first: Option<(usize, u64)>,
+    /// The file of that frame has changed since, as it was half-written.
+    pub(in crate::app) is_outdated: bool,
     /// Frames beside the first one have been looked at, or there are none.
     pub(in crate::app) is_complete: bool,
     /// The view that followed from it.
@@ -40,6 +44,11 @@ impl SequenceLook {
     /// The first view, if `camera` still is where it put it.
     pub(in crate::app) fn untouched(&self, camera: &Camera) -> Option<FirstView> {
         self.view.filter(|view| view.camera == *camera)
+    }
+
+    /// Whether another content of the frame that was looked at first, whose file has changed, is `frame` with `id`.
+    pub(in crate::app) fn is_mended_by(&self, frame: usize, id: u64) -> bool {
+        self.is_outdated && self.first.is_some_and(|(index, known)| index == frame && known != id)
     }
 
     pub(in crate::app) fn is_empty(&self) -> bool {

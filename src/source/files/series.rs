@@ -5,7 +5,8 @@
 //! series of more than twice the files. Within the tier that stays, files whose names differ only in their numbers form
 //! a *series*. One series is the sequence, and few other files next to it are skipped. Two series of like size are two
 //! sequences (two persons, two cameras), which are never played one after the other: the caller is told the choices.
-//! Names that form no series are frames in the order of their names, as nothing speaks against it.
+//! Names that form no series are frames in the order of their names, which is said, unless they are those of different
+//! things, as `before` and `after` are (`kinds.rs`): those are choices too.
 
 use super::kinds;
 use super::names::{Minus, SplitName, is_folder_per_frame, telling_name};
