@@ -342,7 +342,8 @@ impl State {
     fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
         for &frame in &change.reread {
             self.thumbnails.forget_frame(frame);
-            self.notices.dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
+            self.notices
+                .dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
             self.looked.is_outdated |= self.looked.first.is_some_and(|(index, _)| index == frame);
         }
         if let Some(failure) = change.new_failure {

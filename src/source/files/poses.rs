@@ -18,6 +18,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Names of lists, the ones to prefer first.
 const LISTS: [&str; 22] = [
@@ -54,6 +55,8 @@ pub(super) struct FoundPoses {
     pub(super) assumption: Option<Assumption>,
     /// Lists and calibrations that were used.
     pub(super) used: Vec<PathBuf>,
+    /// Times of the frames, where those of the list are the only ones.
+    pub(super) times: Option<(Vec<Duration>, PathBuf)>,
     /// Sentences about lists that were not, and frames without a pose.
     pub(super) notes: Vec<String>,
 }
@@ -81,7 +84,8 @@ pub(super) fn place(
     };
     let poses = match given {
         Some(list) => {
-            let poses = read_list(list, entries).map_err(|reason| refused(list, reason))?;
+            let (poses, times) = read_list(list, entries).map_err(|reason| refused(list, reason))?;
+            found.times = times.map(|times| (times, list.to_owned()));
             Some(in_sensor_axes(poses, list, folders, &mut found.used))
         }
         None => find(entries, folders, &mut found),
@@ -143,7 +147,10 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
         .collect();
     for list in known.into_iter().chain(others) {
         match read_list(&list, entries) {
-            Ok(poses) => return Some(in_sensor_axes(poses, &list, folders, &mut found.used)),
+            Ok((poses, times)) => {
+                found.times = times.map(|times| (times, list.clone()));
+                return Some(in_sensor_axes(poses, &list, folders, &mut found.used));
+            }
             Err(reason) => found
                 .notes
                 .push(format!("{} is not used for poses: {reason}", list.display())),
@@ -235,8 +242,8 @@ fn lists_in(folder: &Path) -> Vec<PathBuf> {
     lists
 }
 
-/// The poses in the file `list` for each of `entries`.
-fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<Poses, String> {
+/// The poses in the file `list` for each of `entries`, and their times where the frames have none.
+fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<(Poses, Option<Vec<Duration>>), String> {
     let rows = || {
         let text = read_text(list).ok()?;
         let rows = number_lines(list, &text).ok()?;
@@ -255,13 +262,18 @@ fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<Poses, String> {
         Some(rows) => rows?,
         None => Trajectory::read(list).map_err(|error| error.to_string())?,
     };
-    for_entries(&poses, entries).ok_or_else(|| {
+    let times = poses
+        .stamps()
+        .filter(|_| entries.iter().all(|entry| entry.time.is_none()));
+    let times = times.filter(|times| times.len() == entries.len());
+    let poses = for_entries(&poses, entries).ok_or_else(|| {
         format!(
             "it does not have poses for the {} frames: one per frame, by number from 0, by name, or within 20 ms of \
              their times",
             entries.len()
         )
-    })
+    })?;
+    Ok((poses, times))
 }
 
 /// Rows of `x y z` with a quaternion whose order no header says.

@@ -64,6 +64,7 @@ pub(super) fn choose(files: Vec<PathBuf>) -> Result<Chosen, Vec<OpeningChoice>> 
     let total = files.len();
     let (files, faces) = without_faces(files);
     let (tier, mut skipped) = of_one_tier(files);
+    let has_faces_alone = skipped.is_empty() && !faces.is_empty();
     skipped.extend(faces);
     let (tier, duplicates) = of_one_format(tier);
     let copies = duplicates.len();
@@ -82,7 +83,10 @@ pub(super) fn choose(files: Vec<PathBuf>) -> Result<Chosen, Vec<OpeningChoice>> 
     }
     let assumption = (!skipped.is_empty()).then(|| {
         let value = format!("{} of {total} files, {}", frames.len(), pattern_of(&frames, &skipped));
-        if copies > 0 && odd_clouds == 0 {
+        if has_faces_alone && copies + odd_clouds == 0 {
+            let why = "an array of the faces of a mesh beside its vertices holds no points";
+            Assumption::new(Subject::Frames, value, why, Evidence::Convention)
+        } else if copies > 0 && odd_clouds == 0 {
             let why = "the others have the same names in another format";
             Assumption::new(Subject::Frames, value, why, Evidence::Convention)
         } else if odd_clouds > 0 {

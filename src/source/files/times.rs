@@ -51,8 +51,7 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
     if times.iter().all(Option::is_none)
         && let Some((listed, list)) = times_of_list(entries, folders, &mut found.notes)
     {
-        let why = format!("{} lists them", list.display());
-        found.assumption = Some(assumption(&listed, why, Evidence::File));
+        found.assumption = Some(self::listed(&listed, &list));
         found.used = Some(list);
         times = listed.into_iter().map(Some).collect();
     }
@@ -67,6 +66,11 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
         entry.time = time;
     }
     found
+}
+
+/// What is said of times that the file `list` has.
+pub(super) fn listed(times: &[Duration], list: &Path) -> Assumption {
+    assumption(times, format!("{} lists them", list.display()), Evidence::File)
 }
 
 fn assumption(times: &[Duration], why: String, evidence: Evidence) -> Assumption {

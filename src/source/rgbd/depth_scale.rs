@@ -84,16 +84,8 @@ impl DepthScale {
         let rooms: Vec<f64> = CHOSEN.into_iter().filter(|&other| depths.is_room(other)).collect();
         Some(match rooms.as_slice() {
             [] => said(usual, Evidence::Fallback, "the depths are those of no room"),
-            [only] => {
-                // Other units in use make a room as well: then the numbers do not tell.
-                let is_told = !KNOWN.iter().any(|other| other != only && depths.is_room(*other));
-                let evidence = if is_told {
-                    Evidence::Statistics
-                } else {
-                    Evidence::Fallback
-                };
-                said(*only, evidence, "of 1000 and 5000 it alone makes a room")
-            }
+            // Units that are in use, but rarer, may make a room as well: the numbers do not tell.
+            [only] => said(*only, Evidence::Fallback, "of 1000 and 5000 it alone makes a room"),
             [first, ..] => said(
                 *first,
                 Evidence::Fallback,
@@ -217,7 +209,7 @@ mod tests {
             assert_eq!(found(&fifths), (5000.0, Evidence::Statistics), "{near_m} to {far_m} m");
         }
         // Rendered depths are no multiples, but beyond what millimetres would make of a room.
-        assert_eq!(found(&wall(1.0, 4.0, 5000.0)), (5000.0, Evidence::Statistics));
+        assert_eq!(found(&wall(1.0, 4.0, 5000.0)), (5000.0, Evidence::Fallback));
     }
 
     #[test]
@@ -230,6 +222,9 @@ mod tests {
             "{line}"
         );
         assert!(line.contains("--depth-scale"), "{line}");
+        let kitti = DepthScale::of_numbers(&wall(1.4, 3.2, 256.0), 1000.0, Units::Unknown).unwrap();
+        let line = kitti.assumption().to_string();
+        assert!(line.contains("256 would make") && line.contains("fallback"), "{line}");
     }
 
     #[test]
@@ -240,7 +235,7 @@ mod tests {
         let millimetres = DepthScale::of_numbers(&wall(0.5, 2.0, 1000.0), 5000.0, usual).unwrap();
         assert_eq!(
             (millimetres.units_per_metre, millimetres.evidence),
-            (1000.0, Evidence::Statistics)
+            (1000.0, Evidence::Fallback)
         );
         let street = DepthScale::of_numbers(&wall(5.0, 60.0, 1000.0), 1000.0, usual).unwrap();
         assert_eq!(
@@ -256,5 +251,13 @@ mod tests {
         for (median, expected) in [(1.5, 1.0), (40.0, 1.0), (1500.0, 1000.0), (50_000.0, 1.0)] {
             assert_eq!(of(median).units_per_metre, expected, "{median}");
         }
+        assert_eq!(
+            (of(1.5).evidence, of(200.0).evidence),
+            (Evidence::Convention, Evidence::Fallback)
+        );
+        assert!(
+            of(200.0).why.contains("100 a metre would make that 2.00 m"),
+            "centimetres"
+        );
     }
 }

@@ -123,6 +123,19 @@ impl Trajectory {
         }
     }
 
+    /// The times of the poses, unless those are the numbers of frames from 0 or 1.
+    pub(in crate::source) fn stamps(&self) -> Option<Vec<Duration>> {
+        let Self::Stamped(poses) = self else { return None };
+        let times: Vec<Duration> = poses.iter().map(|(time, _)| *time).collect();
+        let count = |from: u64| {
+            (from..)
+                .zip(&times)
+                .all(|(number, time)| *time == Duration::from_secs(number))
+        };
+        let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
+        (grow && !count(0) && !count(1)).then_some(times)
+    }
+
     /// How many there are, those of a lost camera among them.
     pub(super) fn len(&self) -> usize {
         match self {
@@ -345,7 +358,9 @@ fn of_rows(lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, String> {
     }
     // Of a camera that was lost, some write what is no number into the last row too.
     let is_last = |row: &&[f64]| row[..3] == [0.0; 3] || row.iter().all(|number| !number.is_finite());
-    let are_whole = rows.len().is_multiple_of(4) && rows.iter().skip(3).step_by(4).all(is_last);
+    let is_by_columns = |rows: &[&[f64]]| rows.iter().map(|row| row[3]).eq([0.0, 0.0, 0.0, 1.0]);
+    let are_whole = rows.len().is_multiple_of(4)
+        && (rows.iter().skip(3).step_by(4).all(is_last) || rows.chunks(4).all(is_by_columns));
     let height = if are_whole { 4 } else { 3 };
     if !rows.len().is_multiple_of(height) {
         return Err(format!("{} rows are no matrices of 4 or 3 rows", rows.len()));

@@ -25,6 +25,10 @@ fn every_format_says_the_same_pose() {
         ("a.log", format!("0 0 1\n{rows}0 0 0 1\n")),
         ("rows.txt", format!("{rows}0 0 0 1\n{rows}0 0 0 1\n")),
         ("short.txt", rows.to_owned()),
+        (
+            "rows_of_columns.txt",
+            "0 1 0 0\n-1 0 0 0\n0 0 1 0\n1 2 3 1\n".to_owned(),
+        ),
         ("line.txt", format!("{}\n", rows.replace('\n', " "))),
         ("columns.txt", "0 1 0 0 -1 0 0 0 0 0 1 0 1 2 3 1\n".to_owned()),
         ("places.txt", format!("1 2 3 0 0 {half} {half}\n")),

@@ -56,7 +56,10 @@ fn a_usual_filter_that_drops_little_is_a_convention() {
     let sequence = open(folder.path(), 1, true);
     assert!(count(&sequence) < (WIDTH * HEIGHT) as usize);
     let said = said(&sequence);
-    assert!(said.lines().count() == 1 && said.contains("are applied") && said.contains("; convention"), "{said}");
+    assert!(
+        said.lines().count() == 1 && said.contains("are applied") && said.contains("; convention"),
+        "{said}"
+    );
 }
 
 #[test]

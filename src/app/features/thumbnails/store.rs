@@ -172,7 +172,10 @@ mod tests {
         assert_ne!(store.look(&ctx, 3), look);
         store.forget(3);
         store.forget(4);
-        assert_eq!([3, 4].map(|frame| store.look(&ctx, frame)), [ThumbnailState::Unknown; 2]);
+        assert_eq!(
+            [3, 4].map(|frame| store.look(&ctx, frame)),
+            [ThumbnailState::Unknown; 2]
+        );
         assert_eq!(store.bytes(), 0);
     }
 }

@@ -121,11 +121,11 @@ fn stack(folder: &Folder) -> Option<RgbdError> {
     let &[frames, height, width] = shape.as_slice() else {
         return None;
     };
-    (frames > 1).then(|| RgbdError::Image {
-        path: path.clone(),
+    (frames > 1).then(|| RgbdError::Options {
         reason: format!(
-            "it is a stack of {frames} depth images of {width} × {height} pixels, and one image per file is read: save \
-             them as depth/0000.npy and so on, the colours as rgb/0000.png"
+            "{} is a stack of {frames} depth images of {width} × {height} pixels, and one image per file is read: save \
+             them as depth/0000.npy and so on, the colours as rgb/0000.png",
+            path.display()
         ),
     })
 }

@@ -89,6 +89,19 @@ impl FoundRecording {
         let times: Vec<Option<Duration>> = self.frames.iter().map(|frame| frame.time).collect();
         let names: Vec<String> = self.frames.iter().map(FrameImages::name).collect();
         let poses = trajectory.poses_of(&times, &numbers, &names);
+        let stamps = trajectory
+            .stamps()
+            .filter(|stamps| !stamps.is_empty() && stamps.len() == self.frames.len());
+        if let Some(stamps) = stamps.filter(|_| times.iter().all(Option::is_none)) {
+            let span = stamps[stamps.len() - 1].saturating_sub(stamps[0]).as_secs_f64();
+            let value = format!("{span:.3} s for {} frames", stamps.len());
+            let why = "the list of poses has a time for each frame";
+            self.assumptions
+                .push(Assumption::new(Subject::FrameTimes, value, why, Evidence::File));
+            for (frame, time) in self.frames.iter_mut().zip(stamps) {
+                frame.time = Some(time);
+            }
+        }
         for (frame, pose) in self.frames.iter_mut().zip(poses) {
             frame.world_from_camera = pose;
         }
