@@ -38,28 +38,36 @@ impl Trajectory {
 
     /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
     pub(in crate::source) fn read(path: &Path) -> Result<Self, RgbdError> {
+        Ok(Self::read_and_tell(path)?.0)
+    }
+
+    /// The same, and whether an order of quaternions was taken that no header says: `qx qy qz qw`.
+    pub(super) fn read_and_tell(path: &Path) -> Result<(Self, bool), RgbdError> {
         let wrong = |reason: String| RgbdError::Trajectory {
             path: path.to_owned(),
             reason,
         };
         if has_extension(name_of(path), &["npy"]) {
-            return of_array(path, array(path)?);
+            let (shape, numbers) = array(path)?;
+            let is_of_places = shape.len() == 2 && shape[1] == 7;
+            return Ok((of_array(path, (shape, numbers))?, is_of_places));
         }
         if has_extension(name_of(path), &["npz"]) {
-            return of_arrays(path);
+            return Ok((of_arrays(path)?, false));
         }
         let text = read(path)?;
         if text.trim_start().starts_with(['{', '[']) && (has_extension(name_of(path), &["json"]) || is_json(&text)) {
-            return of_json(&text).map_err(wrong);
+            return Ok((of_json(&text).map_err(wrong)?, false));
         }
         if let Some(poses) = pose_table::of_text(path, &text)? {
-            return Ok(poses);
+            return Ok((poses, false));
         }
         let lines = number_lines(path, &text)?;
         let Some((_, first)) = lines.first() else {
             return Err(wrong("it has no numbers".to_owned()));
         };
-        match first.len() {
+        let has_quaternions = matches!(first.len(), 7 | 8);
+        let poses = match first.len() {
             7 => of_places(path, &lines),
             8 => of_tum(path, &text, &lines),
             3 => of_log(path, &lines),
@@ -69,7 +77,8 @@ impl Trajectory {
             }
             4 => of_rows(&lines).map_err(wrong),
             count => Err(wrong(format!("its first line has {count} numbers"))),
-        }
+        };
+        Ok((poses?, has_quaternions))
     }
 
     /// The poses of frames with these times and numbers in their names.

@@ -110,8 +110,8 @@ impl FoundRecording {
     /// Gives the frames the poses in the file at `path`. What is no trajectory is said and costs the poses, not the
     /// images. True if frames have poses by it.
     pub(super) fn take_trajectory(&mut self, path: &Path) -> bool {
-        match Trajectory::read(path) {
-            Ok(trajectory) => {
+        match Trajectory::read_and_tell(path) {
+            Ok((trajectory, takes_order)) => {
                 let is_inverse = names_inverse(name_of(path));
                 let trajectory_len = trajectory.len();
                 self.take_poses(&if is_inverse { trajectory.inverse() } else { trajectory });
@@ -129,7 +129,12 @@ impl FoundRecording {
                         self.frames.len()
                     ));
                 } else {
-                    self.assumptions.push(direction_of(name_of(path), name_of(path)));
+                    let mut said = direction_of(name_of(path), name_of(path));
+                    if takes_order {
+                        said.why
+                            .push_str("; no header says the order of its quaternions: qx qy qz qw, as most write them");
+                    }
+                    self.assumptions.push(said);
                 }
                 count > 0
             }
