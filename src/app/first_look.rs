@@ -46,9 +46,10 @@ impl SequenceLook {
         self.view.filter(|view| view.camera == *camera)
     }
 
-    /// Whether another content of the frame that was looked at first, whose file has changed, is `frame` with `id`.
+    /// Whether `frame` with the content `id` tells what the frame that was looked at first, whose file has changed since,
+    /// did not: its new content, or another frame.
     pub(in crate::app) fn is_mended_by(&self, frame: usize, id: u64) -> bool {
-        self.is_outdated && self.first.is_some_and(|(index, known)| index == frame && known != id)
+        self.is_outdated && self.first != Some((frame, id))
     }
 
     pub(in crate::app) fn is_empty(&self) -> bool {
@@ -65,4 +66,23 @@ impl SequenceLook {
 pub struct RefinedLook {
     pub(in crate::app) sequence: Weak<Sequence>,
     pub(in crate::app) look: FirstLook,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_at_a_half_written_frame_is_mended_by_its_new_content_or_another_frame() {
+        let mut look = SequenceLook {
+            first: Some((0, 7)),
+            ..SequenceLook::default()
+        };
+        assert!(
+            !look.is_mended_by(0, 8) && !look.is_mended_by(1, 9),
+            "its file is as it was"
+        );
+        look.is_outdated = true;
+        assert!(!look.is_mended_by(0, 7) && look.is_mended_by(0, 8) && look.is_mended_by(1, 9));
+    }
 }
