@@ -87,6 +87,9 @@ impl State {
         // A frame that is read anew, as it was half-written, moves no camera that somebody has moved.
         let is_chosen = !self.looked.is_empty() && self.looked.untouched(&self.camera).is_none();
         let camera = self.camera;
+        if self.looked.is_outdated {
+            self.thumbnails.redo();
+        }
         self.looked.first = Some((frame.index, frame.id));
         self.looked.is_outdated = false;
         self.take_look(Arc::new(look));
