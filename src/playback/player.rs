@@ -227,7 +227,12 @@ impl Player {
             return false;
         }
         self.known_changes += changed.len();
-        self.loader.forget(&changed);
+        if self.sequence.are_ranges_outdated() {
+            let all: Vec<usize> = (0..self.sequence.len()).collect();
+            self.loader.forget(&all);
+        } else {
+            self.loader.forget(&changed);
+        }
         self.told.retain(|frame| !changed.contains(frame));
         let is_changed = |failure: &Arc<FrameError>| changed.contains(&failure.index());
         if self.failure.as_ref().is_some_and(is_changed) {

@@ -5,7 +5,7 @@ use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
 use crate::assumption::{Assumption, Assumptions, Evidence, Subject};
-use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
+use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, ValueSample, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
@@ -298,6 +298,21 @@ impl Sequence {
         Some(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback))
     }
 
+    /// Points of frame `index` that tell the ranges of values of all.
+    fn sample_of(&self, index: usize, raw: &RawCloud, origin: DVec3) -> ValueSample {
+        let missing = MissingPoints::find(&raw.positions, self.no_data);
+        let mut sample = ValueSample::of_raw(raw, &missing.indices, origin);
+        for further in self.further_samples(index) {
+            sample.add_scalars_of(&further);
+        }
+        sample
+    }
+
+    /// Whether the ranges of values are those of a file that has changed since: all frames are to be prepared anew.
+    pub(crate) fn are_ranges_outdated(&self) -> bool {
+        self.origin.is_sample_outdated()
+    }
+
     /// [`Source::changed_since`]: frames that are to be read again.
     pub(crate) fn changed_since(&self, since: usize) -> Vec<usize> {
         let changed = self.source.changed_since(since);
@@ -350,10 +365,14 @@ impl Sequence {
         let start = Instant::now();
         let mut decoded = decoded;
         self.drop_missing(&mut decoded.cloud);
+        if matches!(detail, Detail::Full) && !decoded.cloud.positions.is_empty() {
+            self.origin
+                .renew_sample(index, || self.sample_of(index, &decoded.cloud, origin));
+        }
         let has_levels = decoded.level.is_some();
         let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
-            frame.share_sample(Arc::clone(sample));
+            frame.share_sample(sample);
         }
         Ok(LoadedFrame {
             frame,

@@ -109,7 +109,21 @@ pub(super) fn hexadecimal(names: &[String]) -> Option<Vec<u64>> {
         u64::from_str_radix(digits, 16).ok()
     };
     let numbers: Vec<u64> = names.iter().map(digits).collect::<Option<_>>()?;
-    let has = |is: fn(char) -> bool| names.iter().any(|name| name[prefix..].contains(is));
+    // Letters that all have, as `f000` and `f001`, are no digits.
+    let first_name = names.first()?;
+    let shared = |name: &String| {
+        first_name
+            .bytes()
+            .zip(name.bytes())
+            .take_while(|(one, other)| one == other)
+            .count()
+    };
+    let shared = names.iter().map(shared).min()?;
+    let has = |is: fn(char) -> bool| {
+        names
+            .iter()
+            .any(|name| name.get(shared..).is_some_and(|rest| rest.contains(is)))
+    };
     let has_both = has(|c| c.is_ascii_alphabetic()) && has(|c| c.is_ascii_digit());
     let (first, last) = (numbers.iter().min()?, numbers.iter().max()?);
     let is_close = last - first < 4 * numbers.len() as u64;
