@@ -1,6 +1,6 @@
 //! What names without a common number say: other things (`before`, `after`), levels of detail, or nothing.
 
-use super::names::{Minus, SplitName};
+use super::names::{Minus, SplitName, hexadecimal};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::natural::split_name;
 use std::collections::HashSet;
@@ -100,44 +100,6 @@ pub(super) fn without_order(frames: &[PathBuf]) -> Option<Assumption> {
     Some(Assumption::new(Subject::Frames, value, why, Evidence::Fallback))
 }
 
-/// The numbers that `names` are in hexadecimal digits, if some have letters, some digits, and they follow each other
-/// closely.
-pub(super) fn hexadecimal(names: &[String]) -> Option<Vec<u64>> {
-    let prefix = common_prefix(names);
-    let digits = |name: &String| -> Option<u64> {
-        let digits = name.get(prefix..).filter(|digits| digits.len() <= 15)?;
-        u64::from_str_radix(digits, 16).ok()
-    };
-    let numbers: Vec<u64> = names.iter().map(digits).collect::<Option<_>>()?;
-    // Letters that all have, as `f000` and `f001`, are no digits.
-    let first_name = names.first()?;
-    let shared = |name: &String| {
-        first_name
-            .bytes()
-            .zip(name.bytes())
-            .take_while(|(one, other)| one == other)
-            .count()
-    };
-    let shared = names.iter().map(shared).min()?;
-    let has = |is: fn(char) -> bool| {
-        names
-            .iter()
-            .any(|name| name.get(shared..).is_some_and(|rest| rest.contains(is)))
-    };
-    let has_both = has(|c| c.is_ascii_alphabetic()) && has(|c| c.is_ascii_digit());
-    let (first, last) = (numbers.iter().min()?, numbers.iter().max()?);
-    let is_close = last - first < 4 * numbers.len() as u64;
-    (has_both && is_close).then_some(numbers)
-}
-
-/// Bytes up to the last separator that all `names` begin with.
-fn common_prefix(names: &[String]) -> usize {
-    let Some(first) = names.first() else { return 0 };
-    let end = first.rfind(|c: char| !c.is_ascii_alphanumeric()).map_or(0, |at| at + 1);
-    let is_shared = first.is_char_boundary(end) && names.iter().all(|name| name.starts_with(&first[..end]));
-    if is_shared { end } else { 0 }
-}
-
 /// The words of a name in lower case: parts between separators, and parts that begin with a capital.
 fn words_of(stem: &str) -> HashSet<String> {
     let mut words = HashSet::new();
@@ -195,18 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn hexadecimal_names_are_numbers() {
-        let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
-        assert_eq!(hexadecimal(&names(&["9", "a", "10"])), Some(vec![9, 10, 16]));
-        assert_eq!(hexadecimal(&names(&["f_0e", "f_0f", "f_10"])), Some(vec![14, 15, 16]));
-        for other in [
-            &["a", "b", "c"][..],
-            &["7", "8", "10"],
-            &["e1", "f2", "c10"],
-            &["a1", "x2"],
-        ] {
-            assert_eq!(hexadecimal(&names(other)), None, "{other:?}");
-        }
+    fn the_order_of_hexadecimal_names_is_said() {
         let order = without_order(&paths(&["9.ply", "a.ply", "10.ply"])).unwrap();
         assert_eq!(order.evidence, Evidence::Statistics);
     }

@@ -384,6 +384,10 @@ fn of_folder(folder: &Path, entries: &[FrameEntry], by_name_alone: bool) -> Opti
     };
     // Text beside the first cloud that is no pose is something else beside all of them.
     let first = file_of(entries.first()?)?;
+    // Text that is a frame itself is no pose.
+    if *first == entries.first()?.path {
+        return None;
+    }
     read_pose(first).ok()?;
     let poses: Poses = entries
         .iter()

@@ -338,7 +338,7 @@ mod tests {
         assert_eq!(mended("0\n0.5\nfoo\n1.5\n2\n"), Some((expected.clone(), vec![3])));
         assert_eq!(mended("0\n0.5\n0.25\n1.5\n2\n").unwrap().1.len(), 1);
         assert_eq!(mended("0\n0.5\n9\n1.5\n2\n"), Some((expected.clone(), vec![3])));
-        assert_eq!(mended("foo\n0.5\n1\n1.5\n2\n"), Some((expected.clone(), vec![1])));
+        assert_eq!(mended("0x\n0.5\n1\n1.5\n2\n"), Some((expected.clone(), vec![1])));
         assert_eq!(mended("0\n0.5\n1\n1.5\nfoo\n"), Some((expected, vec![5])));
         assert_eq!(mended("2\n1.5\n1\n0.5\n0\n"), None);
     }

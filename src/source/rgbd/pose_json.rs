@@ -1,8 +1,7 @@
 //! Poses in JSON: the trajectories and graphs of Open3D, lists of matrices, matrices by the names of frames, and frames
 //! with a matrix each (`transforms.json`).
 
-use super::pose_table::key_of;
-use super::trajectory::{Trajectory, matrix, of_backward, rigid};
+use super::trajectory::{Trajectory, key_of, matrix, of_backward, rigid};
 use glam::{DAffine3, DMat4};
 use serde_json::Value;
 use std::collections::HashMap;

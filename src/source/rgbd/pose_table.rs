@@ -7,9 +7,8 @@
 
 use super::error::RgbdError;
 use super::text::number_lines;
-use super::trajectory::{Trajectory, matrix, pose_of, rigid};
+use super::trajectory::{Trajectory, key_of, matrix, pose_of, rigid};
 use crate::io::timestamps::time_of_number;
-use crate::natural::split_name;
 use glam::{DAffine3, DQuat, DVec3};
 use std::path::Path;
 use std::time::Duration;
@@ -296,17 +295,6 @@ fn of_names(text: &str) -> Option<Trajectory> {
         poses.push((key_of(name), pose));
     }
     (!poses.is_empty()).then(|| Trajectory::Named(poses.into_iter().collect()))
-}
-
-/// What names of one frame have in common: without folders and extension, in lower case.
-pub(in crate::source) fn key_of(name: &str) -> String {
-    let name = name.replace('\\', "/");
-    let is_extension = |extension: &str| extension.starts_with(|c: char| c.is_ascii_alphabetic());
-    let stem = match split_name(Path::new(&name)) {
-        (stem, extension) if is_extension(&extension) => stem.into_owned(),
-        _ => name.rsplit('/').next().unwrap_or_default().to_owned(),
-    };
-    stem.to_lowercase()
 }
 
 #[cfg(test)]

@@ -10,6 +10,9 @@ use crate::source::rgbd::folder::{has_extension, name_of};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The file of frames with their poses and lenses of nerfstudio and others.
+pub(super) const TRANSFORMS: &str = "transforms.json";
+
 /// Folders of cameras.
 const CAMERA_FOLDERS: &[&str] = &["intrinsic", "intrinsics", "camera", "calibration"];
 
@@ -221,7 +224,7 @@ pub(super) fn trajectories(folder: &Folder) -> Vec<PathBuf> {
     };
     // ICL-NUIM has those of its images by this extension.
     let freiburg = folder.files(|name| has_extension(name, &["freiburg"]));
-    let transforms = folder.files(|name| name == super::transforms::NAME);
+    let transforms = folder.files(|name| name == TRANSFORMS);
     let mut found: Vec<PathBuf> = Vec::new();
     for path in TRAJECTORIES
         .iter()

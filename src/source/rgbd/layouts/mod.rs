@@ -79,7 +79,7 @@ pub(super) fn is_likely(folder: &Folder) -> bool {
 /// Whether depth images in `folder` are told by `transforms.json`, or by other files next to it: else those are
 /// photographs.
 pub(super) fn has_depths_beside_transforms(folder: &Folder) -> bool {
-    if !folder.has_file(transforms::NAME) {
+    if !folder.has_file(beside::TRANSFORMS) {
         return false;
     }
     let has_images = |path: std::path::PathBuf| Folder::read(&path).is_ok_and(|depth| !depth.depth_images().is_empty());

@@ -10,7 +10,7 @@ use super::folders::{COLOR, DEPTH};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_name;
-use crate::source::rgbd::trajectory::read_pose;
+use crate::source::rgbd::pose_file::read_pose;
 use glam::DAffine3;
 
 pub(super) const LAYOUT: Layout = Layout { name: "ScanNet", find };

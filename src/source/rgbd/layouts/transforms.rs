@@ -6,7 +6,7 @@
 //! `depth_unit_scale_factor` or `integer_depth_scale` says otherwise, and metres in floats. Frames of several moments
 //! (`time`) are photographs of a film.
 
-use super::beside::Distinct;
+use super::beside::{Distinct, TRANSFORMS as NAME};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::rgbd::Distortion;
@@ -22,9 +22,6 @@ pub(super) const LAYOUT: Layout = Layout {
     name: "transforms.json with depth images",
     find,
 };
-
-/// The file of all frames.
-pub(super) const NAME: &str = "transforms.json";
 
 /// Units of whole numbers that are a metre, unless the file says otherwise.
 const UNITS_PER_METRE: f64 = 1000.0;

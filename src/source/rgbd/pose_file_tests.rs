@@ -1,5 +1,6 @@
 use super::*;
 use std::fs;
+use std::time::Duration;
 
 fn written(name: &str, text: &str) -> Result<Trajectory, RgbdError> {
     let folder = tempfile::tempdir().unwrap();
