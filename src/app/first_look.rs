@@ -46,8 +46,8 @@ impl SequenceLook {
         self.view.filter(|view| view.camera == *camera)
     }
 
-    /// Whether `frame` with the content `id` tells what the frame that was looked at first, whose file has changed since,
-    /// did not: its new content, or another frame.
+    /// Whether `frame` with the content `id` is to be looked at in place of the first one, whose file has changed: it
+    /// is another content of that, or another frame.
     pub(in crate::app) fn is_mended_by(&self, frame: usize, id: u64) -> bool {
         self.is_outdated && self.first != Some((frame, id))
     }
