@@ -289,7 +289,8 @@ impl Sequence {
     /// The frame rate of files whose times nothing says.
     fn assumed_fps(&self) -> Option<Assumption> {
         let is_file = |index| matches!(self.entry(index).content, FrameBytes::File(_));
-        let is_untold = self.len() > 1 && self.source.fps().is_none() && is_file(0);
+        let is_read = !self.source.inputs().is_empty();
+        let is_untold = is_read && self.len() > 1 && self.source.fps().is_none() && is_file(0);
         if !is_untold || self.stamped_pace().is_some() {
             return None;
         }
