@@ -18,6 +18,10 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
     /// The same without the user's choice of the up axis.
     pub(in crate::app) guessed: Option<Arc<FirstLook>>,
+    /// The frame that was looked at first: its index and its content, as `PreparedFrame::id`.
+    pub(in crate::app) first: Option<(usize, u64)>,
+    /// The file of that frame has changed since, as it was half-written.
+    pub(in crate::app) is_outdated: bool,
     /// Frames beside the first one have been looked at, or there are none.
     pub(in crate::app) is_complete: bool,
     /// The view that followed from it.
@@ -42,6 +46,12 @@ impl SequenceLook {
         self.view.filter(|view| view.camera == *camera)
     }
 
+    /// Whether `frame` with the content `id` is to be looked at in place of the first one, whose file has changed: it
+    /// is another content of that, or another frame.
+    pub(in crate::app) fn is_mended_by(&self, frame: usize, id: u64) -> bool {
+        self.is_outdated && self.first != Some((frame, id))
+    }
+
     pub(in crate::app) fn is_empty(&self) -> bool {
         self.look.is_none()
     }
@@ -56,4 +66,23 @@ impl SequenceLook {
 pub struct RefinedLook {
     pub(in crate::app) sequence: Weak<Sequence>,
     pub(in crate::app) look: FirstLook,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_at_a_half_written_frame_is_mended_by_its_new_content_or_another_frame() {
+        let mut look = SequenceLook {
+            first: Some((0, 7)),
+            ..SequenceLook::default()
+        };
+        assert!(
+            !look.is_mended_by(0, 8) && !look.is_mended_by(1, 9),
+            "its file is as it was"
+        );
+        look.is_outdated = true;
+        assert!(!look.is_mended_by(0, 7) && look.is_mended_by(0, 8) && look.is_mended_by(1, 9));
+    }
 }

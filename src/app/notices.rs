@@ -135,9 +135,21 @@ impl Notices {
 
     /// Forgets the message with this text, as it is true no longer; others that are listed with it stay.
     pub(in crate::app) fn dismiss_text(&mut self, text: &str) {
+        self.dismiss_where(|other| other == text);
+    }
+
+    /// Forgets messages that begin with `begin` and go on with a number and `next`: they are true no longer.
+    pub(in crate::app) fn dismiss_begun(&mut self, begin: &str, next: &str) {
+        self.dismiss_where(|text| {
+            let rest = text.strip_prefix(begin);
+            rest.is_some_and(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(next))
+        });
+    }
+
+    fn dismiss_where(&mut self, is_untrue: impl Fn(&str) -> bool) {
         self.notices.retain_mut(|notice| {
-            notice.others.retain(|other| other != text);
-            if notice.text != text {
+            notice.others.retain(|other| !is_untrue(other));
+            if !is_untrue(&notice.text) {
                 return true;
             }
             if notice.others.is_empty() {
@@ -175,6 +187,18 @@ impl Notices {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_said_of_a_frame_is_taken_back_when_it_is_read_anew() {
+        let mut notices = Notices::default();
+        notices.error("Frame 1 of 1 is left out. /a/f_0.ply is empty");
+        notices.error("Frame 11 of 12 is left out. /a/f_10.ply is empty");
+        notices.dismiss_begun("Frame 1 of ", " is left out.");
+        assert_eq!(notices.list().len(), 1);
+        assert!(notices.list()[0].text.starts_with("Frame 11"), "{:?}", notices.list());
+        notices.dismiss_begun("Frame 11 of ", " is left out.");
+        assert!(notices.list().is_empty());
+    }
 
     #[test]
     fn the_same_error_sixty_times_is_one_notice() {

@@ -5,6 +5,7 @@ use super::assumptions;
 use super::output::{answer, say};
 use super::progress::Bar;
 use super::warnings;
+use crate::assumption::Subject;
 use crate::check::{CheckReport, Severity, check};
 use crate::messages::by_kind;
 use anyhow::Context as _;
@@ -36,7 +37,7 @@ pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<Exit
     let bar = Bar::new(sequence.len());
     let report = check(&sequence, &|done| bar.set(done));
     bar.clear();
-    assumptions::print_guesses(&sequence, None, &[]);
+    assumptions::print_guesses(&sequence, None, &[Subject::FrameTimes]);
     if arguments.json {
         let json = serde_json::to_string_pretty(&report);
         answer(&json.context("the answer cannot be written as JSON")?);

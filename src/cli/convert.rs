@@ -7,6 +7,7 @@ use super::progress::Bar;
 use super::reel_arguments::ReelArgs;
 use super::reel_info::ReelInfo;
 use super::warnings;
+use crate::assumption::Subject;
 use crate::convert::{Conversion, Converted, Edit, MergePrice, Output, Shard, convert, join, parts_of};
 use crate::io::WriteFormat;
 use crate::messages::frame_with_index;
@@ -114,7 +115,10 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     cancel_at_interrupt(&progress);
     let converted = convert(&sequence, &conversion, &progress);
     bar.clear();
-    assumptions::print_guesses(&sequence, None, &[]);
+    // Files of one frame have no rate.
+    let rate_is_kept = matches!(conversion.output, Output::Reel(..));
+    let untouched: &[Subject] = if rate_is_kept { &[] } else { &[Subject::FrameTimes] };
+    assumptions::print_guesses(&sequence, None, untouched);
     tell(&converted?, &conversion, sequence.len())
 }
 

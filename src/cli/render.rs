@@ -120,7 +120,9 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     let primitive = chooses_primitive.then_some(Subject::Primitive);
     let up = sets_up.then_some(Subject::UpAxis);
     let colors = chooses_colors.then_some(Subject::Colors);
-    let chosen: Vec<Subject> = [primitive, up, colors].into_iter().flatten().collect();
+    // A picture has no rate.
+    let times = arguments.output.is_some().then_some(Subject::FrameTimes);
+    let chosen: Vec<Subject> = [primitive, up, colors, times].into_iter().flatten().collect();
     assumptions::print_guesses(headless.sequence(), Some(&look), &chosen);
     match failed.as_slice() {
         [] => Ok(()),

@@ -30,6 +30,10 @@ pub(super) struct RgbdArgs {
     #[arg(long, value_name = "FILE|none")]
     poses: Option<PathBuf>,
 
+    /// Poses lead from the world to the sensor, as extrinsics do
+    #[arg(long)]
+    invert_poses: bool,
+
     /// Frames A to B, both included, counted from 0, as one cloud, by their poses
     #[arg(long, value_name = "A..B")]
     merge_frames: Option<FrameRange>,
@@ -60,8 +64,10 @@ impl RgbdArgs {
             ("rgbd-filters", self.rgbd_filters.map(|filters| filters.to_string())),
         ];
         let given = given.into_iter();
+        let inverted = self.invert_poses.then(|| "--invert-poses".to_owned());
         given
             .filter_map(|(option, value)| Some(format!("--{option} {}", value?)))
+            .chain(inverted)
             .collect()
     }
 
@@ -75,6 +81,7 @@ impl RgbdArgs {
             intrinsics: self.intrinsics.clone(),
             depth_scale: self.depth_scale,
             poses: self.poses.clone(),
+            invert_poses: self.invert_poses,
             merge: self.merge_frames.map(|range| (range.first, range.last)),
             merge_edge_m: self.merge_cells,
             left_out: Vec::new(),

@@ -7,6 +7,7 @@
 mod arrays;
 mod pixels;
 
+pub(crate) use arrays::members_of_npz;
 use image::{DynamicImage, ImageReader, Limits};
 use pixels::{MOST_EDGE_PX, checked_bytes, checked_size};
 pub(crate) use pixels::{Raster, Samples};

@@ -7,6 +7,9 @@
 //!   digits alone may be a date, but a day is no time of a frame, and as well a counter.
 //! - seconds with a fraction, `1305031102.175304`: seven or more digits, a point, three to nine digits. Counters have
 //!   no fraction; versions (`v1.25`) and sizes (`0.5`) are shorter.
+//! - seconds and nanoseconds, `1583836591_182590976`: ten digits and nine.
+//! - a time of day, `12-59-58`: three numbers of two digits and no others, each a few minutes after the one before at
+//!   most.
 //! - 16 or 19 digits: micro- or nanoseconds since 1970, from 2001 on (a first digit that is not 0): counters are padded
 //!   to ten digits at most. Ten and thirteen digits (seconds, milliseconds) are left: padded counters and serial
 //!   numbers are as long.
@@ -22,12 +25,24 @@ use std::time::Duration;
 enum TimeNotation {
     Date,
     Seconds,
+    SecondsNanos,
     Digits(usize),
+    TimeOfDay,
 }
 
 impl TimeNotation {
-    const ALL: [Self; 4] = [Self::Date, Self::Seconds, Self::Digits(16), Self::Digits(19)];
+    const ALL: [Self; 6] = [
+        Self::Date,
+        Self::Seconds,
+        Self::SecondsNanos,
+        Self::Digits(16),
+        Self::Digits(19),
+        Self::TimeOfDay,
+    ];
 }
+
+/// Times of day are no times of frames that are further apart.
+const MOST_STEP: Duration = Duration::from_secs(300);
 
 /// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None`
 /// unless all are times that grow.
@@ -38,6 +53,9 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
             .map(|name| time_of_name(name, notation))
             .collect::<Option<_>>()?;
         let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
+        // Three counters of two digits grow by more than a few minutes somewhere.
+        let is_close = |pair: &[Duration]| pair[1] - pair[0] <= MOST_STEP;
+        let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
         // The name of a single file says when it was made, not what frame it is.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
     };
@@ -54,6 +72,20 @@ pub(crate) fn times_of_lines(text: &str) -> Option<Vec<Duration>> {
         Err(_) => date(&runs(line)),
     };
     text.trim_end().lines().map(time).collect()
+}
+
+/// The time that `text` is: seconds, a date, or whole nanoseconds, microseconds or milliseconds since 1970.
+pub(crate) fn time_of_number(text: &str) -> Option<Duration> {
+    let text = text.trim();
+    match text.parse::<u64>() {
+        Ok(integer) => Some(match text.len() {
+            18.. => Duration::from_nanos(integer),
+            15..18 => Duration::from_micros(integer),
+            12..15 => Duration::from_millis(integer),
+            _ => Duration::from_secs(integer),
+        }),
+        Err(_) => times_of_lines(text)?.first().copied(),
+    }
 }
 
 /// The time in `text`: a date with a time of day, or that alone, `13:02:25.964`. `None` of other words.
@@ -89,6 +121,8 @@ fn time_of_name(name: &str, notation: TimeNotation) -> Option<Duration> {
         match notation {
             TimeNotation::Date => date(runs),
             TimeNotation::Seconds => seconds(runs),
+            TimeNotation::SecondsNanos => seconds_nanos(runs),
+            TimeNotation::TimeOfDay => hours(runs),
             TimeNotation::Digits(count) => digits(runs, count),
         }
     })
@@ -209,6 +243,36 @@ fn seconds(runs: &[NumberRun<'_>]) -> Option<Duration> {
         && (3..=9).contains(&fraction.digits.len());
     let seconds = whole.digits.parse().ok()?;
     is_time.then(|| Some(Duration::new(seconds, fraction_nanos(fraction.digits)?)))?
+}
+
+/// Ten digits of seconds since 1970, from 2001 on, and nine of nanoseconds: `1583836591_182590976`, as ROS counts.
+fn seconds_nanos(runs: &[NumberRun<'_>]) -> Option<Duration> {
+    let [whole, nanos, ..] = runs else {
+        return None;
+    };
+    let is_time = whole.digits.len() == 10
+        && whole.digits.starts_with('1')
+        && matches!(whole.separator, Some('_' | '-' | '.'))
+        && nanos.digits.len() == 9;
+    let (seconds, nanos) = (whole.digits.parse().ok()?, nanos.digits.parse().ok()?);
+    is_time.then(|| Duration::new(seconds, nanos))
+}
+
+/// Hours, minutes and seconds of two digits each, and nothing else: `12-59-58`.
+fn hours(runs: &[NumberRun<'_>]) -> Option<Duration> {
+    let [hour, minute, second] = runs else { return None };
+    let is_pair = |run: &&NumberRun<'_>| run.digits.len() == 2;
+    let is_joined = hour.separator == minute.separator && matches!(hour.separator, Some('-' | '_' | '.'));
+    if ![hour, minute, second].iter().all(is_pair) || !is_joined {
+        return None;
+    }
+    let [hours, minutes, seconds]: [u64; 3] = [
+        hour.digits.parse().ok()?,
+        minute.digits.parse().ok()?,
+        second.digits.parse().ok()?,
+    ];
+    let is_in_range = hours < 24 && minutes < 60 && seconds < 60;
+    is_in_range.then(|| Duration::from_secs(3600 * hours + 60 * minutes + seconds))
 }
 
 fn digits(runs: &[NumberRun<'_>], count: usize) -> Option<Duration> {

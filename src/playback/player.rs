@@ -50,6 +50,8 @@ pub struct Player {
     attributes: FirstAttributes,
     /// Changes of files that were taken notice of.
     known_changes: usize,
+    /// Frames whose files changed since the last pass.
+    reread: Vec<usize>,
 }
 
 /// What [`Player::update`] changed.
@@ -66,6 +68,8 @@ pub struct PlayerChange {
     pub other_attributes: Option<String>,
     /// What could not be read of a frame that is shown for the first time.
     pub new_warnings: Vec<String>,
+    /// Frames whose files changed: what was said of them may be true no longer.
+    pub reread: Vec<usize>,
 }
 
 impl Player {
@@ -86,6 +90,7 @@ impl Player {
             shown: None,
             failure: None,
             told: HashSet::new(),
+            reread: Vec::new(),
             waiting_for: None,
             is_partial: false,
             play_on_arrival: play,
@@ -222,12 +227,18 @@ impl Player {
             return false;
         }
         self.known_changes += changed.len();
-        self.loader.forget(&changed);
+        if self.sequence.are_ranges_outdated() {
+            let all: Vec<usize> = (0..self.sequence.len()).collect();
+            self.loader.forget(&all);
+        } else {
+            self.loader.forget(&changed);
+        }
         self.told.retain(|frame| !changed.contains(frame));
         let is_changed = |failure: &Arc<FrameError>| changed.contains(&failure.index());
         if self.failure.as_ref().is_some_and(is_changed) {
             self.failure = None;
         }
+        self.reread.extend(changed);
         true
     }
 
@@ -337,6 +348,7 @@ impl Player {
         let mut change = PlayerChange {
             visible: has_grown,
             beyond_frame: has_grown,
+            reread: std::mem::take(&mut self.reread),
             ..PlayerChange::default()
         };
         let slot = self.loader.get(target, &needs);

@@ -4,13 +4,13 @@ use super::detail::Detail;
 use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
-use crate::assumption::{Assumption, Assumptions};
-use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
+use crate::assumption::{Assumption, Assumptions, Evidence, Subject};
+use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, ValueSample, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
 use crate::source::{
-    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameEntry, FrameList, OpenOptions,
+    self, DecodeFailure, DecodedFrame, DecodedLevel, Decoder, Example, FrameBytes, FrameEntry, FrameList, OpenOptions,
     SequenceError, Source,
 };
 use crate::stopwatch::milliseconds_since;
@@ -277,7 +277,41 @@ impl Sequence {
         let mut assumptions = Assumptions::default();
         assumptions.extend(self.source.assumptions());
         assumptions.extend(&lock(&self.assumptions).sorted());
-        assumptions.sorted()
+        let mut assumptions = assumptions.sorted();
+        match self.fps {
+            // What a person says is no assumption.
+            Some(_) => assumptions.retain(|assumption| assumption.subject != Subject::FrameTimes),
+            None => assumptions.extend(self.assumed_fps()),
+        }
+        assumptions
+    }
+
+    /// The frame rate of files whose times nothing says.
+    fn assumed_fps(&self) -> Option<Assumption> {
+        let is_file = |index| matches!(self.entry(index).content, FrameBytes::File(_));
+        let is_read = !self.source.inputs().is_empty();
+        let is_untold = is_read && self.len() > 1 && self.source.fps().is_none() && is_file(0);
+        if !is_untold || self.stamped_pace().is_some() {
+            return None;
+        }
+        let value = format!("{DEFAULT_FPS} frames per second");
+        let why = "nothing says when the frames were taken";
+        Some(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback))
+    }
+
+    /// Points of frame `index` that tell the ranges of values of all.
+    fn sample_of(&self, index: usize, raw: &RawCloud, origin: DVec3) -> ValueSample {
+        let missing = MissingPoints::find(&raw.positions, self.no_data);
+        let mut sample = ValueSample::of_raw(raw, &missing.indices, origin);
+        for further in self.further_samples(index) {
+            sample.add_scalars_of(&further);
+        }
+        sample
+    }
+
+    /// Whether the ranges of values are those of a file that has changed since: all frames are to be prepared anew.
+    pub(crate) fn are_ranges_outdated(&self) -> bool {
+        self.origin.is_sample_outdated()
     }
 
     /// [`Source::changed_since`]: frames that are to be read again.
@@ -332,10 +366,14 @@ impl Sequence {
         let start = Instant::now();
         let mut decoded = decoded;
         self.drop_missing(&mut decoded.cloud);
+        if matches!(detail, Detail::Full) && !decoded.cloud.positions.is_empty() {
+            self.origin
+                .renew_sample(index, || self.sample_of(index, &decoded.cloud, origin));
+        }
         let has_levels = decoded.level.is_some();
         let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
-            frame.share_sample(Arc::clone(sample));
+            frame.share_sample(sample);
         }
         Ok(LoadedFrame {
             frame,

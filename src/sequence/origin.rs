@@ -72,7 +72,16 @@ pub(super) struct OriginFinder {
     beside: OnceLock<Arc<dyn OriginFrames>>,
     kept: Mutex<BTreeMap<usize, Kept>>,
     /// Points of the frame that decided it.
-    sample: OnceLock<Arc<ValueSample>>,
+    sample: Mutex<SharedSample>,
+}
+
+/// Points of one frame that tell the ranges of values of all.
+#[derive(Default)]
+struct SharedSample {
+    /// With the index of the frame.
+    of: Option<(usize, Arc<ValueSample>)>,
+    /// The file of that frame has changed since, as it was half-written.
+    is_outdated: bool,
 }
 
 impl OriginFinder {
@@ -155,7 +164,7 @@ impl OriginFinder {
                             sample.add_scalars_of(&further);
                         }
                         let sample = Arc::new(sample);
-                        self.sample.get_or_init(|| sample);
+                        lock(&self.sample).of.get_or_insert((index, sample));
                     }
                     lock(&self.kept).insert(index, decoded);
                     return Some(Decided::ByFrame(origin));
@@ -174,6 +183,24 @@ impl OriginFinder {
     /// Forgets why frame `index` could not be read, or what was read of it.
     pub(super) fn forget(&self, index: usize) {
         lock(&self.kept).remove(&index);
+        let mut sample = lock(&self.sample);
+        sample.is_outdated |= sample.of.as_ref().is_some_and(|(decided, _)| *decided == index);
+    }
+
+    /// Whether the points of [`OriginFinder::sample`] are those of a file that has changed since.
+    pub(super) fn is_sample_outdated(&self) -> bool {
+        lock(&self.sample).is_outdated
+    }
+
+    /// Takes the points of frame `index` in place of outdated ones. The origin stays: frames are relative to it.
+    pub(super) fn renew_sample(&self, index: usize, sample: impl FnOnce() -> ValueSample) {
+        if !self.is_sample_outdated() {
+            return;
+        }
+        let renewed = Arc::new(sample());
+        let mut sample = lock(&self.sample);
+        sample.of = Some((index, renewed));
+        sample.is_outdated = false;
     }
 
     /// What is known of frame `index` since the origin was decided; a decoded frame is handed out once, errors stay.
@@ -186,8 +213,8 @@ impl OriginFinder {
     }
 
     /// Points of the frame that decided the origin; `None` before, and where no frame has a point.
-    pub(super) fn sample(&self) -> Option<&Arc<ValueSample>> {
-        self.sample.get()
+    pub(super) fn sample(&self) -> Option<Arc<ValueSample>> {
+        lock(&self.sample).of.as_ref().map(|(_, sample)| Arc::clone(sample))
     }
 
     pub(super) fn kept_bytes(&self) -> usize {
@@ -249,6 +276,24 @@ mod tests {
             origin_of_bounds(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(1.0, 2.0, 3.0)),
             DVec3::ZERO
         );
+    }
+
+    #[test]
+    fn points_of_a_half_written_frame_are_renewed() {
+        let sample = |z: f32| {
+            let raw = RawCloud::from_positions(Positions::F32(vec![[0.0, 0.0, z]]));
+            ValueSample::of_raw(&raw, &[], DVec3::ZERO)
+        };
+        let finder = OriginFinder::default();
+        lock(&finder.sample).of = Some((3, Arc::new(sample(1.0))));
+        finder.forget(2);
+        finder.renew_sample(4, || sample(2.0));
+        let height = || finder.sample().unwrap().positions[0].z;
+        assert!(!finder.is_sample_outdated() && height() == 1.0);
+        finder.forget(3);
+        assert!(finder.is_sample_outdated());
+        finder.renew_sample(4, || sample(2.0));
+        assert!(!finder.is_sample_outdated() && height() == 2.0);
     }
 
     #[test]

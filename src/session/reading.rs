@@ -79,6 +79,9 @@ pub struct Reading {
     /// A file with the poses of the camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poses: Option<PathBuf>,
+    /// Poses lead from the world to the camera.
+    #[serde(skip_serializing_if = "is_false")]
+    pub invert_poses: bool,
     /// Frames, both ends included, that become one cloud.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub merge_frames: Option<(usize, usize)>,
@@ -169,6 +172,7 @@ impl Reading {
             intrinsics: rgbd.intrinsics.clone(),
             depth_scale: rgbd.depth_scale,
             poses: rgbd.poses.clone(),
+            invert_poses: rgbd.invert_poses,
             merge_frames: rgbd.merge,
             merge_cells_m: rgbd.merge_edge_m,
         }
@@ -201,6 +205,7 @@ impl Reading {
                 intrinsics: given.intrinsics.clone().or_else(|| self.intrinsics.clone()),
                 depth_scale: given.depth_scale.or(self.depth_scale),
                 poses: given.poses.clone().or_else(|| self.poses.clone()),
+                invert_poses: given.invert_poses || self.invert_poses,
                 merge: given.merge.or(self.merge_frames),
                 merge_edge_m: given.merge_edge_m.or(self.merge_cells_m),
                 ..given.clone()

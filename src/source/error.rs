@@ -14,6 +14,11 @@ pub struct OpeningChoice {
 }
 
 /// Choices that a message names, one per line.
+/// Whether a choice is one file, and no pattern of several.
+fn is_one_file(choice: &OpeningChoice) -> bool {
+    choice.option.is_some() && !choice.label.ends_with(" files)")
+}
+
 fn listed(choices: &[OpeningChoice]) -> String {
     const NAMED_CHOICES: usize = 12;
     let line = |choice: &OpeningChoice| match &choice.option {
@@ -52,9 +57,10 @@ pub enum SequenceError {
     },
     /// A folder with several sequences.
     #[error(
-        "{} holds {} sequences, which are not played one after the other: choose one of{}",
+        "{} holds {} {}, which are not played one after the other: choose one of{}",
         path.display(),
         choices.len(),
+        if choices.iter().all(is_one_file) { "clouds of different things" } else { "sequences" },
         listed(choices)
     )]
     Several {

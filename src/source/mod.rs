@@ -94,7 +94,9 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
             _ => Err(SequenceError::NotAlone { path: reel.clone() }),
         };
     }
-    if let Some(photographs) = photo_sets::open(inputs, options)? {
+    if !rgbd::comes_before_photographs(inputs, options)
+        && let Some(photographs) = photo_sets::open(inputs, options)?
+    {
         return Ok(photographs);
     }
     if let Some(recording) = rgbd::open(inputs, options)? {

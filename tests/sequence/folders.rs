@@ -247,6 +247,18 @@ fn roots_of_recordings_have_times_and_poses() {
         ),
         ("poses_tum.txt", "10.0 0 0 0 0 0 0 1\n10.1 0 5 0 0 0 0 1\n"),
         ("traj.txt", "0 1 0 0 0 0 1 0 0 0 0 1 0\n1 1 0 0 0 0 1 0 5 0 0 1 0\n"),
+        (
+            "registered_poses.csv",
+            "#sec,nsec,x,y,z,qw,qx,qy,qz\n10,0,0,0,0,1,0,0,0\n10,100000000,0,5,0,1,0,0,0\n",
+        ),
+        (
+            "graph.g2o",
+            "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 0 5 0 0 0 0 1\n",
+        ),
+        (
+            "velodyne_poses.json",
+            r#"{"0.pcd": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1], "1.pcd": [1,0,0,0, 0,1,0,5, 0,0,1,0, 0,0,0,1]}"#,
+        ),
     ] {
         let slam = folder_of(&[("Scans/0.pcd", ""), ("Scans/1.pcd", ""), (list, text)]);
         let sequence = open(slam.path());

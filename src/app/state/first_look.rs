@@ -84,7 +84,18 @@ impl State {
         let Some(player) = &self.player else { return };
         let sequence = Arc::clone(player.sequence());
         let look = FirstLook::of_first(&frame.frame, &sequence);
+        // A frame that is read anew, as it was half-written, moves no camera that somebody has moved.
+        let is_chosen = !self.looked.is_empty() && self.looked.untouched(&self.camera).is_none();
+        let camera = self.camera;
+        if self.looked.is_outdated {
+            self.thumbnails.redo();
+        }
+        self.looked.first = Some((frame.index, frame.id));
+        self.looked.is_outdated = false;
         self.take_look(Arc::new(look));
+        if is_chosen {
+            self.camera = camera;
+        }
         if let Some(view) = self.options.view.take() {
             self.camera = view;
             self.looked.view = None;

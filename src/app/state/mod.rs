@@ -340,6 +340,12 @@ impl State {
 
     /// Says what is new about frames that were read, of `count`.
     fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
+        for &frame in &change.reread {
+            self.thumbnails.forget_frame(frame);
+            self.notices
+                .dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
+            self.looked.is_outdated |= self.looked.first.is_some_and(|(index, _)| index == frame);
+        }
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
             self.notices
@@ -361,7 +367,7 @@ impl State {
         if let Some(frame) = player.shown() {
             self.inspection.follow(Side::A, frame, player.sequence().origin());
             visible |= self.trails.follow(player, &self.inspection, &self.tasks);
-            if self.looked.is_empty() {
+            if self.looked.is_empty() || self.looked.is_mended_by(frame.index, frame.id) {
                 let frame = Arc::clone(frame);
                 self.look_first(&frame);
                 visible = true;

@@ -109,6 +109,14 @@ pub(super) const ROWS: &[Foreign] = &[
         ..ROW
     },
     Foreign {
+        name: "a scan of 3DTK (its pose is in the file .pose beside it)",
+        writer: "3DTK",
+        advice: "give copies of the files the extension .xyz, as they are text of x y z: their poses are not read, so \
+                 export registered scans from 3DTK where places matter",
+        extensions: &["3d"],
+        ..ROW
+    },
+    Foreign {
         name: "a Zoller + Fröhlich scan (ZFS)",
         writer: "Z+F scanners and LaserControl",
         advice: "export it from Z+F LaserControl or Scout as E57 or PTX",

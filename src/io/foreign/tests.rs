@@ -144,6 +144,7 @@ const BY_NAME: &[(&str, &str)] = &[
     ("scan.ptg", "PTG"),
     ("scan.lgs", "Leica"),
     ("scan.fls", "FARO"),
+    ("scan000.3d", "3DTK"),
     ("scan.zfs", "Zoller"),
     ("scan.rxp", "RIEGL"),
     ("scan.tzf", "Trimble"),

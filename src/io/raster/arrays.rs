@@ -132,6 +132,29 @@ fn samples(scalar: Option<Scalar>, numbers: impl Iterator<Item = f64>) -> Result
     }
 }
 
+/// The arrays in an archive with their names in lower case, no more than `most_bytes` of all.
+pub(crate) fn members_of_npz(bytes: &[u8], most_bytes: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let damaged = |error: &dyn std::fmt::Display| format!("the archive is damaged ({error})");
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+    let mut members = Vec::new();
+    let mut left = most_bytes;
+    for index in 0..archive.len() {
+        let member = archive.by_index(index).map_err(|error| damaged(&error))?;
+        let name = member.name().map_err(|error| damaged(&error))?.to_ascii_lowercase();
+        let Some(name) = name.strip_suffix(".npy").map(str::to_owned) else {
+            continue;
+        };
+        let mut unpacked = Vec::new();
+        member
+            .take(left)
+            .read_to_end(&mut unpacked)
+            .map_err(|error| damaged(&error))?;
+        left -= unpacked.len() as u64;
+        members.push((name, unpacked));
+    }
+    Ok(members)
+}
+
 /// The bytes of the array of depths in an archive, at most `most_bytes` of them.
 fn depths_in(bytes: &[u8], most_bytes: u64) -> Result<Vec<u8>, String> {
     let damaged = |error: &dyn std::fmt::Display| format!("the archive is damaged ({error})");

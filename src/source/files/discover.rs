@@ -240,7 +240,17 @@ impl Discovered {
             Vec::new()
         };
         let times = times::stamp(&mut self.entries, &folders);
-        let poses = poses::place(&mut self.entries, &folders, options.rgbd.poses.as_deref())?;
+        let poses = poses::place(
+            &mut self.entries,
+            &folders,
+            (options.rgbd.poses.as_deref(), options.rgbd.invert_poses),
+        )?;
+        if let Some((stamps, list)) = &poses.times {
+            for (entry, time) in self.entries.iter_mut().zip(stamps) {
+                entry.time = Some(*time);
+            }
+            self.assumptions.push(times::listed(stamps, list));
+        }
         let used: HashSet<&PathBuf> = times.used.iter().chain(&poses.used).collect();
         skipped.retain(|file| !used.contains(file));
         self.notes.extend(times.notes);

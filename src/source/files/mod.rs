@@ -5,6 +5,7 @@ mod companions;
 mod decode;
 mod discover;
 mod folder;
+mod kinds;
 mod looks;
 mod names;
 mod numbers;

@@ -43,6 +43,11 @@ pub(super) enum Minus {
 }
 
 impl NameNumber {
+    /// Whether it has a fraction or an exponent.
+    pub(super) fn is_decimal(&self) -> bool {
+        self.fraction.is_some() || self.has_exponent
+    }
+
     fn is_plain(&self) -> bool {
         self.fraction.is_none() && !self.has_exponent && !self.has_sign
     }
@@ -152,6 +157,15 @@ pub(super) fn is_folder_per_frame(files: &[PathBuf]) -> bool {
 /// Sorts `files`: by value if their names have decimals, naturally otherwise.
 pub(super) fn sort(files: &mut [PathBuf]) {
     files.sort_by(|left, right| natural_order(left, right));
+    let stems: Vec<String> = files.iter().map(|file| split_name(file).0.into_owned()).collect();
+    if let Some(numbers) = hexadecimal(&stems) {
+        let mut keyed: Vec<(u64, PathBuf)> = numbers.into_iter().zip(files.iter().cloned()).collect();
+        keyed.sort_by_key(|(number, _)| *number);
+        for (place, (_, file)) in files.iter_mut().zip(keyed) {
+            *place = file;
+        }
+        return;
+    }
     let Some(split) = decimals_of(files) else {
         return;
     };
@@ -190,6 +204,44 @@ pub(super) fn decimals_of(files: &[PathBuf]) -> Option<Vec<SplitName>> {
         same_length || fractions.iter().all(is_trimmed)
     });
     (has_decimals && are_decimals).then_some(split)
+}
+
+/// The numbers that `names` are in hexadecimal digits, if some have letters, some digits, and they follow each other
+/// closely.
+pub(super) fn hexadecimal(names: &[String]) -> Option<Vec<u64>> {
+    let prefix = common_prefix(names);
+    let digits = |name: &String| -> Option<u64> {
+        let digits = name.get(prefix..).filter(|digits| digits.len() <= 15)?;
+        u64::from_str_radix(digits, 16).ok()
+    };
+    let numbers: Vec<u64> = names.iter().map(digits).collect::<Option<_>>()?;
+    // Letters that all have, as `f000` and `f001`, are no digits.
+    let first_name = names.first()?;
+    let shared = |name: &String| {
+        first_name
+            .bytes()
+            .zip(name.bytes())
+            .take_while(|(one, other)| one == other)
+            .count()
+    };
+    let shared = names.iter().map(shared).min()?;
+    let has = |is: fn(char) -> bool| {
+        names
+            .iter()
+            .any(|name| name.get(shared..).is_some_and(|rest| rest.contains(is)))
+    };
+    let has_both = has(|c| c.is_ascii_alphabetic()) && has(|c| c.is_ascii_digit());
+    let (first, last) = (numbers.iter().min()?, numbers.iter().max()?);
+    let is_close = last - first < 4 * numbers.len() as u64;
+    (has_both && is_close).then_some(numbers)
+}
+
+/// Bytes up to the last separator that all `names` begin with.
+fn common_prefix(names: &[String]) -> usize {
+    let Some(first) = names.first() else { return 0 };
+    let end = first.rfind(|c: char| !c.is_ascii_alphanumeric()).map_or(0, |at| at + 1);
+    let is_shared = first.is_char_boundary(end) && names.iter().all(|name| name.starts_with(&first[..end]));
+    if is_shared { end } else { 0 }
 }
 
 #[cfg(test)]
@@ -259,5 +311,20 @@ mod tests {
         }
         assert_eq!(letters("20121214T142255.814"), "t");
         assert_eq!(letters("003"), "");
+    }
+
+    #[test]
+    fn hexadecimal_names_are_numbers() {
+        let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+        assert_eq!(hexadecimal(&names(&["9", "a", "10"])), Some(vec![9, 10, 16]));
+        assert_eq!(hexadecimal(&names(&["f_0e", "f_0f", "f_10"])), Some(vec![14, 15, 16]));
+        for other in [
+            &["a", "b", "c"][..],
+            &["7", "8", "10"],
+            &["e1", "f2", "c10"],
+            &["a1", "x2"],
+        ] {
+            assert_eq!(hexadecimal(&names(other)), None, "{other:?}");
+        }
     }
 }

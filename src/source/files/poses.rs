@@ -10,13 +10,15 @@
 use super::registered::are_registered;
 use super::{nuscenes, oxts};
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::natural::{natural_order, split_name};
 use crate::source::FrameEntry;
-use crate::source::rgbd::{Trajectory, matrix, number_lines, read_pose, read_text, rigid};
+use crate::source::rgbd::{INVERT_POSES, Trajectory, last_number, matrix, number_lines, read_pose, read_text, rigid};
 use crate::source::{NO_POSES, SequenceError};
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Names of lists, the ones to prefer first.
 const LISTS: [&str; 22] = [
@@ -45,7 +47,7 @@ const LISTS: [&str; 22] = [
 ];
 
 /// Folders with a file of a pose per frame.
-const FOLDERS: [&str; 3] = ["poses", "pose", "Poses"];
+const FOLDERS: [&str; 6] = ["poses", "pose", "Poses", "Pose", "odom", "trajectory"];
 
 /// Poses of frames, and what was found out about lists of them.
 #[derive(Debug, Default)]
@@ -53,6 +55,8 @@ pub(super) struct FoundPoses {
     pub(super) assumption: Option<Assumption>,
     /// Lists and calibrations that were used.
     pub(super) used: Vec<PathBuf>,
+    /// Times of the frames, where those of the list are the only ones.
+    pub(super) times: Option<(Vec<Duration>, PathBuf)>,
     /// Sentences about lists that were not, and frames without a pose.
     pub(super) notes: Vec<String>,
 }
@@ -68,7 +72,7 @@ type Poses = Vec<Option<DAffine3>>;
 pub(super) fn place(
     entries: &mut [FrameEntry],
     folders: &[PathBuf],
-    given: Option<&Path>,
+    (given, inverted): (Option<&Path>, bool),
 ) -> Result<FoundPoses, SequenceError> {
     let mut found = FoundPoses::default();
     if given == Some(Path::new(NO_POSES)) || entries.is_empty() {
@@ -80,7 +84,8 @@ pub(super) fn place(
     };
     let poses = match given {
         Some(list) => {
-            let poses = read_list(list, entries).map_err(|reason| refused(list, reason))?;
+            let (poses, times) = read_list(list, entries).map_err(|reason| refused(list, reason))?;
+            found.times = times.map(|times| (times, list.to_owned()));
             Some(in_sensor_axes(poses, list, folders, &mut found.used))
         }
         None => find(entries, folders, &mut found),
@@ -107,11 +112,19 @@ pub(super) fn place(
         ));
     }
     for (entry, pose) in entries.iter_mut().zip(&poses) {
-        entry.pose = *pose;
+        entry.pose = if inverted {
+            pose.map(|pose| pose.inverse())
+        } else {
+            *pose
+        };
+    }
+    // What a person says is no assumption.
+    if given.is_some() {
+        return Ok(found);
     }
     let value = format!("{} of {} frames", poses.len() - lost, entries.len());
-    let assumption = Assumption::new(Subject::Poses, value, why, Evidence::File);
-    found.assumption = Some(assumption.with_option(Some("--poses")));
+    let why = format!("{why}; sensor to world, {INVERT_POSES} says the opposite");
+    found.assumption = Some(Assumption::new(Subject::Poses, value, why, Evidence::File));
     Ok(found)
 }
 
@@ -127,18 +140,37 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
         let name = folder.file_name()?.to_str()?;
         Some(folder.parent()?.parent()?.join("poses").join(format!("{name}.txt")))
     });
-    for list in lists.chain(above).filter(|list| list.is_file()) {
+    let known: Vec<PathBuf> = lists.chain(above).filter(|list| list.is_file()).collect();
+    let others = folders.iter().flat_map(|folder| lists_in(folder));
+    let others: Vec<PathBuf> = others
+        .filter(|list| !known.contains(list) && entries.iter().all(|entry| entry.path != *list))
+        .collect();
+    for list in known.into_iter().chain(others) {
         match read_list(&list, entries) {
-            Ok(poses) => return Some(in_sensor_axes(poses, &list, folders, &mut found.used)),
+            Ok((poses, times)) => {
+                found.times = times.map(|times| (times, list.clone()));
+                return Some(in_sensor_axes(poses, &list, folders, &mut found.used));
+            }
             Err(reason) => found
                 .notes
                 .push(format!("{} is not used for poses: {reason}", list.display())),
         }
     }
     for folder in folders.iter().flat_map(|folder| FOLDERS.map(|name| folder.join(name))) {
-        if let Some(poses) = of_folder(&folder, entries) {
+        if let Some(poses) = of_folder(&folder, entries, false) {
             return Some((poses, folder.display().to_string()));
         }
+    }
+    // `000000.txt` beside `000000.pcd`.
+    if let Some(folder) = folders.first()
+        && let Some(poses) = of_folder(folder, entries, true)
+    {
+        let own = entries.iter().map(|entry| entry.path.with_extension("txt"));
+        found.used.extend(own);
+        return Some((
+            poses,
+            format!("the text of the same name beside each file in {}", folder.display()),
+        ));
     }
     for folder in folders {
         if let Some((poses, tables)) = nuscenes::poses(folder, entries) {
@@ -189,27 +221,62 @@ fn camera_from_lidar(calibration: &Path) -> Option<DAffine3> {
     })
 }
 
-/// The poses in the file `list` for each of `entries`.
-fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<Poses, String> {
+/// Files in `folder` whose names say that they are poses.
+fn lists_in(folder: &Path) -> Vec<PathBuf> {
+    const WORDS: [&str; 5] = ["pose", "traj", "odom", "groundtruth", "ground_truth"];
+    const EXTENSIONS: [&str; 8] = ["txt", "csv", "tum", "json", "npy", "npz", "log", "g2o"];
+    let is_list = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let is_named = extension == "g2o" || WORDS.iter().any(|word| name.contains(word));
+        is_named && EXTENSIONS.contains(&extension) && path.is_file()
+    };
+    let mut lists: Vec<PathBuf> = fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(is_list)
+        .collect();
+    lists.sort_by(|left, right| natural_order(left, right));
+    lists
+}
+
+/// The poses in the file `list` for each of `entries`, and their times where the frames have none.
+fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<(Poses, Option<Vec<Duration>>), String> {
     let rows = || {
         let text = read_text(list).ok()?;
         let rows = number_lines(list, &text).ok()?;
         Some(rows.into_iter().map(|(_, row)| row).collect::<Vec<_>>())
     };
-    let poses = match rows().and_then(|rows| of_rows(&rows)) {
+    let is_text = list
+        .extension()
+        .is_some_and(|extension| extension != "npy" && extension != "npz");
+    let has_names = || read_text(list).is_ok_and(|text| text.contains(|c: char| matches!(c, 'q' | 'Q' | '{')));
+    let plain = if is_text && !has_names() {
+        rows().and_then(|rows| of_rows(&rows))
+    } else {
+        None
+    };
+    let poses = match plain {
         Some(rows) => rows?,
         None => Trajectory::read(list).map_err(|error| error.to_string())?,
     };
-    for_entries(&poses, entries).ok_or_else(|| {
+    let times = poses
+        .stamps()
+        .filter(|_| entries.iter().all(|entry| entry.time.is_none()));
+    let times = times.filter(|times| times.len() == entries.len());
+    let poses = for_entries(&poses, entries).ok_or_else(|| {
         format!(
-            "it does not have poses for the {} frames: one per frame, by number from 0, or within 20 ms of their times",
+            "it does not have poses for the {} frames: one per frame, by number from 0, by name, or within 20 ms of \
+             their times",
             entries.len()
         )
-    })
+    })?;
+    Ok((poses, times))
 }
 
-/// Rows that [`Trajectory`] does not know: `x y z` with a quaternion, and matrices behind the number of their frame
-/// (KITTI-360).
+/// Rows of `x y z` with a quaternion whose order no header says.
 fn of_rows(rows: &[Vec<f64>]) -> Option<Result<Trajectory, String>> {
     let width = rows.first()?.len();
     if !rows.iter().all(|row| row.len() == width) {
@@ -217,10 +284,6 @@ fn of_rows(rows: &[Vec<f64>]) -> Option<Result<Trajectory, String>> {
     }
     match width {
         7 => Some(of_quaternions(rows)),
-        13 | 17 => {
-            let pose = |row: &Vec<f64>| (row[0] as usize, rigid(matrix(&row[1..])));
-            Some(Ok(Trajectory::Numbered(rows.iter().map(pose).collect())))
-        }
         _ => None,
     }
 }
@@ -257,42 +320,80 @@ fn of_quaternions(rows: &[Vec<f64>]) -> Result<Trajectory, String> {
 /// The pose of each of `entries`; `None` if less than half have one.
 fn for_entries(trajectory: &Trajectory, entries: &[FrameEntry]) -> Option<Poses> {
     let is_enough = |poses: &Poses| 2 * poses.iter().flatten().count() >= poses.len();
-    if let Trajectory::Numbered(listed) = trajectory {
-        // Frames of a part of a recording have the lines of their numbers.
-        let by_number = |entry: &FrameEntry| trajectory.pose(usize::try_from(entry.number?).ok()?, None);
-        let has_number = |entry: &FrameEntry| {
-            let number = entry.number.and_then(|number| usize::try_from(number).ok());
-            number.is_some_and(|number| listed.contains_key(&number))
-        };
-        if entries.iter().all(has_number) {
-            return Some(entries.iter().map(by_number).collect()).filter(is_enough);
-        }
-        let in_order = || (0..entries.len()).map(|index| trajectory.pose(index, None)).collect();
-        return (listed.len() == entries.len()).then(in_order).filter(is_enough);
-    }
-    let by_time: Poses = entries.iter().map(|entry| trajectory.pose(0, entry.time)).collect();
-    if is_enough(&by_time) {
-        return Some(by_time);
-    }
     match trajectory {
-        Trajectory::Stamped(poses) if poses.len() == entries.len() => {
-            Some(poses.iter().map(|(_, pose)| *pose).collect()).filter(is_enough)
+        Trajectory::Numbered(listed) => {
+            // Frames of a part of a recording have the lines of their numbers.
+            let by_number = |entry: &FrameEntry| trajectory.pose(usize::try_from(entry.number?).ok()?, None);
+            let has_number = |entry: &FrameEntry| {
+                let number = entry.number.and_then(|number| usize::try_from(number).ok());
+                number.is_some_and(|number| listed.contains_key(&number))
+            };
+            let numbered = entries.iter().filter(|entry| has_number(entry)).count();
+            // A list that ends before the frames do has no pose for the last ones.
+            let is_short = listed.len() < entries.len() && entries.first().and_then(|entry| entry.number) == Some(0);
+            if numbered == entries.len() || (is_short && 2 * numbered >= entries.len()) {
+                return Some(entries.iter().map(by_number).collect()).filter(is_enough);
+            }
+            let in_order = || (0..entries.len()).map(|index| trajectory.pose(index, None)).collect();
+            (listed.len() == entries.len()).then(in_order).filter(is_enough)
         }
-        _ => None,
+        Trajectory::Named(_) => {
+            let times = vec![None; entries.len()];
+            let numbers = entries.iter().map(|entry| usize::try_from(entry.number?).ok());
+            let names = entries.iter().map(|entry| entry.path.display().to_string());
+            let numbers: Vec<Option<usize>> = numbers.collect();
+            let names: Vec<String> = names.collect();
+            Some(trajectory.poses_of(&times, &numbers, &names)).filter(is_enough)
+        }
+        Trajectory::Stamped(listed) => {
+            let by_time: Poses = entries.iter().map(|entry| trajectory.pose(0, entry.time)).collect();
+            if is_enough(&by_time) {
+                return Some(by_time);
+            }
+            (listed.len() == entries.len())
+                .then(|| listed.iter().map(|(_, pose)| *pose).collect())
+                .filter(is_enough)
+        }
     }
 }
 
-/// Files of one pose in `folder`, named as the frames are.
-fn of_folder(folder: &Path, entries: &[FrameEntry]) -> Option<Poses> {
-    if !folder.is_dir() {
+/// Files of one pose in `folder`, named as the frames are, or by the same numbers unless the names have to be the same.
+fn of_folder(folder: &Path, entries: &[FrameEntry], by_name_alone: bool) -> Option<Poses> {
+    let stem_of = |path: &Path| split_name(path).0.into_owned();
+    let mut by_stem: HashMap<String, PathBuf> = HashMap::new();
+    for file in fs::read_dir(folder).ok()?.flatten() {
+        let path = file.path();
+        let is_pose = path.extension().is_some_and(|extension| {
+            extension == "txt" || (!by_name_alone && (extension == "npy" || extension == "odom"))
+        });
+        if is_pose {
+            by_stem.insert(stem_of(&path), path);
+        }
+    }
+    let numbered = by_stem
+        .iter()
+        .filter_map(|(stem, path)| Some((last_number(stem)?, path)));
+    let by_number: HashMap<usize, &PathBuf> = numbered.collect();
+    let is_numbered = !by_name_alone && by_number.len() == by_stem.len();
+    let file_of = |entry: &FrameEntry| {
+        let stem = stem_of(&entry.path);
+        let numbered = || by_number.get(&last_number(&stem)?).copied();
+        by_stem
+            .get(&stem)
+            .or_else(|| if is_numbered { numbered() } else { None })
+    };
+    // Text beside the first cloud that is no pose is something else beside all of them.
+    let first = file_of(entries.first()?)?;
+    // Text that is a frame itself is no pose.
+    if *first == entries.first()?.path {
         return None;
     }
-    let pose = |entry: &FrameEntry| {
-        let stem = entry.path.file_stem()?;
-        let path = folder.join(stem).with_extension("txt");
-        path.is_file().then(|| read_pose(&path).ok().flatten())
-    };
-    entries.iter().map(pose).collect()
+    read_pose(first).ok()?;
+    let poses: Poses = entries
+        .iter()
+        .map(|entry| read_pose(file_of(entry)?).ok().flatten())
+        .collect();
+    (2 * poses.iter().flatten().count() >= poses.len()).then_some(poses)
 }
 
 /// Poses in files `data` next to `cloud.pcd`, as `hdl_graph_slam` dumps its key frames: `estimate` and a matrix.

@@ -5,8 +5,10 @@
 //! series of more than twice the files. Within the tier that stays, files whose names differ only in their numbers form
 //! a *series*. One series is the sequence, and few other files next to it are skipped. Two series of like size are two
 //! sequences (two persons, two cameras), which are never played one after the other: the caller is told the choices.
-//! Names that form no series are frames in the order of their names, as nothing speaks against it.
+//! Names that form no series are frames in the order of their names, which is said, unless they are those of different
+//! things, as `before` and `after` are (`kinds.rs`): those are choices too.
 
+use super::kinds;
 use super::names::{Minus, SplitName, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::natural::{natural_order, split_name};
@@ -60,17 +62,34 @@ pub(super) struct Chosen {
 /// The series, if there are several.
 pub(super) fn choose(files: Vec<PathBuf>) -> Result<Chosen, Vec<OpeningChoice>> {
     let total = files.len();
+    let (files, faces) = without_faces(files);
     let (tier, mut skipped) = of_one_tier(files);
+    let has_faces_alone = skipped.is_empty() && !faces.is_empty();
+    skipped.extend(faces);
     let (tier, duplicates) = of_one_format(tier);
-    let skipped_clouds_before = duplicates.len();
+    let copies = duplicates.len();
     skipped.extend(duplicates);
     let (frames, odd) = of_one_series(tier)?;
-    let skipped_clouds = skipped_clouds_before + odd.len();
+    let odd_clouds = odd.len();
     skipped.extend(odd);
     skipped.sort_by(|left, right| natural_order(left, right));
+    if skipped.is_empty() {
+        let assumption = kinds::without_order(&frames);
+        return Ok(Chosen {
+            frames,
+            skipped,
+            assumption,
+        });
+    }
     let assumption = (!skipped.is_empty()).then(|| {
         let value = format!("{} of {total} files, {}", frames.len(), pattern_of(&frames, &skipped));
-        if skipped_clouds > 0 {
+        if has_faces_alone && copies + odd_clouds == 0 {
+            let why = "an array of the faces of a mesh beside its vertices holds no points";
+            Assumption::new(Subject::Frames, value, why, Evidence::Convention)
+        } else if copies > 0 && odd_clouds == 0 {
+            let why = "the others have the same names in another format";
+            Assumption::new(Subject::Frames, value, why, Evidence::Convention)
+        } else if odd_clouds > 0 {
             let why = "most files have such names";
             Assumption::new(Subject::Frames, value, why, Evidence::Statistics)
         } else {
@@ -177,7 +196,9 @@ fn of_one_format(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     };
     let is_copy = |(name, others): &(&String, &HashSet<(PathBuf, String)>)| {
         let shared = others.intersection(stems).count();
-        *name != kept && shared > 1 && 2 * shared > others.len()
+        // One file in two formats is one scan.
+        let is_one_scan = shared == 1 && stems.len() == 1 && others.len() == 1;
+        *name != kept && (is_one_scan || (shared > 1 && 2 * shared > others.len()))
     };
     let copies: HashSet<&String> = by_extension.iter().filter(is_copy).map(|(name, _)| name).collect();
     files.into_iter().partition(|file| !copies.contains(&extension(file)))
@@ -201,8 +222,11 @@ fn of_one_series(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Ve
             .then_with(|| natural_order(&left[0], &right[0]))
     });
     let Some(largest) = series.first().map(Vec::len) else {
-        return Ok((files, Vec::new()));
+        return alone(files);
     };
+    if series.len() == 1 && singles.is_empty() && kinds::are_levels(&series[0]) {
+        return alone(files);
+    }
     let in_series: usize = series.iter().map(Vec::len).sum();
     if in_series < MIN_SERIES_PER_SINGLE * singles.len() || series.len() > MAX_SERIES {
         return Ok((files, Vec::new()));
@@ -215,6 +239,39 @@ fn of_one_series(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Ve
     let frames = series.swap_remove(0);
     let skipped = series.into_iter().flatten().chain(singles).collect();
     Ok((frames, skipped))
+}
+
+/// Files that are no series: a question where their names say that they are different things.
+fn alone(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Vec<OpeningChoice>> {
+    let is_question = files.len() > 1 && files.len() <= MAX_SERIES;
+    if !is_question || !(kinds::are_different_things(&files) || kinds::are_levels(&files)) {
+        return Ok((files, Vec::new()));
+    }
+    let choices = files.iter().map(|file| choice_of(std::slice::from_ref(file), &files));
+    Err(choices.collect())
+}
+
+/// The files, and apart from them arrays of the faces of a mesh whose vertices are beside them.
+fn without_faces(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
+    const VERTICES: [&str; 7] = ["v", "verts", "vertices", "points", "xyz", "coords", "positions"];
+    const FACES: [&str; 9] = [
+        "f",
+        "faces",
+        "face",
+        "triangles",
+        "tris",
+        "edges",
+        "cells",
+        "elements",
+        "weights",
+    ];
+    let is_named = |file: &PathBuf, names: &[&str]| {
+        Tier::of(file) == Tier::Arrays && names.contains(&split_name(file).0.to_lowercase().as_str())
+    };
+    if !files.iter().any(|file| is_named(file, &VERTICES)) {
+        return (files, Vec::new());
+    }
+    files.into_iter().partition(|file| !is_named(file, &FACES))
 }
 
 /// Files with numbers whose names have the same letters, and each of the others alone.
@@ -311,7 +368,10 @@ fn choice_of(series: &[PathBuf], all: &[PathBuf]) -> OpeningChoice {
         format!("{}/*", glob::Pattern::escape(&above.to_string_lossy()))
     };
     OpeningChoice {
-        label: format!("{pattern} ({} files)", series.len()),
+        label: match series {
+            [one] => one.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            _ => format!("{pattern} ({} files)", series.len()),
+        },
         option: Some(format!("--only '{pattern}'")),
         input: Path::new(&escaped).join(&pattern),
     }
@@ -336,10 +396,14 @@ pub(super) fn pattern_of(files: &[PathBuf], others: &[PathBuf]) -> String {
         format!("*{suffix}"),
         format!("{prefix}[0-9]*{suffix}"),
         format!("{prefix}*{suffix}"),
+        format!("{prefix}*[0-9]{suffix}"),
+        format!("{prefix}[!a-zA-Z]*[0-9]{suffix}"),
     ];
     let separates = |pattern: &&String| {
         let parsed = glob::Pattern::new(pattern);
-        parsed.is_ok_and(|parsed| !others.iter().any(|other| parsed.matches(other)))
+        parsed.is_ok_and(|parsed| {
+            names.iter().all(|name| parsed.matches(name)) && !others.iter().any(|other| parsed.matches(other))
+        })
     };
     let found = candidates.iter().find(separates);
     found.unwrap_or(&candidates[3]).clone()

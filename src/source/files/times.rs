@@ -3,8 +3,9 @@
 
 use super::names::{decimals_of, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::io::timestamps::{times_of_lines, times_of_names};
+use crate::io::timestamps::{time_of_number, times_of_names};
 use crate::source::FrameEntry;
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -42,11 +43,15 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut times = times_of_names(&names);
+    let named: Vec<Duration> = times.iter().copied().flatten().collect();
+    if !named.is_empty() {
+        let why = "the file names are times".to_owned();
+        found.assumption = Some(assumption(&named, why, Evidence::Convention));
+    }
     if times.iter().all(Option::is_none)
         && let Some((listed, list)) = times_of_list(entries, folders, &mut found.notes)
     {
-        let why = format!("{} lists them", list.display());
-        found.assumption = Some(assumption(&listed, why, Evidence::File));
+        found.assumption = Some(self::listed(&listed, &list));
         found.used = Some(list);
         times = listed.into_iter().map(Some).collect();
     }
@@ -61,6 +66,11 @@ pub(super) fn stamp(entries: &mut [FrameEntry], folders: &[PathBuf]) -> FoundTim
         entry.time = time;
     }
     found
+}
+
+/// What is said of times that the file `list` has.
+pub(super) fn listed(times: &[Duration], list: &Path) -> Assumption {
+    assumption(times, format!("{} lists them", list.display()), Evidence::File)
 }
 
 fn assumption(times: &[Duration], why: String, evidence: Evidence) -> Assumption {
@@ -83,7 +93,10 @@ fn times_of_list(
 ) -> Option<(Vec<Duration>, PathBuf)> {
     for list in folders.iter().flat_map(|folder| lists_in(folder)) {
         let times = match read_list(&list) {
-            Ok(times) => times,
+            Ok((times, bad)) => {
+                notes.extend(bad.map(|lines| format!("{}: {lines}", list.display())));
+                times
+            }
             Err(reason) => {
                 notes.push(format!("{} is not used for times: {reason}", list.display()));
                 continue;
@@ -126,34 +139,116 @@ fn lists_in(folder: &Path) -> Vec<PathBuf> {
     lists
 }
 
-fn read_list(path: &Path) -> Result<Vec<Duration>, String> {
+/// The times in a list, and a sentence about those that it does not tell.
+fn read_list(path: &Path) -> Result<(Vec<Duration>, Option<String>), String> {
     let metadata = fs::metadata(path).map_err(|error| error.to_string())?;
     if !metadata.is_file() || metadata.len() > MAX_LIST_BYTES {
         return Err("it is not a file of up to 64 MiB".to_owned());
     }
     let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
-    let times = times_of_text(&text).ok_or("a line of it is not a time")?;
-    if times.is_empty() || times.windows(2).any(|pair| pair[0] >= pair[1]) {
+    let mut times = times_of_text(&text).ok_or("a line of it is not a time")?;
+    let bad = mend(&mut times).ok_or("its times do not grow")?;
+    let times: Vec<Duration> = times.into_iter().flatten().collect();
+    if times.is_empty() {
         return Err("its times do not grow".to_owned());
     }
-    Ok(times)
+    let note = match bad.as_slice() {
+        [] => None,
+        [one] => Some(format!(
+            "time {one} of {} is none, or before the one in front of it: its frame is shown between its neighbours",
+            times.len()
+        )),
+        many => Some(format!(
+            "{} of {} times are none, or before those in front of them, the first is time {}: their frames are shown \
+             between their neighbours",
+            many.len(),
+            times.len(),
+            many[0]
+        )),
+    };
+    Ok((times, note))
+}
+
+/// Puts times between their neighbours that are none or go back, if they are few: at most a tenth, or one. Which
+/// these are, from 1; `None` if they are many.
+fn mend(times: &mut [Option<Duration>]) -> Option<Vec<usize>> {
+    let most = (times.len() / 10).max(usize::from(times.len() > 3));
+    let grows = longest_growth(times);
+    let mut bad = Vec::new();
+    for (at, time) in times.iter_mut().enumerate().filter(|(at, _)| !grows.contains(at)) {
+        *time = None;
+        bad.push(at + 1);
+    }
+    if bad.len() > most {
+        return None;
+    }
+    let known: Vec<(usize, Duration)> = times
+        .iter()
+        .enumerate()
+        .filter_map(|(at, time)| Some((at, (*time)?)))
+        .collect();
+    if bad.is_empty() || known.len() < 2 {
+        return bad.is_empty().then_some(bad);
+    }
+    for number in &bad {
+        let at = number - 1;
+        let later = known
+            .iter()
+            .position(|(other, _)| *other > at)
+            .unwrap_or(known.len() - 1)
+            .max(1);
+        let ((first, from), (last, to)) = (known[later - 1], known[later]);
+        let step = to.saturating_sub(from).as_secs_f64() / (last - first) as f64;
+        let seconds = from.as_secs_f64() + step * (at as f64 - first as f64);
+        times[at] = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
+    }
+    let all: Vec<Duration> = times.iter().copied().collect::<Option<_>>()?;
+    all.windows(2).all(|pair| pair[0] < pair[1]).then_some(bad)
+}
+
+/// The places of the longest list of `times` that grow.
+fn longest_growth(times: &[Option<Duration>]) -> HashSet<usize> {
+    // Of growing lists of each length, the last place of that which ends first, and for each place the one before it.
+    let mut ends: Vec<usize> = Vec::new();
+    let mut before: Vec<Option<usize>> = vec![None; times.len()];
+    for (at, time) in times.iter().enumerate() {
+        if time.is_none() {
+            continue;
+        }
+        let length = ends.partition_point(|&end| times[end] < *time);
+        before[at] = length.checked_sub(1).map(|shorter| ends[shorter]);
+        if length == ends.len() {
+            ends.push(at);
+        } else {
+            ends[length] = at;
+        }
+    }
+    let mut places = HashSet::new();
+    let mut at = ends.last().copied();
+    while let Some(place) = at {
+        places.insert(place);
+        at = before[place];
+    }
+    places
 }
 
 /// A time per line: seconds, a date, or integer nanoseconds, microseconds or milliseconds since 1970. A file name or an
 /// index may stand in front of it or after it; lines that begin with `#` and a header are not read.
-fn times_of_text(text: &str) -> Option<Vec<Duration>> {
+fn times_of_text(text: &str) -> Option<Vec<Option<Duration>>> {
     let is_comment = |line: &str| line.trim_start().starts_with('#');
     let mut lines: Vec<&str> = text.trim_end().lines().filter(|line| !is_comment(line)).collect();
     let has_digit = |line: &&str| line.contains(|c: char| c.is_ascii_digit());
     if lines.first().is_some_and(|first| !has_digit(first)) {
         lines.remove(0);
     }
-    let whole: Option<Vec<Duration>> = lines.iter().map(|line| time_of(line)).collect();
+    let whole: Vec<Option<Duration>> = lines.iter().map(|line| time_of_number(line)).collect();
+    let most = (lines.len() / 10).max(usize::from(lines.len() > 3));
+    let is_whole = whole.iter().filter(|time| time.is_none()).count() <= most;
     let column = |from_end: bool| -> Option<Vec<Duration>> {
         let word = |line: &&str| {
             let mut words = line.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty());
             let (first, last) = (words.next()?, words.next_back()?);
-            time_of(if from_end { last } else { first })
+            time_of_number(if from_end { last } else { first })
         };
         let times: Vec<Duration> = lines.iter().map(word).collect::<Option<_>>()?;
         // The index of each line grows as well.
@@ -162,20 +257,11 @@ fn times_of_text(text: &str) -> Option<Vec<Duration>> {
             .all(|(index, time)| *time == Duration::from_secs(index) || *time == Duration::from_secs(index + 1));
         (!is_index).then_some(times)
     };
-    whole.or_else(|| column(false)).or_else(|| column(true))
-}
-
-fn time_of(text: &str) -> Option<Duration> {
-    let text = text.trim();
-    match text.parse::<u64>() {
-        Ok(integer) => Some(match text.len() {
-            18.. => Duration::from_nanos(integer),
-            15..18 => Duration::from_micros(integer),
-            12..15 => Duration::from_millis(integer),
-            _ => Duration::from_secs(integer),
-        }),
-        Err(_) => times_of_lines(text)?.first().copied(),
+    if is_whole {
+        return Some(whole);
     }
+    let times = column(false).or_else(|| column(true))?;
+    Some(times.into_iter().map(Some).collect())
 }
 
 /// Seconds, if decimals in the names of `files` can be such: one number per name, which grows by steps of a
@@ -188,10 +274,15 @@ fn times_of_decimals(files: &[PathBuf]) -> Option<Vec<Duration>> {
         let first = names[0].numbers[*column].value;
         names.iter().any(|name| name.numbers[*column].value != first)
     };
+    // A sign alone, or a fraction that is the same in each name, makes no decimals of whole numbers.
+    let is_decimal = |column: usize| names.iter().any(|name| name.numbers[column].is_decimal());
     let mut columns = (0..names.first()?.numbers.len()).filter(changes);
     let (column, None) = (columns.next()?, columns.next()) else {
         return None;
     };
+    if !is_decimal(column) {
+        return None;
+    }
     let values: Vec<f64> = names.iter().map(|name| name.numbers[column].value).collect();
     let mut steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_unstable_by(f64::total_cmp);
@@ -224,15 +315,32 @@ mod tests {
             "000000.pcd 0.5\n000001.pcd 1.5",
             "0.5, 000000.pcd\n1.5, 000001.pcd",
         ] {
-            assert_eq!(seconds(times_of_text(text)), Some(vec![0.5, 1.5]), "{text}");
+            let times = times_of_text(text).unwrap().into_iter().collect();
+            assert_eq!(seconds(times), Some(vec![0.5, 1.5]), "{text}");
         }
         let epoch = times_of_text("1403636579763555584\n1403636579863555584").unwrap();
-        assert_eq!(epoch[0].as_secs(), 1_403_636_579);
+        assert_eq!(epoch[0].unwrap().as_secs(), 1_403_636_579);
         let epoch = times_of_text("1403636579763\n1403636579863").unwrap();
-        assert_eq!(epoch[1].as_millis(), 1_403_636_579_863);
+        assert_eq!(epoch[1].unwrap().as_millis(), 1_403_636_579_863);
         for wrong in ["a b\nc d 1", "12 x\ny"] {
             assert_eq!(times_of_text(wrong), None, "{wrong}");
         }
+    }
+
+    #[test]
+    fn one_bad_time_is_put_between_its_neighbours() {
+        let mended = |text: &str| {
+            let mut times = times_of_text(text)?;
+            let bad = mend(&mut times)?;
+            Some((seconds(times.into_iter().collect())?, bad))
+        };
+        let expected = vec![0.0, 0.5, 1.0, 1.5, 2.0];
+        assert_eq!(mended("0\n0.5\nfoo\n1.5\n2\n"), Some((expected.clone(), vec![3])));
+        assert_eq!(mended("0\n0.5\n0.25\n1.5\n2\n").unwrap().1.len(), 1);
+        assert_eq!(mended("0\n0.5\n9\n1.5\n2\n"), Some((expected.clone(), vec![3])));
+        assert_eq!(mended("0x\n0.5\n1\n1.5\n2\n"), Some((expected.clone(), vec![1])));
+        assert_eq!(mended("0\n0.5\n1\n1.5\nfoo\n"), Some((expected, vec![5])));
+        assert_eq!(mended("2\n1.5\n1\n0.5\n0\n"), None);
     }
 
     #[test]
@@ -250,5 +358,8 @@ mod tests {
         assert_eq!(times(&["c_0.5.ply", "c_300.ply", "c_9000.ply"]), None);
         assert_eq!(times(&["c_0.5.ply", "c_1.5.ply"]), None, "two");
         assert_eq!(times(&["c_1.ply", "c_2.ply", "c_3.ply"]), None, "counters");
+        assert_eq!(times(&["t_-1.ply", "t_0.ply", "t_1.ply"]), None, "counters with a sign");
+        let steps = ["s0_dt0.1.ply", "s5_dt0.1.ply", "s10_dt0.1.ply"];
+        assert_eq!(times(&steps), None, "the fraction is the same in each name");
     }
 }

@@ -20,7 +20,7 @@ const MILLIMETRES: f64 = 1000.0;
 const FIFTHS: f64 = 5000.0;
 
 /// Units in use, which are named as alternatives.
-const KNOWN: [f64; 5] = [1000.0, 4000.0, 5000.0, 6553.5, 10_000.0];
+const KNOWN: [f64; 6] = [1000.0, 256.0, 4000.0, 5000.0, 6553.5, 10_000.0];
 
 /// Share of multiples above which numbers are multiples.
 const ALL: f64 = 0.98;
@@ -84,7 +84,8 @@ impl DepthScale {
         let rooms: Vec<f64> = CHOSEN.into_iter().filter(|&other| depths.is_room(other)).collect();
         Some(match rooms.as_slice() {
             [] => said(usual, Evidence::Fallback, "the depths are those of no room"),
-            [only] => said(*only, Evidence::Statistics, "of 1000 and 5000 it alone makes a room"),
+            // Units that are in use, but rarer, may make a room as well: the numbers do not tell.
+            [only] => said(*only, Evidence::Fallback, "of 1000 and 5000 it alone makes a room"),
             [first, ..] => said(
                 *first,
                 Evidence::Fallback,
@@ -103,18 +104,24 @@ impl DepthScale {
         depths.sort_unstable_by(f32::total_cmp);
         let median = f64::from(*depths.get(depths.len() / 2)?);
         let are_millimetres = median > 100.0 && MEDIAN_M.contains(&(median / MILLIMETRES));
-        Some(if are_millimetres {
-            Self {
-                units_per_metre: MILLIMETRES,
-                evidence: Evidence::Statistics,
-                why: format!("half of the depths are below {median:.0}, which in metres is no room"),
-            }
+        let (units_per_metre, evidence, why) = if are_millimetres {
+            let why = format!("half of the depths are below {median:.0}, which in metres is no room");
+            (MILLIMETRES, Evidence::Statistics, why)
+        } else if median > FAR_M {
+            let why = format!(
+                "depths in floats are metres, and half of these are nearer than {median:.1}: 100 a metre would make \
+                 that {:.2} m, 1000 a metre {:.3} m",
+                median / 100.0,
+                median / MILLIMETRES
+            );
+            (1.0, Evidence::Fallback, why)
         } else {
-            Self {
-                units_per_metre: 1.0,
-                evidence: Evidence::Convention,
-                why: "depths in floats are metres".to_owned(),
-            }
+            (1.0, Evidence::Convention, "depths in floats are metres".to_owned())
+        };
+        Some(Self {
+            units_per_metre,
+            evidence,
+            why,
         })
     }
 }
@@ -202,7 +209,7 @@ mod tests {
             assert_eq!(found(&fifths), (5000.0, Evidence::Statistics), "{near_m} to {far_m} m");
         }
         // Rendered depths are no multiples, but beyond what millimetres would make of a room.
-        assert_eq!(found(&wall(1.0, 4.0, 5000.0)), (5000.0, Evidence::Statistics));
+        assert_eq!(found(&wall(1.0, 4.0, 5000.0)), (5000.0, Evidence::Fallback));
     }
 
     #[test]
@@ -215,6 +222,9 @@ mod tests {
             "{line}"
         );
         assert!(line.contains("--depth-scale"), "{line}");
+        let kitti = DepthScale::of_numbers(&wall(1.4, 3.2, 256.0), 1000.0, Units::Unknown).unwrap();
+        let line = kitti.assumption().to_string();
+        assert!(line.contains("256 would make") && line.contains("fallback"), "{line}");
     }
 
     #[test]
@@ -225,7 +235,7 @@ mod tests {
         let millimetres = DepthScale::of_numbers(&wall(0.5, 2.0, 1000.0), 5000.0, usual).unwrap();
         assert_eq!(
             (millimetres.units_per_metre, millimetres.evidence),
-            (1000.0, Evidence::Statistics)
+            (1000.0, Evidence::Fallback)
         );
         let street = DepthScale::of_numbers(&wall(5.0, 60.0, 1000.0), 1000.0, usual).unwrap();
         assert_eq!(
@@ -241,5 +251,13 @@ mod tests {
         for (median, expected) in [(1.5, 1.0), (40.0, 1.0), (1500.0, 1000.0), (50_000.0, 1.0)] {
             assert_eq!(of(median).units_per_metre, expected, "{median}");
         }
+        assert_eq!(
+            (of(1.5).evidence, of(200.0).evidence),
+            (Evidence::Convention, Evidence::Fallback)
+        );
+        assert!(
+            of(200.0).why.contains("100 a metre would make that 2.00 m"),
+            "centimetres"
+        );
     }
 }

@@ -125,8 +125,8 @@ pub enum RgbdError {
     /// A trajectory that is none.
     #[error(
         "{} is no trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of \
-         Redwood (.log), \
-         matrices of 3 × 4 or 4 × 4 numbers, or the JSON of Open3D",
+         Redwood (.log), columns that a header names (timestamp,tx,ty,tz,qw,qx,qy,qz), matrices of 3 × 4 or 4 × 4 \
+         numbers, or JSON with such matrices",
         path.display()
     )]
     Trajectory {

@@ -21,6 +21,9 @@ mod merged;
 mod moving_frames;
 mod options;
 mod pairs;
+mod pose_file;
+mod pose_json;
+mod pose_table;
 mod probe;
 mod received;
 mod record3d;
@@ -34,11 +37,13 @@ mod trajectory;
 pub use error::RgbdError;
 pub(super) use frames_before::{FramesBefore, GROUP_FRAMES};
 pub use merged::MergedFrames;
+pub(super) use options::INVERT_POSES;
 pub use options::RgbdOptions;
+pub(super) use pose_file::read_pose;
 pub(super) use received::ReceivedFrames;
 pub use recording::RgbdRecording;
 pub(super) use text::{number_lines, read as read_text};
-pub(super) use trajectory::{Trajectory, matrix, read_pose, rigid};
+pub(super) use trajectory::{Trajectory, last_number, matrix, rigid};
 
 use super::{OpenOptions, SequenceError, Source};
 use std::path::{Path, PathBuf};
@@ -47,6 +52,16 @@ use std::sync::Arc;
 /// Whether a recording of depth images lies in the folder, by names alone: lists and poses are not read.
 pub(super) fn is_likely(folder: &Path) -> bool {
     folder::Folder::read(folder).is_ok_and(|folder| layouts::is_likely(&folder))
+}
+
+/// Whether `inputs` are one folder whose depth images count more than the photographs of its `transforms.json`.
+pub(super) fn comes_before_photographs(inputs: &[PathBuf], options: &OpenOptions) -> bool {
+    match inputs {
+        [folder] if folder.is_dir() && !options.dense => {
+            folder::Folder::read(folder).is_ok_and(|folder| layouts::has_depths_beside_transforms(&folder))
+        }
+        _ => false,
+    }
 }
 
 /// The recording that `inputs` are; `None` for inputs of another kind.

@@ -3,6 +3,9 @@
 use crate::rgbd::Filters;
 use std::path::PathBuf;
 
+/// The option that turns poses round.
+pub(in crate::source) const INVERT_POSES: &str = "--invert-poses";
+
 /// What a person says of a recording of depth images; what nobody says is found in its folder.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RgbdOptions {
@@ -20,6 +23,8 @@ pub struct RgbdOptions {
     pub depth_scale: Option<f64>,
     /// A file with the poses of the camera.
     pub poses: Option<PathBuf>,
+    /// Poses lead from the world to the camera, and not from the camera to the world.
+    pub invert_poses: bool,
     /// Frames, both ends included, that become one cloud by their poses.
     pub merge: Option<(usize, usize)>,
     /// Edge of the cells in which their points are joined, metres; 0 keeps all points. If nobody says it, points are

@@ -15,6 +15,7 @@ use super::stored_image::StoredImage;
 use super::topics;
 use super::trajectory::Trajectory;
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::io::timestamps::times_of_names;
 use crate::io::{Entry, Part};
 use crate::messages::frame_by_index;
 use crate::rgbd::{Filters, Sensor};
@@ -96,12 +97,28 @@ impl RgbdRecording {
         number(&mut entries);
         let notes = std::mem::take(&mut found.notes);
         let mut assumptions = std::mem::take(&mut found.assumptions);
-        assumptions.extend(assumed_camera(&found.frames[0].calibration));
+        let calibration = Arc::clone(&found.frames[0].calibration);
         let mut recorded = Recorded::new(found, sizes, options);
+        if rgbd.intrinsics.is_none() {
+            assumptions.push(assumed_camera(&calibration, recorded.sensor(0).as_ref()));
+        }
+        if options.fps.is_none() {
+            assumptions.extend(assumed_times(&entries));
+        }
         if recorded.may_skip_filters() {
             let (filters, skipped) = probe::usual_filters(&recorded, entries.len());
             recorded.filters = filters;
             assumptions.extend(skipped);
+            if filters != Filters::NONE {
+                let value = format!("the depth filters `{filters}` are applied");
+                let why = "they are the usual ones of pictures of depth images";
+                assumptions.push(Assumption::new(
+                    Subject::FilteredPoints,
+                    value,
+                    why,
+                    Evidence::Convention,
+                ));
+            }
         }
         Ok(Some(Self {
             entries: entries.into_iter().map(Arc::new).collect(),
@@ -166,28 +183,48 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
     }
 }
 
-/// The camera, if no file of the recording says it.
-fn assumed_camera(calibration: &Calibration) -> Option<Assumption> {
-    let (focal, principal) = (calibration.depth.focal_px, calibration.depth.principal_px);
-    let size = calibration
-        .depth
-        .for_size_px
-        .map(|[width, height]| format!(" of {width} × {height} pixels"));
-    calibration.is_assumed.then(|| {
-        Assumption::new(
-            Subject::Camera,
-            format!(
-                "fx,fy,cx,cy {},{},{},{} for images{}",
-                focal.x,
-                focal.y,
-                principal.x,
-                principal.y,
-                size.unwrap_or_default()
-            ),
-            format!("no file of the recording says it: {}", calibration.because),
-            Evidence::Fallback,
-        )
-    })
+/// The times of frames, where their names tell them or nothing does.
+fn assumed_times(entries: &[FrameEntry]) -> Option<Assumption> {
+    let (first, last) = (entries.first()?, entries.last()?);
+    let said = |value: String, why: &str, evidence: Evidence| {
+        let assumption = Assumption::new(Subject::FrameTimes, value, why, evidence);
+        (entries.len() > 1).then_some(assumption)
+    };
+    if entries.iter().all(|entry| entry.time.is_none()) {
+        let why = "nothing says when they were taken, and most depth cameras have it";
+        return said(format!("{USUAL_FPS} frames per second"), why, Evidence::Fallback);
+    }
+    let names: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
+    let of_names = times_of_names(&names);
+    let are_told = entries.iter().zip(&of_names).all(|(entry, time)| entry.time == *time);
+    if !are_told {
+        return None;
+    }
+    let span = last.time?.saturating_sub(first.time?);
+    let value = format!("{:.3} s for {} frames", span.as_secs_f64(), entries.len());
+    said(value, "the file names are times", Evidence::Convention)
+}
+
+/// The camera of the first frame: its numbers for the images that are there.
+fn assumed_camera(calibration: &Calibration, sensor: Option<&Sensor>) -> Assumption {
+    let camera = sensor.map(|sensor| &sensor.rig.depth);
+    let (focal, principal, size) = match camera {
+        Some(camera) => (camera.focal_px(), camera.principal_px(), Some(camera.size_px())),
+        None => {
+            let depth = &calibration.depth;
+            (depth.focal_px, depth.principal_px, depth.for_size_px)
+        }
+    };
+    let size = size.map(|[width, height]| format!(" for images of {width} × {height} pixels"));
+    let [fx, fy, cx, cy] = [focal.x, focal.y, principal.x, principal.y].map(|number| (number * 1e6).round() / 1e6);
+    let value = format!("fx,fy,cx,cy {fx},{fy},{cx},{cy}{}", size.unwrap_or_default());
+    let because = &calibration.because;
+    if calibration.is_assumed {
+        let why = format!("no file of the recording says it: {because}");
+        Assumption::new(Subject::Camera, value, why, Evidence::Fallback)
+    } else {
+        Assumption::new(Subject::Camera, value, format!("{because} says so"), Evidence::File)
+    }
 }
 
 /// Says how many frames have no pose, where others have one.
@@ -232,8 +269,14 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
         for frame in &mut found.frames {
             frame.world_from_camera = None;
         }
+        found
+            .assumptions
+            .retain(|assumption| assumption.subject != Subject::Poses);
     } else if let Some(poses) = &rgbd.poses {
         let trajectory = Trajectory::read(poses)?;
+        found
+            .assumptions
+            .retain(|assumption| assumption.subject != Subject::Poses);
         found.take_poses(&trajectory);
         if found.frames.iter().all(|frame| frame.world_from_camera.is_none()) {
             found.notes.push(format!(
@@ -243,7 +286,20 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
             ));
         }
     }
+    if rgbd.invert_poses {
+        invert_poses(found);
+    }
     Ok(())
+}
+
+/// Turns the poses round. What a person says is no assumption.
+fn invert_poses(found: &mut FoundRecording) {
+    for frame in &mut found.frames {
+        frame.world_from_camera = frame.world_from_camera.map(|pose| pose.inverse());
+    }
+    found
+        .assumptions
+        .retain(|assumption| assumption.subject != Subject::Poses);
 }
 
 impl Source for RgbdRecording {

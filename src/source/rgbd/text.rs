@@ -2,6 +2,7 @@
 
 use super::error::RgbdError;
 use crate::binary::{Header, Layout};
+use crate::io::raster;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -42,13 +43,40 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
 }
 
 /// The shape and the numbers of an array of numpy, in the order of C.
-pub(super) fn array(path: &Path) -> Result<(Vec<usize>, Vec<f64>), RgbdError> {
+pub(super) fn array(path: &Path) -> Result<Array, RgbdError> {
+    array_of(path, &read_bytes(path, MOST_BYTES)?)
+}
+
+/// The shape of the array at `path`, of which only the head is read.
+pub(super) fn array_shape(path: &Path) -> Option<Vec<usize>> {
+    const HEAD_BYTES: u64 = 1 << 16;
+    let mut head = Vec::new();
+    File::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    Some(Header::parse(&head).ok()?.shape)
+}
+
+/// A shape and numbers.
+type Array = (Vec<usize>, Vec<f64>);
+
+/// The arrays of numbers in an archive of numpy, with their names; others are left out.
+pub(super) fn arrays(path: &Path) -> Result<Vec<(String, Array)>, RgbdError> {
     let bytes = read_bytes(path, MOST_BYTES)?;
+    let members = raster::members_of_npz(&bytes, MOST_BYTES).map_err(|reason| RgbdError::Image {
+        path: path.to_owned(),
+        reason,
+    })?;
+    let arrays = members
+        .into_iter()
+        .filter_map(|(name, bytes)| Some((name, array_of(path, &bytes).ok()?)));
+    Ok(arrays.collect())
+}
+
+fn array_of(path: &Path, bytes: &[u8]) -> Result<Array, RgbdError> {
     let wrong = |reason: String| RgbdError::Image {
         path: path.to_owned(),
         reason,
     };
-    let header = Header::parse(&bytes).map_err(|error| wrong(error.to_string()))?;
+    let header = Header::parse(bytes).map_err(|error| wrong(error.to_string()))?;
     let Layout::Table(number) = header.layout else {
         return Err(wrong("it is an array of records, expected numbers".to_owned()));
     };
@@ -66,7 +94,7 @@ pub(super) fn array(path: &Path) -> Result<(Vec<usize>, Vec<f64>), RgbdError> {
 }
 
 /// The numbers of each line that has any, with the number of the line from 1. Commas and semicolons are spaces; what
-/// follows a `#` is a comment.
+/// follows a `#` is a comment. Brackets are spaces as well.
 ///
 /// # Errors
 /// The first line with something else.
@@ -74,7 +102,7 @@ pub(in crate::source) fn number_lines(path: &Path, text: &str) -> Result<Vec<(us
     let mut lines = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let content = line.split('#').next().unwrap_or_default();
-        let words = content.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
+        let words = content.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '[' | ']' | '(' | ')'));
         let numbers: Result<Vec<f64>, &str> = words
             .filter(|word| !word.is_empty())
             .map(|word| word.parse().map_err(|_| word))

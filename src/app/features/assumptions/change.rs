@@ -30,8 +30,10 @@ pub(in crate::app) enum ReadChange {
     DepthScale(Option<f64>),
     /// `fx,fy,cx,cy` or a file.
     Intrinsics(Option<String>),
-    /// A file with the poses of the camera.
+    /// A file with the poses of the camera, or none of them; the automatic choice is not to turn them round either.
     Poses(Option<PathBuf>),
+    /// Poses lead from the world to the camera.
+    InvertPoses,
     /// Values that stand for a missing point; [`NoData::Auto`] is the automatic choice.
     NoData(NoData),
     /// The least range of colours.
@@ -53,7 +55,11 @@ impl ReadChange {
             Self::Columns(columns) => open.read = open.read.with_columns(columns),
             Self::DepthScale(scale) => open.rgbd.depth_scale = scale,
             Self::Intrinsics(text) => open.rgbd.intrinsics = text,
-            Self::Poses(file) => open.rgbd.poses = file,
+            Self::Poses(file) => {
+                open.rgbd.invert_poses &= file.is_some();
+                open.rgbd.poses = file;
+            }
+            Self::InvertPoses => open.rgbd.invert_poses = true,
             Self::NoData(rule) => open.no_data = rule,
             Self::ColorDepth(depth) => open.color_depth = depth,
             Self::Only(pattern) => open.only = pattern,
@@ -80,6 +86,7 @@ impl ReadChange {
             | Self::DepthScale(_)
             | Self::Intrinsics(_)
             | Self::Poses(_)
+            | Self::InvertPoses
             | Self::NoData(_)
             | Self::Only(_) => true,
             Self::ColorDepth(_) | Self::MergeCells(_) | Self::Fps(_) | Self::Filters(_) => false,

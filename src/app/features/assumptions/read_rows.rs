@@ -6,6 +6,7 @@ use crate::cloud::{ColorDepth, NoData};
 use crate::io::ColumnMap;
 use crate::rgbd::Filters;
 use crate::sequence::OpenOptions;
+use crate::source::NO_POSES;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -101,12 +102,28 @@ impl ReadRow {
         },
         Self {
             subject: Subject::Poses,
-            chosen: |open| Some(open.rgbd.poses.as_deref()?.display().to_string()),
+            chosen: |open| {
+                let file = open.rgbd.poses.as_deref().map(|file| file.display().to_string());
+                match (file, open.rgbd.invert_poses) {
+                    (Some(file), true) => Some(format!("{file}, world to camera")),
+                    (None, true) => Some("world to camera".to_owned()),
+                    (file, false) => file,
+                }
+            },
             automatic: ReadChange::Poses(None),
-            offered: |_| Vec::new(),
+            offered: |_| {
+                let none = ReadChange::Poses(Some(PathBuf::from(NO_POSES)));
+                vec![
+                    ("None".to_owned(), none),
+                    ("World to camera".to_owned(), ReadChange::InvertPoses),
+                ]
+            },
             field: Some(Field {
-                hint: "a file of poses",
-                parse: |text| Ok(ReadChange::Poses(Some(file(text)?))),
+                hint: "a file of poses, or none",
+                parse: |text| match text.trim() {
+                    NO_POSES => Ok(ReadChange::Poses(Some(PathBuf::from(NO_POSES)))),
+                    text => Ok(ReadChange::Poses(Some(file(text)?))),
+                },
             }),
         },
         Self {
@@ -173,6 +190,8 @@ impl ReadRow {
 
     /// The row that changes what `option` of the command line changes.
     pub(super) fn of_option(option: &str) -> Option<&'static Self> {
+        // Which way poses lead is chosen where their file is.
+        let option = if option == "--invert-poses" { "--poses" } else { option };
         Self::ALL.iter().find(|row| row.subject.option() == Some(option))
     }
 }
@@ -247,6 +266,10 @@ mod tests {
         let numbers = "525, 525, 319.5, 239.5";
         assert_eq!(camera(numbers), Ok(ReadChange::Intrinsics(Some(numbers.to_owned()))));
         assert!(camera("525,525").is_err_and(|reason| reason.contains("found 2")));
+        let poses = of(Subject::Poses);
+        assert_eq!(poses(" none "), Ok(ReadChange::Poses(Some(NO_POSES.into()))));
+        assert!(poses("/none/poses.txt").is_err_and(|reason| reason.contains("is not a file")));
+        assert!(ReadRow::of_option("--invert-poses").is_some_and(|row| row.subject == Subject::Poses));
         assert!(camera("/none/camera.txt").is_err_and(|reason| reason.contains("is not a file")));
     }
 }

@@ -101,6 +101,11 @@ impl Thumbnails {
         self.generation += 1;
     }
 
+    /// The file of `frame` has changed: its picture or mark is that of another content.
+    pub(in crate::app) fn forget_frame(&mut self, frame: usize) {
+        self.store.forget(frame);
+    }
+
     /// Another sequence was opened.
     pub(in crate::app) fn forget_frames(&mut self) {
         self.wanted = WantedFrames::default();

@@ -99,6 +99,12 @@ impl Store {
         }
     }
 
+    /// Nothing is known of `frame` any more.
+    pub(super) fn forget(&mut self, frame: usize) {
+        self.entries.remove(&frame);
+        self.order.retain(|&other| other != frame);
+    }
+
     /// Textures are made anew: they were those of another window.
     pub(super) fn forget_textures(&mut self) {
         for entry in self.entries.values_mut() {
@@ -164,5 +170,12 @@ mod tests {
         assert_eq!(store.look(&ctx, 5), ThumbnailState::Unknown);
         store.forget_textures();
         assert_ne!(store.look(&ctx, 3), look);
+        store.forget(3);
+        store.forget(4);
+        assert_eq!(
+            [3, 4].map(|frame| store.look(&ctx, frame)),
+            [ThumbnailState::Unknown; 2]
+        );
+        assert_eq!(store.bytes(), 0);
     }
 }

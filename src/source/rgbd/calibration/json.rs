@@ -82,17 +82,23 @@ pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, St
     let depth = intrinsics(json.get("depth").unwrap_or(&json))?;
     let color = match json.get("color").filter(|color| !color.is_null()) {
         Some(color) => {
-            let matrix: [f64; 16] = numbers(color, "color_from_depth")?
-                .try_into()
-                .map_err(|_| "`color_from_depth` has not 16 numbers")?;
-            let matrix = DMat4::from_cols_array(&matrix).transpose();
-            Some((intrinsics(color)?, DAffine3::from_mat4(matrix)))
+            // Without a place of its own the colour camera is where the depth camera is: colours were registered.
+            let color_from_depth = match color.get("color_from_depth") {
+                None => DAffine3::IDENTITY,
+                Some(_) => {
+                    let matrix: [f64; 16] = numbers(color, "color_from_depth")?
+                        .try_into()
+                        .map_err(|_| "`color_from_depth` has not 16 numbers")?;
+                    DAffine3::from_mat4(DMat4::from_cols_array(&matrix).transpose())
+                }
+            };
+            Some((intrinsics(color)?, color_from_depth))
         }
         None => None,
     };
     Ok(Calibration {
         color,
-        units_per_metre: units(&json),
+        units_per_metre: units(&json).or_else(|| units(json.get("depth")?)),
         ..Calibration::of_depth(depth, because)
     })
 }

@@ -6,6 +6,7 @@
 //! counts more than one without its name.
 
 use super::model::{Calibration, Intrinsics};
+use crate::rgbd::Distortion;
 use crate::source::rgbd::error::RgbdError;
 use crate::source::rgbd::text::number_lines;
 use glam::DAffine3;
@@ -15,6 +16,9 @@ use std::path::Path;
 pub(super) fn calibration(path: &Path, text: &str, because: String) -> Result<Calibration, RgbdError> {
     if let Some(named) = of_names(text, &because) {
         return Ok(named);
+    }
+    if let Some(depth) = of_colmap(text) {
+        return Ok(Calibration::of_depth(depth, because));
     }
     let lines = number_lines(path, text)?;
     let numbers: Vec<f64> = lines.into_iter().flat_map(|(_, numbers)| numbers).collect();
@@ -28,6 +32,44 @@ pub(super) fn calibration(path: &Path, text: &str, because: String) -> Result<Ca
         _ => (pinhole_of(&numbers).ok_or_else(wrong)?, None),
     };
     Ok(Calibration::of_depth(Intrinsics::pinhole(depth, size_px), because))
+}
+
+/// The first camera of `cameras.txt` of COLMAP: number, model, width, height and the numbers of the model, whose corner
+/// of the image is at 0.
+fn of_colmap(text: &str) -> Option<Intrinsics> {
+    let line = text
+        .lines()
+        .find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
+    let mut words = line.split_whitespace();
+    let (_, model) = (words.next()?.parse::<u64>().ok()?, words.next()?);
+    let numbers: Vec<f64> = words.map(|word| word.parse().ok()).collect::<Option<_>>()?;
+    let [width, height, ref lens @ ..] = *numbers.as_slice() else {
+        return None;
+    };
+    let (pinhole, distortion) = match (model, lens) {
+        ("SIMPLE_PINHOLE", &[f, cx, cy]) => ([f, f, cx, cy], Distortion::None),
+        ("PINHOLE", &[fx, fy, cx, cy]) => ([fx, fy, cx, cy], Distortion::None),
+        ("SIMPLE_RADIAL", &[f, cx, cy, k]) => (
+            [f, f, cx, cy],
+            Distortion::Brown {
+                k: [k, 0.0, 0.0],
+                p: [0.0; 2],
+            },
+        ),
+        ("OPENCV", &[fx, fy, cx, cy, k1, k2, p1, p2]) => (
+            [fx, fy, cx, cy],
+            Distortion::Brown {
+                k: [k1, k2, 0.0],
+                p: [p1, p2],
+            },
+        ),
+        _ => return None,
+    };
+    let [fx, fy, cx, cy] = pinhole;
+    Some(Intrinsics {
+        distortion,
+        ..Intrinsics::pinhole([fx, fy, cx - 0.5, cy - 0.5], size_of(width, height))
+    })
 }
 
 /// fx, fy, cx, cy of these numbers: themselves, or a matrix of 3 × 3, 3 × 4 or 4 × 4, row by row; by columns where the
@@ -169,6 +211,13 @@ mod tests {
             read("640 480 577.5 578.5 319.5 239.5").depth.for_size_px,
             Some([640, 480])
         );
+    }
+
+    #[test]
+    fn cameras_of_colmap_count_from_the_corner() {
+        let depth = read("# Camera list\n1 PINHOLE 640 480 577.5 578.5 320 240\n").depth;
+        assert_eq!((depth.principal_px.x, depth.principal_px.y), (319.5, 239.5));
+        assert_eq!((depth.focal_px.y, depth.for_size_px), (578.5, Some([640, 480])));
     }
 
     #[test]

@@ -4,12 +4,14 @@
 //! read as a camera if it is one. A text of the right name is looked for in the folder around the recording as well,
 //! where data sets keep what all their recordings have in common.
 
-use super::{Calibration, Folder, FoundRecording, RgbdError, Trajectory};
-use crate::assumption::{Assumption, Evidence, Subject};
+use super::{Calibration, Folder, FoundRecording, RgbdError};
 use crate::messages::listed;
 use crate::source::rgbd::folder::{has_extension, name_of};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The file of frames with their poses and lenses of nerfstudio and others.
+pub(super) const TRANSFORMS: &str = "transforms.json";
 
 /// Folders of cameras.
 const CAMERA_FOLDERS: &[&str] = &["intrinsic", "intrinsics", "camera", "calibration"];
@@ -18,7 +20,7 @@ const CAMERA_FOLDERS: &[&str] = &["intrinsic", "intrinsics", "camera", "calibrat
 const CAMERA_FILES: &[&str] = &["json", "txt", "csv", "yaml", "yml", "xml", "npy"];
 
 /// Extensions of trajectories.
-const TRAJECTORY_FILES: &[&str] = &["log", "json", "txt", "csv", "npy"];
+const TRAJECTORY_FILES: &[&str] = &["log", "json", "txt", "csv", "npy", "npz", "tum", "g2o"];
 
 /// Names of cameras that several recordings share, in the folder around them.
 const SHARED: &[&str] = &[
@@ -29,7 +31,20 @@ const SHARED: &[&str] = &[
 ];
 
 /// Names of trajectories, the better first: odometry leads from frame to frame and drifts.
-const TRAJECTORIES: &[&str] = &["trajectory", "traj", "groundtruth", "pose", "odometry"];
+const TRAJECTORIES: &[&str] = &[
+    "trajectory",
+    "traj",
+    "groundtruth",
+    "pose",
+    "c2w",
+    "w2c",
+    "cam2world",
+    "extrinsics",
+    "odom",
+];
+
+/// Words in the names of folders with a pose for each frame.
+const POSE_FOLDERS: &[&str] = &["pose", "extrinsic", "c2w", "w2c", "cam2world", "trajectory"];
 
 /// Point clouds that a note names.
 const NAMED: usize = 3;
@@ -64,17 +79,23 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
             .find(|path| is_of_colors(name_of(path)) && **path != chosen);
         if let Some(colors) = of_colors {
             calibration.color = Some((Calibration::read(colors)?.depth, glam::DAffine3::IDENTITY));
+            notes.push(format!(
+                "no file says where the camera of {} is: colours are taken as registered, from the place of the depth \
+                 camera",
+                name_of(colors)
+            ));
         }
         return Ok(Some(calibration));
     }
-    let other = folder.files(|name| has_extension(name, &["json"]) && !is_trajectory(name));
+    let other =
+        folder.files(|name| has_extension(name, &["json", "yaml", "yml", "ini", "cfg"]) && !is_trajectory(name));
     let told = other
         .iter()
         .find_map(|path| Some((path, Calibration::read(path).ok()?)));
     if let Some((path, calibration)) = told {
         if other.len() > 1 {
             notes.push(format!(
-                "of {} JSON files, {} is read for the camera",
+                "of {} files that may tell it, {} is read for the camera",
                 other.len(),
                 path.display()
             ));
@@ -116,26 +137,39 @@ pub(super) fn is_known(name: &str) -> bool {
     is_camera(name) || is_trajectory(name)
 }
 
-/// Gives frames the poses of a file or a folder next to them.
-///
-/// # Errors
-/// A file with the name of a trajectory that is none.
+/// Gives frames the poses of a file or a folder next to them. What looks like poses and is not used is named.
 pub(super) fn take_poses(folder: &Folder, found: &mut FoundRecording) -> Result<(), RgbdError> {
-    if let Some(path) = trajectory(folder) {
-        found.take_poses(&Trajectory::read(&path)?);
-        if has_extension(name_of(&path), &["txt", "csv", "npy"]) {
-            found.assumptions.push(Assumption::new(
-                Subject::Poses,
-                "camera to world",
-                format!(
-                    "{} does not say which way its poses lead, and most lead so",
-                    name_of(&path)
-                ),
-                Evidence::Fallback,
-            ));
+    let mut unused = Vec::new();
+    for path in trajectories(folder) {
+        if found.pose_count() > 0 {
+            unused.push(name_of(&path).to_owned());
+        } else {
+            found.take_trajectory(&path);
         }
-    } else if let Some(poses) = folder.sub(&["pose", "poses"]) {
-        found.take_pose_files(&Folder::read(&poses)?.files(|name| has_extension(name, &["txt"])));
+    }
+    let is_of_poses = |name: &&String| {
+        let name = name.to_lowercase();
+        POSE_FOLDERS.iter().any(|word| name.contains(word))
+    };
+    for name in folder.folders().iter().filter(is_of_poses) {
+        let files = Folder::read(&folder.path.join(name))?.files(|name| has_extension(name, &["txt", "npy"]));
+        // A name alone says little.
+        if files.is_empty() {
+            continue;
+        }
+        if found.pose_count() > 0 {
+            unused.push(name.clone());
+        } else {
+            found.take_pose_files(name, &files);
+        }
+    }
+    if !unused.is_empty() && found.pose_count() > 0 {
+        found.notes.push(format!(
+            "{} {} like poses and {} not used: name one by --poses",
+            listed(&unused, "and"),
+            if unused.len() == 1 { "looks" } else { "look" },
+            if unused.len() == 1 { "is" } else { "are" },
+        ));
     }
     Ok(())
 }
@@ -180,8 +214,8 @@ pub(super) fn note_of_clouds(folder: &Folder) -> Option<String> {
     })
 }
 
-/// The file with the poses of all frames.
-pub(super) fn trajectory(folder: &Folder) -> Option<PathBuf> {
+/// Files with the poses of all frames, the better first.
+pub(super) fn trajectories(folder: &Folder) -> Vec<PathBuf> {
     let named = |word: &'static str| {
         move |name: &str| {
             let name = name.to_ascii_lowercase();
@@ -189,27 +223,40 @@ pub(super) fn trajectory(folder: &Folder) -> Option<PathBuf> {
         }
     };
     // ICL-NUIM has those of its images by this extension.
-    let freiburg = || {
-        folder
-            .files(|name| has_extension(name, &["freiburg"]))
-            .into_iter()
-            .next()
-    };
-    TRAJECTORIES
+    let freiburg = folder.files(|name| has_extension(name, &["freiburg"]));
+    let transforms = folder.files(|name| name == TRANSFORMS);
+    let mut found: Vec<PathBuf> = Vec::new();
+    for path in TRAJECTORIES
         .iter()
-        .find_map(|word| folder.files(named(word)).into_iter().next())
-        .or_else(freiburg)
+        .flat_map(|word| folder.files(named(word)))
+        .chain(freiburg)
+        .chain(transforms)
+    {
+        if !found.contains(&path) {
+            found.push(path);
+        }
+    }
+    found
 }
 
 fn is_trajectory(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
-    ["trajectory", "traj", "pose", "odometry", "fragment", "groundtruth"]
-        .iter()
-        .any(|word| name.contains(word))
+    [
+        "trajectory",
+        "traj",
+        "pose",
+        "odom",
+        "fragment",
+        "groundtruth",
+        "c2w",
+        "w2c",
+    ]
+    .iter()
+    .any(|word| name.contains(word))
 }
 
 /// Whether `name` is that of a camera.
-fn is_camera(name: &str) -> bool {
+pub(super) fn is_camera(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let stem = lower.rsplit_once('.').map_or(lower.as_str(), |(stem, _)| stem);
     let is_named = stem.contains("intrinsic") || stem.starts_with("cam") || stem.starts_with("calib") || stem == "k";

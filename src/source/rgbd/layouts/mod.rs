@@ -5,6 +5,7 @@
 
 mod arkit_scenes;
 mod beside;
+mod flat;
 mod folders;
 mod found;
 mod icl;
@@ -14,9 +15,11 @@ mod pcl;
 mod replica;
 mod scanner_app;
 mod scannet;
+mod scannetpp;
 mod seven_scenes;
 mod stray;
 mod sun;
+mod transforms;
 mod tum;
 
 pub(super) use found::{FoundRecording, FrameImages, Layout};
@@ -31,6 +34,8 @@ use super::trajectory::Trajectory;
 
 /// Those that are told by more come first.
 const TABLE: &[Layout] = &[
+    transforms::LAYOUT,
+    scannetpp::LAYOUT,
     tum::LAYOUT,
     seven_scenes::LAYOUT,
     icl::LAYOUT,
@@ -43,6 +48,7 @@ const TABLE: &[Layout] = &[
     arkit_scenes::LAYOUT,
     scanner_app::LAYOUT,
     folders::LAYOUT,
+    flat::LAYOUT,
 ];
 
 /// The recording in `folder`; `None` if it is laid out in no way of the table.
@@ -68,4 +74,15 @@ pub(super) fn is_likely(folder: &Folder) -> bool {
         || (folder.sub(&["results"]).is_some() && folder.has_file("traj.txt"))
         || folder.sub(&["lowres_depth"]).is_some()
         || has_frames()
+}
+
+/// Whether depth images in `folder` are told by `transforms.json`, or by other files next to it: else those are
+/// photographs.
+pub(super) fn has_depths_beside_transforms(folder: &Folder) -> bool {
+    if !folder.has_file(beside::TRANSFORMS) {
+        return false;
+    }
+    let has_images = |path: std::path::PathBuf| Folder::read(&path).is_ok_and(|depth| !depth.depth_images().is_empty());
+    let has_camera = || folder.files(beside::is_camera).first().is_some();
+    transforms::has_depths(folder) || (folder.sub(folders::DEPTH).is_some_and(has_images) && has_camera())
 }

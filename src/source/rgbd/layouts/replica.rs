@@ -2,7 +2,7 @@
 //! `results/depth000000.png` and `frame000000.jpg`, `traj.txt` with a matrix per line, and `cam_params.json` with the
 //! camera and the units of depths, next to it or in the folder around.
 
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::{has_extension, is_image, name_of};
 use crate::source::rgbd::pairs::by_name;
@@ -59,7 +59,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(UNITS_PER_METRE));
     found.units = Units::Usual("Replica");
     match trajectory {
-        Some(path) => found.take_poses(&Trajectory::read(&path)?),
+        Some(path) => {
+            found.take_trajectory(&path);
+        }
         None => found.notes.push(format!(
             "traj.txt is not next to {}: frames have no poses",
             name_of(&images.path)

@@ -10,7 +10,7 @@ use super::folders::{COLOR, DEPTH};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::source::rgbd::folder::{has_extension, name_of};
 use crate::source::rgbd::pairs::by_name;
-use crate::source::rgbd::trajectory::read_pose;
+use crate::source::rgbd::pose_file::read_pose;
 use glam::DAffine3;
 
 pub(super) const LAYOUT: Layout = Layout { name: "ScanNet", find };
@@ -34,7 +34,7 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     let pairs = by_name(&depths, &colors);
     let mut found = FoundRecording::of_pairs(depths, pairs, calibration, DepthCode::per_metre(1000.0));
     found.units = Units::Usual("ScanNet");
-    found.take_pose_files(&poses);
+    found.take_pose_files(name_of(&pose), &poses);
     Ok(Some(found))
 }
 

@@ -15,7 +15,7 @@ use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, U
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::{is_image, name_of};
 use crate::source::rgbd::pairs::by_key;
-use crate::source::rgbd::trajectory::read_pose;
+use crate::source::rgbd::pose_file::read_pose;
 use glam::{DAffine3, DMat3, DVec3};
 use std::path::PathBuf;
 

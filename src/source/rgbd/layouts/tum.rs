@@ -1,7 +1,7 @@
 //! The benchmark of the TU München (Sturm et al. 2012): lists of images with their times, and the ground truth.
 
 use super::beside;
-use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Trajectory, Units};
+use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::io::timestamps::times_of_lines;
 use crate::source::rgbd::pairs::by_time;
 use crate::source::rgbd::text::read;
@@ -39,7 +39,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
         frame.time = Some(time);
     }
     if folder.has_file("groundtruth.txt") {
-        found.take_poses(&Trajectory::read(&folder.path.join("groundtruth.txt"))?);
+        found.take_trajectory(&folder.path.join("groundtruth.txt"));
+    } else {
+        beside::take_poses(folder, &mut found)?;
     }
     Ok(Some(found))
 }
