@@ -25,6 +25,8 @@ mod openings;
 mod orientation;
 mod places;
 #[cfg(test)]
+mod places_tests;
+#[cfg(test)]
 mod plane_tests;
 mod point_tree;
 mod radii;
@@ -184,7 +186,12 @@ fn surface_oriented_by(
         let surface = surface_of_distinct(orientation, &places.positions, sensor, progress);
         let copies = positions.len() - places.positions.len();
         progress.advance(surface_steps(copies, sensor));
-        return places.spread_surface(&surface);
+        return Surface {
+            normals: places.spread(&surface.normals),
+            orientation: surface.orientation,
+            radii: places.spread(&surface.radii),
+            without_plane: places.points_of(&surface.without_plane),
+        };
     }
     surface_of_distinct(orientation, positions, sensor, progress)
 }
