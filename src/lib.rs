@@ -59,6 +59,7 @@ mod messages;
 mod natural;
 pub mod photos;
 pub mod playback;
+mod printable;
 mod priority;
 pub mod progress;
 pub mod reel;

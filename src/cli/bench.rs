@@ -5,6 +5,7 @@ use super::output::{answer, say};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::messages::listed;
+use crate::printable;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
@@ -318,7 +319,7 @@ fn show_progress(step: Step) {
     if stderr.is_terminal() {
         let Step { done, total, label, .. } = step;
         // A terminal that has gone is no failure.
-        let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {label}");
+        let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {}", printable::text(&label));
         let _ = stderr.flush();
     }
 }

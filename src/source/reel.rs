@@ -6,6 +6,7 @@ use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, Fram
 use super::{SequenceError, Source};
 use crate::io::ReadOptions;
 use crate::locks::{lock, read, write};
+use crate::printable;
 use crate::progress::Progress;
 use crate::reel::{MAGIC, ReadAt, ReelDecoder, ReelError, ReelFile};
 use std::fs::File;
@@ -147,7 +148,7 @@ impl Opened {
         let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
         let mut entries: Vec<FrameEntry> = frames
             .map(|frame| FrameEntry {
-                name: frame.name.to_owned(),
+                name: printable::name(frame.name.to_owned()),
                 time: frame.time,
                 ..of_file.clone()
             })
