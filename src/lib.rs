@@ -63,6 +63,7 @@ mod printable;
 mod priority;
 pub mod progress;
 pub mod reel;
+mod regular_file;
 pub mod render;
 pub mod rgbd;
 pub mod scene;

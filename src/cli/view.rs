@@ -11,7 +11,7 @@ use crate::kept;
 use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::ReadSession;
+use crate::session::{ReadSession, session_of};
 use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -106,7 +106,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
     // The window says that it waits for the first frame.
-    let waits = args.follow && args.screenshot.is_none() && args.record.is_none() && is_empty_folder(&args.inputs);
+    let can_ask = args.screenshot.is_none() && args.record.is_none();
+    let waits = can_ask && args.follow && is_empty_folder(&args.inputs);
+    // The window asks whether a session may open what is not in its folder.
+    let asks = can_ask && reaches_beyond(&args.inputs, &open);
     // A picture that a script asks for does not depend on who looked at what before.
     let (reading_choices, choices_problem) = match args.screenshot {
         Some(_) => Default::default(),
@@ -117,7 +120,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         mut session,
         opened_with,
         problem,
-    } = if offers_recent || waits {
+    } = if offers_recent || waits || asks {
         FirstOpened::default()
     } else {
         FirstOpened::of(&args.inputs, &open, &reading_choices)?
@@ -184,6 +187,12 @@ fn is_empty_folder(inputs: &[PathBuf]) -> bool {
     let [folder] = inputs else { return false };
     let open = OpenOptions::default();
     folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
+}
+
+/// Whether a session is named that opens more than is allowed.
+fn reaches_beyond(inputs: &[PathBuf], open: &OpenOptions) -> bool {
+    let session = session_of(inputs).ok().flatten();
+    session.is_some_and(|read| !read.beyond(open.session_reach).is_empty())
 }
 
 /// What the window shows first.

@@ -102,7 +102,7 @@ impl Unfinished {
 
     /// What is there, if it was made with `record`.
     fn ledger_of(&self, record: &Record) -> Option<Ledger> {
-        let ledger: Ledger = serde_json::from_slice(&fs::read(&self.ledger).ok()?).ok()?;
+        let ledger: Ledger = serde_json::from_slice(&crate::regular_file::read(&self.ledger).ok()?).ok()?;
         (ledger.record == *record && self.file.is_file()).then_some(ledger)
     }
 

@@ -9,7 +9,7 @@ use crate::locks::{lock, read, write};
 use crate::printable;
 use crate::progress::Progress;
 use crate::reel::{MAGIC, ReadAt, ReelDecoder, ReelError, ReelFile};
-use std::fs::File;
+use crate::regular_file;
 use std::io::Read as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl Reel {
     /// Whether the file at `path` begins as a sequence file does.
     pub(super) fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+        let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
@@ -117,13 +117,13 @@ impl Shared {
 
 impl Opened {
     fn at(path: &Path) -> Result<Self, ReelError> {
-        let file = File::open(path).map_err(open_error(path))?;
+        let file = regular_file::open(path).map_err(open_error(path))?;
         Self::of(Arc::new(file), path)
     }
 
     /// Without a group that is just being written.
     fn whole_at(path: &Path) -> Result<Self, ReelError> {
-        let file = File::open(path).map_err(open_error(path))?;
+        let file = regular_file::open(path).map_err(open_error(path))?;
         Ok(Self::of_file(
             ReelFile::open(Arc::new(file), path)?.whole_groups(),
             path,

@@ -131,7 +131,7 @@ fn read_list(path: &Path) -> Result<Vec<Duration>, String> {
     if !metadata.is_file() || metadata.len() > MAX_LIST_BYTES {
         return Err("it is not a file of up to 64 MiB".to_owned());
     }
-    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let text = crate::regular_file::read_to_string(path).map_err(|error| error.to_string())?;
     let times = times_of_text(&text).ok_or("a line of it is not a time")?;
     if times.is_empty() || times.windows(2).any(|pair| pair[0] >= pair[1]) {
         return Err("its times do not grow".to_owned());

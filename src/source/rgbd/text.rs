@@ -2,7 +2,6 @@
 
 use super::error::RgbdError;
 use crate::binary::{Header, Layout};
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -20,7 +19,7 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
         path: path.to_owned(),
         reason,
     };
-    let file = File::open(path).map_err(unreadable)?;
+    let file = crate::regular_file::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
     if !metadata.is_file() {
         return Err(unreadable(std::io::Error::other("it is no regular file")));
