@@ -12,3 +12,4 @@ mod fields;
 mod outputs;
 mod serve;
 mod session_files;
+mod trust;

@@ -99,6 +99,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a GeoPackage",
         writer: "QGIS, ArcGIS and GDAL",
         advice: "save its points as CSV with coordinates: ogr2ogr -f CSV points.csv FILE.gpkg -lco GEOMETRY=AS_XYZ",
+        extensions: &["gpkg"],
         tables: &["gpkg_contents"],
         ..ROW
     },
@@ -128,6 +129,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a set of map tiles (MBTiles)",
         writer: "map tilers",
         advice: "it holds images of maps, no points: open the data that it was made of",
+        extensions: &["mbtiles"],
         tables: &["tiles", "metadata"],
         ..ROW
     },

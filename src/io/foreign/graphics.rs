@@ -16,7 +16,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a Houdini geometry (BGEO)",
         writer: "Houdini",
         advice: "write it from Houdini as PLY or OBJ, a file per frame ($F4 in the name)",
-        magic: &[Magic::start(b"\x7fNSJb"), Magic::start(b"scblosc\x00")],
+        magic: &[Magic::start(b"\x7fNSJb"), Magic::start(b"scblosc")],
         extensions: &["bgeo"],
         ..ROW
     },

@@ -54,8 +54,11 @@ pub(super) fn foreign_kind(path: &Path, format: Format) -> Option<&'static Forei
     if format != containers::DB3 {
         return None;
     }
-    let names = table_names(path).ok()?;
-    (!has_bag_tables(&names)).then(|| foreign::by_tables(&names)).flatten()
+    let names = table_names(path).unwrap_or_default();
+    if has_bag_tables(&names) {
+        return None;
+    }
+    foreign::by_tables(&names).or_else(|| foreign::by_extension(path))
 }
 
 fn has_bag_tables(names: &[String]) -> bool {
