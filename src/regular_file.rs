@@ -1,5 +1,7 @@
-//! Files that are opened: which are one, which are none, and new ones that follow no link. Named pipes, sockets and devices are refused before they are opened, as those
-//! wait for a writer, never end, or act when they are opened.
+//! Files that are opened: which are one, which are none, and new ones that follow no link.
+//!
+//! Named pipes, sockets and devices are refused before they are opened, as those wait for a writer, never end, or act
+//! when they are opened.
 
 use std::fs::{self, File, Metadata};
 use std::io::{Error, ErrorKind, Read as _, Result};

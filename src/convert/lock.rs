@@ -1,8 +1,9 @@
 //! One writer an output: a file beside it that its writer locks, and that says who that is.
 //!
 //! **How it works.** The system lets go of a lock when its process ends, however it does: what a killed one leaves is
-//! taken over, with a line. Some network disks have no locks: there what the file says counts, a process of this machine
-//! that has ended, or another machine's. A lock that was removed and made again while it was waited for is another file.
+//! taken over, with a line. Some network disks have no locks: there what the file says counts, and only a process of
+//! this machine that has ended is replaced. A lock that was removed and made again while it was waited for is another
+//! file.
 
 use super::error::ConvertError;
 use crate::regular_file;

@@ -1,9 +1,9 @@
 //! What a session names beyond its folder: addresses, and files elsewhere.
 //!
-//! **How it works.** Inputs, what is beside them, poses, intrinsics and the picture around the scene are looked at before any of them is opened. A
-//! word with `://` is an address. Of other paths the longest part that is there is followed through all links, and
-//! compared with the folder of the session as it really is; what is behind that part (a pattern, a file that is not
-//! there) must not lead up. Words such as `demo:` are no files.
+//! **How it works.** Inputs, what is beside them, poses, intrinsics and the picture around the scene are looked at
+//! before any of them is opened. A word with `://` is an address. Of other paths the longest part that is there is
+//! followed through all links, and compared with the folder of the session as it really is; what is behind that part (a
+//! pattern, a file that is not there) must not lead up. Words such as `demo:` are no files.
 
 use super::file::ReadSession;
 use super::paths::is_word;

@@ -3,6 +3,7 @@
 use super::{options, press, window, window_on};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
 use pointreel::playback::PairBy;
