@@ -88,6 +88,10 @@ impl Partial {
 
     /// Creates the hidden file that is to become `file`.
     pub(crate) fn create(file: &Path) -> std::io::Result<(Self, File)> {
+        // Pipes and devices are not replaced by a file.
+        if file.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+            regular_file::check(file)?;
+        }
         let partial = Self::of(file);
         // A link of this name was put there by somebody else.
         let new = regular_file::create(partial.hidden())?;
@@ -141,6 +145,21 @@ mod tests {
         assert!(read(&taken).is_err());
         assert!(replace(&taken, b"bytes").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn sockets_and_links_are_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let [socket, link, scan] = ["socket", "link", "scan.ply"].map(|name| folder.path().join(name));
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        let refused = write_whole(&socket, b"{}").unwrap_err().to_string();
+        assert_eq!(refused, "it is a socket, expected a file");
+        fs::write(&scan, "ply").unwrap();
+        std::os::unix::fs::symlink(&scan, &link).unwrap();
+        write_whole(&link, b"{}").unwrap();
+        assert_eq!(fs::read_to_string(&scan).unwrap(), "ply");
+        assert!(!link.is_symlink());
     }
 
     #[test]

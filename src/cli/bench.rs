@@ -2,6 +2,7 @@
 
 use super::arguments::{DEMO_INPUT, FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use super::output::{answer, say};
+use super::sources::{check_sources, write_text};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::messages::listed;
@@ -211,6 +212,11 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         Ok(opened)
     });
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
+    let written = [&arguments.json, &arguments.html, &arguments.csv].into_iter().flatten();
+    let written: Vec<PathBuf> = written.cloned().collect();
+    for Input { sequence, .. } in &inputs {
+        check_sources(sequence, written.iter().cloned())?;
+    }
     if let Some(first) = arguments.first_frame {
         for Input { sequence, .. } in &inputs {
             FrameRange::one(first).check("--first-frame", sequence.len())?;
@@ -308,7 +314,7 @@ fn sequence_name(input: &Path) -> String {
 
 fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
-    std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+    write_text(path, text)?;
     say(&format!("wrote {}", path.display()));
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Outputs are not written over the files that they are made of, nor over files of another kind.
 
 use crate::convert::SourceFiles;
+use crate::kept;
 use crate::regular_file;
 use crate::sequence::Sequence;
 use anyhow::{Context as _, bail};
@@ -19,12 +20,8 @@ pub(super) enum OutputKind {
     Json,
 }
 
-/// Refuses to write over a file that is read, and over one that is there and of another kind.
-pub(super) fn check_outputs(
-    sequence: &Sequence,
-    outputs: impl Iterator<Item = PathBuf>,
-    kind: OutputKind,
-) -> anyhow::Result<()> {
+/// Refuses to write over a file that is read.
+pub(super) fn check_sources(sequence: &Sequence, outputs: impl Iterator<Item = PathBuf>) -> anyhow::Result<()> {
     let sources = SourceFiles::of(sequence);
     for output in outputs {
         if sources.has(&output) {
@@ -33,14 +30,25 @@ pub(super) fn check_outputs(
                 output.display()
             );
         }
-        check_replaced(&output, kind)?;
     }
     Ok(())
 }
 
+/// Refuses to write over a file that is read, and over one that is there and of another kind.
+pub(super) fn check_outputs(
+    sequence: &Sequence,
+    outputs: impl Iterator<Item = PathBuf>,
+    kind: OutputKind,
+) -> anyhow::Result<()> {
+    let outputs: Vec<PathBuf> = outputs.collect();
+    check_sources(sequence, outputs.iter().cloned())?;
+    outputs.iter().try_for_each(|output| check_replaced(output, kind))
+}
+
 /// Refuses to replace a file at `output` that is not of `kind`; an empty one is of any.
 fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
-    if !output.exists() {
+    // Pipes and devices keep nothing.
+    if !output.exists() || is_pipe_or_device(output) {
         return Ok(());
     }
     let mut begin = Vec::new();
@@ -61,6 +69,20 @@ fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
         );
     }
     Ok(())
+}
+
+fn is_pipe_or_device(path: &Path) -> bool {
+    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// Writes a text to a file as a whole, or to the pipe or device that somebody has named.
+pub(super) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    let written = if is_pipe_or_device(path) {
+        std::fs::write(path, text)
+    } else {
+        kept::write_whole(path, text.as_bytes())
+    };
+    written.with_context(|| format!("{} cannot be written", path.display()))
 }
 
 /// Whether a file that begins so is one that this program writes as a picture or a video.

@@ -96,7 +96,8 @@ impl SourceFiles {
             .filter(is_file)
             .flat_map(|entry| std::iter::once(&entry.path).chain(&entry.normals));
         let mut files = Self::default();
-        for file in inputs.iter().chain(of_entries) {
+        let images = sequence.source().images();
+        for file in inputs.iter().chain(of_entries).chain(&images) {
             match regular_file::id(file) {
                 Some(id) => _ = files.ids.insert(id),
                 None if file.is_file() => _ = files.names.insert(real(file)),
