@@ -12,7 +12,7 @@ use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::OpenOptions;
 use crate::source::Generated;
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::assumptions;
 use super::colors::check_source;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
-use super::sources::{OutputKind, check_outputs};
+use super::sources::{OutputKind, check_outputs, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
@@ -116,8 +116,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     };
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
-        crate::kept::write_whole(path, json.as_bytes())
-            .with_context(|| format!("{} cannot be written", path.display()))?;
+        write_text(path, &json)?;
     }
     let sets_up = arguments.camera.sets_up() || arguments.video.has_path();
     let primitive = chooses_primitive.then_some(Subject::Primitive);
