@@ -46,7 +46,7 @@ pub(super) fn check_outputs(
 }
 
 /// Refuses to replace a file at `output` that is not of `kind`; an empty one is of any.
-fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
+pub(super) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
     // Pipes and devices keep nothing.
     if !output.exists() || is_pipe_or_device(output) {
         return Ok(());

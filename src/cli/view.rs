@@ -3,6 +3,7 @@
 use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
 use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
+use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
 };
@@ -95,6 +96,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     }
     if let Some(screenshot) = &args.screenshot {
         PictureFormat::of_name(screenshot)?;
+        check_replaced(screenshot, OutputKind::Picture)?;
     }
     let open = OpenOptions {
         fps: args.fps,
@@ -127,6 +129,9 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
+    }
+    if let (Some(screenshot), Some(sequence)) = (&args.screenshot, &sequence) {
+        check_sources(sequence, std::iter::once(screenshot.clone()))?;
     }
     if let Some(path) = &args.record {
         record_arrivals(sequence.as_ref(), path)?;
