@@ -121,7 +121,7 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
     }
     if let Some(before) = before {
         log::warn!(
-            "{}: {before} has ended without finishing it and is replaced",
+            "{}: {before} has ended without finishing it, and its lock is taken over",
             output.display()
         );
     }

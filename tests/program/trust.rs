@@ -181,6 +181,30 @@ fn sources_are_never_destroyed() {
 }
 
 #[test]
+fn images_of_recordings_are_sources() {
+    let Some(recording) = data::shared("meaning/R06_replica") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let results = folder.path().join("rec/results");
+    fs::create_dir_all(&results).unwrap();
+    for name in ["cam_params.json", "traj.txt"] {
+        fs::copy(recording.join(name), folder.path().join("rec").join(name)).unwrap();
+    }
+    for entry in fs::read_dir(recording.join("results")).unwrap().flatten() {
+        // Without the permissions: the data can only be read.
+        fs::write(results.join(entry.file_name()), fs::read(entry.path()).unwrap()).unwrap();
+    }
+    for image in ["depth000000.png", "frame000000.jpg"] {
+        let output = format!("rec/results/{image}");
+        let before = fs::read(results.join(image)).unwrap();
+        let arguments = [&["render", "rec", "-o", &output], &SMALL[..]].concat();
+        refused(folder.path(), &arguments, &[image, "is a file of the input"]);
+        assert_eq!(fs::read(results.join(image)).unwrap(), before);
+    }
+}
+
+#[test]
 fn a_sequence_file_has_one_writer() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();

@@ -113,7 +113,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a RIEGL scan",
         writer: "RIEGL scanners and RiSCAN PRO",
         advice: "export it from RiSCAN PRO or RiPROCESS as LAS, LAZ or E57",
-        extensions: &["rxp", "rdbx", "rdb", "3dd", "rsp"],
+        extensions: &["rxp", "rdbx", "rdb", "3dd", "rsp", "sdc", "sdw"],
         ..ROW
     },
     Foreign {

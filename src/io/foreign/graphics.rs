@@ -96,6 +96,13 @@ pub(super) const ROWS: &[Foreign] = &[
         ..ROW
     },
     Foreign {
+        name: "a Medit mesh",
+        writer: "Medit, Gmsh, CGAL and Mmg",
+        advice: "convert it with `gmsh FILE.mesh -save -o mesh.stl`, or `meshio convert FILE.mesh mesh.ply`",
+        magic: &[Magic::start(b"MeshVersionFormatted")],
+        ..ROW
+    },
+    Foreign {
         name: "a Parasolid model",
         writer: "CAD programs",
         advice: "export its surface as STL, OBJ or glTF from the CAD program that wrote it",

@@ -187,6 +187,8 @@ const BY_CONTENT: &[Sample] = &[
     ("a.u3d", b"U3D\x00", "U3D"),
     ("a.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n", "KTX"),
     ("a.nxs", b"\x20sxN", "Nexus"),
+    ("a.mesh", b"MeshVersionFormatted 2\nDimension 3\n", "Medit"),
+    ("a.bin", b"\x7fELF\x02\x01", "a program"),
 ];
 
 /// A header of the volume of NIfTI-1 and one of MRC, which have their magic far in.
