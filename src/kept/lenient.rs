@@ -153,6 +153,7 @@ pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
 mod tests {
     use super::*;
     use serde::Deserialize;
+    use std::fs;
 
     #[derive(Debug, Default, PartialEq, Deserialize)]
     #[serde(default)]
