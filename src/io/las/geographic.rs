@@ -25,15 +25,20 @@ const GEOGRAPHIC_MODEL: u16 = 2;
 /// EPSG's code of the degree.
 const DEGREE: u16 = 9102;
 
-/// A geographic system, as far as a record says it.
+/// A system that a record names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Geographic {
-    /// The unit of heights, if it is said.
-    height: Option<LengthUnit>,
+enum System {
+    /// Longitude, latitude and height.
+    Geographic {
+        /// The unit of heights, if it is said.
+        height: Option<LengthUnit>,
+    },
+    /// A projected or geocentric one, or one of other angles.
+    Other,
 }
 
-/// What the first of `records` that names a system says: `None` for none, and for one that is not geographic.
-fn geographic<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<Geographic> {
+/// The first system that `records` name.
+fn system<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<System> {
     records.find_map(|record| {
         if record.is(PROJECTION_USER, GEO_KEYS_ID) {
             of_geo_keys(record.data)
@@ -42,11 +47,10 @@ fn geographic<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<Geogr
         } else {
             None
         }
-    })?
+    })
 }
 
-/// The outer `None`: the keys say nothing of it.
-fn of_geo_keys(data: &[u8]) -> Option<Option<Geographic>> {
+fn of_geo_keys(data: &[u8]) -> Option<System> {
     let (keys, _) = data.as_chunks::<8>();
     // The first four numbers count the keys; a value is in its key where the second number is 0.
     let value = |wanted: u16| {
@@ -62,18 +66,20 @@ fn of_geo_keys(data: &[u8]) -> Option<Option<Geographic>> {
         return None;
     }
     let are_degrees = value(ANGLE_UNITS_KEY).is_none_or(|unit| unit == DEGREE);
-    Some((is_geographic && are_degrees).then(|| Geographic {
-        height: value(HEIGHT_UNITS_KEY).and_then(LengthUnit::of_epsg),
-    }))
+    if !is_geographic || !are_degrees {
+        return Some(System::Other);
+    }
+    let height = value(HEIGHT_UNITS_KEY).and_then(LengthUnit::of_epsg);
+    Some(System::Geographic { height })
 }
 
 /// `GEOGCS["…", …]`, perhaps in a `COMPD_CS` with a `VERT_CS["…", UNIT["metre", 1]]`; or `GEOGCRS`.
-fn of_text(text: &str) -> Option<Option<Geographic>> {
+fn of_text(text: &str) -> Option<System> {
     const PROJECTED: [&str; 3] = ["PROJCS[", "PROJCRS[", "PROJECTEDCRS["];
     const GEOGRAPHIC: [&str; 4] = ["GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS[", "GEODCRS["];
     let has = |words: &[&str]| words.iter().any(|word| text.contains(word));
     if has(&PROJECTED) {
-        return Some(None);
+        return Some(System::Other);
     }
     if !has(&GEOGRAPHIC) || text.contains("CS[Cartesian") || text.contains("GEOCCS[") {
         return None;
@@ -87,12 +93,12 @@ fn of_text(text: &str) -> Option<Option<Geographic>> {
         let factor = unit.split('"').nth(2)?.split([',', ']']).nth(1)?;
         LengthUnit::of_metres(factor.trim().parse().ok()?)
     });
-    Some(Some(Geographic { height }))
+    Some(System::Geographic { height })
 }
 
 /// `cloud`, in metres of a zone where `records` say that its coordinates are longitude, latitude and height.
 pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Record<'a>>) -> Result<RawCloud, Fault> {
-    let Some(system) = geographic(records) else {
+    let Some(System::Geographic { height }) = system(records) else {
         return Ok(cloud);
     };
     let Positions::F64(points) = &mut cloud.positions else {
@@ -108,7 +114,7 @@ pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Rec
     let Some(zone) = Zone::of_middle(points.iter().map(|&[x, y, _]| [x, y])) else {
         return Ok(cloud);
     };
-    let height_m = system.height.map_or(1.0, LengthUnit::metres);
+    let height_m = height.map_or(1.0, LengthUnit::metres);
     for (index, point) in points.iter_mut().enumerate() {
         let [x, y] = zone
             .project_near(point[0], point[1])
@@ -116,7 +122,7 @@ pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Rec
         *point = [x, y, point[2] * height_m];
     }
     cloud.unit = Some(LengthUnit::Metre);
-    let heights = match system.height {
+    let heights = match height {
         Some(unit) => format!("heights are in {}", unit.symbol()),
         None => "heights are taken as metres".to_owned(),
     };
@@ -151,33 +157,30 @@ mod tests {
 
     #[test]
     fn keys_and_text_say_degrees() {
-        let metres = Some(Geographic { height: None });
-        let feet = Some(Geographic {
+        let metres = Some(System::Geographic { height: None });
+        let other = Some(System::Other);
+        let feet = Some(System::Geographic {
             height: Some(LengthUnit::SurveyFoot),
         });
         for (values, expected) in [
             (&[(1024, 2), (2048, 4326)][..], metres),
             (&[(2048, 4326)], metres),
             (&[(1024, 2), (2048, 4269), (4099, 9003)], feet),
-            (&[(1024, 1), (2048, 4269), (3072, 26910)], None),
-            (&[(2048, 4269), (3072, 26910)], None),
-            (&[(1024, 3)], None),
-            (&[(1024, 2), (2054, 9101)], None),
+            (&[(1024, 1), (2048, 4269), (3072, 26910)], other),
+            (&[(2048, 4269), (3072, 26910)], other),
+            (&[(1024, 3)], other),
+            (&[(1024, 2), (2054, 9101)], other),
             (&[], None),
         ] {
             let data = keys(values);
-            assert_eq!(
-                geographic([record(GEO_KEYS_ID, &data)].into_iter()),
-                expected,
-                "{values:?}"
-            );
+            assert_eq!(system([record(GEO_KEYS_ID, &data)].into_iter()), expected, "{values:?}");
         }
         let angles = r#"GEOGCS["WGS 84",DATUM["D",SPHEROID["S",6378137,298.25]],UNIT["degree",0.0174532925199433]]"#;
         let vertical = r#"VERT_CS["NAVD88",VERT_DATUM["V",2005],UNIT["US survey foot [x]",0.304800609601219]]"#;
         for (text, expected) in [
             (angles.to_owned(), metres),
             (format!(r#"COMPD_CS["c",{angles},{vertical}]"#), feet),
-            (format!(r#"PROJCS["p",{angles},UNIT["metre",1]]"#), None),
+            (format!(r#"PROJCS["p",{angles},UNIT["metre",1]]"#), other),
             (
                 r#"GEOGCRS["WGS 84",DATUM["D",ELLIPSOID["e",6378137,298.25]],CS[ellipsoidal,2]]"#.to_owned(),
                 metres,
@@ -185,7 +188,7 @@ mod tests {
             (r#"GEODCRS["WGS 84",CS[Cartesian,3]]"#.to_owned(), None),
             (String::new(), None),
         ] {
-            let found = geographic([record(WELL_KNOWN_TEXT_ID, text.as_bytes())].into_iter());
+            let found = system([record(WELL_KNOWN_TEXT_ID, text.as_bytes())].into_iter());
             assert_eq!(found, expected, "{text}");
         }
     }
