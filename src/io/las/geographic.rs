@@ -22,6 +22,9 @@ const HEIGHT_UNITS_KEY: u16 = 4099;
 
 const PROJECTED_MODEL: u16 = 1;
 const GEOGRAPHIC_MODEL: u16 = 2;
+/// The axes of longitude and latitude: as LAS has them, and as some programs write them, in the order of EPSG.
+const ORDERS: [[usize; 2]; 2] = [[0, 1], [1, 0]];
+
 /// EPSG's code of the degree.
 const DEGREE: u16 = 9102;
 
@@ -104,20 +107,25 @@ pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Rec
     let Positions::F64(points) = &mut cloud.positions else {
         return Ok(cloud);
     };
-    if let Some([x, y, _]) = points.iter().find(|[x, y, _]| !Zone::are_degrees(*x, *y)) {
+    let are_degrees = |order: [usize; 2]| {
+        let [longitude, latitude] = order;
+        points
+            .iter()
+            .all(|point| Zone::are_degrees(point[longitude], point[latitude]))
+    };
+    let Some([longitude, latitude]) = ORDERS.into_iter().find(|&order| are_degrees(order)) else {
         log::warn!(
-            "the coordinate reference system is one of degrees, and {x} {y} are none: the coordinates are left as they \
-             are"
+            "the coordinate reference system is one of degrees, and the coordinates are none: they are left as they are"
         );
         return Ok(cloud);
-    }
-    let Some(zone) = Zone::of_middle(points.iter().map(|&[x, y, _]| [x, y])) else {
+    };
+    let Some(zone) = Zone::of_middle(points.iter().map(|point| [point[longitude], point[latitude]])) else {
         return Ok(cloud);
     };
     let height_m = height.map_or(1.0, LengthUnit::metres);
     for (index, point) in points.iter_mut().enumerate() {
         let [x, y] = zone
-            .project_near(point[0], point[1])
+            .project_near(point[longitude], point[latitude])
             .map_err(|problem| Fault::entry("point", index, problem))?;
         *point = [x, y, point[2] * height_m];
     }
@@ -126,13 +134,13 @@ pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Rec
         Some(unit) => format!("heights are in {}", unit.symbol()),
         None => "heights are taken as metres".to_owned(),
     };
-    let why = format!("the coordinate reference system is one of degrees, taken as WGS 84; {heights}");
-    let projection = Assumption::new(
-        Subject::Projection,
-        format!("UTM zone {zone}, metres"),
-        why,
-        Evidence::File,
-    );
+    let (order, evidence) = if longitude == 0 {
+        ("X as longitude", Evidence::File)
+    } else {
+        ("X as latitude, since Y goes beyond 90", Evidence::Statistics)
+    };
+    let why = format!("the coordinate reference system is one of degrees, taken as WGS 84, {order}; {heights}");
+    let projection = Assumption::new(Subject::Projection, format!("UTM zone {zone}, metres"), why, evidence);
     cloud.assumptions.push(projection.with_option(None));
     Ok(cloud)
 }
@@ -215,6 +223,13 @@ mod tests {
         assert_eq!(assumption.subject, Subject::Projection);
         assert_eq!(assumption.evidence, Evidence::File);
         assert!(assumption.value.contains("32N") && assumption.option.is_none());
+        // Latitude first, which can only be told beyond 90 degrees.
+        let turned = of(vec![[45.0, -93.0, 0.0]]);
+        let Positions::F64(points) = &turned.positions else {
+            panic!("narrow positions")
+        };
+        assert!((points[0][0] - 500_000.0).abs() < 1e-6, "{:?}", points[0]);
+        assert_eq!(turned.assumptions[0].evidence, Evidence::Statistics);
         // The record was left behind by a program that projected the points.
         let projected = of(vec![[637_000.0, 849_000.0, 1.0]]);
         assert!(projected.assumptions.is_empty() && projected.unit.is_none());
