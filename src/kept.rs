@@ -5,9 +5,11 @@ mod lenient;
 
 pub(crate) use lenient::{Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently};
 
+use crate::regular_file;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A file beyond this size was not written by this program.
 const MAX_FILE_BYTES: u64 = 1 << 20;
@@ -56,8 +58,12 @@ pub(crate) fn write_whole_with(
 ) -> std::io::Result<()> {
     let (partial, mut new) = Partial::create(file)?;
     write(&mut new)?;
+    // On the disk before it has its name.
+    new.sync_data()?;
     drop(new);
-    partial.finish()
+    partial.finish()?;
+    regular_file::sync_folder_of(file);
+    Ok(())
 }
 
 /// A file under a hidden name until it is whole. What is dropped before is removed.
@@ -70,17 +76,25 @@ pub(crate) struct Partial {
 impl Partial {
     /// Names the hidden file that is to become `file`; somebody else creates it.
     pub(crate) fn of(file: &Path) -> Self {
+        /// Two threads may write the same file.
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         Self {
-            hidden: file.with_file_name(format!(".{name}.{}.partial", std::process::id())),
+            hidden: file.with_file_name(format!(".{name}.{}.{number}.partial", std::process::id())),
             file: file.to_owned(),
         }
     }
 
     /// Creates the hidden file that is to become `file`.
     pub(crate) fn create(file: &Path) -> std::io::Result<(Self, File)> {
+        // Pipes and devices are not replaced by a file.
+        if file.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+            regular_file::check(file)?;
+        }
         let partial = Self::of(file);
-        let new = File::create(partial.hidden())?;
+        // A link of this name was put there by somebody else.
+        let new = regular_file::create(partial.hidden())?;
         Ok((partial, new))
     }
 
@@ -131,6 +145,21 @@ mod tests {
         assert!(read(&taken).is_err());
         assert!(replace(&taken, b"bytes").is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn sockets_and_links_are_not_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let [socket, link, scan] = ["socket", "link", "scan.ply"].map(|name| folder.path().join(name));
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        let refused = write_whole(&socket, b"{}").unwrap_err().to_string();
+        assert_eq!(refused, "it is a socket, expected a file");
+        fs::write(&scan, "ply").unwrap();
+        std::os::unix::fs::symlink(&scan, &link).unwrap();
+        write_whole(&link, b"{}").unwrap();
+        assert_eq!(fs::read_to_string(&scan).unwrap(), "ply");
+        assert!(!link.is_symlink());
     }
 
     #[test]

@@ -28,6 +28,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
+    &["printable", "regular_file"],
     &[
         "binary",
         "assumption",

@@ -76,8 +76,8 @@ pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession, State,
-    StateOptions, Viewport, VisibleChange, WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession,
+    SessionQuestion, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};

@@ -12,6 +12,7 @@ use crate::render::matcher_of_machine;
 use crate::rgbd::Filters;
 use crate::scene::{BackFaces, Backdrop, Background, Clip, ClipShape, ParseChoiceError, Primitive, Style, SurfelStyle};
 use crate::sequence::{ColorSource, OpenOptions, Sequence};
+use crate::source::SessionReach;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 use std::num::NonZeroUsize;
@@ -30,6 +31,7 @@ pub(super) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) 
 
 /// How files are read.
 #[derive(Debug, Clone, Default, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[command(next_help_heading = "Reading")]
 pub(super) struct ReadArgs {
     /// Most memory that reading one frame may take, such as 2GB (usually half of all)
@@ -89,6 +91,14 @@ pub(super) struct ReadArgs {
     /// Ask a live stream (tcp://) for frames, or for the points that the window shows, with normals
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = StreamOf::Frames)]
     stream: StreamOf,
+
+    /// Let a session (.pointreel) connect to the addresses that it names, and listen at its ports
+    #[arg(long)]
+    allow_network: bool,
+
+    /// Let a session (.pointreel) open files outside of its own folder
+    #[arg(long)]
+    allow_outside: bool,
 
     #[command(flatten)]
     rgbd: RgbdArgs,
@@ -159,6 +169,10 @@ impl ReadArgs {
             live_surfels: self.stream == StreamOf::Surfels,
             rgbd: self.rgbd.options(Filters::NONE),
             matcher: matcher_of_machine(),
+            session_reach: SessionReach {
+                network: self.allow_network,
+                outside: self.allow_outside,
+            },
         }
     }
 }

@@ -2,15 +2,17 @@
 
 use super::arguments::{DEMO_INPUT, FrameRange, ReadArgs, byte_count, frame_rate, open_sequence_and_tell, size_px};
 use super::output::{answer, say};
+use super::sources::{check_sources, write_text};
 use crate::app::{self, PresentChoice};
 use crate::bench::{self, BenchOptions, Input, LeaveOut, Modes, OptionGroup, Report, Step, Suite, suites};
 use crate::messages::listed;
+use crate::printable;
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::OpenOptions;
 use crate::source::Generated;
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -210,6 +212,11 @@ pub(super) fn run(arguments: &BenchArgs) -> anyhow::Result<()> {
         Ok(opened)
     });
     let inputs = inputs.collect::<anyhow::Result<Vec<Input>>>()?;
+    let written = [&arguments.json, &arguments.html, &arguments.csv].into_iter().flatten();
+    let written: Vec<PathBuf> = written.cloned().collect();
+    for Input { sequence, .. } in &inputs {
+        check_sources(sequence, written.iter().cloned())?;
+    }
     if let Some(first) = arguments.first_frame {
         for Input { sequence, .. } in &inputs {
             FrameRange::one(first).check("--first-frame", sequence.len())?;
@@ -307,7 +314,7 @@ fn sequence_name(input: &Path) -> String {
 
 fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
-    std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+    write_text(path, text)?;
     say(&format!("wrote {}", path.display()));
     Ok(())
 }
@@ -318,7 +325,7 @@ fn show_progress(step: Step) {
     if stderr.is_terminal() {
         let Step { done, total, label, .. } = step;
         // A terminal that has gone is no failure.
-        let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {label}");
+        let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {}", printable::text(&label));
         let _ = stderr.flush();
     }
 }

@@ -4,6 +4,7 @@ use super::output::{answer, say};
 use crate::export::{PictureFormat, encode_picture};
 use crate::kept::write_whole;
 use crate::measure::{PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim};
+use crate::regular_file;
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader, Limits, RgbaImage};
@@ -217,8 +218,7 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     if metadata.is_none() {
         return Ok(());
     }
-    let place = fs::canonicalize(heatmap).ok();
-    if inputs.map(|input| fs::canonicalize(input).ok()).contains(&place) {
+    if inputs.iter().any(|input| regular_file::are_same(input, heatmap)) {
         bail!("{name} is compared itself: give the heatmap another name");
     }
     Ok(())

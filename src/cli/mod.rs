@@ -142,7 +142,7 @@ fn start_log() {
                 warnings::warn_of_error(&record.args().to_string());
                 Ok(())
             }
-            _ => writeln!(out, "{}", record.args()),
+            _ => writeln!(out, "{}", crate::printable::text(&record.args().to_string())),
         });
     }
     log.init();

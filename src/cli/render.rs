@@ -5,7 +5,7 @@ use super::assumptions;
 use super::colors::check_source;
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
-use super::sources::check_sources;
+use super::sources::{OutputKind, check_outputs, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
@@ -74,8 +74,10 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     range.check("--frame", sequence.len())?;
     if let Some(output) = &arguments.output {
         let names = range.bounds().map(|frame| numbered(output, frame, sequence.len()));
-        check_sources(&sequence, names)?;
+        let names = names.filter(|name| name.as_os_str() != STDOUT);
+        check_outputs(&sequence, names, OutputKind::Picture)?;
     }
+    check_outputs(&sequence, arguments.stats.clone().into_iter(), OutputKind::Json)?;
     let of_session = session.as_ref().map_or_else(Style::default, Session::style);
     let style = arguments.picture.style_over(of_session);
     let loader = Loader::new(Arc::clone(&sequence), LoaderOptions::default())?;
@@ -114,7 +116,7 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     };
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
-        std::fs::write(path, json).with_context(|| format!("{} cannot be written", path.display()))?;
+        write_text(path, &json)?;
     }
     let sets_up = arguments.camera.sets_up() || arguments.video.has_path();
     let primitive = chooses_primitive.then_some(Subject::Primitive);

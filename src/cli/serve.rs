@@ -3,13 +3,13 @@
 use super::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
 use super::output::{answer, say};
 use crate::reel::MAGIC;
+use crate::regular_file;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::serve::FileServer;
 use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
 use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
-use std::fs::File;
 use std::io::Read as _;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &ServeArgs) -> anyhow::Result<()> {
 
 fn run_file(path: &Path, listen: SocketAddr) -> anyhow::Result<()> {
     let mut begin = [0; MAGIC.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
     read.with_context(|| format!("{} cannot be read", path.display()))?;
     if begin != MAGIC {
         bail!(

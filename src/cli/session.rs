@@ -21,6 +21,9 @@ pub(super) struct OpenedInputs {
 /// Opens what a person named; nothing is the built-in sequence. What is given goes before what a session says.
 pub(super) fn open_inputs(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
     let session = session_of(inputs)?;
+    if let Some(read) = &session {
+        read.check_reach(options.session_reach)?;
+    }
     let sequence = match (&session, inputs) {
         (Some(read), _) => Sequence::open(&read.session.inputs, &read.session.reading.over(options))?,
         (None, []) => Sequence::open(&[DEMO_INPUT.into()], options)?,

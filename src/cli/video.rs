@@ -4,7 +4,7 @@ use super::arguments::FrameRange;
 use super::output::answer;
 use super::progress::Bar;
 use super::render_arguments::RenderArgs;
-use super::sources::check_sources;
+use super::sources::{OutputKind, check_outputs};
 use super::video_arguments::VideoArgs;
 use super::warnings;
 use crate::export::{Video, VideoFormat, export_video, numbered, picture_names};
@@ -51,7 +51,7 @@ pub(super) fn render_video(
     } else {
         vec![output.clone()]
     };
-    check_sources(headless.sequence(), outputs.into_iter())?;
+    check_outputs(headless.sequence(), outputs.into_iter(), OutputKind::Picture)?;
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
     // An interrupt ends the process; what stands there then has a hidden name.

@@ -3,6 +3,7 @@
 use super::arguments::{PictureArgs, ReadArgs, VIEW, byte_count, frame_rate, size_px};
 use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
+use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
     Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
 };
@@ -11,7 +12,7 @@ use crate::kept;
 use crate::progress::Progress;
 use crate::scene::{Camera, UpAxis};
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::ReadSession;
+use crate::session::{ReadSession, session_of};
 use crate::source::Generated;
 use anyhow::{Context as _, bail};
 use clap::Args;
@@ -95,6 +96,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     }
     if let Some(screenshot) = &args.screenshot {
         PictureFormat::of_name(screenshot)?;
+        check_replaced(screenshot, OutputKind::Picture)?;
     }
     let open = OpenOptions {
         fps: args.fps,
@@ -106,7 +108,10 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
     // The window says that it waits for the first frame.
-    let waits = args.follow && args.screenshot.is_none() && args.record.is_none() && is_empty_folder(&args.inputs);
+    let can_ask = args.screenshot.is_none() && args.record.is_none();
+    let waits = can_ask && args.follow && is_empty_folder(&args.inputs);
+    // The window asks whether a session may open what is not in its folder.
+    let asks = can_ask && reaches_beyond(&args.inputs, &open);
     // A picture that a script asks for does not depend on who looked at what before.
     let (reading_choices, choices_problem) = match args.screenshot {
         Some(_) => Default::default(),
@@ -117,13 +122,16 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         mut session,
         opened_with,
         problem,
-    } = if offers_recent || waits {
+    } = if offers_recent || waits || asks {
         FirstOpened::default()
     } else {
         FirstOpened::of(&args.inputs, &open, &reading_choices)?
     };
     if let Some(read) = &mut session {
         give_precedence(args, read);
+    }
+    if let (Some(screenshot), Some(sequence)) = (&args.screenshot, &sequence) {
+        check_sources(sequence, std::iter::once(screenshot.clone()))?;
     }
     if let Some(path) = &args.record {
         record_arrivals(sequence.as_ref(), path)?;
@@ -184,6 +192,12 @@ fn is_empty_folder(inputs: &[PathBuf]) -> bool {
     let [folder] = inputs else { return false };
     let open = OpenOptions::default();
     folder.is_dir() && matches!(Sequence::open(inputs, &open), Err(SequenceError::EmptyFolder { .. }))
+}
+
+/// Whether a session is named that opens more than is allowed.
+fn reaches_beyond(inputs: &[PathBuf], open: &OpenOptions) -> bool {
+    let session = session_of(inputs).ok().flatten();
+    session.is_some_and(|read| !read.beyond(open.session_reach).is_empty())
 }
 
 /// What the window shows first.

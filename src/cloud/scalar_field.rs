@@ -1,11 +1,12 @@
 //! Numbers of points that have a name and no other meaning here.
 
+use crate::printable;
 use rayon::prelude::*;
 
 /// One number a point, under the name that the file has for it: intensity, classification, time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarField {
-    /// The file's name for it.
+    /// The file's name for it, control characters escaped.
     pub name: String,
     /// One entry a point.
     pub values: Vec<f32>,
@@ -18,7 +19,7 @@ impl ScalarField {
     /// Values as the file has them.
     pub fn new(name: impl Into<String>, values: Vec<f32>) -> Self {
         Self {
-            name: name.into(),
+            name: printable::name(name.into()),
             values,
             offset: 0.0,
         }
@@ -48,7 +49,7 @@ impl ScalarField {
             if smallest.is_finite() { smallest.floor() } else { 0.0 }
         };
         Self {
-            name: name.into(),
+            name: printable::name(name.into()),
             values: all().map(|value| (value - offset) as f32).collect(),
             offset,
         }

@@ -72,10 +72,18 @@ pub enum ConvertError {
         difference: String,
     },
     /// Another process writes the same file.
-    #[error("{} is being written by another process: wait for it, or choose another name", path.display())]
+    #[error(
+        "{} is being written by {holder}: wait for it, or choose another name (if it has ended, remove {})",
+        path.display(),
+        lock.display()
+    )]
     Busy {
         /// The file.
         path: PathBuf,
+        /// The process, and its machine.
+        holder: String,
+        /// The file that says so.
+        lock: PathBuf,
     },
     /// Files that cannot be joined.
     #[error("{} cannot be joined: {problem}", output.display())]

@@ -18,6 +18,7 @@ mod estimate;
 mod folder;
 mod frame;
 mod join;
+mod lock;
 mod merging;
 mod names;
 mod place;
@@ -30,7 +31,7 @@ pub use error::ConvertError;
 pub use estimate::{Estimate, EstimatedErrors, OtherWay, SampleEstimate, SampleFrame, Target, source_bytes};
 pub use join::{Joined, join, parts_of};
 pub use merging::MergePrice;
-pub use place::{Place, source_at, source_files};
+pub use place::{Place, SourceFiles, source_at};
 pub use record::Record;
 
 use self::frame::write_frame;

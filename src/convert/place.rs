@@ -3,6 +3,7 @@
 use super::conversion::{Conversion, Output};
 use super::record::{Record, real};
 use super::reel;
+use crate::regular_file;
 use crate::sequence::{FrameEntry, Sequence};
 use crate::source::FrameBytes;
 use std::collections::HashSet;
@@ -77,21 +78,42 @@ impl Place {
     }
 }
 
-/// Every file that is read of `sequence`, by its one name.
-pub fn source_files(sequence: &Sequence) -> HashSet<PathBuf> {
-    let inputs = sequence.source().inputs().to_vec();
-    let entries = sequence.entries();
-    let is_file = |entry: &&Arc<FrameEntry>| matches!(entry.content, FrameBytes::File(_));
-    let of_entries = entries
-        .iter()
-        .filter(is_file)
-        .flat_map(|entry| std::iter::once(&entry.path).chain(&entry.normals));
-    inputs
-        .iter()
-        .chain(of_entries)
-        .filter(|file| file.is_file())
-        .map(|file| real(file))
-        .collect()
+/// The files that a sequence is read from, whatever names they have: device and number on it, or else the one name.
+#[derive(Debug, Default)]
+pub struct SourceFiles {
+    ids: HashSet<(u64, u64)>,
+    names: HashSet<PathBuf>,
+}
+
+impl SourceFiles {
+    /// Those of `sequence`.
+    pub fn of(sequence: &Sequence) -> Self {
+        let inputs = sequence.source().inputs().to_vec();
+        let entries = sequence.entries();
+        let is_file = |entry: &&Arc<FrameEntry>| matches!(entry.content, FrameBytes::File(_));
+        let of_entries = entries
+            .iter()
+            .filter(is_file)
+            .flat_map(|entry| std::iter::once(&entry.path).chain(&entry.normals));
+        let mut files = Self::default();
+        let images = sequence.source().images();
+        for file in inputs.iter().chain(of_entries).chain(&images) {
+            match regular_file::id(file) {
+                Some(id) => _ = files.ids.insert(id),
+                None if file.is_file() => _ = files.names.insert(real(file)),
+                None => {}
+            }
+        }
+        files
+    }
+
+    /// Whether what is at `output`, through links of whatever kind, is one of them.
+    pub fn has(&self, output: &Path) -> bool {
+        match regular_file::id(output) {
+            Some(id) => self.ids.contains(&id),
+            None => output.exists() && self.names.contains(&real(output)),
+        }
+    }
 }
 
 /// The input that would be written over, or written next to, at `output`: the same file or folder by whatever name, and
@@ -103,7 +125,7 @@ pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
     // Frames of a folder ask for the same again and again.
     let mut looked_at = HashSet::new();
     let mut is_there = |input: &Path| {
-        if real(input) == place {
+        if real(input) == place || regular_file::are_same(input, path) {
             return true;
         }
         if !is_folder || input.is_dir() {
@@ -188,6 +210,23 @@ mod tests {
         let nowhere = folder.path().join("missing/walk.reel");
         let nowhere = conversion(Output::Reel(nowhere, options));
         assert_eq!(Place::of(&nowhere, &sequence), Place::NoFolder);
+    }
+
+    #[test]
+    fn hard_links_are_the_source() {
+        let folder = tempfile::tempdir().unwrap();
+        let [scan, link, other] = ["0.ply", "link.ply", "other.ply"].map(|name| folder.path().join(name));
+        fs::write(&scan, "ply").unwrap();
+        fs::hard_link(&scan, &link).unwrap();
+        fs::write(&other, "ply").unwrap();
+        let sequence = sequence(folder.path());
+        let files = SourceFiles::of(&sequence);
+        assert!(files.has(&scan) && files.has(&folder.path().join("./0.ply")) && !files.has(&other));
+        if cfg!(unix) {
+            assert!(files.has(&link));
+            assert_eq!(Place::of(&conversion(Output::File(link)), &sequence), Place::Source);
+        }
+        assert_eq!(Place::of(&conversion(Output::File(other)), &sequence), Place::Taken);
     }
 
     #[test]

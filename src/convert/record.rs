@@ -76,7 +76,7 @@ impl Record {
 
     /// What a conversion has left in `folder`.
     pub(super) fn read(folder: &Path) -> Option<Self> {
-        let bytes = fs::read(folder.join(FILE_NAME)).ok()?;
+        let bytes = crate::regular_file::read(&folder.join(FILE_NAME)).ok()?;
         serde_json::from_slice(&bytes).ok()
     }
 

@@ -8,6 +8,7 @@
 
 use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
+use super::lock::{self, Lock};
 use super::record::Record;
 use crate::cloud::RawCloud;
 use crate::io::{Loss, Losses};
@@ -16,7 +17,7 @@ use crate::reel::{EncodedGroup, FilePart, NewFrame, ReelFile, ReelOptions, ReelW
 use crate::sequence::{FrameEntry, Sequence};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File};
 use std::io::BufWriter;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -48,19 +49,6 @@ pub(super) struct Unfinished {
     lock: PathBuf,
 }
 
-/// Held by the process that writes a file. What a killed one leaves is free for the next.
-pub(super) struct Lock {
-    _file: File,
-    path: PathBuf,
-}
-
-impl Drop for Lock {
-    fn drop(&mut self) {
-        // Whoever cannot remove it leaves an empty file that nobody holds.
-        let _ = fs::remove_file(&self.path);
-    }
-}
-
 impl Unfinished {
     pub(super) fn of(output: &Path) -> Self {
         let name = output.file_name().unwrap_or_default().to_string_lossy();
@@ -71,28 +59,9 @@ impl Unfinished {
         }
     }
 
-    /// Keeps other processes from writing the same file until the answer is dropped. Where files cannot be locked, on
-    /// some network disks, nobody is kept.
+    /// Keeps other processes from writing the same file until the answer is dropped.
     pub(super) fn lock(&self, output: &Path) -> Result<Lock, ConvertError> {
-        let opened = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&self.lock);
-        let file = opened.map_err(write_error(&self.lock))?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => Err(ConvertError::Busy {
-                path: output.to_owned(),
-            }),
-            // Another process has just ended, and removed it.
-            Ok(()) if !self.lock.exists() => Err(ConvertError::Busy {
-                path: output.to_owned(),
-            }),
-            Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock {
-                _file: file,
-                path: self.lock.clone(),
-            }),
-        }
+        lock::lock(&self.lock, output)
     }
 
     fn keep(&self, ledger: &Ledger) -> Result<(), ConvertError> {
@@ -102,8 +71,9 @@ impl Unfinished {
 
     /// What is there, if it was made with `record`.
     fn ledger_of(&self, record: &Record) -> Option<Ledger> {
-        let ledger: Ledger = serde_json::from_slice(&fs::read(&self.ledger).ok()?).ok()?;
-        (ledger.record == *record && self.file.is_file()).then_some(ledger)
+        let ledger: Ledger = serde_json::from_slice(&crate::regular_file::read(&self.ledger).ok()?).ok()?;
+        let is_file = self.file.symlink_metadata().is_ok_and(|there| there.is_file());
+        (ledger.record == *record && is_file).then_some(ledger)
     }
 
     /// The same, if none of its `sources` has changed since.
@@ -138,7 +108,8 @@ pub(super) fn convert(
     let part = part_of(sequence, &record, all_frames, conversion.shard);
     let frames = share(all_frames, conversion.shard);
     let entries: Vec<Arc<FrameEntry>> = frames.iter().map(|&frame| sequence.entry(frame)).collect();
-    if !conversion.overwrites && output.symlink_metadata().is_ok() {
+    let was_there = output.symlink_metadata().is_ok();
+    if !conversion.overwrites && was_there {
         let left = frames_of_finished(output, &part).map_err(|error| match error {
             ConvertError::Reel(_) => ConvertError::Exists {
                 path: output.to_owned(),
@@ -154,6 +125,13 @@ pub(super) fn convert(
     }
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
+    // Another process may have finished it before this one got the lock.
+    if !conversion.overwrites && !was_there && output.symlink_metadata().is_ok() {
+        return Err(ConvertError::Exists {
+            path: output.to_owned(),
+            more: 0,
+        });
+    }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
     let (mut writer, mut ledger) = if let Some(ledger) = known {
@@ -338,6 +316,7 @@ pub(super) fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> 
     // On the disk before it has its name.
     file.sync_data().map_err(failed)?;
     fs::rename(&unfinished.file, output).map_err(failed)?;
+    crate::regular_file::sync_folder_of(output);
     match fs::remove_file(&unfinished.ledger) {
         Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(&unfinished.ledger)(reason)),
         _ => Ok(()),

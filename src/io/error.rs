@@ -32,10 +32,12 @@ pub enum IoError {
         allowed: u64,
     },
     /// A folder, pipe or device.
-    #[error("{} is not a regular file: name a file, or a folder of frames as the input", path.display())]
+    #[error("{} is {kind}, not a regular file: name a file, or a folder of frames as the input", path.display())]
     NotAFile {
         /// The path.
         path: PathBuf,
+        /// What it is, with its article.
+        kind: &'static str,
     },
     /// A file without a byte.
     #[error("{} is empty (0 bytes): a point cloud was expected, the file may not have been written to its \

@@ -6,6 +6,7 @@ use super::format::{Format, Holding};
 use super::options::ReadOptions;
 use super::recording::camera::CameraTopics;
 use super::{archive, packets, recording};
+use crate::regular_file;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -62,8 +63,12 @@ pub(super) fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
         source,
     };
     // A pipe or device may never end; only regular files are read.
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(IoError::NotAFile { path: path.to_owned() });
+    let metadata = std::fs::metadata(path).map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(IoError::NotAFile {
+            path: path.to_owned(),
+            kind: regular_file::kind_of(&metadata),
+        });
     }
     let mut magic = Vec::with_capacity(Format::MAGIC_BYTES);
     let file = File::open(path).map_err(failed)?;

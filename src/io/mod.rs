@@ -53,6 +53,7 @@ mod stl;
 pub(crate) mod timestamps;
 mod unique_names;
 mod unpack;
+mod utm;
 mod watched;
 mod write;
 mod xyz;

@@ -14,7 +14,6 @@ use super::read::read_part_observed;
 use super::{attributes, mesh, watched, xyz};
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -42,7 +41,7 @@ pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
         return None;
     }
     let mut head = Vec::new();
-    let file = File::open(path).ok()?;
+    let file = crate::regular_file::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let format = Format::detect(path, &head)?;
     if format == xyz::FORMAT {

@@ -7,9 +7,9 @@
 //! written over.
 
 use super::{read, write_whole};
+use crate::regular_file;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
-use std::fs;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -128,7 +128,7 @@ fn in_short(reasons: &[String]) -> String {
 /// Copies `file` to the first of `name.unreadable`, `name.unreadable-2` and so on that is free, or has the same bytes
 /// already.
 pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
-    let bytes = fs::read(file)?;
+    let bytes = regular_file::read(file)?;
     for number in 1..=MAX_COPIES {
         let mut name = file.file_name().unwrap_or_default().to_owned();
         name.push(".unreadable");
@@ -136,7 +136,7 @@ pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
             name.push(format!("-{number}"));
         }
         let copy = file.with_file_name(name);
-        match fs::read(&copy) {
+        match regular_file::read(&copy) {
             Ok(there) if there == bytes => return Ok(copy),
             Err(reason) if reason.kind() == ErrorKind::NotFound => {
                 write_whole(&copy, &bytes)?;
@@ -153,6 +153,7 @@ pub(crate) fn copy_beside(file: &Path) -> std::io::Result<PathBuf> {
 mod tests {
     use super::*;
     use serde::Deserialize;
+    use std::fs;
 
     #[derive(Debug, Default, PartialEq, Deserialize)]
     #[serde(default)]

@@ -111,7 +111,7 @@ impl PhotosError {
 
 /// The bytes of a file.
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, PhotosError> {
-    std::fs::read(path).map_err(|source| PhotosError::Io {
+    crate::regular_file::read(path).map_err(|source| PhotosError::Io {
         path: path.into(),
         source,
     })

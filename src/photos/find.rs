@@ -7,7 +7,7 @@ use super::calibration::Calibration;
 use super::error::PhotosError;
 use super::view_set::ViewSet;
 use super::{bundler, colmap, llff, meshroom, middlebury, middlebury_stereo, mvsnet, nvm, transforms};
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -299,6 +299,6 @@ fn begins_with(path: &Path, magic: &[u8]) -> bool {
 
 fn head_of(path: &Path, size: u64) -> std::io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    File::open(path)?.take(size).read_to_end(&mut head)?;
+    crate::regular_file::open(path)?.take(size).read_to_end(&mut head)?;
     Ok(head)
 }

@@ -73,7 +73,7 @@ impl ReelFile {
     /// # Errors
     /// As [`ReelFile::open`], and a file that cannot be opened.
     pub fn open_path(path: &Path) -> Result<Self, ReelError> {
-        let file = std::fs::File::open(path).map_err(|source| ReelError::Io {
+        let file = crate::regular_file::open(path).map_err(|source| ReelError::Io {
             path: path.to_owned(),
             byte: 0,
             source,

@@ -6,6 +6,7 @@ use super::file::{ChunkHeader, ChunkKind, FilePart, Head, Index, Trailer, VERSIO
 use super::options::ReelOptions;
 use super::reader::ReelFile;
 use super::{MAGIC, ReadAt};
+use crate::regular_file;
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ impl ReelWriter<BufWriter<File>> {
 
     /// A new file, in place of one of that name, that says which frames of a conversion it has.
     pub fn create_part(path: &Path, options: ReelOptions, part: FilePart) -> Result<Self, ReelError> {
-        let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
+        let file = regular_file::create(path).map_err(|source| io_error(path, 0, source))?;
         options.check()?;
         let head = Head {
             part: Some(part),
@@ -47,7 +48,7 @@ impl ReelWriter<BufWriter<File>> {
     /// A new file of groups that are copied from others ([`ReelWriter::copy_groups`]), which says of itself what `like`
     /// does, but that it has all frames.
     pub fn create_like(path: &Path, like: &ReelFile) -> Result<Self, ReelError> {
-        let file = File::create(path).map_err(|source| io_error(path, 0, source))?;
+        let file = regular_file::create(path).map_err(|source| io_error(path, 0, source))?;
         let head = Head {
             part: like.part().map(FilePart::whole),
             ..like.head().clone()

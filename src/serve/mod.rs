@@ -13,9 +13,9 @@ pub mod live;
 mod places;
 mod request;
 
+use crate::regular_file;
 use places::{Place, Places};
 use request::{Answer, Request};
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ impl FileServer {
     /// Listens at `address` for requests of the file at `path`; nothing is answered before [`FileServer::run`].
     pub fn bind(path: &Path, address: SocketAddr) -> io::Result<Self> {
         // That it can be read is known before anybody asks.
-        File::open(path)?;
+        regular_file::open(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
             listener: TcpListener::bind(address)?,
@@ -139,7 +139,7 @@ impl Shared {
 
     /// Answers one request; says whether the connection stays open.
     fn answer(&self, stream: &mut TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
-        let mut file = File::open(&self.path)?;
+        let mut file = regular_file::open(&self.path)?;
         let metadata = file.metadata()?;
         let answer = request.answer(&self.target, metadata.len(), metadata.modified().ok());
         stream.write_all(answer.head().as_bytes())?;

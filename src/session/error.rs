@@ -1,5 +1,6 @@
 //! Why a session cannot be opened or saved.
 
+use super::Beyond;
 use std::path::PathBuf;
 
 /// Why a session cannot be opened or saved.
@@ -80,6 +81,14 @@ pub enum SessionError {
         file: PathBuf,
         /// What it names.
         input: PathBuf,
+    },
+    /// It names addresses or files elsewhere that nobody has allowed.
+    #[error("the session {} opens {beyond}: give {} if you trust it", file.display(), beyond.options())]
+    Beyond {
+        /// The file.
+        file: PathBuf,
+        /// What it names.
+        beyond: Beyond,
     },
     /// A text file cannot hold this name.
     #[error("{} has a name that is no text (Unicode): rename it to save a session of it", input.display())]

@@ -6,11 +6,11 @@ use super::paths::{as_text, joined};
 use super::text;
 use super::written::{self, VERSION, Version, Written, clip_fields, compare_fields, label_fields, measured_fields};
 use crate::kept::{self, Fields};
+use crate::regular_file;
 use crate::scene::Style;
 use crate::timeline::PlayRange;
 use serde::Serialize;
 use serde_json::Value;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +65,7 @@ impl ReadSession {
             reason,
         };
         let mut bytes = Vec::new();
-        File::open(file)
+        regular_file::open(file)
             .and_then(|opened| opened.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
             .map_err(failed)?;
         if bytes.len() as u64 > MAX_FILE_BYTES {

@@ -41,7 +41,7 @@ pub(super) fn joined(folder: &Path, text: &str) -> PathBuf {
 }
 
 /// Whether it names something that is no file.
-fn is_word(text: &str) -> bool {
+pub(super) fn is_word(text: &str) -> bool {
     text.contains("://") || !matches!(Generated::of_name(Path::new(text)), Ok(None))
 }
 

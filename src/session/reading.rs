@@ -214,6 +214,13 @@ impl Reading {
         }
     }
 
+    /// The files that it names.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let poses = self.poses.clone().filter(|file| file != Path::new(NO_POSES));
+        let intrinsics = self.intrinsics.as_deref().filter(|text| is_file_name(text));
+        poses.into_iter().chain(intrinsics.map(PathBuf::from))
+    }
+
     /// With the paths of its files as a session in `folder` holds them.
     pub(super) fn written_in(&self, folder: &Path) -> Result<Self, SessionError> {
         let file_of_poses = self.poses.as_deref().filter(|file| *file != Path::new(NO_POSES));

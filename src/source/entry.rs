@@ -1,6 +1,7 @@
 //! One frame as its source knows it before it is read.
 
 use crate::io::{self, Part};
+use crate::printable;
 use glam::DAffine3;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -38,7 +39,7 @@ impl std::fmt::Debug for FrameBytes {
 pub struct FrameEntry {
     /// The file, as the person gave it or as its folder lists it.
     pub path: PathBuf,
-    /// File name for people; bytes that are not UTF-8 are replaced.
+    /// File name for people; bytes that are not UTF-8 are replaced, and control characters escaped.
     pub name: String,
     /// The number in the name that counts the frames, where there is one: gaps in time can be seen in it.
     pub number: Option<u64>,
@@ -62,7 +63,7 @@ impl FrameEntry {
     pub(super) fn entry(path: impl Into<PathBuf>, entry: io::Entry) -> Self {
         let mut frame = Self::new(path.into(), FrameBytes::File(entry.part));
         if !entry.name.is_empty() {
-            frame.name = format!("{}: {}", frame.name, entry.name);
+            frame.name = format!("{}: {}", frame.name, printable::name(entry.name));
         }
         frame.time = entry.time;
         frame
@@ -80,7 +81,7 @@ impl FrameEntry {
         );
         Self {
             path,
-            name,
+            name: printable::name(name),
             number: None,
             time: None,
             content,

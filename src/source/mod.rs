@@ -40,7 +40,7 @@ pub use list::FrameList;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
-pub use options::{NO_POSES, OpenOptions};
+pub use options::{NO_POSES, OpenOptions, SessionReach};
 pub use photo_video::PhotoVideo;
 pub use photos::PhotoScene;
 pub use reel::Reel;

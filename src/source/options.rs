@@ -41,4 +41,23 @@ pub struct OpenOptions {
     pub matcher: SharedMatcher,
     /// How recordings of depth images are read.
     pub rgbd: RgbdOptions,
+    /// Where the files that a session names may be.
+    pub session_reach: SessionReach,
+}
+
+/// What a session may open beside the files in its own folder: who opens one knows its name, not what is in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SessionReach {
+    /// Addresses: connections to other machines, and ports that are listened at.
+    pub network: bool,
+    /// Files outside of its folder.
+    pub outside: bool,
+}
+
+impl SessionReach {
+    /// All that it names.
+    pub const ANYWHERE: Self = Self {
+        network: true,
+        outside: true,
+    };
 }

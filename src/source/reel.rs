@@ -6,9 +6,10 @@ use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, Fram
 use super::{SequenceError, Source};
 use crate::io::ReadOptions;
 use crate::locks::{lock, read, write};
+use crate::printable;
 use crate::progress::Progress;
 use crate::reel::{MAGIC, ReadAt, ReelDecoder, ReelError, ReelFile};
-use std::fs::File;
+use crate::regular_file;
 use std::io::Read as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -44,7 +45,7 @@ impl Reel {
     /// Whether the file at `path` begins as a sequence file does.
     pub(super) fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+        let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
@@ -116,13 +117,13 @@ impl Shared {
 
 impl Opened {
     fn at(path: &Path) -> Result<Self, ReelError> {
-        let file = File::open(path).map_err(open_error(path))?;
+        let file = regular_file::open(path).map_err(open_error(path))?;
         Self::of(Arc::new(file), path)
     }
 
     /// Without a group that is just being written.
     fn whole_at(path: &Path) -> Result<Self, ReelError> {
-        let file = File::open(path).map_err(open_error(path))?;
+        let file = regular_file::open(path).map_err(open_error(path))?;
         Ok(Self::of_file(
             ReelFile::open(Arc::new(file), path)?.whole_groups(),
             path,
@@ -147,7 +148,7 @@ impl Opened {
         let frames = (0..file.frame_count()).filter_map(|index| file.frame(index));
         let mut entries: Vec<FrameEntry> = frames
             .map(|frame| FrameEntry {
-                name: frame.name.to_owned(),
+                name: printable::name(frame.name.to_owned()),
                 time: frame.time,
                 ..of_file.clone()
             })

@@ -160,6 +160,20 @@ pub trait Source: Send + Sync {
         None
     }
 
+    /// Files of images that are read beside those of the entries: colours of depth images, photographs.
+    fn images(&self) -> Vec<PathBuf> {
+        let set = (!self.is_live() && !self.frames().is_empty()).then(|| self.photographs(self.frames().start));
+        let photos = set.flatten();
+        let files = photos
+            .iter()
+            .flat_map(|set| &set.photos)
+            .filter(|photo| photo.has_file());
+        files
+            .flat_map(|photo| std::iter::once(&photo.path).chain(&photo.mask))
+            .cloned()
+            .collect()
+    }
+
     /// The recordings among what was opened.
     fn recordings(&self) -> &[Recording] {
         &[]

@@ -3,6 +3,7 @@
 use super::{options, press, window, window_on};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::{Command, PanelId, State, StateOptions};
 use pointreel::playback::PairBy;
@@ -261,4 +262,29 @@ fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
     harness.state_mut().save_session_to(file);
     harness.run();
     assert!(harness.state().notices.list()[0].text.contains("no file"));
+}
+
+#[test]
+fn a_session_asks_before_it_leaves_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    scans(&folder.path().join("scans"));
+    fs::create_dir(folder.path().join("sent")).unwrap();
+    let file = folder.path().join("sent/walk.pointreel");
+    fs::write(&file, r#"{"pointreel_session": 1, "files": ["../scans"]}"#).unwrap();
+    let mut harness = window();
+    harness.state_mut().open_paths(vec![file.clone()]);
+    until(&mut harness, "nobody asks", |state| state.session_question.is_some());
+    assert!(harness.state().player.is_none());
+    let beyond = &harness.state().session_question.as_ref().unwrap().beyond;
+    assert!(beyond.addresses.is_empty() && beyond.outside.len() == 1, "{beyond:?}");
+    harness.get_by_label("Cancel").click();
+    harness.run();
+    assert!(harness.state().session_question.is_none() && harness.state().player.is_none());
+
+    harness.state_mut().open_paths(vec![file]);
+    until(&mut harness, "nobody asks", |state| state.session_question.is_some());
+    harness.get_by_label("Open").click();
+    harness.run();
+    until(&mut harness, "it is not opened", |state| shown(state).is_some());
+    assert_eq!(harness.state().player.as_ref().unwrap().sequence().len(), 3);
 }

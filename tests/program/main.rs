@@ -13,3 +13,4 @@ mod hostile;
 mod outputs;
 mod serve;
 mod session_files;
+mod trust;

@@ -7,7 +7,7 @@ use super::bound;
 use super::help::help_ui;
 use super::notices::notices_ui;
 use super::presets::preset_name_ui;
-use super::question::question_ui;
+use super::question::{question_ui, session_question_ui};
 use super::statistics::statistics_ui;
 use crate::app::command::{Command, keys_of};
 use crate::app::features::assumptions::panel as assumptions;
@@ -88,6 +88,7 @@ pub(super) const PANELS: &[PanelRow] = &[
     window(PanelId::BENCHMARK, bound::benchmark),
     by_itself(preset_name_ui),
     by_itself(question_ui),
+    by_itself(session_question_ui),
 ];
 
 /// A window that is opened from elsewhere than the menu View.

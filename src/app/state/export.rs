@@ -7,6 +7,7 @@ use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
 use crate::app::open_panels::PanelId;
 use crate::app::work::files::picture_folder;
 use crate::app::work::works::WorkKind;
+use crate::convert::SourceFiles;
 use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
 use crate::playback::Player;
 use crate::scene::CameraPath;
@@ -81,6 +82,12 @@ impl State {
             return self.notices.error(problem);
         }
         let Some(job) = self.export_job() else { return };
+        if SourceFiles::of(&job.sequence).has(&job.output) {
+            let name = job.output.display();
+            return self
+                .notices
+                .error(format!("{name} is a file of what is open: choose another name"));
+        }
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
         let progress = self.works.begin(WorkKind::Export, name, self.now);

@@ -2,6 +2,7 @@
 
 use super::State;
 use super::failed_opening::FailedOpening;
+use super::opened::SessionQuestion;
 use super::outcome::{FoundSequence, NotFound, Outcome};
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::recent::entry_name;
@@ -85,6 +86,14 @@ impl State {
                 self.prove(found.inputs, found.side);
             }
             Err(NotFound::Cancelled) => {}
+            Err(NotFound::Beyond(beyond)) => {
+                self.session_question = Some(SessionQuestion {
+                    inputs: found.inputs,
+                    open: found.open,
+                    side: found.side,
+                    beyond,
+                });
+            }
             Err(NotFound::Because(reason, choices)) => {
                 if self.player.is_none() {
                     let name = entry_name(&found.inputs);

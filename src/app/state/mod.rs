@@ -35,7 +35,7 @@ mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
-pub use opened::SavedSession;
+pub use opened::{SavedSession, SessionQuestion};
 pub use options::StateOptions;
 pub use outcome::{FoundSequence, Outcome};
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
@@ -114,6 +114,8 @@ pub struct State {
     pub reading_choices: ReadingChoices,
     /// What was to be opened last, and cannot be shown.
     pub failed: Option<FailedOpening>,
+    /// The session that is not opened before somebody allows what it opens.
+    pub session_question: Option<SessionQuestion>,
     /// Settings under names.
     pub presets: Presets,
     /// The name of the preset that is being saved.
@@ -193,6 +195,7 @@ impl State {
             recent: options.recent.clone(),
             reading_choices: options.reading_choices.clone(),
             failed: None,
+            session_question: None,
             opened: Opened::default(),
             unproven: Unproven::default(),
             measured_way: None,

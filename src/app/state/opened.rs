@@ -1,8 +1,10 @@
 //! What is known of how the open sequence was opened, and of the session that it is of.
 
 use crate::app::features::camera_path::Draft;
+use crate::app::recent::entry_name;
+use crate::app::side::Side;
 use crate::sequence::OpenOptions;
-use crate::session::{Compared, Unknown};
+use crate::session::{Beyond, Compared, Unknown};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -21,6 +23,23 @@ pub(super) struct Opened {
     pub(super) unknown: Unknown,
     /// Not all of the file could be read: it is copied before it is replaced.
     pub(super) is_damaged: bool,
+}
+
+/// A session that opens more than the files of its folder, and is not opened before somebody says so.
+#[derive(Debug)]
+pub struct SessionQuestion {
+    pub(super) inputs: Vec<PathBuf>,
+    pub(super) open: OpenOptions,
+    pub(super) side: Side,
+    /// What it would open.
+    pub beyond: Beyond,
+}
+
+impl SessionQuestion {
+    /// The name of its file.
+    pub fn name(&self) -> String {
+        entry_name(&self.inputs)
+    }
 }
 
 /// A session was written.

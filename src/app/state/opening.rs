@@ -11,6 +11,7 @@ use crate::playback::Player;
 use crate::progress::Progress;
 use crate::sequence::{OpenOptions, Sequence, watch};
 use crate::session::session_of;
+use crate::source::SessionReach;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -82,6 +83,7 @@ impl State {
             return;
         }
         // What was asked for last is what is wanted.
+        self.session_question = None;
         self.works.cancel(WorkKind::Open);
         let name = format!("Opening {}", entry_name(&inputs));
         let progress = self.works.begin(WorkKind::Open, name, self.now);
@@ -91,7 +93,12 @@ impl State {
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(read)) => {
                     let open = read.session.reading.over(&open);
-                    let sequence = found(&read.session.inputs, &open, &progress);
+                    let beyond = read.beyond(open.session_reach);
+                    let sequence = if beyond.is_empty() {
+                        found(&read.session.inputs, &open, &progress)
+                    } else {
+                        Err(NotFound::Beyond(beyond))
+                    };
                     (open, Some(Box::new(read)), sequence)
                 }
                 Ok(None) => {
@@ -118,6 +125,17 @@ impl State {
                 problem,
             }
         });
+    }
+
+    /// Opens the session of [`State::session_question`], which may open all that it names now.
+    pub fn trust_session(&mut self) {
+        if let Some(question) = self.session_question.take() {
+            let open = OpenOptions {
+                session_reach: SessionReach::ANYWHERE,
+                ..question.open
+            };
+            self.find(question.inputs, open, question.side);
+        }
     }
 
     /// Sets the memory for prepared frames, now and for what is opened later.

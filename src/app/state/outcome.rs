@@ -20,7 +20,7 @@ use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
 use crate::app::work::tasks::TaskFailed;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
-use crate::session::ReadSession;
+use crate::session::{Beyond, ReadSession};
 use crate::source::OpeningChoice;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -51,6 +51,8 @@ pub(super) enum NotFound {
     Cancelled,
     /// There are none, and why; and the sequences of which one has to be chosen.
     Because(String, Vec<OpeningChoice>),
+    /// The session opens more than is allowed: a person is asked.
+    Beyond(Beyond),
 }
 
 impl From<SequenceError> for NotFound {

@@ -16,6 +16,7 @@ use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{
     Compared, ComparedBy, ComparedLayout, EXTENSION, Measured, MeasuredPoint, ReadSession, Reading, Session,
 };
+use crate::source::SessionReach;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -103,6 +104,8 @@ impl State {
         let inputs = compared.inputs.clone();
         let open = OpenOptions {
             topic: compared.topic.as_deref().map(Arc::from),
+            // Another session among them is asked about by itself.
+            session_reach: SessionReach::default(),
             ..self.opened_with().clone()
         };
         self.find(inputs, open, Side::B);

@@ -29,6 +29,7 @@ use std::sync::Arc;
 
 /// The frames in the archive at `path`, in natural order of their names.
 pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result<Contents, IoError> {
+    refusal::check_name(path)?;
     let failed = io_error(path);
     let mut file = File::open(path).map_err(failed)?;
     let invalid = |fault: Fault| fault.of(path, format);

@@ -8,6 +8,17 @@ use std::path::Path;
 /// Files that a sentence names.
 const MAX_NAMED: usize = 4;
 
+/// Fails where the archive at `path` has the extension of a kind that is not read: its files are parts of that.
+pub(super) fn check_name(path: &Path) -> Result<(), IoError> {
+    match foreign::by_extension(path) {
+        Some(kind) => Err(IoError::Foreign {
+            path: path.to_owned(),
+            kind,
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Fails where the archive at `path` is of a kind that is not read.
 pub(super) fn check(path: &Path, members: &[Member]) -> Result<(), IoError> {
     match foreign::by_members(&members.iter().map(|member| member.name.as_str())) {

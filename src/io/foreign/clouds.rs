@@ -10,14 +10,8 @@ pub(super) const ROWS: &[Foreign] = &[
         writer: "CloudCompare",
         advice: "open it in CloudCompare and save its clouds as PLY, LAS or E57, or run CloudCompare -SILENT -O \
             FILE.bin -C_EXPORT_FMT PLY -SAVE_CLOUDS",
-        magic: &[
-            Magic::start(b"CCB2"),
-            Magic::start(b"CCB3"),
-            Magic::start(b"CCB4"),
-            Magic::start(b"CCB5"),
-            Magic::start(b"CCB6"),
-            Magic::start(b"CCB7"),
-        ],
+        // The fourth byte is flags, as a character.
+        magic: &[Magic::start(b"CCB")],
         ..ROW
     },
     Foreign {
@@ -127,7 +121,7 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "a RIEGL scan",
         writer: "RIEGL scanners and RiSCAN PRO",
         advice: "export it from RiSCAN PRO or RiPROCESS as LAS, LAZ or E57",
-        extensions: &["rxp", "rdbx", "3dd", "rsp"],
+        extensions: &["rxp", "rdbx", "rdb", "3dd", "rsp", "sdc", "sdw"],
         ..ROW
     },
     Foreign {

@@ -131,7 +131,12 @@ pub(super) const ROWS: &[Foreign] = &[
         name: "an R data file",
         writer: "R",
         advice: "save the points with lidR::writeLAS or write.csv",
-        magic: &[Magic::start(b"RDX2\n"), Magic::start(b"RDX3\n")],
+        magic: &[
+            Magic::start(b"RDX2\n"),
+            Magic::start(b"RDX3\n"),
+            Magic::start(b"X\n\x00\x00\x00\x02"),
+            Magic::start(b"X\n\x00\x00\x00\x03"),
+        ],
         extensions: &["rds", "rdata"],
         ..ROW
     },

@@ -85,6 +85,12 @@ pub(super) const ROWS: &[Foreign] = &[
         ..ROW
     },
     Foreign {
+        name: "a program",
+        advice: "expected a file of data: is it another one of the folder?",
+        magic: &[Magic::start(b"\x7fELF"), Magic::start(b"MZ\x90\x00")],
+        ..ROW
+    },
+    Foreign {
         name: "a PDF document",
         advice: "open the data that the document describes",
         magic: &[Magic::start(b"%PDF-")],

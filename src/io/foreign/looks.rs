@@ -3,26 +3,26 @@
 use std::path::Path;
 
 /// The text that `bytes` begin with, without byte order mark and leading white space.
-fn text(bytes: &[u8]) -> &[u8] {
+pub(super) fn text(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
 }
 
-fn begins_with(bytes: &[u8], words: &[u8]) -> bool {
+pub(super) fn begins_with(bytes: &[u8], words: &[u8]) -> bool {
     let begin = bytes.get(..words.len());
     begin.is_some_and(|begin| begin.eq_ignore_ascii_case(words))
 }
 
-fn contains(bytes: &[u8], words: &[u8]) -> bool {
+pub(super) fn contains(bytes: &[u8], words: &[u8]) -> bool {
     bytes.windows(words.len()).any(|window| window == words)
 }
 
 /// True for a JSON object in whose beginning all of `keys` are.
-fn is_json_with(bytes: &[u8], keys: &[&str]) -> bool {
+pub(super) fn is_json_with(bytes: &[u8], keys: &[&str]) -> bool {
     let has = |key: &&str| contains(bytes, format!("\"{key}\"").as_bytes());
     text(bytes).starts_with(b"{") && keys.iter().all(has)
 }
 
-fn name_ends_with(name: &Path, ending: &str) -> bool {
+pub(super) fn name_ends_with(name: &Path, ending: &str) -> bool {
     let name = name.file_name().and_then(|name| name.to_str());
     name.is_some_and(|name| name.to_ascii_lowercase().ends_with(ending))
 }

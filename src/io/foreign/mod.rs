@@ -3,16 +3,22 @@
 //! **How it works.** One row per kind ([`Foreign`]). Content is looked at first: bytes that only files of the kind
 //! begin with, or a structure. It takes precedence over the *extension* of a format that is read, as `.bin`, `.las` and
 //! `.txt` are extensions of many programs; it never takes precedence over the *first bytes* of such a format. Names
-//! count where content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files.
+//! count where content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files,
+//! databases (`SQLite`) by those of their tables.
 //!
 //! To add a kind: a row in one of the tables below, and its sample in the test of this module.
 
 mod clouds;
 mod data;
+mod devices;
 mod documents;
+mod gis;
+mod graphics;
 mod looks;
+mod looks_text;
 mod row;
 mod scenes;
+mod science;
 mod splats;
 #[cfg(test)]
 mod tests;
@@ -22,7 +28,17 @@ pub use row::Foreign;
 use std::path::Path;
 
 /// All rows; of two that match, the earlier one counts.
-const TABLES: [&[Foreign]; 5] = [clouds::ROWS, splats::ROWS, scenes::ROWS, data::ROWS, documents::ROWS];
+const TABLES: [&[Foreign]; 9] = [
+    clouds::ROWS,
+    splats::ROWS,
+    scenes::ROWS,
+    data::ROWS,
+    devices::ROWS,
+    gis::ROWS,
+    science::ROWS,
+    graphics::ROWS,
+    documents::ROWS,
+];
 
 pub(super) fn rows() -> impl Iterator<Item = &'static Foreign> {
     TABLES.iter().flat_map(|table| table.iter())
@@ -39,7 +55,7 @@ pub(super) fn by_content(name: &Path, bytes: &[u8]) -> Option<&'static Foreign> 
 }
 
 /// The kind of a file by its extension.
-pub(super) fn by_extension(name: &Path) -> Option<&'static Foreign> {
+pub(crate) fn by_extension(name: &Path) -> Option<&'static Foreign> {
     let extension = name.extension()?.to_str()?.to_ascii_lowercase();
     rows().find(|row| row.extensions.contains(&extension.as_str()))
 }
@@ -63,6 +79,12 @@ pub(crate) fn by_members<'a>(names: &(impl Iterator<Item = &'a str> + Clone)) ->
         names.clone().map(file_name).any(is)
     };
     rows().find(|row| !row.members.is_empty() && row.members.iter().all(has))
+}
+
+/// The kind of an `SQLite` database with these tables.
+pub(super) fn by_tables(names: &[String]) -> Option<&'static Foreign> {
+    let has = |wanted: &&str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+    rows().find(|row| !row.tables.is_empty() && row.tables.iter().all(has))
 }
 
 impl Foreign {

@@ -22,6 +22,8 @@ pub struct Foreign {
     pub(super) extensions: &'static [&'static str],
     /// Names of files that an archive or folder of the kind holds, all of them; `*.x` is any name with that extension.
     pub(super) members: &'static [&'static str],
+    /// Tables that an `SQLite` database of the kind holds, all of them, in lower case.
+    pub(super) tables: &'static [&'static str],
 }
 
 /// A row without anything to recognise it by.
@@ -34,4 +36,5 @@ pub(super) const ROW: Foreign = Foreign {
     names: &[],
     extensions: &[],
     members: &[],
+    tables: &[],
 };

@@ -134,7 +134,76 @@ const BY_CONTENT: &[Sample] = &[
     ("a.ply.lz4", b"\x04\x22\x4d\x18", "lz4"),
     ("a.7z", b"7z\xbc\xaf\x27\x1c", "7-Zip"),
     ("a.rar", b"Rar!\x1a\x07\x00", "RAR"),
+    ("scan_old.bin", b"CCBF\x00\x00\x00\x00", "CloudCompare"),
+    (
+        "a.psx",
+        b"<?xml version=\"1.0\"?>\n<document version=\"1.2.0\" path=\"{projectname}.files\"/>",
+        "Metashape",
+    ),
+    ("poses.txt", b"VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n", "g2o"),
+    ("a.rrd", b"RRF2\x00\x16\x00\x00", "Rerun"),
+    ("a.grd", b"DSBB\x02\x00\x02\x00", "Surfer"),
+    ("a.grd", b"DSRB\x04\x00\x00\x00", "Surfer"),
+    ("a.dat", b"! grid\n@TOP HEADER, GRID, 5\n", "ZMap"),
+    ("a.img", b"EHFA_HEADER_TAG\x00", "Erdas"),
+    ("a.jp2", b"\x00\x00\x00\x0cjP  \r\n\x87\n", "JPEG 2000"),
+    ("a.city.json", br#"{"type":"CityJSON","version":"1.1"}"#, "CityJSON"),
+    ("a.json", br#"{"type": "FeatureCollection", "features": []}"#, "GeoJSON"),
+    ("a.xml", b"<?xml version=\"1.0\"?><gml:FeatureCollection/>", "GML"),
+    ("a.gpx", b"<?xml version=\"1.0\"?><gpx version=\"1.1\"/>", "GPX"),
+    ("a.xml", b"<?xml version=\"1.0\"?><LandXML/>", "LandXML"),
+    ("a.nii", NIFTI, "NIfTI"),
+    ("a.mha", b"ObjectType = Image\nNDims = 3\n", "MetaImage"),
+    ("a.map", MRC, "MRC"),
+    ("a.fits", b"SIMPLE  =                    T", "FITS"),
+    ("a.dcd", b"\x54\x00\x00\x00CORD", "DCD"),
+    ("a.xtc", b"\x00\x00\x07\xcb\x00", "XTC"),
+    ("dump.txt", b"ITEM: TIMESTEP\n0\n", "LAMMPS"),
+    ("POSCAR", b"cubic\n1.0\n", "VASP"),
+    ("a", b"X\n\x00\x00\x00\x03\x00", "R data"),
+    ("a.xmf", b"<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\"/>", "XDMF"),
+    ("a.case", b"FORMAT\ntype: ensight gold\n", "EnSight"),
+    ("a.plt", b"#!TDV112\x01", "Tecplot"),
+    (
+        "a.dat",
+        b"TITLE = \"x\"\nVARIABLES = \"X\", \"Y\", \"Z\"\nZONE\n",
+        "Tecplot",
+    ),
+    ("a.inp", b"** made\n*Heading\n*Node\n1, 0, 0, 0\n", "Abaqus"),
+    ("a.root", b"root\x00\x00\xf4\x25", "ROOT"),
+    ("a.json", b"[[0, 0, 0], [1, 1, 1]]", "JSON list"),
+    ("b.json", br#"{"points": [[0, 0, 0]]}"#, "JSON list"),
+    ("a.ipynb", br#"{"cells": [], "nbformat": 4}"#, "Jupyter"),
+    ("zarr.json", br#"{"zarr_format": 3}"#, "Zarr"),
+    ("a.prt", b"\xc0PRT\r\n\x1a\n", "PRT"),
+    ("a.bgeo", b"\x7fNSJb", "Houdini"),
+    ("a.bgeo.sc", b"scblosc\x00", "Houdini"),
+    ("a.ma", b"//Maya ASCII 2020 scene", "Maya"),
+    ("a.mb", b"FOR8\x00", "Maya"),
+    ("a.c4d", b"QC4DC4D6", "Cinema"),
+    ("a.vox", b"VOX \x96\x00\x00\x00", "MagicaVoxel"),
+    ("a.ctm", b"OCTM\x05", "OpenCTM"),
+    ("a.iv", b"#Inventor V2.1 ascii\n", "Inventor"),
+    ("a.u3d", b"U3D\x00", "U3D"),
+    ("a.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n", "KTX"),
+    ("a.nxs", b"\x20sxN", "Nexus"),
+    ("a.mesh", b"MeshVersionFormatted 2\nDimension 3\n", "Medit"),
+    ("a.bin", b"\x7fELF\x02\x01", "a program"),
 ];
+
+/// A header of the volume of NIfTI-1 and one of MRC, which have their magic far in.
+const NIFTI: &[u8] = &with_bytes_at::<348>(344, b"n+1\x00");
+const MRC: &[u8] = &with_bytes_at::<212>(208, b"MAP ");
+
+const fn with_bytes_at<const N: usize>(at: usize, bytes: &[u8; 4]) -> [u8; N] {
+    let mut header = [0; N];
+    let mut index = 0;
+    while index < bytes.len() {
+        header[at + index] = bytes[index];
+        index += 1;
+    }
+    header
+}
 
 /// Files that only their names tell.
 const BY_NAME: &[(&str, &str)] = &[
@@ -161,7 +230,38 @@ const BY_NAME: &[(&str, &str)] = &[
     ("model.skp", "SketchUp"),
     ("a.tfrecord", "TensorFlow"),
     ("a.dcm", "DICOM"),
+    ("a.dp", "DotProduct"),
+    ("a.p4d", "Pix4D"),
+    ("a.tdx", "Trimble Data Exchange"),
+    ("a.lasx", "ArcGIS"),
+    ("a.lax", "LAStools"),
+    ("a.klg", "KLG"),
+    ("a.svo", "SVO"),
+    ("000000.label", "SemanticKITTI"),
+    ("N45E009.hgt", "SRTM"),
+    ("a.dem", "USGS"),
+    ("a.bil", "BIL"),
+    ("a.slpk", "I3S"),
+    ("a.gro", "GROMACS"),
+    ("a.zarr", "Zarr"),
+    ("a.onnx", "ONNX"),
+    ("a.x_t", "Parasolid"),
+    ("a.rdb", "RIEGL"),
 ];
+
+/// Databases, by the names of their tables.
+const BY_TABLES: &[(&[&str], &str)] = &[
+    (&["gpkg_contents", "gpkg_geometry_columns"], "GeoPackage"),
+    (&["geometry_columns", "spatial_ref_sys", "roads"], "SpatiaLite"),
+    (&["Admin", "Data", "Link", "Node"], "RTAB-Map"),
+    (&["cameras", "images", "keypoints", "matches"], "COLMAP"),
+    (&["metadata", "tiles"], "MBTiles"),
+];
+
+fn kind_of_tables(names: &[&str]) -> Option<&'static Foreign> {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    by_tables(&names)
+}
 
 /// Archives and folders, by the names of their files.
 const BY_MEMBERS: &[(&[&str], &str)] = &[
@@ -203,6 +303,11 @@ fn names_tell_where_content_does_not() {
         assert!(kind.to_string().contains(words), "{names:?}: {kind}");
     }
     assert!(by_members(&["a.ply", "meta.json"].into_iter()).is_none());
+    for (names, words) in BY_TABLES {
+        let kind = kind_of_tables(names).unwrap_or_else(|| panic!("{names:?}"));
+        assert!(kind.to_string().contains(words), "{names:?}: {kind}");
+    }
+    assert!(kind_of_tables(&["topics", "messages", "users"]).is_none());
 }
 
 #[test]
@@ -219,6 +324,7 @@ fn every_row_has_a_sample() {
     let hit: HashSet<&str> = by_content
         .chain(by_name)
         .chain(by_members)
+        .chain(BY_TABLES.iter().filter_map(|(names, _)| kind_of_tables(names)))
         .map(|kind| kind.name)
         .collect();
     let missed: Vec<&str> = rows().map(|row| row.name).filter(|name| !hit.contains(name)).collect();
@@ -253,7 +359,7 @@ fn files_that_are_read_are_not_caught() {
         .iter()
         .flat_map(|number| number.to_le_bytes())
         .collect();
-    let samples: [(&str, &[u8]); 12] = [
+    let samples: [(&str, &[u8]); 15] = [
         ("a.ply", b"ply\nformat ascii 1.0\n"),
         ("a.txt", b"1 2 3\n4 5 6\n"),
         ("data_points.csv", b"data_x,y,z\n1,2,3\n"),
@@ -266,6 +372,9 @@ fn files_that_are_read_are_not_caught() {
         ("a.gltf", br#"{"asset":{"version":"2.0"},"meshes":[]}"#),
         ("a.pcd", b"# .PCD v0.7\nVERSION 0.7\n"),
         ("a.pts", b"3\n1 2 3 4\n"),
+        ("a.txt", b"root_x,root_y,root_z\n1,2,3\n"),
+        ("b.txt", b"[0, 0, 0]\n[1, 2, 3]\n"),
+        ("a.grd", b"DSAA\n2 2\n0 1\n0 1\n0 1\n0 0\n1 1\n"),
     ];
     for (name, bytes) in samples {
         let kind = by_content(Path::new(name), bytes);

@@ -7,6 +7,7 @@
 mod copc;
 mod extra;
 mod fields;
+mod geographic;
 mod gps_times;
 mod header;
 mod layered_point;
@@ -64,14 +65,17 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
         let needed = header.count.saturating_mul(point_bytes);
         Err(Fault::too_large(&what, needed, options))
     };
-    let with_unit = |cloud: RawCloud| RawCloud {
-        unit: unit::unit(header.records(bytes)),
-        ..cloud
+    let with_unit = |cloud: RawCloud| {
+        let cloud = RawCloud {
+            unit: unit::unit(header.records(bytes)),
+            ..cloud
+        };
+        geographic::project(cloud, header.records(bytes))
     };
     if !header.compressed {
         let rows = rows(&header, bytes)?;
         check(cloud_bytes)?;
-        return Ok(with_unit(points::cloud(&header, &extra, rows)));
+        return with_unit(points::cloud(&header, &extra, rows));
     }
 
     let record = header
@@ -108,7 +112,7 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
         check(point_bytes)?;
         compression.unpack_all(&header, bytes, progress)?
     };
-    Ok(with_unit(points::cloud(&header, &extra, &rows)))
+    with_unit(points::cloud(&header, &extra, &rows))
 }
 
 /// The points of a file without compression.

@@ -5,9 +5,9 @@ use super::header::{Record, take};
 use crate::cloud::LengthUnit;
 
 /// What names the records with coordinate reference systems.
-const PROJECTION_USER: &[u8] = b"LASF_Projection";
-const GEO_KEYS_ID: u16 = 34735;
-const WELL_KNOWN_TEXT_ID: u16 = 2112;
+pub(super) const PROJECTION_USER: &[u8] = b"LASF_Projection";
+pub(super) const GEO_KEYS_ID: u16 = 34735;
+pub(super) const WELL_KNOWN_TEXT_ID: u16 = 2112;
 
 /// The key of `GeoTIFF` with the unit of projected coordinates (OGC 19-008, `ProjLinearUnitsGeoKey`).
 const LINEAR_UNITS_KEY: u16 = 3076;

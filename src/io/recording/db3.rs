@@ -4,7 +4,10 @@
 //! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
 //! when it yields more rows than the file has bytes for.
 
+use super::super::containers;
 use super::super::error::Fault;
+use super::super::foreign::{self, Foreign};
+use super::super::format::Format;
 use super::super::options::ReadOptions;
 use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
@@ -19,16 +22,67 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const START_BYTES: u64 = 12;
 /// No row of a table is smaller than this on its page.
 const LEAST_ROW_BYTES: u64 = 4;
+/// Names of tables that are looked at in a database of another program.
+const MAX_TABLES: u32 = 1000;
+/// Those that a message has.
+const MAX_NAMED_TABLES: usize = 6;
 
 /// What is wanted of the database at `path`.
 pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> {
     find_rows(path, wanted).map_err(|error| match error {
-        Failure::Sql(error) => Fault::header(format!(
-            "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, or is \
-             another database"
-        )),
+        Failure::Sql(error) => match table_names(path).unwrap_or_default() {
+            names if names.is_empty() => Fault::header(format!(
+                "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, \
+                 or is another database"
+            )),
+            names if has_bag_tables(&names) => Fault::header(format!(
+                "the tables of the bag are not readable ({error}): the file is damaged"
+            )),
+            names => Fault::header(format!(
+                "this is an SQLite database of another program, with the tables {}: expected `topics` and `messages` \
+                 of a ROS 2 bag; save its points as CSV, for example with `sqlite3 -csv FILE 'SELECT x, y, z FROM \
+                 TABLE'`",
+                listed(&names)
+            )),
+        },
         Failure::Said(problem) => Fault::header(problem),
     })
+}
+
+/// The kind of the database at `path`, where its tables are those of a program that is known.
+pub(super) fn foreign_kind(path: &Path, format: Format) -> Option<&'static Foreign> {
+    if format != containers::DB3 {
+        return None;
+    }
+    let names = table_names(path).unwrap_or_default();
+    if has_bag_tables(&names) {
+        return None;
+    }
+    foreign::by_tables(&names).or_else(|| foreign::by_extension(path))
+}
+
+fn has_bag_tables(names: &[String]) -> bool {
+    ["topics", "messages"]
+        .iter()
+        .all(|wanted| names.iter().any(|name| name == wanted))
+}
+
+/// At most [`MAX_TABLES`]; the schema of a damaged file can be of any length.
+fn table_names(path: &Path) -> rusqlite::Result<Vec<String>> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let database = Connection::open_with_flags(path, flags)?;
+    database.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
+    let mut statement =
+        database.prepare("SELECT name FROM sqlite_master WHERE type IN ('table', 'view') ORDER BY name LIMIT ?1")?;
+    let names = statement.query_map([MAX_TABLES], |row| row.get(0))?;
+    names.collect()
+}
+
+/// The first of `names`, as a list in a sentence.
+fn listed(names: &[String]) -> String {
+    let named = names.iter().take(MAX_NAMED_TABLES).map(|name| format!("`{name}`"));
+    let more = if names.len() > MAX_NAMED_TABLES { ", …" } else { "" };
+    named.collect::<Vec<_>>().join(", ") + more
 }
 
 enum Failure {

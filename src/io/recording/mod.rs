@@ -87,7 +87,13 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
             bag::find(&mut walk, wanted, options)
         }
     };
-    found.map_err(|fault| fault.of(path, format))
+    found.map_err(|fault| match db3::foreign_kind(path, format) {
+        Some(kind) => IoError::Foreign {
+            path: path.to_owned(),
+            kind,
+        },
+        None => fault.of(path, format),
+    })
 }
 
 /// The point cloud of a message.

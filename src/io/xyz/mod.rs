@@ -17,7 +17,6 @@ mod parsed;
 pub(super) mod rows;
 mod sequence;
 mod table;
-mod utm;
 
 pub(super) use dialect::Dialect;
 pub(super) use guess::{MAX_GUESSED_COLUMN, guessed_names};

@@ -16,9 +16,9 @@ use super::head::{Head, Header, count_of_points, names_in, strs};
 use super::naming::Naming;
 use super::parsed::Parsed;
 use super::rows::{self, Kind, MAX_WORDS, Odd, ParsedRows};
-use super::utm::Zone;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
+use crate::io::utm::Zone;
 use crate::progress::Progress;
 use std::path::Path;
 
@@ -148,31 +148,20 @@ impl Table {
 
     /// Longitude and latitude become metres.
     fn project(&mut self, parsed: &mut ParsedRows, naming: &Naming) -> Result<(), Fault> {
-        /// Beyond that the projection is far too wide.
-        const MAX_DEGREES: f64 = 30.0;
         if !naming.is_geographic || self.rows == 0 {
             return Ok(());
         }
         let [longitude, latitude, _] = naming.positions;
-        let median = |column: usize| {
-            let mut known: Vec<f64> = parsed.columns[column]
-                .iter()
-                .copied()
-                .filter(|value| value.is_finite())
-                .collect();
-            let middle = known.len() / 2;
-            (!known.is_empty()).then(|| *known.select_nth_unstable_by(middle, f64::total_cmp).1)
-        };
-        let (Some(east), Some(north)) = (median(longitude), median(latitude)) else {
+        let places = (0..self.rows).map(|row| [longitude, latitude].map(|column| parsed.columns[column][row]));
+        let Some(zone) = Zone::of_middle(places) else {
             return Ok(());
         };
-        let zone = Zone::of(east, north);
         for row in 0..self.rows {
             let [east, north] = [longitude, latitude].map(|column| parsed.columns[column][row]);
             if east.is_nan() || north.is_nan() {
                 continue;
             }
-            if !(-90.0..=90.0).contains(&north) || !(-180.0..=360.0).contains(&east) {
+            if !Zone::are_degrees(east, north) {
                 return Err(Fault::entry(
                     "point",
                     row,
@@ -183,17 +172,9 @@ impl Table {
                     ),
                 ));
             }
-            if zone.degrees_from_meridian(east).abs() > MAX_DEGREES {
-                return Err(Fault::entry(
-                    "point",
-                    row,
-                    format!(
-                        "longitude {east} is more than {MAX_DEGREES} degrees away from the other points (UTM zone \
-                         {zone}): points all around the Earth are not projected"
-                    ),
-                ));
-            }
-            let [x, y] = zone.project(east, north);
+            let [x, y] = zone
+                .project_near(east, north)
+                .map_err(|problem| Fault::entry("point", row, problem))?;
             parsed.columns[longitude][row] = x;
             parsed.columns[latitude][row] = y;
         }

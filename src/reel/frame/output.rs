@@ -153,7 +153,7 @@ fn fill_singles(schema: &Schema, grid: &Grid, singles: &[Vec<[u16; 1]>], cloud: 
                 let scalar = single - first_scalar;
                 let of_field = &schema.scalars[scalar];
                 attributes.scalars.push(ScalarField {
-                    name: of_field.name.clone(),
+                    name: crate::printable::name(of_field.name.clone()),
                     values: codes.iter().map(|code| of_field.value(code[0])).collect(),
                     offset: offsets.get(scalar).copied().unwrap_or(0.0),
                 });

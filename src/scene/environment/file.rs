@@ -8,7 +8,7 @@ use super::map::EnvironmentMap;
 use glam::Vec3;
 use image::{DynamicImage, ImageError, ImageReader, Limits, Rgb32FImage};
 use std::f32::consts::{PI, TAU};
-use std::io;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -111,7 +111,9 @@ impl EnvironmentFile {
 }
 
 fn read(path: &Path) -> Result<Arc<EnvironmentMap>, EnvironmentError> {
-    let opened = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
+    let opened = crate::regular_file::open(path)
+        .map(|file| ImageReader::new(BufReader::new(file)))
+        .and_then(ImageReader::with_guessed_format);
     let mut reader = opened.map_err(|source| EnvironmentError::Open {
         path: path.to_owned(),
         source,

@@ -5,7 +5,6 @@ use crate::scene::{Camera, PicturePlane, Projection, UpAxis};
 use glam::{DVec2, DVec3};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -141,7 +140,7 @@ impl CameraPath {
             reason,
         };
         let mut text = Vec::new();
-        File::open(path)
+        crate::regular_file::open(path)
             .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut text))
             .map_err(io)?;
         if text.len() as u64 > MAX_FILE_BYTES {

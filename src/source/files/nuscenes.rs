@@ -8,7 +8,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +72,7 @@ pub(super) fn poses(root: &Path, entries: &[FrameEntry]) -> Option<(Vec<Option<D
 }
 
 fn table<T: DeserializeOwned>(path: &Path) -> Option<Vec<T>> {
-    let file = File::open(path).ok()?;
+    let file = crate::regular_file::open(path).ok()?;
     if file.metadata().ok()?.len() > MAX_TABLE_BYTES {
         return None;
     }

@@ -7,7 +7,6 @@
 
 use crate::source::FrameEntry;
 use glam::{DAffine3, DMat3, DVec3};
-use std::fs;
 use std::path::Path;
 
 const EARTH_RADIUS_M: f64 = 6_378_137.0;
@@ -23,7 +22,7 @@ pub(super) fn poses(folder: &Path, entries: &[FrameEntry]) -> Option<Vec<Option<
     let mut poses = Vec::with_capacity(entries.len());
     for entry in entries {
         let file = data.join(entry.path.file_stem()?).with_extension("txt");
-        let text = fs::read_to_string(file).ok()?;
+        let text = crate::regular_file::read_to_string(&file).ok()?;
         let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
         let [latitude, longitude, altitude, roll, pitch, yaw] = *numbers?.first_chunk::<6>()?;
         let scale = *scale.get_or_insert_with(|| latitude.to_radians().cos());
@@ -49,7 +48,7 @@ fn calibration(folder: &Path) -> DAffine3 {
         let near = [drive.to_owned(), drive.join("..")];
         let text = near
             .iter()
-            .find_map(|folder| fs::read_to_string(folder.join("calib_imu_to_velo.txt")).ok())?;
+            .find_map(|folder| crate::regular_file::read_to_string(&folder.join("calib_imu_to_velo.txt")).ok())?;
         let numbers = |name: &str| -> Option<Vec<f64>> {
             let line = text.lines().find_map(|line| line.strip_prefix(name))?;
             line.split_whitespace().map(|word| word.parse().ok()).collect()

@@ -210,7 +210,7 @@ fn in_sensor_axes(poses: Poses, list: &Path, folders: &[PathBuf], used: &mut Vec
 
 /// `Tr` of KITTI's calibration, from the LiDAR to the camera.
 fn camera_from_lidar(calibration: &Path) -> Option<DAffine3> {
-    let text = fs::read_to_string(calibration).ok()?;
+    let text = crate::regular_file::read_to_string(calibration).ok()?;
     text.lines().find_map(|line| {
         let (name, numbers) = line.split_once(':')?;
         if !["Tr", "Tr_velo_to_cam", "Tr_velo_cam"].contains(&name.trim()) {

@@ -1,7 +1,7 @@
 //! Folders without a frame: the kinds of their files, for the message that refuses them.
 
 use super::super::SequenceError;
-use crate::io::foreign::by_members;
+use crate::io::foreign::{by_extension, by_members};
 use crate::io::{self, Foreign};
 use crate::natural::natural_order;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,9 @@ pub(super) fn of_files(folder: &Path, files: &mut [PathBuf], hint: &str) -> Opti
     let looked_into = &files[..files.len().min(MAX_LOOKED_INTO)];
     let kinds = io::kinds_of(looked_into);
     if kinds.is_empty() {
-        return None;
+        let is_zarr = [".zgroup", ".zarray"].iter().any(|name| folder.join(name).is_file());
+        let named = if is_zarr { Path::new("a.zarr") } else { folder };
+        return by_extension(named).map(|kind| refused(folder, format!("it is {kind}")));
     }
     let named: Vec<String> = kinds
         .iter()

@@ -145,7 +145,7 @@ fn read_list(path: &Path) -> Result<(Vec<Duration>, Option<String>), String> {
     if !metadata.is_file() || metadata.len() > MAX_LIST_BYTES {
         return Err("it is not a file of up to 64 MiB".to_owned());
     }
-    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let text = crate::regular_file::read_to_string(path).map_err(|error| error.to_string())?;
     let mut times = times_of_text(&text).ok_or("a line of it is not a time")?;
     let bad = mend(&mut times).ok_or("its times do not grow")?;
     let times: Vec<Duration> = times.into_iter().flatten().collect();

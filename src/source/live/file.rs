@@ -6,6 +6,7 @@
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
 use super::timeline::Timeline;
 use crate::locks::lock;
+use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
@@ -46,7 +47,7 @@ impl RecordedStream {
     /// Whether the file at `path` begins as a recording does.
     pub(in crate::source) fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+        let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
@@ -60,7 +61,7 @@ impl RecordedStream {
             problem,
         };
         let unreadable = |error| failed(format!("it cannot be read ({error}): check its permissions"));
-        let file = File::open(path).map_err(unreadable)?;
+        let file = regular_file::open(path).map_err(unreadable)?;
         let length = file.metadata().map_err(unreadable)?.len();
         let walked = Walked::over(BufReader::new(file), length).map_err(|error| failed(error.to_string()))?;
         if walked.frames.is_empty() {
@@ -74,7 +75,7 @@ impl RecordedStream {
             Arc::new(entry)
         };
         let recorded = Recorded {
-            file: Mutex::new(File::open(path).map_err(unreadable)?),
+            file: Mutex::new(regular_file::open(path).map_err(unreadable)?),
             offsets: walked.frames.iter().map(|(offset, ..)| *offset).collect(),
             most_bytes: options.read.max_memory_bytes,
         };

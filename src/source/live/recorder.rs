@@ -5,6 +5,7 @@
 //! (`.reel`) would have prepared points in place of images, coded while frames come; `pointreel convert` makes one
 //! of a recording afterwards.
 
+use super::file::RecordedStream;
 use crate::wire::{Message, StreamHead};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -29,8 +30,12 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    /// A new file at `path` for a stream with this head.
+    /// A new file at `path` for a stream with this head, in place of a recording that may be there.
     pub(super) fn create(path: &Path, head: &StreamHead) -> io::Result<Self> {
+        let has_bytes = path.metadata().is_ok_and(|there| !there.is_file() || there.len() > 0);
+        if has_bytes && !RecordedStream::is_one(path) {
+            return Err(io::Error::other("it is there already, and is no recording of a stream"));
+        }
         let mut file = BufWriter::with_capacity(1 << 16, File::create(path)?);
         let head = head.encode();
         file.write_all(&head)?;

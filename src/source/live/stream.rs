@@ -7,6 +7,7 @@ use super::recorder::{Recorder, StreamRecording};
 use super::shared::Shared;
 use super::status::{Live, LiveStatus};
 use crate::locks::lock;
+use crate::printable;
 use crate::progress::Progress;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
@@ -122,7 +123,7 @@ impl Source for LiveStream {
         let held = self.shared.ring.frame(index);
         let number = held.as_ref().map_or(index as u64, |held| held.frame.head.number);
         Arc::new(FrameEntry {
-            name: format!("{} {number}", self.input.display()),
+            name: printable::name(format!("{} {number}", self.input.display())),
             number: Some(number),
             time: held.map(|held| held.time),
             ..FrameEntry::embedded(self.input.clone(), &[])

@@ -24,7 +24,7 @@ use crate::rgbd::{
 use crate::source::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, OpenOptions};
 use crate::wire::RawImages;
 use glam::DAffine3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// A recording as its decoders share it.
@@ -71,6 +71,15 @@ impl Recorded {
             left_out: options.rgbd.left_out.clone(),
             cameras: Mutex::default(),
         }
+    }
+
+    /// The files that its images are in.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let images = self
+            .frames
+            .iter()
+            .flat_map(|frame| std::iter::once(&frame.depth).chain(&frame.color));
+        images.map(|image| image.path().to_owned()).collect()
     }
 
     /// What decodes images that are in no recording: see [`Recorded::frame_cloud`].

@@ -106,6 +106,10 @@ impl Source for MergedFrames {
         self.recording.assumptions()
     }
 
+    fn images(&self) -> Vec<PathBuf> {
+        self.recording.images()
+    }
+
     fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
         self.photographs.clone()
     }

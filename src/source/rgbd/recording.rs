@@ -339,6 +339,10 @@ impl Source for RgbdRecording {
         &self.notes
     }
 
+    fn images(&self) -> Vec<PathBuf> {
+        self.recorded.files()
+    }
+
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.recorded.sensor(index)
     }

@@ -3,7 +3,6 @@
 use super::error::RgbdError;
 use crate::binary::{Header, Layout};
 use crate::io::raster;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -21,7 +20,7 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
         path: path.to_owned(),
         reason,
     };
-    let file = File::open(path).map_err(unreadable)?;
+    let file = crate::regular_file::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
     if !metadata.is_file() {
         return Err(unreadable(std::io::Error::other("it is no regular file")));
@@ -51,7 +50,11 @@ pub(super) fn array(path: &Path) -> Result<Array, RgbdError> {
 pub(super) fn array_shape(path: &Path) -> Option<Vec<usize>> {
     const HEAD_BYTES: u64 = 1 << 16;
     let mut head = Vec::new();
-    File::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    crate::regular_file::open(path)
+        .ok()?
+        .take(HEAD_BYTES)
+        .read_to_end(&mut head)
+        .ok()?;
     Some(Header::parse(&head).ok()?.shape)
 }
 

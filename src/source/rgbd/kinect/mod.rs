@@ -19,7 +19,6 @@ use super::stored_image::{BlockImage, BlockPixels, StoredImage};
 use crate::io::ReadOptions;
 use crate::io::matroska::{self, Block, Matroska, Track};
 use device::Device;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -37,7 +36,7 @@ const EXTENSION: &str = "mkv";
 /// Whether the file at `path` is a Matroska file, by its first bytes, or claims to be one by its name.
 pub(super) fn is_one(path: &Path) -> bool {
     let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(4).read_to_end(&mut start));
+    let read = crate::regular_file::open(path).and_then(|file| file.take(4).read_to_end(&mut start));
     let is_named = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION));

@@ -12,17 +12,19 @@ const FALSE_EASTING_M: f64 = 500_000.0;
 const FALSE_NORTHING_M: f64 = 10_000_000.0;
 const ZONE_DEGREES: f64 = 6.0;
 const ZONES: f64 = 60.0;
+/// Farther from the middle of a zone the projection is far too wide.
+const MAX_DEGREES: f64 = 30.0;
 
 /// A zone of six degrees, north or south of the equator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Zone {
-    pub(super) number: u8,
-    pub(super) is_south: bool,
+    number: u8,
+    is_south: bool,
 }
 
 impl Zone {
     /// The zone of a place.
-    pub(super) fn of(longitude: f64, latitude: f64) -> Self {
+    fn of(longitude: f64, latitude: f64) -> Self {
         let turned = (longitude + 180.0).rem_euclid(360.0);
         let number = (turned / ZONE_DEGREES).floor().min(ZONES - 1.0) as u8 + 1;
         Self {
@@ -36,13 +38,44 @@ impl Zone {
         f64::from(self.number) * ZONE_DEGREES - 183.0
     }
 
+    /// The zone of the middle of `places`, longitudes and latitudes in degrees; `None` where no number is among them.
+    pub(super) fn of_middle(places: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
+        let (mut longitudes, mut latitudes): (Vec<f64>, Vec<f64>) = places
+            .filter(|place| place.iter().all(|angle| angle.is_finite()))
+            .map(|[longitude, latitude]| (longitude, latitude))
+            .unzip();
+        let middle = longitudes.len() / 2;
+        if longitudes.is_empty() {
+            return None;
+        }
+        let [longitude, latitude] =
+            [&mut longitudes, &mut latitudes].map(|angles| *angles.select_nth_unstable_by(middle, f64::total_cmp).1);
+        Some(Self::of(longitude, latitude))
+    }
+
+    /// Whether both are angles in degrees.
+    pub(super) fn are_degrees(longitude: f64, latitude: f64) -> bool {
+        (-90.0..=90.0).contains(&latitude) && (-180.0..=360.0).contains(&longitude)
+    }
+
+    /// [`Self::project`], or what is wrong with a place too far from the zone.
+    pub(super) fn project_near(self, longitude: f64, latitude: f64) -> Result<[f64; 2], String> {
+        if self.degrees_from_meridian(longitude).abs() > MAX_DEGREES {
+            return Err(format!(
+                "longitude {longitude} is more than {MAX_DEGREES} degrees away from the other points (UTM zone {self}): \
+                 points all around the Earth are not projected"
+            ));
+        }
+        Ok(self.project(longitude, latitude))
+    }
+
     /// Degrees that `longitude` is away from its middle.
-    pub(super) fn degrees_from_meridian(self, longitude: f64) -> f64 {
+    fn degrees_from_meridian(self, longitude: f64) -> f64 {
         (longitude - self.meridian() + 180.0).rem_euclid(360.0) - 180.0
     }
 
     /// Easting and northing, metres.
-    pub(super) fn project(self, longitude: f64, latitude: f64) -> [f64; 2] {
+    fn project(self, longitude: f64, latitude: f64) -> [f64; 2] {
         let n = FLATTENING / (2.0 - FLATTENING);
         let rectifying_m = SEMI_MAJOR_M / (1.0 + n) * (1.0 + n.powi(2) / 4.0 + n.powi(4) / 64.0);
         let series = [
@@ -107,6 +140,17 @@ mod tests {
         .project(-69.0, 33.0);
         assert!((here + mirrored - 10_000_000.0).abs() < 1e-6);
         assert_eq!(Zone::of(180.0, 0.0).number, 1);
+    }
+
+    #[test]
+    fn the_zone_is_that_of_the_middle() {
+        let places = [[9.0, 45.0], [9.1, 45.1], [f64::NAN, 0.0], [150.0, -20.0]];
+        let zone = Zone::of_middle(places.into_iter()).unwrap();
+        assert_eq!(zone.to_string(), "32N");
+        assert!(zone.project_near(9.0, 45.0).is_ok());
+        assert!(zone.project_near(150.0, -20.0).unwrap_err().contains("zone 32N"));
+        assert_eq!(Zone::of_middle([[f64::NAN, 1.0]].into_iter()), None);
+        assert!(Zone::are_degrees(359.0, -90.0) && !Zone::are_degrees(500_000.0, 40.0));
     }
 
     #[test]
