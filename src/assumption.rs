@@ -273,7 +273,14 @@ impl Assumptions {
 
     /// Adds one frame's or source's assumption, if it is not there.
     pub fn add(&mut self, assumption: &Assumption) {
-        if self.entries.len() < Self::MAX && !self.entries.contains(assumption) {
+        // Frames with the same constant have it a different number of times.
+        let is_same = |entry: &Assumption| {
+            entry == assumption
+                || (entry.subject == Subject::NoData
+                    && assumption.subject == Subject::NoData
+                    && entry.value == assumption.value)
+        };
+        if self.entries.len() < Self::MAX && !self.entries.iter().any(is_same) {
             self.entries.push(assumption.clone());
         }
     }

@@ -38,7 +38,7 @@ pub struct FrameFacts {
 impl FrameFacts {
     /// Looks at every point of `raw`.
     pub fn of(mut raw: RawCloud, no_data: NoData) -> Self {
-        let missing = MissingPoints::find(&raw.positions, no_data);
+        let missing = MissingPoints::of(&raw, no_data);
         let bounds = missing.bounds;
         let zero_normals = raw.attributes.normals.iter().flatten().enumerate();
         let facts = Self {

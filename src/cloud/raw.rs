@@ -169,6 +169,9 @@ pub struct RawCloud {
     pub texturing: Option<Texturing>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
+    /// Smallest and largest coordinate along each axis that the integers of the file can hold, where it has integers:
+    /// programs overflow to them.
+    pub integer_limits: Option<[[f64; 2]; 3]>,
     /// What the file says about its axes.
     pub convention: Option<AxisConvention>,
     /// Decisions of the reader about the meaning of the file.
@@ -193,6 +196,7 @@ impl RawCloud {
             faces_left_out: 0,
             texturing: None,
             sensor: None,
+            integer_limits: None,
             convention: None,
             assumptions: Vec::new(),
             unit: None,
@@ -254,6 +258,7 @@ impl RawCloud {
         }
         // Clouds are in the coordinates of their sensor before.
         self.sensor = Some(pose.transform_point3(self.sensor.unwrap_or(DVec3::ZERO)));
+        self.integer_limits = None;
         self.made_from = None;
     }
 

@@ -264,8 +264,9 @@ impl Sequence {
         progress.set(0, 0);
         if let Ok(decoded) = &mut decoded {
             // A user's word holds for every command, statistics for pictures alone.
-            if let NoData::Value(_) = self.no_data {
-                self.drop_missing(&mut decoded.cloud);
+            if let NoData::Value(_) | NoData::Place(_) = self.no_data {
+                let count = decoded.cloud.positions.len();
+                self.drop_missing(&mut decoded.cloud, count);
             }
             lock(&self.assumptions).extend(&decoded.cloud.assumptions);
         }
@@ -331,7 +332,8 @@ impl Sequence {
         };
         let start = Instant::now();
         let mut decoded = decoded;
-        self.drop_missing(&mut decoded.cloud);
+        let count = decoded.cloud.positions.len();
+        self.drop_missing(&mut decoded.cloud, count);
         let has_levels = decoded.level.is_some();
         let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
@@ -359,15 +361,15 @@ impl Sequence {
     }
 
     /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
-    /// already.
-    fn drop_missing(&self, cloud: &mut RawCloud) -> MissingPoints {
+    /// already. `point_count` is that of the whole frame.
+    fn drop_missing(&self, cloud: &mut RawCloud, point_count: usize) -> MissingPoints {
         let rule = match cloud.made_from {
             Some(_) => NoData::None,
             None => self.no_data,
         };
-        let missing = MissingPoints::find(&cloud.positions, rule);
+        let missing = MissingPoints::of(cloud, rule);
         make_holes(&mut cloud.positions, &missing.indices);
-        lock(&self.assumptions).extend(missing.assumption(rule).iter());
+        lock(&self.assumptions).extend(missing.assumption(rule, [cloud.positions.len(), point_count]).iter());
         missing
     }
 
@@ -391,7 +393,7 @@ impl Sequence {
             })
         });
         let (mut sample, point_count) = sampled.ok().flatten()?;
-        let present = self.drop_missing(&mut sample.cloud).bounds;
+        let present = self.drop_missing(&mut sample.cloud, point_count).bounds;
         let origin = match index {
             0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,
