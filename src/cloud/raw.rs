@@ -1,7 +1,7 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
-use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
+use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, NotKept, Texturing};
 use crate::assumption::Assumption;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -178,6 +178,8 @@ pub struct RawCloud {
     pub assumptions: Vec<Assumption>,
     /// The unit of coordinates, if format or file say it.
     pub unit: Option<LengthUnit>,
+    /// What of the file is not in the cloud, or with fewer digits, without being damaged.
+    pub not_kept: Vec<NotKept>,
     /// What of the file could not be read although its points could: a sentence each, with file and place.
     pub warnings: Vec<String>,
 }
@@ -200,6 +202,7 @@ impl RawCloud {
             convention: None,
             assumptions: Vec::new(),
             unit: None,
+            not_kept: Vec::new(),
             warnings: Vec::new(),
         }
     }

@@ -12,7 +12,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
-use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
 use header::{Encoding, Header, PcdField};
@@ -49,6 +49,11 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
     cloud.warnings.extend(header.warnings);
+    cloud.not_kept.extend(header.rotation.map(|[w, x, y, z]| {
+        NotKept::noted(format!(
+            "the rotation of VIEWPOINT ({w} {x} {y} {z}) is not read: points are where the file has them"
+        ))
+    }));
     Ok(cloud)
 }
 

@@ -4,6 +4,9 @@ use super::super::column::Scalar;
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
 use super::super::unique_names::{UniqueNames, duplicate_warning};
+use super::faces::FaceList;
+use super::kept_columns::POINTS;
+use crate::cloud::NotKept;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
 use std::collections::HashSet;
@@ -68,8 +71,9 @@ impl PlyHeader {
         let mut elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
         // The parser keeps elements by name, so the rows of one of two with the same name would be read as others.
         let is_element = |line: &&str| line.split_whitespace().next() == Some("element");
-        if text.lines().filter(is_element).count() != elements.len() {
-            return Err(Fault::header("two elements have the same name"));
+        let declared: Vec<&str> = text.lines().filter(is_element).collect();
+        if declared.len() != elements.len() {
+            return Err(Fault::header(same_name(&declared)));
         }
         let mut warnings = Vec::new();
         for element in &mut elements {
@@ -83,6 +87,41 @@ impl PlyHeader {
             warnings,
         })
     }
+}
+
+impl PlyHeader {
+    /// What of the file becomes no part of a cloud: lists that points have, and what faces have beside their corners.
+    pub(super) fn not_kept(&self) -> Vec<NotKept> {
+        let filled = self.elements.iter().filter(|element| element.count > 0);
+        filled
+            .filter_map(|element| {
+                let list = FaceList::of(element);
+                let is_unread = |&(place, property): &(usize, &Property)| match list {
+                    Some(list) => place != list.property,
+                    None => element.name == POINTS && matches!(property.kind, PropertyKind::List { .. }),
+                };
+                let unread = element.properties.iter().enumerate().filter(is_unread);
+                let names: Vec<String> = unread.map(|(_, property)| format!("`{}`", property.name)).collect();
+                let what = if list.is_some() {
+                    "properties of faces"
+                } else {
+                    "lists of points"
+                };
+                (!names.is_empty()).then(|| NotKept::noted(format!("{what} are not read: {}", names.join(", "))))
+            })
+            .collect()
+    }
+}
+
+/// What is said of lines of elements of which two have the same name.
+fn same_name(declared: &[&str]) -> String {
+    let names = declared.iter().filter_map(|line| line.split_whitespace().nth(1));
+    let mut seen = HashSet::new();
+    let twice: Vec<&str> = names.filter(|name| !seen.insert(*name)).collect();
+    format!(
+        "two elements have the same name (`{}`): rename one of them, which rows belong to it is not known",
+        twice.first().unwrap_or(&"")
+    )
 }
 
 /// Line `number`, counted from 1, of a file.
