@@ -314,23 +314,14 @@ fn damaged_file(sequence: &Sequence) -> Option<Finding> {
     if damage.is_empty() {
         return None;
     }
-    let is_coarse = |&index: &usize| {
-        file.frame(index)
-            .is_some_and(|frame| frame.points < frame.points_written as usize)
-    };
-    let frames: Vec<usize> = (0..sequence.len()).filter(is_coarse).collect();
-    let coarse = match frames.len() {
-        0 => String::new(),
-        _ => format!(" with fewer points than were written in {}", named(&frames)),
-    };
     Some(Finding {
         kind: FindingKind::DamagedFile,
         severity: FindingKind::DamagedFile.severity(),
         message: format!(
-            "{damage}: {} frames can be read{coarse}, those behind them are lost; convert the original again",
+            "{damage}: {} frames are there; convert the original again, or copy the file again",
             sequence.len()
         ),
-        frames,
+        frames: Vec::new(),
     })
 }
 

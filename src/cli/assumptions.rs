@@ -31,12 +31,12 @@ pub(super) fn options_elsewhere<A: Args>(assumptions: &[Assumption]) -> Option<S
     let mut options: Vec<&str> = assumptions.iter().filter_map(|assumption| assumption.option).collect();
     options.retain(|option| !has(option));
     options.dedup();
-    let verbs = if options == ["--fps"] {
-        "view"
-    } else {
-        "view and render"
+    let are = match options.len() {
+        0 => return None,
+        1 => "is an option",
+        _ => "are options",
     };
-    (!options.is_empty()).then(|| format!("{} are options of {verbs}", options.join(", ")))
+    Some(format!("{} {are} of view and render", options.join(", ")))
 }
 
 /// Prints those that are guesses and about nothing that was `chosen`. To be called when the frames were read.

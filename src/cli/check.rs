@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<Exit
     let mut guesses = assumptions::of(&sequence, look.as_ref());
     guesses.retain(|assumption| assumption.evidence.is_guess());
     if let Some(line) = assumptions::options_elsewhere::<CheckArgs>(&guesses) {
-        say(&line);
+        warnings::remark(line);
     }
     if arguments.json {
         let json = serde_json::to_string_pretty(&report);

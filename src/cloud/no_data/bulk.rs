@@ -45,8 +45,11 @@ const TAIL: f64 = 0.02;
 /// Zeros are repeated from this count and this share of the points on.
 const MIN_ZEROS: usize = 10;
 const MIN_ZERO_SHARE: f64 = 1e-3;
-/// A void has no other point within so many times the distance between points of a surface.
+/// A void has no other point within so many times the distance between points of a surface; around a place that has
+/// this share of all points a smaller one tells.
 const VOID_SPACINGS: f64 = 3.0;
+const SMALL_VOID_SPACINGS: f64 = 0.5;
+const LARGE_SHARE: f64 = 0.05;
 /// Something is repeated in the sample from this count and this share on.
 const MIN_REPEATED: usize = 8;
 const MIN_REPEATED_SHARE: f64 = 2e-3;
@@ -210,7 +213,9 @@ impl Bulk {
     /// True where nothing else is near a place that `count` points are at.
     pub(super) fn is_in_void(&self, place: DVec3, count: usize, positions: &Positions, all: &Extent) -> bool {
         let others = all.count.saturating_sub(count).max(1) as f64;
-        let void = VOID_SPACINGS * self.diagonal / others.sqrt();
+        let is_large = share(count, all.count) >= LARGE_SHARE;
+        let spacings = if is_large { SMALL_VOID_SPACINGS } else { VOID_SPACINGS };
+        let void = spacings * self.diagonal / others.sqrt();
         (0..positions.len()).into_par_iter().all(|index| {
             let position = positions.get(index);
             !position.is_finite() || position == place || position.distance(place) > void
@@ -370,9 +375,14 @@ fn shortest_half(values: &[f64]) -> [f64; 2] {
         .unwrap_or([values[0], values[values.len() - 1]])
 }
 
-pub(super) fn is_constant(coordinate: f64) -> bool {
+fn is_constant(coordinate: f64) -> bool {
+    coordinate.abs() >= ABSURD || is_listed(coordinate)
+}
+
+/// Whether programs are known to write this number.
+pub(super) fn is_listed(coordinate: f64) -> bool {
     let magnitude = coordinate.abs();
-    magnitude >= ABSURD || CONSTANTS.iter().any(|&constant| is_near(magnitude, constant))
+    CONSTANTS.iter().any(|&constant| is_near(magnitude, constant))
 }
 
 /// Whether a coordinate is the smallest or largest that the integers of the file can hold.

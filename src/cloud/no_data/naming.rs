@@ -1,6 +1,6 @@
 //! Names of missing points: by their place, by the coordinate that is missing, or by their distance.
 
-use super::bulk::{Extent, is_constant};
+use super::bulk::{Extent, is_listed};
 use super::repeats::Repeats;
 use super::{Known, MissingPoints, MissingValue, is_at};
 use crate::cloud::Positions;
@@ -79,7 +79,7 @@ impl<'a> Naming<'a> {
         let outside = (present.min - position).max(position - present.max);
         let axis = outside.max_position();
         let coordinate = position[axis];
-        let is_known = coordinate == 0.0 || is_constant(coordinate);
+        let is_known = coordinate == 0.0 || is_listed(coordinate) || coordinate.abs() == f64::from(f32::MAX);
         if let Some(range) = self.repeats.and_then(|repeats| repeats.range(position))
             && !is_known
         {
@@ -105,7 +105,8 @@ impl<'a> Naming<'a> {
 }
 
 fn number(coordinate: f64) -> String {
-    if coordinate.abs() >= 1e9 {
+    let size = coordinate.abs();
+    if size >= 1e9 || (size > 0.0 && size < 1e-4) {
         format!("{coordinate:e}")
     } else {
         format!("{coordinate}")

@@ -134,8 +134,8 @@ fn unfinished(header: &mut LasHeader, bytes: &[u8]) -> Option<String> {
     header.count = count as u64;
     (count > 0).then(|| {
         format!(
-            "header: it counts no points, but there are bytes of {count} behind it, which are read: who wrote the file \
-             did not finish it"
+            "header: it counts no points, but {count} points are behind it, which are read: who wrote the file did not \
+             finish it"
         )
     })
 }

@@ -80,6 +80,7 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
         sensor: None,
         convention: None,
         grid: None,
+        not_kept: Vec::new(),
     })
 }
 
