@@ -5,8 +5,8 @@
 //! the points, a minority is elsewhere (local coordinates among those of a map, outliers, points at the end of the
 //! range): the box is then that of the points around the half, if these are the clear majority.
 
-use super::{Known, even_places, is_near};
-use crate::cloud::Positions;
+use super::known::{Known, is_near};
+use crate::cloud::{Positions, even_places};
 use glam::DVec3;
 use rayon::prelude::*;
 

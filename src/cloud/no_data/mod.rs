@@ -16,16 +16,19 @@
 //! repetition means nothing there.
 
 mod bulk;
+mod known;
 mod naming;
 mod repeats;
 #[cfg(test)]
 mod tests;
 
-use super::{Positions, RawCloud, even_places};
+use super::{Positions, RawCloud};
 use crate::assumption::{Assumption, Evidence, Subject};
 use bulk::{Bulk, Extent};
 use glam::DVec3;
-use naming::Naming;
+use known::{Known, is_at, is_near};
+pub use naming::MissingValue;
+use naming::{MAX_VALUES, Naming};
 use rayon::prelude::*;
 use repeats::Repeats;
 use std::fmt;
@@ -82,27 +85,6 @@ impl fmt::Display for NoData {
 
 /// More of the points than this are not missing: what is taken for the bulk is not.
 const MAX_SHARE: f64 = 0.98;
-/// Relative rounding of single precision.
-const ROUNDING: f64 = 1e-6;
-
-/// What is known of a cloud beside its positions.
-#[derive(Debug, Clone, Copy, Default)]
-struct Known {
-    /// See [`RawCloud::integer_limits`].
-    limits: Option<[[f64; 2]; 3]>,
-    /// Whether points are vertices of triangles.
-    has_faces: bool,
-}
-
-/// Missing points of one value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MissingValue {
-    /// The position, or the coordinate that is missing: `0 0 0`, `z = -9999`.
-    pub value: String,
-    /// Number of points.
-    pub count: usize,
-}
-
 /// The missing points of a cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MissingPoints {
@@ -118,7 +100,7 @@ pub struct MissingPoints {
 
 impl MissingPoints {
     /// Values beyond these are counted together.
-    pub const MAX_VALUES: usize = 4;
+    pub const MAX_VALUES: usize = MAX_VALUES;
 
     /// The missing points of `cloud` by `rule`.
     pub fn of(cloud: &RawCloud, rule: NoData) -> Self {
@@ -253,12 +235,4 @@ fn has_value(position: DVec3, value: f64, zero_axes: [bool; 3]) -> bool {
         return position == DVec3::ZERO || (0..3).any(|axis| zero_axes[axis] && position[axis] == 0.0);
     }
     position.to_array().iter().any(|&coordinate| is_near(coordinate, value))
-}
-
-fn is_at(position: DVec3, place: [f64; 3]) -> bool {
-    (0..3).all(|axis| is_near(position[axis], place[axis]))
-}
-
-fn is_near(coordinate: f64, value: f64) -> bool {
-    (coordinate - value).abs() <= ROUNDING * value.abs()
 }

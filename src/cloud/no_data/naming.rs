@@ -1,14 +1,25 @@
 //! Names of missing points: by their place, by the coordinate that is missing, or by their distance.
 
 use super::bulk::{Extent, is_listed};
+use super::known::{Known, is_at};
 use super::repeats::Repeats;
-use super::{Known, MissingPoints, MissingValue, is_at};
 use crate::cloud::Positions;
 use glam::DVec3;
 
 /// Distinct values that are told apart: more are not constants.
 const MAX_DISTINCT: usize = 64;
+/// Values beyond these are counted together.
+pub(super) const MAX_VALUES: usize = 4;
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Missing points of one value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MissingValue {
+    /// The position, or the coordinate that is missing: `0 0 0`, `z = -9999`.
+    pub value: String,
+    /// Number of points.
+    pub count: usize,
+}
 
 /// What names are made by.
 #[derive(Debug)]
@@ -59,7 +70,7 @@ impl<'a> Naming<'a> {
         values.retain(|(value, is_known)| *is_known || value.count > 1 || indices.len() == 1);
         let mut values: Vec<MissingValue> = values.into_iter().map(|(value, _)| value).collect();
         values.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.value.cmp(&b.value)));
-        values.truncate(MissingPoints::MAX_VALUES);
+        values.truncate(MAX_VALUES);
         values
     }
 

@@ -4,9 +4,6 @@ use super::super::column::Scalar;
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
 use super::super::unique_names::{UniqueNames, duplicate_warning};
-use super::faces::FaceList;
-use super::kept_columns::POINTS;
-use crate::cloud::NotKept;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
 use std::collections::HashSet;
@@ -86,30 +83,6 @@ impl PlyHeader {
             line_count: text.lines().count(),
             warnings,
         })
-    }
-}
-
-impl PlyHeader {
-    /// What of the file becomes no part of a cloud: lists that points have, and what faces have beside their corners.
-    pub(super) fn not_kept(&self) -> Vec<NotKept> {
-        let filled = self.elements.iter().filter(|element| element.count > 0);
-        filled
-            .filter_map(|element| {
-                let list = FaceList::of(element);
-                let is_unread = |&(place, property): &(usize, &Property)| match list {
-                    Some(list) => place != list.property,
-                    None => element.name == POINTS && matches!(property.kind, PropertyKind::List { .. }),
-                };
-                let unread = element.properties.iter().enumerate().filter(is_unread);
-                let names: Vec<String> = unread.map(|(_, property)| format!("`{}`", property.name)).collect();
-                let what = if list.is_some() {
-                    "properties of faces"
-                } else {
-                    "lists of points"
-                };
-                (!names.is_empty()).then(|| NotKept::noted(format!("{what} are not read: {}", names.join(", "))))
-            })
-            .collect()
     }
 }
 

@@ -11,6 +11,7 @@ mod faces;
 mod header;
 mod kept_columns;
 mod moving_splats;
+mod not_kept;
 mod packed_splats;
 mod splat_columns;
 mod splats;
@@ -53,14 +54,14 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         Ok((splats, columns)) => {
             let mut cloud = growing::cloud(&columns, count)?;
             splats.put_into(&mut cloud);
-            cloud.not_kept.extend(splats::not_kept(&header));
+            cloud.not_kept.extend(not_kept::not_kept_of_splats(&header));
             cloud
         }
         Err(columns) => growing::cloud(&columns, count)?,
     };
     cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
-    cloud.not_kept.extend(header.not_kept());
+    cloud.not_kept.extend(not_kept::not_kept(&header));
     cloud.warnings.extend(header.warnings);
     cloud.warnings.extend(anchors);
     Ok(cloud)

@@ -8,11 +8,9 @@ use super::super::column::Column;
 use super::super::splats::{
     SplatShape, alpha_of_logit, byte, channel_of_harmonic, colors_of_harmonics, put_shapes, warn_of_colors,
 };
-use super::header::PlyHeader;
-use super::kept_columns::POINTS;
 use super::moving_splats::{self, MovingSplats};
 use super::splat_columns::{take, take_all};
-use crate::cloud::{AxisConvention, NotKept, RawCloud};
+use crate::cloud::{AxisConvention, RawCloud};
 use glam::Quat;
 
 const COLORS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
@@ -62,17 +60,6 @@ pub(super) fn drop_anchors(columns: &mut Vec<Column<'_>>) -> Option<String> {
         "header: the properties `{ANCHOR}*` say that these are anchors of Scaffold-GS, of which a network makes \
          splats: without it they are shown as points where the anchors are; export splats from the trained model"
     ))
-}
-
-/// What is not read of splats in a file with this header.
-pub(super) fn not_kept(header: &PlyHeader) -> Option<NotKept> {
-    let vertex = header.elements.iter().find(|element| element.name == POINTS)?;
-    let unread = vertex.properties.iter().filter(|property| is_unread(&property.name));
-    let names: Vec<&str> = unread.map(|property| property.name.as_str()).collect();
-    let (first, last) = (names.first()?, names.last()?);
-    Some(NotKept::quiet(format!(
-        "colours of splats that change with direction (`{first}` to `{last}`) are not read"
-    )))
 }
 
 /// The columns that splats are made of.
