@@ -5,7 +5,7 @@ use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
 use crate::assumption::{Assumption, Assumptions};
-use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
+use crate::cloud::{CloudError, FoundIn, Frame, Mesh, MissingPoints, NoData, RawCloud, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
@@ -265,8 +265,7 @@ impl Sequence {
         if let Ok(decoded) = &mut decoded {
             // A user's word holds for every command, statistics for pictures alone.
             if let NoData::Value(_) | NoData::Place(_) = self.no_data {
-                let count = decoded.cloud.positions.len();
-                self.drop_missing(&mut decoded.cloud, count);
+                self.drop_missing(&mut decoded.cloud, None);
             }
             lock(&self.assumptions).extend(&decoded.cloud.assumptions);
         }
@@ -332,8 +331,7 @@ impl Sequence {
         };
         let start = Instant::now();
         let mut decoded = decoded;
-        let count = decoded.cloud.positions.len();
-        self.drop_missing(&mut decoded.cloud, count);
+        self.drop_missing(&mut decoded.cloud, None);
         let has_levels = decoded.level.is_some();
         let frame = validated(decoded, origin, detail).map_err(|reason| self.invalid(index, reason))?;
         if let Some(sample) = self.origin.sample() {
@@ -361,15 +359,20 @@ impl Sequence {
     }
 
     /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
-    /// already. `point_count` is that of the whole frame.
-    fn drop_missing(&self, cloud: &mut RawCloud, point_count: usize) -> MissingPoints {
+    /// already. `whole_count` is that of the frame where `cloud` is a sample.
+    fn drop_missing(&self, cloud: &mut RawCloud, whole_count: Option<usize>) -> MissingPoints {
         let rule = match cloud.made_from {
             Some(_) => NoData::None,
             None => self.no_data,
         };
         let missing = MissingPoints::of(cloud, rule);
         make_holes(&mut cloud.positions, &missing.indices);
-        lock(&self.assumptions).extend(missing.assumption(rule, [cloud.positions.len(), point_count]).iter());
+        let found_in = FoundIn {
+            point_count: cloud.positions.len(),
+            whole_count,
+            is_only_frame: self.len() == 1,
+        };
+        lock(&self.assumptions).extend(missing.assumption(rule, found_in).iter());
         missing
     }
 
@@ -393,7 +396,7 @@ impl Sequence {
             })
         });
         let (mut sample, point_count) = sampled.ok().flatten()?;
-        let present = self.drop_missing(&mut sample.cloud, point_count).bounds;
+        let present = self.drop_missing(&mut sample.cloud, Some(point_count)).bounds;
         let origin = match index {
             0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,

@@ -190,28 +190,42 @@ impl MissingPoints {
         parts.join(", ")
     }
 
-    /// The assumption that these points are missing; `None` where none is, or the user said so. `whole_count` is the
-    /// number of points of the frame where these are of a sample of `sample_count`.
-    pub fn assumption(&self, rule: NoData, [sample_count, whole_count]: [usize; 2]) -> Option<Assumption> {
+    /// The assumption that these points are missing; `None` where none is, or the user said so.
+    pub fn assumption(&self, rule: NoData, found_in: FoundIn) -> Option<Assumption> {
         (!self.is_empty() && rule == NoData::Auto).then(|| {
             let values: Vec<&str> = self.values.iter().map(|value| value.value.as_str()).collect();
             let value = match values.as_slice() {
                 [] => "points far from the rest".to_owned(),
                 values => values.join(", "),
             };
-            let count = if sample_count == whole_count {
-                points(self.indices.len())
-            } else {
-                let share = self.indices.len() as f64 / sample_count.max(1) as f64;
-                format!("about {}", points((share * whole_count as f64).round() as usize))
+            let count = match found_in.whole_count {
+                Some(whole) => {
+                    let share = self.indices.len() as f64 / found_in.point_count.max(1) as f64;
+                    format!("about {}", points((share * whole as f64).round() as usize))
+                }
+                None => points(self.indices.len()),
             };
-            let why = format!(
-                "{count} where it was found first, away from the rest of the cloud: such points are neither drawn nor \
-                 framed"
-            );
+            let of_frame = if found_in.is_only_frame {
+                ""
+            } else {
+                " in a frame at most,"
+            };
+            let why =
+                format!("{count}{of_frame} away from the rest of the cloud: such points are neither drawn nor framed");
             Assumption::new(Subject::NoData, value, why, Evidence::Statistics)
         })
     }
+}
+
+/// What missing points were looked for in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FoundIn {
+    /// Points that were looked at.
+    pub point_count: usize,
+    /// Points of the frame, where these are a sample of it.
+    pub whole_count: Option<usize>,
+    /// Whether there is no other frame.
+    pub is_only_frame: bool,
 }
 
 fn points(count: usize) -> String {

@@ -248,8 +248,20 @@ fn ends_of_integers_are_named() {
     assert_eq!(missing.values[0].value, "x = y = z = the smallest 32-bit integer");
     let few = MissingPoints::find(&positions, NoData::Place(points[0].to_array()), known);
     assert_eq!(few.indices, indices);
-    let assumption = missing.assumption(NoData::Auto, [2000, 4000]).unwrap();
-    assert!(assumption.why.starts_with("about 40 points"), "{}", assumption.why);
+    let mut found_in = FoundIn {
+        point_count: 2000,
+        whole_count: Some(4000),
+        is_only_frame: false,
+    };
+    let why = |found_in| missing.assumption(NoData::Auto, found_in).unwrap().why;
+    assert!(
+        why(found_in).starts_with("about 40 points in a frame at most, away"),
+        "{}",
+        why(found_in)
+    );
+    found_in.whole_count = None;
+    found_in.is_only_frame = true;
+    assert!(why(found_in).starts_with("20 points away"), "{}", why(found_in));
 }
 
 proptest! {
