@@ -243,6 +243,19 @@ impl Assumption {
     }
 }
 
+impl Assumption {
+    /// Whether one entry tells of both: frames with the same no-data value have it a different number of times.
+    fn is_of_same(&self, other: &Self) -> bool {
+        let is_no_data = self.subject == Subject::NoData && other.subject == Subject::NoData;
+        self == other || (is_no_data && self.value == other.value)
+    }
+
+    /// Of reasons with a count the one with the larger one: it has more digits, or larger ones.
+    fn has_longer_why_than(&self, other: &Self) -> bool {
+        (self.why.len(), &self.why) > (other.why.len(), &other.why)
+    }
+}
+
 /// `up axis: +Z (the ground is a plane; statistics; change with --up)`.
 impl fmt::Display for Assumption {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -273,8 +286,14 @@ impl Assumptions {
 
     /// Adds one frame's or source's assumption, if it is not there.
     pub fn add(&mut self, assumption: &Assumption) {
-        if self.entries.len() < Self::MAX && !self.entries.contains(assumption) {
-            self.entries.push(assumption.clone());
+        let place = self.entries.iter().position(|entry| entry.is_of_same(assumption));
+        match place {
+            // The larger count, whichever frame was read first.
+            Some(place) if assumption.has_longer_why_than(&self.entries[place]) => {
+                self.entries[place] = assumption.clone();
+            }
+            None if self.entries.len() < Self::MAX => self.entries.push(assumption.clone()),
+            _ => {}
         }
     }
 
@@ -314,6 +333,21 @@ mod tests {
         let mut all = Assumptions::default();
         all.extend([&of("x y z"), &of("x y z"), &up, &of("x y z i")]);
         assert_eq!(all.sorted(), [up, of("x y z"), of("x y z i")]);
+    }
+
+    #[test]
+    fn the_largest_count_of_a_no_data_value_is_told() {
+        let of = |value: &str, count: usize| {
+            Assumption::new(Subject::NoData, value, format!("{count} points"), Evidence::Statistics)
+        };
+        let mut all = Assumptions::default();
+        all.extend([
+            &of("0 0 0", 99),
+            &of("-1 -1 -1", 5),
+            &of("0 0 0", 100),
+            &of("0 0 0", 98),
+        ]);
+        assert_eq!(all.sorted(), [of("0 0 0", 100), of("-1 -1 -1", 5)]);
     }
 
     #[test]

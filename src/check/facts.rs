@@ -31,6 +31,8 @@ pub struct FrameFacts {
     pub probable_up: Option<UpAxis>,
     /// Size of the image whose pixels the points are.
     pub image_px: Option<[u32; 2]>,
+    /// What of the file is not read, as nothing is made of it.
+    pub not_kept: Vec<String>,
     /// What of the file could not be read although its points could.
     pub warnings: Vec<String>,
 }
@@ -38,7 +40,7 @@ pub struct FrameFacts {
 impl FrameFacts {
     /// Looks at every point of `raw`.
     pub fn of(mut raw: RawCloud, no_data: NoData) -> Self {
-        let missing = MissingPoints::find(&raw.positions, no_data);
+        let missing = MissingPoints::of(&raw, no_data);
         let bounds = missing.bounds;
         let zero_normals = raw.attributes.normals.iter().flatten().enumerate();
         let facts = Self {
@@ -58,6 +60,7 @@ impl FrameFacts {
             is_single_precision: matches!(raw.positions, Positions::F32(_)),
             probable_up: None,
             image_px: raw.grid.map(|grid| [grid.width(), grid.height()]),
+            not_kept: noted(&raw),
             warnings: raw.warnings.clone(),
             missing,
         };
@@ -67,6 +70,12 @@ impl FrameFacts {
             ..facts
         }
     }
+}
+
+/// What somebody who looks at the file wants to know.
+fn noted(raw: &RawCloud) -> Vec<String> {
+    let noted = raw.not_kept.iter().filter(|entry| entry.is_noted);
+    noted.map(|entry| entry.what.clone()).collect()
 }
 
 /// How many radii cannot be drawn.

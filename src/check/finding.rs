@@ -15,6 +15,10 @@ pub enum FindingKind {
     UnreadableFrame,
     /// A part of a frame's file cannot be read, but its points can.
     UnreadablePart,
+    /// Something that the file has and nothing is made of.
+    UnreadProperties,
+    /// A sequence file that ends early or is damaged.
+    DamagedFile,
     /// A frame without a point.
     EmptyFrame,
     /// A frame does not have the attributes of the others.
@@ -70,10 +74,14 @@ impl FindingKind {
     /// Weight of findings of this kind.
     pub fn severity(self) -> Severity {
         match self {
-            Self::UnreadableFrame => Severity::Error,
+            Self::UnreadableFrame | Self::DamagedFile => Severity::Error,
             // Scanners write holes, several returns at one place, and classes without colour; what is missing is
             // estimated.
-            Self::NonFinitePoints | Self::DuplicatePoints | Self::ZeroNormals | Self::NarrowColors => Severity::Note,
+            Self::NonFinitePoints
+            | Self::DuplicatePoints
+            | Self::ZeroNormals
+            | Self::NarrowColors
+            | Self::UnreadProperties => Severity::Note,
             Self::NumberGap
             | Self::TimeJump
             | Self::UnreadablePart

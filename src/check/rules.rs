@@ -41,6 +41,8 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     findings.extend(super::cameras::changed_camera(sequence, facts));
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
+    findings.extend(damaged_file(sequence));
+    findings.extend(unread_properties(facts));
     let attributes = facts.iter().enumerate();
     findings.extend(changed_attributes(attributes.filter_map(|(index, facts)| {
         Some((index, facts.as_ref().ok()?.attributes.as_slice()))
@@ -303,6 +305,41 @@ fn unreadable_parts(facts: &Facts) -> Vec<Finding> {
         })
     });
     warnings.collect()
+}
+
+/// What of a sequence file is missing.
+fn damaged_file(sequence: &Sequence) -> Option<Finding> {
+    let file = sequence.source().reel()?;
+    let damage = file.damage().join("; ");
+    if damage.is_empty() {
+        return None;
+    }
+    Some(Finding {
+        kind: FindingKind::DamagedFile,
+        severity: FindingKind::DamagedFile.severity(),
+        message: format!(
+            "{damage}: {} frames are there; convert the original again, or copy the file again",
+            sequence.len()
+        ),
+        frames: Vec::new(),
+    })
+}
+
+/// What files have and nothing is made of, once for all frames.
+fn unread_properties(facts: &Facts) -> Vec<Finding> {
+    let mut frames_of: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (index, facts) in facts.iter().enumerate() {
+        for what in facts.iter().flat_map(|facts| &facts.not_kept) {
+            frames_of.entry(what).or_default().push(index);
+        }
+    }
+    let finding = |(what, frames): (&str, Vec<usize>)| Finding {
+        kind: FindingKind::UnreadProperties,
+        severity: FindingKind::UnreadProperties.severity(),
+        message: format!("{}: {what}", named(&frames)),
+        frames,
+    };
+    frames_of.into_iter().map(finding).collect()
 }
 
 /// Frames whose attributes are not those of most frames; `attributes` are those of each frame that can be read.

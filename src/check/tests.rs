@@ -1,5 +1,5 @@
 use super::*;
-use crate::cloud::{Positions, RawCloud};
+use crate::cloud::{NotKept, Positions, RawCloud};
 use crate::sequence::FrameEntry;
 use std::time::Duration;
 
@@ -156,4 +156,16 @@ fn a_frame_that_fails_is_a_finding_with_its_reason() {
     assert_eq!(report.findings[0].kind, FindingKind::UnreadableFrame);
     assert_eq!(report.findings[0].message, "point 7 is missing");
     assert_eq!((report.frame_count, report.point_count), (2, 100));
+}
+
+#[test]
+fn what_is_not_read_is_a_note() {
+    let mut cloud = grid(0.0);
+    cloud.not_kept = vec![
+        NotKept::noted("lists of points are not read: `near`"),
+        NotKept::quiet("digits"),
+    ];
+    let of_all = found(vec![("a_1", cloud.clone()), ("a_2", cloud)]);
+    assert_eq!(of_all, [(FindingKind::UnreadProperties, vec![0, 1])]);
+    assert_eq!(FindingKind::UnreadProperties.severity(), Severity::Note);
 }

@@ -48,11 +48,11 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "COLUMNS", verbatim_doc_comment)]
     columns: Option<ColumnMap>,
 
-    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, or the number that
-    /// stands for a missing coordinate
+    /// Missing points: auto (constants such as 0 0 0 or -9999 away from the rest), none, the number that
+    /// stands for a missing coordinate, or the place of missing points, such as -1,-1,-1
     #[arg(
         long,
-        value_name = "VALUE|auto|none",
+        value_name = "VALUE|X,Y,Z|auto|none",
         default_value_t = NoData::Auto,
         allow_hyphen_values = true,
         verbatim_doc_comment

@@ -2,8 +2,10 @@
 
 use super::warnings;
 use crate::assumption::{Assumption, Subject};
+use crate::rgbd::Filters;
 use crate::scene::FirstLook;
 use crate::sequence::Sequence;
+use clap::{Arg, Args, Command};
 
 /// All assumptions about `sequence` so far, by subject.
 pub(super) fn of(sequence: &Sequence, look: Option<&FirstLook>) -> Vec<Assumption> {
@@ -11,6 +13,35 @@ pub(super) fn of(sequence: &Sequence, look: Option<&FirstLook>) -> Vec<Assumptio
     all.extend(look.into_iter().flat_map(FirstLook::assumptions));
     all.sort_by_key(|assumption| assumption.subject);
     all
+}
+
+/// From the first frame of `sequence` that can be read, and some others; `None` without a point.
+pub(super) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
+    // Pictures have the usual filters of depth images, without which stray points hide what is a surface.
+    let has_none = sequence.source().filters() == Some(Filters::NONE);
+    let filtered = has_none.then(|| sequence.filtered(Filters::USUAL)).flatten();
+    let sequence = filtered.as_ref().unwrap_or(sequence);
+    let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
+    let look = FirstLook::of_sequence(&frame, sequence);
+    (!look.trimmed.is_empty()).then_some(look)
+}
+
+/// Which options that `assumptions` name the verb with the arguments `A` has not, as a line.
+pub(super) fn options_elsewhere<A: Args>(assumptions: &[Assumption]) -> Option<String> {
+    let verb = A::augment_args(Command::new("verb"));
+    let has = |option: &str| {
+        let mut names = verb.get_arguments().filter_map(Arg::get_long);
+        names.any(|name| option.strip_prefix("--") == Some(name))
+    };
+    let mut options: Vec<&str> = assumptions.iter().filter_map(|assumption| assumption.option).collect();
+    options.retain(|option| !has(option));
+    options.dedup();
+    let are = match options.len() {
+        0 => return None,
+        1 => "is an option",
+        _ => "are options",
+    };
+    Some(format!("{} {are} of view and render", options.join(", ")))
 }
 
 /// Prints those that are guesses and about nothing that was `chosen`. To be called when the frames were read.

@@ -35,9 +35,17 @@ pub(super) struct CheckArgs {
 pub(super) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Result<ExitCode> {
     let sequence = open_sequence_and_tell(&arguments.inputs, &arguments.read.open_options())?;
     let bar = Bar::new(sequence.len());
-    let report = check(&sequence, &|done| bar.set(done));
+    let mut report = check(&sequence, &|done| bar.set(done));
     bar.clear();
-    assumptions::print_guesses(&sequence, None, &[Subject::FrameTimes]);
+    let look = assumptions::first_look(&sequence);
+    // What a picture would take for up, which sees several frames.
+    report.probable_up = look.as_ref().map(|look| look.up.name()).or(report.probable_up);
+    assumptions::print_guesses(&sequence, look.as_ref(), &[Subject::FrameTimes]);
+    let mut guesses = assumptions::of(&sequence, look.as_ref());
+    guesses.retain(|assumption| assumption.evidence.is_guess());
+    if let Some(line) = assumptions::options_elsewhere::<CheckArgs>(&guesses) {
+        warnings::remark(line);
+    }
     if arguments.json {
         let json = serde_json::to_string_pretty(&report);
         answer(&json.context("the answer cannot be written as JSON")?);

@@ -229,6 +229,11 @@ impl NamedPlace {
     /// that no written format has, or another one than `format`, is refused: a file is what its name says.
     fn of(output: &Path, format: Option<WriteFormat>) -> anyhow::Result<Self> {
         let text = output.to_string_lossy();
+        if text == "-" {
+            bail!(
+                "- is the standard output, which frames are not written to: name a file or a folder (./- if it is one)"
+            );
+        }
         let has_slash = text.ends_with(std::path::is_separator);
         let extension = output
             .extension()
@@ -241,6 +246,14 @@ impl NamedPlace {
         };
         if extension == "reel" {
             return Ok(Self::Reel);
+        }
+        // LAZ with an octree: its readers would not find that.
+        if text.to_ascii_lowercase().ends_with(".copc.laz") {
+            bail!(
+                "{text}: COPC files (.copc.laz) are not written. The formats of files are {}, and .reel for a sequence \
+                 file",
+                WriteFormat::names()
+            );
         }
         let Some(by_name) = WriteFormat::of_extension(output) else {
             bail!(
@@ -374,12 +387,23 @@ mod tests {
             assert_eq!(of(name, format).unwrap(), expected, "{name}");
         }
         for name in [
-            "g.glb", "g.usd", "g.obj", "g.npz", "g.csv", "g.e57", "g.png", "g.v2", "g.ply.gz", "g.xyz~",
+            "g.copc.laz",
+            "g.glb",
+            "g.usd",
+            "g.obj",
+            "g.npz",
+            "g.csv",
+            "g.e57",
+            "g.png",
+            "g.v2",
+            "g.ply.gz",
+            "g.xyz~",
         ] {
             let refused = of(name, None).unwrap_err().to_string();
             assert!(refused.contains("ply, ply-ascii, pcd, las, laz, xyz, npy"), "{refused}");
             assert!(of(name, Some("ply")).is_err(), "{name}");
         }
+        assert!(of("-", None).unwrap_err().to_string().contains("standard output"));
         assert!(of("a.ply", Some("pcd")).unwrap_err().to_string().contains(".pcd"));
     }
 

@@ -11,7 +11,6 @@ use super::warnings;
 use crate::assumption::Assumption;
 use crate::check::changed_attributes;
 use crate::cloud::ImageGrid;
-use crate::rgbd::Filters;
 use crate::scene::{BackFaces, CaptureKind, FirstLook, Primitive, Style};
 use crate::sequence::{Recording, Sequence};
 use anyhow::{Context as _, bail};
@@ -132,6 +131,9 @@ enum FrameReport {
         grid: Option<ImageGrid>,
         /// Triangles of a mesh.
         faces: usize,
+        /// What the file has and nothing is made of.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        not_read: Vec<String>,
         /// What else of the file could not be read.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         warnings: Vec<String>,
@@ -172,7 +174,7 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
             warnings::warn_of_frame(warning);
         }
     }
-    let look = first_look(&sequence);
+    let look = assumptions::first_look(&sequence);
     let info = Info {
         session: session.as_ref().map(SessionInfo::of),
         frames,
@@ -194,17 +196,6 @@ pub(super) fn run(arguments: &InfoArgs) -> anyhow::Result<()> {
         answer(table(&info).trim_end());
     }
     Ok(())
-}
-
-/// From the first frame that can be read, and some others; `None` without a point.
-fn first_look(sequence: &Sequence) -> Option<FirstLook> {
-    // Pictures have the usual filters of depth images, without which stray points hide what is a surface.
-    let has_none = sequence.source().filters() == Some(Filters::NONE);
-    let filtered = has_none.then(|| sequence.filtered(Filters::USUAL)).flatten();
-    let sequence = filtered.as_ref().unwrap_or(sequence);
-    let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
-    let look = FirstLook::of_sequence(&frame, sequence);
-    (!look.trimmed.is_empty()).then_some(look)
 }
 
 fn guess(look: &FirstLook, origin: DVec3) -> Guess {
@@ -251,6 +242,12 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
                 attributes: raw.point_names(),
                 grid: raw.grid,
                 faces: raw.faces.len(),
+                not_read: raw
+                    .not_kept
+                    .into_iter()
+                    .filter(|entry| entry.is_noted)
+                    .map(|entry| entry.what)
+                    .collect(),
                 warnings: raw.warnings,
             }
         }
@@ -288,6 +285,7 @@ fn table(info: &Info) -> String {
     let findings = changed_attributes(attributes).into_iter();
     let lines = lines
         .chain(findings.map(|finding| finding.message))
+        .chain(not_read_lines(&info.frames))
         .chain(info.recordings.iter().map(recording_line))
         .chain(info.reel.as_ref().map(ReelInfo::line))
         .chain(info.cameras.iter().map(CameraInfo::line))
@@ -297,7 +295,8 @@ fn table(info: &Info) -> String {
             info.assumptions
                 .iter()
                 .map(|assumption| format!("assumed {assumption}")),
-        );
+        )
+        .chain(assumptions::options_elsewhere::<InfoArgs>(&info.assumptions));
     for line in lines {
         text.push_str(&line);
         text.push('\n');
@@ -346,6 +345,18 @@ fn frame_line(frame: &FrameInfo) -> String {
         }
         FrameReport::Failed { error } => format!("{:>6} cannot be read: {error}", frame.index),
     }
+}
+
+/// What the files have and nothing is made of, each once.
+fn not_read_lines(frames: &[FrameInfo]) -> Vec<String> {
+    let of_frames = frames.iter().filter_map(|frame| match &frame.content {
+        FrameReport::Read { not_read, .. } => Some(not_read),
+        FrameReport::Failed { .. } => None,
+    });
+    let mut lines: Vec<String> = of_frames.flatten().cloned().collect();
+    lines.sort_unstable();
+    lines.dedup();
+    lines
 }
 
 fn recording_line(recording: &RecordingInfo) -> String {

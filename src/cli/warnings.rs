@@ -71,6 +71,11 @@ pub(super) fn assumed(message: &str) {
     note(format!("assumed {message}"), "like it");
 }
 
+/// Prints something about what was said before.
+pub(super) fn remark(message: String) {
+    note(message, "like it");
+}
+
 /// Tells of something that failed while the verb goes on.
 pub(super) fn warn_of_error(message: &str) {
     note(format!("error: {message}"), "like it");

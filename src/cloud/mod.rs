@@ -10,6 +10,7 @@ mod made_from;
 mod mesh;
 mod mesh_records;
 mod no_data;
+mod not_kept;
 mod quantised_normal;
 mod raw;
 mod record;
@@ -31,7 +32,8 @@ pub use made_from::MadeFrom;
 pub use mesh::Mesh;
 pub use mesh_records::MeshRecords;
 pub(crate) use no_data::make_holes;
-pub use no_data::{MissingPoints, MissingValue, NoData};
+pub use no_data::{FoundIn, MissingPoints, MissingValue, NoData};
+pub use not_kept::NotKept;
 pub use quantised_normal::{
     FINEST_NORMAL_BITS, coarser_normal, largest_normal_error, quantise_direction, quantise_normal,
     quantised_directions, quantised_normals,

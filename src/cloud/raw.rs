@@ -1,7 +1,7 @@
 //! What a decoder hands over: arrays in file order and file coordinates, not yet checked.
 
 use super::attributes::gather;
-use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, Texturing};
+use super::{Attributes, ImageGrid, LengthUnit, MadeFrom, NotKept, Texturing};
 use crate::assumption::Assumption;
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -169,12 +169,17 @@ pub struct RawCloud {
     pub texturing: Option<Texturing>,
     /// Where the sensor stood, in file coordinates, if the file says so: normals are turned towards it.
     pub sensor: Option<DVec3>,
+    /// Smallest and largest coordinate along each axis that the integers of the file can hold, where it has integers:
+    /// programs overflow to them.
+    pub integer_limits: Option<[[f64; 2]; 3]>,
     /// What the file says about its axes.
     pub convention: Option<AxisConvention>,
     /// Decisions of the reader about the meaning of the file.
     pub assumptions: Vec<Assumption>,
     /// The unit of coordinates, if format or file say it.
     pub unit: Option<LengthUnit>,
+    /// What of the file is not in the cloud, or with fewer digits, without being damaged.
+    pub not_kept: Vec<NotKept>,
     /// What of the file could not be read although its points could: a sentence each, with file and place.
     pub warnings: Vec<String>,
 }
@@ -193,9 +198,11 @@ impl RawCloud {
             faces_left_out: 0,
             texturing: None,
             sensor: None,
+            integer_limits: None,
             convention: None,
             assumptions: Vec::new(),
             unit: None,
+            not_kept: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -254,6 +261,7 @@ impl RawCloud {
         }
         // Clouds are in the coordinates of their sensor before.
         self.sensor = Some(pose.transform_point3(self.sensor.unwrap_or(DVec3::ZERO)));
+        self.integer_limits = None;
         self.made_from = None;
     }
 

@@ -102,6 +102,7 @@ fn move_by(cloud: &mut RawCloud, transform: &DMat4) -> Result<(), EditError> {
         Positions::F64(_) => moved,
     };
     cloud.made_from = None;
+    cloud.integer_limits = None;
     let of_normals = linear.inverse().transpose();
     let attributes = &mut cloud.attributes;
     let normals = attributes.normals.iter().flatten();

@@ -191,6 +191,7 @@ struct ConvertedGroup {
 pub(super) fn losses(cloud: &RawCloud, options: &ReelOptions) -> Losses {
     let keeps_points = options.keeps_points();
     let mut losses = Losses::default();
+    losses.add_not_kept(cloud);
     if !cloud.faces.is_empty() {
         losses.add(Loss::Faces, cloud.faces.len() as f64);
     }

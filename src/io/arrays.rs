@@ -4,7 +4,7 @@
 //! ([`super::growing`]). Columns that lie side by side, as nearly all files have them, are read with one copy a row.
 
 use super::column::{Column, Scalar, Values};
-use crate::cloud::{ColorDepth, RawCloud};
+use crate::cloud::{ColorDepth, NotKept, RawCloud};
 use std::ops::Range;
 use std::slice::ChunksExact;
 
@@ -84,7 +84,9 @@ fn parts<const BYTES: usize, const WIDTH: usize>(raw: &[u8; BYTES]) -> [[u8; WID
 pub(super) fn set_colors(cloud: &mut RawCloud, channels: [&Column<'_>; 3], alpha: Option<&Column<'_>>, count: usize) {
     let scales = Scales::of(channels, alpha, count);
     let mut colors = Vec::with_capacity(count);
-    append_colors(&mut colors, channels, alpha, &scales, count);
+    if append_colors(&mut colors, channels, alpha, &scales, count) {
+        cloud.not_kept.push(rounded_colors());
+    }
     cloud.attributes.colors = Some(colors);
     cloud.has_narrow_colors = scales.is_narrow;
     cloud.color_depth = scales.depth;
@@ -138,21 +140,28 @@ fn largest(columns: &[&Column<'_>], count: usize) -> f64 {
     largest.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Appends colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it.
+/// What is said of colours of which 8 bits are kept.
+pub(super) fn rounded_colors() -> NotKept {
+    NotKept::quiet("colours have more than 8 bits a channel in the file: they are kept with 8")
+}
+
+/// Appends colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it. True
+/// where values are rounded by that.
 pub(super) fn append_colors(
     colors: &mut Vec<[u8; 4]>,
     channels: [&Column<'_>; 3],
     alpha: Option<&Column<'_>>,
     scales: &Scales,
     count: usize,
-) {
+) -> bool {
     let [red, green, blue] = channels;
     if let Some(alpha) = alpha
         && let Some(rows) = SideBySide::<4>::new(&[red, green, blue, alpha], Scalar::U8, count)
     {
         colors.extend(rows.read());
-        return;
+        return false;
     }
+    let mut is_rounded = false;
     let start = colors.len();
     if let Some(rows) = SideBySide::<3>::new(&channels, Scalar::U8, count) {
         let opaque = |&[red, green, blue]: &[u8; 3]| [red, green, blue, 255];
@@ -160,20 +169,27 @@ pub(super) fn append_colors(
     } else {
         colors.resize(start + count, [255; 4]);
         for (channel, column) in channels.into_iter().enumerate() {
-            write_channel(&mut colors[start..], column, channel, scales.channels[channel]);
+            is_rounded |= write_channel(&mut colors[start..], column, channel, scales.channels[channel]);
         }
     }
     if let Some(alpha) = alpha {
-        write_channel(&mut colors[start..], alpha, 3, scales.alpha);
+        is_rounded |= write_channel(&mut colors[start..], alpha, 3, scales.alpha);
     }
+    is_rounded
 }
 
-/// Writes `column` into one of the four channels of `colors`, as 8 bits.
-fn write_channel(colors: &mut [[u8; 4]], column: &Column<'_>, channel: usize, full_scale: f64) {
+/// Writes `column` into one of the four channels of `colors`, as 8 bits. True where values are rounded by that.
+fn write_channel(colors: &mut [[u8; 4]], column: &Column<'_>, channel: usize, full_scale: f64) -> bool {
+    /// Of a step: fractions of single precision that were 8 bits once are as near to them.
+    const NEAR: f64 = 1e-3;
     let scale = 255.0 / full_scale;
+    let mut is_rounded = false;
     column.for_each_f64(0..colors.len(), |index, value| {
-        colors[index][channel] = (value * scale).round() as u8;
+        let rounded = (value * scale).round();
+        is_rounded |= (value * scale - rounded).abs() > NEAR;
+        colors[index][channel] = rounded as u8;
     });
+    is_rounded
 }
 
 /// Columns of one type without a gap between them, `BYTES` together.

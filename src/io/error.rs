@@ -154,6 +154,17 @@ pub(super) struct Fault {
 }
 
 impl Fault {
+    /// The same place, with what is wrong with the whole list, if something is.
+    pub(super) fn explained_by(self, claim: Result<(), Self>) -> Self {
+        match claim {
+            Err(claim) if !self.is_cancelled => Self {
+                problem: claim.problem,
+                ..self
+            },
+            _ => self,
+        }
+    }
+
     pub(super) fn new(place: Place, problem: impl Into<String>) -> Self {
         Self {
             place,

@@ -15,7 +15,7 @@ use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
 use super::growing::Growing;
 use super::watched::cancelled;
-use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::locks::lock;
 use crate::progress::Progress;
 use glam::DVec3;
@@ -61,6 +61,8 @@ pub(super) struct FixedRows {
     pub(super) convention: Option<AxisConvention>,
     /// See [`RawCloud::grid`].
     pub(super) grid: Option<ImageGrid>,
+    /// What of the file is no part of the cloud.
+    pub(super) not_kept: Vec<NotKept>,
 }
 
 impl FixedRows {
@@ -148,12 +150,14 @@ impl FixedRows {
 
     /// The points that were read, with what the header says of all of them.
     fn finished(&self, growing: Growing) -> RawCloud {
-        RawCloud {
+        let mut cloud = RawCloud {
             sensor: self.sensor,
             convention: self.convention,
             grid: self.grid,
             ..growing.finish()
-        }
+        };
+        cloud.not_kept.extend_from_slice(&self.not_kept);
+        cloud
     }
 
     /// What the columns are for, and the file at `path`, if each row tells all of its point and there are as many as
@@ -257,6 +261,7 @@ mod tests {
             sensor: None,
             convention: None,
             grid: None,
+            not_kept: Vec::new(),
         }
     }
 

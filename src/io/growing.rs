@@ -1,11 +1,11 @@
 //! A cloud that grows as its rows are read.
 
-use super::arrays::{Scales, append_colors, append_f32, append_f64};
+use super::arrays::{Scales, append_colors, append_f32, append_f64, rounded_colors};
 use super::attributes::{self, Colors, Roles};
-use super::column::Column;
+use super::column::{Column, Scalar};
 use super::error::Fault;
 use super::unique_names::UniqueNames;
-use crate::cloud::{Attributes, Positions, RawCloud, ScalarField};
+use crate::cloud::{Attributes, NotKept, Positions, RawCloud, ScalarField};
 use crate::locks::lock;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -22,6 +22,8 @@ pub(super) struct Growing {
     others: Mutex<Others>,
     /// In the order of the roles.
     scalars: Vec<Mutex<GrowingField>>,
+    /// Names that were changed.
+    warnings: Vec<String>,
 }
 
 /// All arrays but the positions and the scalars.
@@ -29,6 +31,7 @@ pub(super) struct Growing {
 struct Others {
     attributes: Attributes,
     scales: Option<Scales>,
+    rounds_colors: bool,
 }
 
 /// A scalar field so far.
@@ -36,6 +39,8 @@ struct Others {
 struct GrowingField {
     name: String,
     values: ScalarValues,
+    /// Whether the file has integers of 64 bits for it.
+    is_long: bool,
 }
 
 /// Numbers of a scalar field, as wide as the file has them.
@@ -64,13 +69,26 @@ impl Growing {
             _ => None,
         };
         let names = field_names(roles.scalars.iter().map(|&index| (index, columns[index].name.as_str())));
+        let renamed = roles.scalars.iter().zip(&names);
+        let renamed = renamed.filter(|(index, name)| {
+            let given = columns[**index].name.trim();
+            !given.is_empty() && given != name.as_str()
+        });
+        let warnings = renamed.map(|(&index, name)| {
+            format!(
+                "header: the field `{}` has the name of another one: it is read as `{name}`",
+                columns[index].name
+            )
+        });
+        let warnings: Vec<String> = warnings.collect();
         let scalar = |(&index, name): (&usize, String)| {
             let values = if columns[index].scalar.is_wide() {
                 ScalarValues::Wide(Vec::with_capacity(count))
             } else {
                 ScalarValues::Narrow(Vec::with_capacity(count))
             };
-            Mutex::new(GrowingField { name, values })
+            let is_long = matches!(columns[index].scalar, Scalar::I64 | Scalar::U64);
+            Mutex::new(GrowingField { name, values, is_long })
         };
         let scalars = roles.scalars.iter().zip(names).map(scalar).collect();
         let others = Others {
@@ -81,12 +99,14 @@ impl Growing {
                 ..Attributes::default()
             },
             scales,
+            rounds_colors: false,
         };
         Self {
             roles,
             positions: Mutex::new(positions),
             others: Mutex::new(others),
             scalars,
+            warnings,
         }
     }
 
@@ -146,14 +166,21 @@ impl Growing {
             (cloud.has_narrow_colors, cloud.color_depth) = (scales.is_narrow, scales.depth);
         }
         cloud.attributes = others.attributes;
+        cloud.warnings = self.warnings;
+        cloud.not_kept.extend(others.rounds_colors.then(rounded_colors));
         let field = |field: Mutex<GrowingField>| {
-            let GrowingField { name, values } = field.into_inner().unwrap_or_else(PoisonError::into_inner);
-            match values {
+            let GrowingField { name, values, is_long } = field.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let rounded = is_long.then(|| values.rounded(&name)).flatten();
+            let field = match values {
                 ScalarValues::Narrow(values) => ScalarField::new(name, values),
                 ScalarValues::Wide(values) => ScalarField::from_f64(name, &values),
-            }
+            };
+            (field, rounded)
         };
-        cloud.attributes.scalars = self.scalars.into_par_iter().map(field).collect();
+        let (scalars, rounded): (Vec<ScalarField>, Vec<Option<NotKept>>) =
+            self.scalars.into_par_iter().map(field).unzip();
+        cloud.attributes.scalars = scalars;
+        cloud.not_kept.extend(rounded.into_iter().flatten());
         // Writers that know no transparency leave zeros.
         if let (Some(Colors::Packed(_)), Some(colors)) = (self.roles.colors, &mut cloud.attributes.colors)
             && colors.iter().all(|color| color[3] == 0)
@@ -175,7 +202,7 @@ impl Others {
         match (&mut self.attributes.colors, roles.colors, &self.scales) {
             (Some(colors), Some(Colors::Channels { channels, alpha }), Some(scales)) => {
                 let alpha = alpha.map(|index| &columns[index]);
-                append_colors(colors, three(channels), alpha, scales, count);
+                self.rounds_colors |= append_colors(colors, three(channels), alpha, scales, count);
             }
             (Some(colors), Some(Colors::Packed(index)), _) => {
                 append_packed_colors(colors, &columns[index], count);
@@ -189,6 +216,18 @@ impl Others {
 }
 
 impl ScalarValues {
+    /// What is said of integers that double precision may not hold.
+    fn rounded(&self, name: &str) -> Option<NotKept> {
+        const LARGEST: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
+        let Self::Wide(values) = self else { return None };
+        let count = values.iter().filter(|value| value.abs() > LARGEST).count();
+        (count > 0).then(|| {
+            NotKept::quiet(format!(
+                "{count} integers of 64 bits in `{name}` are beyond 2^53: they are rounded to double precision"
+            ))
+        })
+    }
+
     fn append(&mut self, column: &Column<'_>, count: usize) {
         match self {
             Self::Narrow(numbers) => column.append_f32(numbers, count),

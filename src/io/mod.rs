@@ -12,6 +12,7 @@ mod arrays;
 mod attributes;
 mod beside;
 mod bin;
+mod broken_faces;
 mod codec;
 mod column;
 mod column_map;

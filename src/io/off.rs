@@ -1,9 +1,10 @@
 //! OFF of Geomview: a keyword that says what vertices have, three counts, vertices, then faces.
 //!
 //! `ST`, `C` and `N` before `OFF` announce texture coordinates, colours and normals; but many writers leave the `C`
-//! away, so what stands behind the coordinates in a line counts more than the keyword. Text only: the binary variant is
-//! refused.
+//! away, so what stands behind the coordinates in a line counts more than the keyword. Files of `ModelNet40` have the
+//! counts right behind the keyword (`OFF8 12 0`). Text only: the binary variant is refused.
 
+use super::broken_faces::{BrokenFaces, no_vertex};
 use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
@@ -59,9 +60,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     } else {
         growing::cloud(&columns, vertices)?
     };
+    let mut triangles = Vec::new();
+    let mut broken = BrokenFaces::default();
     for index in 0..faces {
-        face(&lines.numbers("face", index)?, index, vertices, &mut cloud.faces)?;
+        match lines.numbers("face", index) {
+            Ok(numbers) => broken.count(face(&numbers, index, vertices, &mut triangles).err()),
+            Err(fault) => {
+                broken.end(fault);
+                break;
+            }
+        }
     }
+    broken.put_into(triangles, &mut cloud);
     Ok(cloud)
 }
 
@@ -72,6 +82,7 @@ fn header(lines: &mut Lines<'_>) -> Result<(String, [usize; 2]), Fault> {
         return Err(fault(1, "the file has no line but comments, expected `OFF`".to_owned()));
     };
     let word = line.split(u8::is_ascii_whitespace).next().unwrap_or(line);
+    let word = without_count(word);
     let mut keyword = String::new();
     if word.to_ascii_uppercase().ends_with(b"OFF") {
         keyword = String::from_utf8_lossy(word).to_ascii_uppercase();
@@ -111,6 +122,20 @@ fn header(lines: &mut Lines<'_>) -> Result<(String, [usize; 2]), Fault> {
         ));
     };
     Ok((keyword, [vertices, faces]))
+}
+
+/// A keyword without the count that some writers leave no space before.
+fn without_count(word: &[u8]) -> &[u8] {
+    let letters = word
+        .iter()
+        .rposition(|byte| !byte.is_ascii_digit())
+        .map_or(0, |last| last + 1);
+    let keyword = &word[..letters];
+    if keyword.to_ascii_uppercase().ends_with(b"OFF") {
+        keyword
+    } else {
+        word
+    }
 }
 
 /// What the `count` numbers of a vertex are.
@@ -154,14 +179,7 @@ fn face(numbers: &[f64], index: usize, vertices: usize, faces: &mut Vec<[u32; 3]
     let mut polygon = Vec::with_capacity(corners.len());
     for &corner in corners {
         if !(corner >= 0.0 && corner < vertices as f64 && corner.fract() == 0.0) {
-            return Err(Fault::entry(
-                "face",
-                index,
-                format!(
-                    "it names vertex {corner}, expected a whole number from 0 to below {vertices}, the count of \
-                     vertices"
-                ),
-            ));
+            return Err(no_vertex("face", index, corner, vertices));
         }
         polygon.push(corner as u32);
     }

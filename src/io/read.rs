@@ -92,7 +92,8 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             let fault = Fault::too_large(&what, needed, options);
             return Err(fault.of(path, format));
         }
-        if let Some(cloud) = rows.read(path, progress).map_err(failed)? {
+        if let Some(mut cloud) = rows.read(path, progress).map_err(failed)? {
+            place_warnings(&mut cloud, path, format);
             return Ok(cloud);
         }
     }
@@ -117,13 +118,16 @@ pub(crate) fn read_sample(
         source,
     };
     let magic = first_bytes(path)?;
-    let rows = fixed_rows(path, &magic).map(|(_, rows)| rows);
-    let Some(rows) = rows.filter(|rows| rows.count >= fewest_points) else {
+    let rows = fixed_rows(path, &magic);
+    let Some((format, rows)) = rows.filter(|(_, rows)| rows.count >= fewest_points) else {
         return Ok(None);
     };
     let places = even_places(rows.count, most_points);
     let cloud = rows.read_at(path, &places, most_time).map_err(failed)?;
-    Ok(cloud.map(|cloud| (cloud, rows.count)))
+    Ok(cloud.map(|mut cloud| {
+        place_warnings(&mut cloud, path, format);
+        (cloud, rows.count)
+    }))
 }
 
 /// The format and the rows of a file that begins with `magic`, if they are of one length.
@@ -166,6 +170,13 @@ fn read_bytes_with(
     finished(decoded, name, format, options)
 }
 
+/// Says in each warning which file it is of.
+fn place_warnings(cloud: &mut RawCloud, name: &Path, format: Format) {
+    for warning in &mut cloud.warnings {
+        *warning = format!("{}, {warning} ({format} file)", name.display());
+    }
+}
+
 /// What a decoder has made of a file of `format`, with what the format says of all its clouds.
 pub(super) fn finished(
     decoded: Result<RawCloud, Fault>,
@@ -176,9 +187,7 @@ pub(super) fn finished(
     let sampled = |mut cloud: RawCloud| {
         cloud.convention = cloud.convention.or(format.convention());
         cloud.unit = cloud.unit.or(format.unit());
-        for warning in &mut cloud.warnings {
-            *warning = format!("{}, {warning} ({format} file)", name.display());
-        }
+        place_warnings(&mut cloud, name, format);
         if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()
         {

@@ -5,7 +5,7 @@ use super::error::{FrameError, catch_panic};
 use super::origin::{OriginFinder, OriginFrames};
 use super::stamps::Stamps;
 use crate::assumption::{Assumption, Assumptions, Evidence, Subject};
-use crate::cloud::{CloudError, Frame, Mesh, MissingPoints, NoData, RawCloud, ValueSample, make_holes};
+use crate::cloud::{CloudError, FoundIn, Frame, Mesh, MissingPoints, NoData, RawCloud, ValueSample, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
@@ -264,8 +264,8 @@ impl Sequence {
         progress.set(0, 0);
         if let Ok(decoded) = &mut decoded {
             // A user's word holds for every command, statistics for pictures alone.
-            if let NoData::Value(_) = self.no_data {
-                self.drop_missing(&mut decoded.cloud);
+            if let NoData::Value(_) | NoData::Place(_) = self.no_data {
+                self.drop_missing(&mut decoded.cloud, None);
             }
             lock(&self.assumptions).extend(&decoded.cloud.assumptions);
         }
@@ -301,7 +301,7 @@ impl Sequence {
 
     /// Points of frame `index` that tell the ranges of values of all.
     fn sample_of(&self, index: usize, raw: &RawCloud, origin: DVec3) -> ValueSample {
-        let missing = MissingPoints::find(&raw.positions, self.no_data);
+        let missing = MissingPoints::of(raw, self.no_data);
         let mut sample = ValueSample::of_raw(raw, &missing.indices, origin);
         for further in self.further_samples(index) {
             sample.add_scalars_of(&further);
@@ -365,7 +365,7 @@ impl Sequence {
         };
         let start = Instant::now();
         let mut decoded = decoded;
-        self.drop_missing(&mut decoded.cloud);
+        self.drop_missing(&mut decoded.cloud, None);
         if matches!(detail, Detail::Full) && !decoded.cloud.positions.is_empty() {
             self.origin
                 .renew_sample(index, || self.sample_of(index, &decoded.cloud, origin));
@@ -397,15 +397,20 @@ impl Sequence {
     }
 
     /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
-    /// already.
-    fn drop_missing(&self, cloud: &mut RawCloud) -> MissingPoints {
+    /// already. `whole_count` is that of the frame where `cloud` is a sample.
+    fn drop_missing(&self, cloud: &mut RawCloud, whole_count: Option<usize>) -> MissingPoints {
         let rule = match cloud.made_from {
             Some(_) => NoData::None,
             None => self.no_data,
         };
-        let missing = MissingPoints::find(&cloud.positions, rule);
+        let missing = MissingPoints::of(cloud, rule);
         make_holes(&mut cloud.positions, &missing.indices);
-        lock(&self.assumptions).extend(missing.assumption(rule).iter());
+        let found_in = FoundIn {
+            point_count: cloud.positions.len(),
+            whole_count,
+            is_only_frame: self.len() == 1,
+        };
+        lock(&self.assumptions).extend(missing.assumption(rule, found_in).iter());
         missing
     }
 
@@ -429,7 +434,7 @@ impl Sequence {
             })
         });
         let (mut sample, point_count) = sampled.ok().flatten()?;
-        let present = self.drop_missing(&mut sample.cloud).bounds;
+        let present = self.drop_missing(&mut sample.cloud, Some(point_count)).bounds;
         let origin = match index {
             0 => self.origin.decided_by(present)?,
             _ => self.origin.known()?,

@@ -149,7 +149,7 @@ impl OriginFinder {
             let decoded = frames.decode_timed(index, progress);
             let missing = decoded
                 .as_ref()
-                .map(|(raw, _)| MissingPoints::find(&raw.positions, frames.no_data()));
+                .map(|(raw, _)| MissingPoints::of(raw, frames.no_data()));
             match missing.as_ref().map(|missing| (missing.bounds, &missing.indices)) {
                 Ok((Some((min, max)), missing)) => {
                     let beside = match self.beside.get() {

@@ -315,3 +315,110 @@ fn every_format_that_is_written_keeps_fields_by_their_names() {
         assert!(format.losses(&cloud).is_empty(), "{format}");
     }
 }
+
+/// Splats with properties of these names behind `x y z`, zeros but for those that are given.
+fn named_splat(names: &str, values: &[(&str, f32)]) -> RawCloud {
+    let all: Vec<&str> = "x y z".split(' ').chain(names.split(' ')).collect();
+    let properties: Vec<String> = all.iter().map(|name| format!("float {name}")).collect();
+    let properties: Vec<&str> = properties.iter().map(String::as_str).collect();
+    let value = |name: &&str| {
+        values
+            .iter()
+            .find(|(known, _)| known == name)
+            .map_or(0.0, |(_, value)| *value)
+    };
+    let row: Vec<String> = all.iter().map(|name| value(name).to_string()).collect();
+    read("a.ply", &ply(&properties, &[&row.join(" "), &row.join(" ")]))
+}
+
+const DC: &str = "f_dc_0 f_dc_1 f_dc_2";
+const SHAPE: &str = "scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
+
+#[test]
+fn splats_that_lack_one_group_are_splats_and_say_so() {
+    for (names, expected) in [
+        (format!("{DC} {SHAPE}"), "no `opacity`"),
+        (format!("{DC} opacity scale_0 scale_1 scale_2"), "no rotation"),
+        (format!("{DC} opacity scale_0 rot_0 rot_1 rot_2 rot_3"), "one scale"),
+    ] {
+        let cloud = named_splat(&names, &[("rot_0", 1.0), ("scale_0", -1.0), ("opacity", 9.0)]);
+        let grey = Some(vec![[128, 128, 128, 255]; 2]);
+        assert_eq!(cloud.attributes.colors, grey, "{names}");
+        assert!(cloud.attributes.radii.is_some(), "{names}");
+        assert!(cloud.warnings[0].contains(expected), "{:?}", cloud.warnings);
+    }
+    // Points with a field of one of these names are none.
+    let cloud = named_splat("opacity scale_0", &[]);
+    assert!(cloud.attributes.radii.is_none() && cloud.warnings.is_empty());
+}
+
+#[test]
+fn splats_of_other_methods_are_named() {
+    let splat = format!("{DC} opacity {SHAPE}");
+    for (more, expected) in [
+        ("t scale_t rot_r_0", "`scale_t`"),
+        ("time duration velocity_0 velocity_1 velocity_2", "`velocity_0`"),
+        ("vx vy vz t_start t_end", "`t_start`"),
+        ("time", "the property `time` says"),
+    ] {
+        let cloud = named_splat(&format!("{splat} {more}"), &[("rot_0", 1.0), ("opacity", 9.0)]);
+        let warning = cloud.warnings.join("\n");
+        assert!(
+            warning.contains(expected) && warning.contains("time is not read"),
+            "{more}: {warning}"
+        );
+    }
+    // A rotor of eight numbers is no quaternion.
+    let cloud = named_splat(&format!("{splat} rot_4 rot_5 rot_6 rot_7 scale_3 t"), &[("rot_0", 1.0)]);
+    assert!(cloud.attributes.ellipses.is_none() && cloud.attributes.radii.is_some());
+    assert!(cloud.warnings[0].contains("`rot_7`"), "{:?}", cloud.warnings);
+    // Anchors of a network are places alone.
+    let cloud = named_splat(&format!("f_offset_0 f_anchor_feat_0 opacity {SHAPE}"), &[]);
+    assert_eq!(cloud.point_names(), ["position"]);
+    assert!(cloud.warnings[0].contains("Scaffold-GS"), "{:?}", cloud.warnings);
+}
+
+#[test]
+fn colours_and_opacities_of_splats_that_are_not_seen_are_counted() {
+    let splat = format!("{DC} opacity {SHAPE}");
+    let cloud = named_splat(&splat, &[("rot_0", 1.0), ("opacity", 9.0), ("f_dc_1", f32::NAN)]);
+    assert_eq!(cloud.attributes.colors, Some(vec![[128, 128, 128, 255]; 2]));
+    assert!(cloud.warnings[0].contains("2 of 2 splats have a colour that is not a number"));
+    let cloud = named_splat(&splat, &[("rot_0", 1.0), ("opacity", -9.0)]);
+    assert!(
+        cloud.warnings[0].contains("2 of 2 splats are transparent"),
+        "{:?}",
+        cloud.warnings
+    );
+}
+
+#[test]
+fn fields_that_are_renamed_are_named() {
+    let properties = [
+        "float x",
+        "float y",
+        "float z",
+        "float scalar_Intensity",
+        "float intensity",
+    ];
+    let cloud = read("a.ply", &ply(&properties, &["1 2 3 4 5"]));
+    assert_eq!(names(&cloud), ["scalar_Intensity", "intensity_2"]);
+    assert!(cloud.warnings[0].contains("`intensity`") && cloud.warnings[0].contains("`intensity_2`"));
+}
+
+#[test]
+fn files_without_points_are_refused_with_what_they_have() {
+    let file = "ply\nformat ascii 1.0\nelement vertices 1\nproperty float x\nproperty float y\nend_header\n1 2\n";
+    let error = io::read_bytes(Path::new("a.ply"), file.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("no element `vertex`") && error.contains("`vertices` of 1 rows (x y)"),
+        "{error}"
+    );
+    let file = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nelement vertex 0\nend_header\n";
+    let error = io::read_bytes(Path::new("a.ply"), file.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("`vertex`"), "{error}");
+}

@@ -63,6 +63,28 @@ fn the_option_that_an_assumption_names_is_an_option() {
 }
 
 #[test]
+fn check_and_info_say_where_options_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = cloud(folder.path());
+    let output = |verb: &str| {
+        Command::new(env!("CARGO_BIN_EXE_pointreel"))
+            .args([verb, cloud.to_str().unwrap()])
+            .output()
+            .unwrap()
+    };
+    let options = "--up, --primitive, --colors are options of view and render";
+    let checked = output("check");
+    let said = String::from_utf8_lossy(&checked.stderr).into_owned();
+    for line in [UP, PRIMITIVE, COLORS, options] {
+        assert!(said.lines().any(|said| said == line), "{line}: {said}");
+    }
+    let answer = String::from_utf8_lossy(&checked.stdout).into_owned();
+    assert!(answer.lines().any(|line| line == "y is probably up"), "{answer}");
+    let info = String::from_utf8_lossy(&output("info").stdout).into_owned();
+    assert!(info.lines().any(|line| line == options), "{info}");
+}
+
+#[test]
 fn a_session_chooses_as_options_do() {
     let folder = tempfile::tempdir().unwrap();
     cloud(folder.path());

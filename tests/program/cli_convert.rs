@@ -77,7 +77,7 @@ fn check_exits_with_3_where_something_is_found() {
         "{words}"
     );
     let summary = String::from_utf8_lossy(&said.stderr).into_owned();
-    assert_eq!(summary.trim_end(), "1 error, 1 warning");
+    assert!(summary.lines().any(|line| line == "1 error, 1 warning"), "{summary}");
 }
 
 #[test]

@@ -109,6 +109,13 @@ impl LasHeader {
                 "scale {scale:?} and offset {offset:?} must be finite numbers"
             )));
         }
+        if let Some(axis) = scale.iter().position(|&scale| scale == 0.0) {
+            return Err(Fault::header(format!(
+                "the scale along {} is 0, so all points would have the same coordinate: expected the step of \
+                 coordinates, such as 0.001",
+                ["x", "y", "z"][axis]
+            )));
+        }
         let header_bytes = word(94);
         let is_1_4 = minor >= 4 && header_bytes >= HEADER_1_4_BYTES && bytes.len() >= HEADER_1_4_BYTES;
         let legacy_count = u64::from(long(107));
@@ -140,6 +147,15 @@ impl LasHeader {
                 (0, 0)
             },
         })
+    }
+
+    /// Bytes behind the header and its records that points may be in, which are those before records behind them.
+    pub(super) fn point_area<'a>(&self, bytes: &'a [u8]) -> &'a [u8] {
+        let end = match self.late_records {
+            (start, left) if left > 0 => usize::try_from(start).unwrap_or(usize::MAX).min(bytes.len()),
+            _ => bytes.len(),
+        };
+        bytes.get(self.points_start..end).unwrap_or_default()
     }
 
     /// Bytes of a point of the format, behind which the extra bytes are.

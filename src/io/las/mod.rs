@@ -49,7 +49,8 @@ const COMPRESSION_ID: u16 = 22204;
 const EXTRA_MODEL_BYTES: u64 = 4 * 2400;
 
 pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
-    let header = LasHeader::read(bytes)?;
+    let mut header = LasHeader::read(bytes)?;
+    let unfinished = unfinished(&mut header, bytes);
     let extra = extra::fields(&header, header.records(bytes));
     let cloud_bytes = points::Layout::of(header.format).cloud_bytes(&extra) as u64;
     let fits = |points: u64, point_bytes: u64| {
@@ -65,11 +66,9 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
         let needed = header.count.saturating_mul(point_bytes);
         Err(Fault::too_large(&what, needed, options))
     };
-    let with_unit = |cloud: RawCloud| {
-        let cloud = RawCloud {
-            unit: unit::unit(header.records(bytes)),
-            ..cloud
-        };
+    let with_unit = |mut cloud: RawCloud| {
+        cloud.unit = unit::unit(header.records(bytes));
+        cloud.warnings.extend(unfinished.clone());
         geographic::project(cloud, header.records(bytes))
     };
     if !header.compressed {
@@ -113,6 +112,33 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
         compression.unpack_all(&header, bytes, progress)?
     };
     with_unit(points::cloud(&header, &extra, &rows))
+}
+
+/// What is said of a file whose header counts no points although there are bytes for some: who wrote it was
+/// interrupted before the header was filled. Points that can be read are counted in `header` then.
+fn unfinished(header: &mut LasHeader, bytes: &[u8]) -> Option<String> {
+    /// An empty compressed file has a table of its chunks.
+    const EMPTY_LAZ_BYTES: usize = 256;
+    if header.count > 0 {
+        return None;
+    }
+    let area = header.point_area(bytes).len();
+    if header.compressed {
+        return (area > EMPTY_LAZ_BYTES).then(|| {
+            format!(
+                "header: it counts no points, but {area} bytes of packed points may follow: who wrote the file did not \
+                 finish it, write it again (LASzip's `laszip -i` may repair it)"
+            )
+        });
+    }
+    let count = area / header.point_bytes;
+    header.count = count as u64;
+    (count > 0).then(|| {
+        format!(
+            "header: it counts no points, but {count} points are behind it, which are read: who wrote the file did not \
+             finish it"
+        )
+    })
 }
 
 /// The points of a file without compression.

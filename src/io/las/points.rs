@@ -64,6 +64,8 @@ pub(super) fn cloud(header: &LasHeader, extra: &[ExtraField], rows: &[u8]) -> Ra
         std::array::from_fn(|axis| f64::from(i32::from_le_bytes(take(row, 4 * axis))) * scale[axis] + offset[axis])
     });
     let mut cloud = RawCloud::from_positions(Positions::F64(positions.collect()));
+    let limit = |axis: usize| [i32::MIN, i32::MAX].map(|integer| f64::from(integer) * scale[axis] + offset[axis]);
+    cloud.integer_limits = Some(std::array::from_fn(limit));
     if let Some(start) = layout.colors {
         let channels = [0, 2, 4].map(|channel| column("color", Scalar::U16, start + channel));
         arrays::set_colors(&mut cloud, channels.each_ref(), None, count);

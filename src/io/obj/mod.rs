@@ -10,6 +10,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+use super::broken_faces::BrokenFaces;
 use super::codec::Encoded;
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
@@ -73,6 +74,7 @@ struct Model {
     faces: Vec<[u32; 3]>,
     polygon: Vec<u32>,
     corners: Corners,
+    broken: BrokenFaces,
 }
 
 impl Model {
@@ -96,7 +98,11 @@ impl Model {
                 self.corners.push_place(place);
                 Ok(())
             }
-            Some(b"f" | b"fo") => self.face(words, number),
+            Some(b"f" | b"fo") => {
+                let fault = self.face(words, number).err();
+                self.broken.count(fault);
+                Ok(())
+            }
             Some(keyword @ (b"usemtl" | b"mtllib")) => {
                 let name = String::from_utf8_lossy(line[keyword.len()..].trim_ascii());
                 match keyword {
@@ -127,6 +133,7 @@ impl Model {
         Ok(())
     }
 
+    /// Adds the triangles of a face; none where it names a vertex that is not there.
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>, number: usize) -> Result<(), Fault> {
         self.polygon.clear();
         self.corners.start_polygon();
@@ -182,7 +189,7 @@ impl Model {
             // A cloud with a normal for each point.
             cloud.attributes.normals = Some(self.normals);
         }
-        cloud.faces = self.faces;
+        self.broken.put_into(self.faces, &mut cloud);
         self.corners.put_on(&mut cloud, file)?;
         Ok(cloud)
     }

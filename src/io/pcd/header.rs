@@ -36,6 +36,8 @@ pub(super) struct Header {
     pub(super) points: u64,
     /// Position of the sensor.
     pub(super) viewpoint: DVec3,
+    /// The quaternion of its rotation, real part first, if it is one.
+    pub(super) rotation: Option<[f64; 4]>,
     pub(super) encoding: Encoding,
     /// Bytes up to the points.
     pub(super) byte_size: usize,
@@ -220,6 +222,7 @@ impl Lines {
             width: width.unwrap_or(points),
             height: height.unwrap_or(1),
             points,
+            rotation: self.rotation(),
             viewpoint: self.viewpoint(&mut warnings),
             encoding,
             byte_size,
@@ -243,6 +246,15 @@ impl Lines {
             line.number
         ));
         DVec3::ZERO
+    }
+
+    /// The quaternion of the viewpoint, if it turns anything.
+    fn rotation(&self) -> Option<[f64; 4]> {
+        let words = &self.viewpoint.as_ref()?.words;
+        let numbers: Vec<f64> = words.iter().map_while(|word| word.parse().ok()).collect();
+        let rotation: [f64; 4] = numbers.get(3..7)?.try_into().ok()?;
+        let turns = rotation[1..].iter().any(|&part| part != 0.0);
+        turns.then_some(rotation)
     }
 
     fn fields(&self, warnings: &mut Vec<String>) -> Result<Vec<PcdField>, Fault> {
@@ -283,6 +295,13 @@ impl Lines {
             } else {
                 scalar(kind, number_bytes)
             };
+            if is_no_float(kind, number_bytes) && name != PADDING {
+                return Err(sizes.fault(format!(
+                    "the SIZE of field `{name}` is {number_bytes}, but its TYPE in line {} is F: floating-point numbers \
+                     take 4 or 8 bytes, and where the others of a point are is not known",
+                    types.number
+                )));
+            }
             if scalar.is_none() && name != PADDING {
                 warnings.push(format!(
                     "line {}: field `{name}` is of type {} with {number_bytes} bytes, which is not a type of PCD: it \
@@ -302,6 +321,13 @@ impl Lines {
         skip_too_many(&mut fields, names.number, warnings);
         Ok(fields)
     }
+}
+
+/// Whether no machine has floating-point numbers of so many bytes: the header is wrong. Others (halves, `long double`)
+/// are skipped.
+fn is_no_float(kind: &str, number_bytes: usize) -> bool {
+    let is_float = ["f", "float"].iter().any(|name| kind.eq_ignore_ascii_case(name));
+    is_float && ![2, 4, 8, 10, 12, 16].contains(&number_bytes)
 }
 
 /// Of two fields of the same name the first keeps it.
@@ -398,6 +424,11 @@ mod tests {
                 fault.problem
             );
         }
+        let odd = fault("FIELDS x y z a\nSIZE 4 4 4 3\nTYPE F F F F\nPOINTS 1\nDATA binary\n");
+        assert!(
+            odd.place == Place::Line(4) && odd.problem.contains("`a` is 3"),
+            "{odd:?}"
+        );
         for (lines, line) in [
             ("WIDTH x\nDATA ascii\n", 6),
             ("POINTS -1\nDATA ascii\n", 6),

@@ -12,7 +12,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted};
-use crate::cloud::{AxisConvention, ImageGrid, RawCloud};
+use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
 use header::{Encoding, Header, PcdField};
@@ -48,8 +48,19 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     let mut cloud = table.with_columns(header.encoding, payload, progress, growing::cloud)?;
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
+    let rotation = not_kept(&header);
     cloud.warnings.extend(header.warnings);
+    cloud.not_kept.extend(rotation);
     Ok(cloud)
+}
+
+/// The rotation of the viewpoint, if there is one.
+fn not_kept(header: &Header) -> Option<NotKept> {
+    header.rotation.map(|[w, x, y, z]| {
+        NotKept::noted(format!(
+            "the rotation of VIEWPOINT ({w} {x} {y} {z}) is not read: points are where the file has them"
+        ))
+    })
 }
 
 /// The normals in a file that may have no points.
@@ -80,6 +91,7 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         sensor: sensor(&header),
         convention: FORMAT.convention(),
         grid: grid(&header),
+        not_kept: not_kept(&header).into_iter().collect(),
         ..rows.rows(header.byte_size)
     })
 }
@@ -211,6 +223,7 @@ impl Table {
             sensor: None,
             convention: FORMAT.convention(),
             grid: None,
+            not_kept: Vec::new(),
         }
     }
 

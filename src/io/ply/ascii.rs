@@ -30,12 +30,16 @@ pub(super) fn read(
             }
             continue;
         }
-        let read =
-            check_ascii_claim(element, payload).and_then(|()| others(&mut tokens, element, &mut faces, progress));
+        let claim = check_ascii_claim(element, payload);
+        let read = match claim {
+            // The faces that are there are read.
+            Err(_) if FaceList::of(element).is_none() => claim,
+            claim => others(&mut tokens, element, &mut faces, progress).map_err(|fault| fault.explained_by(claim)),
+        };
         match read {
             Ok(()) => {}
             Err(fault) if columns.is_some() && !progress.is_cancelled() => {
-                faces.give_up(fault);
+                faces.stop(fault);
                 break;
             }
             Err(fault) => return Err(fault),

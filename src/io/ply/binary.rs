@@ -36,7 +36,7 @@ pub(super) fn read<'a>(
         match read {
             Ok(()) => {}
             Err(fault) if vertices.is_some() => {
-                faces.give_up(fault);
+                faces.stop(fault);
                 break;
             }
             Err(fault) => return Err(fault),
@@ -80,6 +80,7 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
         sensor: None,
         convention: None,
         grid: None,
+        not_kept: Vec::new(),
     })
 }
 
@@ -144,7 +145,12 @@ impl<'a> Cursor<'a> {
 
     /// Steps over all rows of an element with faces, and makes triangles of them.
     fn read_faces(&mut self, element: &Element, list: FaceList, faces: &mut Faces) -> Result<(), Fault> {
-        element.check_claim(element.least_row_bytes(), self.rest().len())?;
+        let claim = element.check_claim(element.least_row_bytes(), self.rest().len());
+        let read = self.read_faces_to_end(element, list, faces);
+        read.map_err(|fault| fault.explained_by(claim))
+    }
+
+    fn read_faces_to_end(&mut self, element: &Element, list: FaceList, faces: &mut Faces) -> Result<(), Fault> {
         for row in 0..element.count {
             for (index, property) in element.properties.iter().enumerate() {
                 match property.kind {

@@ -3,10 +3,10 @@
 //! Items of a list arrive one by one and are made into triangles at its end, so that no list is stored twice. The
 //! triangles take at most twelve bytes for each byte of the file: three indices for a further item.
 //!
-//! Where one face is broken all are left out, and the file is the cloud of its vertices. A mesh of some faces would be
-//! worse than none: pictures show points sampled from the faces, so what the lost ones covered would be gone without a
-//! trace.
+//! A face that names vertices that are not there is left out, as are faces behind the end of the file
+//! (`io/broken_faces.rs`).
 
+use super::super::broken_faces::{BrokenFaces, no_vertex};
 use super::super::error::Fault;
 use super::super::mesh;
 use super::header::{Element, PropertyKind};
@@ -31,8 +31,9 @@ pub(super) struct Faces {
     triangles: Vec<[u32; 3]>,
     /// The list that is being read.
     list: Vec<u32>,
-    /// Why there are none.
+    /// Why that list cannot be used.
     fault: Option<Fault>,
+    broken: BrokenFaces,
 }
 
 /// Where in an element the vertices of its faces are.
@@ -66,56 +67,49 @@ impl Faces {
             triangles: Vec::new(),
             list: Vec::new(),
             fault: None,
+            broken: BrokenFaces::default(),
         }
     }
 
     /// The next vertex of the list in row `row` of `element`.
     pub(super) fn push(&mut self, kind: FaceList, element: &Element, row: usize, index: f64) {
-        if self.fault.is_some() {
-            return;
-        }
         if kind.shape == FaceKind::Strip && index == RESTART {
             self.end_list(kind);
             return;
         }
+        if self.fault.is_some() {
+            return;
+        }
         let is_vertex = index >= 0.0 && index < self.vertex_count as f64 && index.fract() == 0.0;
         if !is_vertex || index > f64::from(u32::MAX) {
-            self.give_up(Fault::entry(
-                &element.name,
-                row,
-                format!(
-                    "it names vertex {index}, expected a whole number from 0 to below {}, the count of vertices: the \
-                     file is damaged, or its faces belong to another one",
-                    self.vertex_count
-                ),
-            ));
+            self.fault = Some(no_vertex(&element.name, row, index, self.vertex_count));
             return;
         }
         self.list.push(index as u32);
     }
 
-    /// No faces after all, for this reason or one before it.
-    pub(super) fn give_up(&mut self, fault: Fault) {
-        self.fault.get_or_insert(fault);
-        self.triangles = Vec::new();
-        self.list = Vec::new();
+    /// No further faces, for this reason.
+    pub(super) fn stop(&mut self, fault: Fault) {
+        self.broken.end(fault);
+        self.fault = None;
+        self.list.clear();
     }
 
     /// The list is complete.
     pub(super) fn end_list(&mut self, kind: FaceList) {
-        match kind.shape {
-            FaceKind::Polygon => mesh::fan(&self.list, &mut self.triangles),
-            FaceKind::Strip => mesh::strip(&self.list, &mut self.triangles),
+        let fault = self.fault.take();
+        if fault.is_none() {
+            match kind.shape {
+                FaceKind::Polygon => mesh::fan(&self.list, &mut self.triangles),
+                FaceKind::Strip => mesh::strip(&self.list, &mut self.triangles),
+            }
         }
+        self.broken.count(fault);
         self.list.clear();
     }
 
-    /// Gives `cloud` all of them, or says in its warnings why it has none.
+    /// Gives `cloud` those that can be used, and says in its warnings which cannot.
     pub(super) fn put_into(self, cloud: &mut RawCloud) {
-        cloud.faces = self.triangles;
-        cloud.warnings.extend(self.fault.map(|fault| {
-            let Fault { place, problem, .. } = fault;
-            format!("{place}: {problem}; all points are there, the faces are left out")
-        }));
+        self.broken.put_into(self.triangles, cloud);
     }
 }

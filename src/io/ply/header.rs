@@ -68,8 +68,9 @@ impl PlyHeader {
         let mut elements: Vec<Element> = header.elements.into_iter().map(|(_, element)| element.into()).collect();
         // The parser keeps elements by name, so the rows of one of two with the same name would be read as others.
         let is_element = |line: &&str| line.split_whitespace().next() == Some("element");
-        if text.lines().filter(is_element).count() != elements.len() {
-            return Err(Fault::header("two elements have the same name"));
+        let declared: Vec<&str> = text.lines().filter(is_element).collect();
+        if declared.len() != elements.len() {
+            return Err(Fault::header(same_name(&declared)));
         }
         let mut warnings = Vec::new();
         for element in &mut elements {
@@ -83,6 +84,17 @@ impl PlyHeader {
             warnings,
         })
     }
+}
+
+/// What is said of lines of elements of which two have the same name.
+fn same_name(declared: &[&str]) -> String {
+    let names = declared.iter().filter_map(|line| line.split_whitespace().nth(1));
+    let mut seen = HashSet::new();
+    let twice: Vec<&str> = names.filter(|name| !seen.insert(*name)).collect();
+    format!(
+        "two elements have the same name (`{}`): rename one of them, which rows belong to it is not known",
+        twice.first().unwrap_or(&"")
+    )
 }
 
 /// Line `number`, counted from 1, of a file.

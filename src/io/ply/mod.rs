@@ -2,8 +2,8 @@
 //!
 //! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the
 //! triangles of the `face` and `tristrips` elements, all else is stepped over without being stored, and what comes
-//! behind these is not looked at. What is broken behind the points costs the faces, not the points: they are shown,
-//! with a warning.
+//! behind these is not looked at. What is broken behind the points costs faces, not points: these are shown, with a
+//! warning.
 
 mod ascii;
 mod binary;
@@ -11,6 +11,7 @@ mod faces;
 mod header;
 mod kept_columns;
 mod moving_splats;
+mod not_kept;
 mod packed_splats;
 mod splat_columns;
 mod splats;
@@ -43,18 +44,26 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     if let Some(splats) = packed_splats::decode(bytes, &header) {
         return splats;
     }
-    let PlyRows { columns, count, faces } = read_rows(bytes, &header, progress)?;
+    let PlyRows {
+        mut columns,
+        count,
+        faces,
+    } = read_rows(bytes, &header, progress)?;
+    let anchors = splats::drop_anchors(&mut columns);
     let mut cloud = match Splats::take(columns) {
         Ok((splats, columns)) => {
             let mut cloud = growing::cloud(&columns, count)?;
             splats.put_into(&mut cloud);
+            cloud.not_kept.extend(not_kept::not_kept_of_splats(&header));
             cloud
         }
         Err(columns) => growing::cloud(&columns, count)?,
     };
     cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
+    cloud.not_kept.extend(not_kept::not_kept(&header));
     cloud.warnings.extend(header.warnings);
+    cloud.warnings.extend(anchors);
     Ok(cloud)
 }
 
@@ -83,9 +92,7 @@ struct PlyRows<'a> {
 
 fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Result<PlyRows<'a>, Fault> {
     let Some(vertex) = header.elements.iter().find(|element| element.name == POINTS) else {
-        return Err(Fault::header(
-            "there is no element `vertex`: a point cloud keeps its points there",
-        ));
+        return Err(no_points(header));
     };
     let last = header
         .elements
@@ -106,6 +113,31 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
     })
 }
 
+/// What is said of a file without points.
+fn no_points(header: &PlyHeader) -> Fault {
+    let elements: Vec<String> = header
+        .elements
+        .iter()
+        .map(|element| {
+            let names: Vec<&str> = element
+                .properties
+                .iter()
+                .map(|property| property.name.as_str())
+                .collect();
+            format!("`{}` of {} rows ({})", element.name, element.count, names.join(" "))
+        })
+        .collect();
+    let found = if elements.is_empty() {
+        "no element".to_owned()
+    } else {
+        elements.join(", ")
+    };
+    Fault::header(format!(
+        "there is no element `vertex`, where a point cloud keeps its points, but {found}: rename the one with the \
+         points in the header"
+    ))
+}
+
 /// Where the points are in a file that begins with `head`, if they can be read without the whole of it.
 pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
     let header = PlyHeader::parse(head).ok()?;
@@ -123,6 +155,8 @@ pub(super) fn fixed_rows(head: &[u8]) -> Option<FixedRows> {
         let is_there = |name: &str| rows.fields.iter().any(|field| field.name == name);
         let are_splats =
             splats::are_splats(&is_there) || rows.fields.iter().any(|field| packed_splats::is_used(&field.name));
-        header.byte_size < head.len() && header.warnings.is_empty() && !are_splats
+        let says_something =
+            !header.warnings.is_empty() || rows.fields.iter().any(|field| splats::is_anchor(&field.name));
+        header.byte_size < head.len() && !says_something && !are_splats
     })
 }

@@ -16,8 +16,28 @@ const MOTION: &str = "motion_";
 /// What is added to the rotation in a unit of time.
 const TURN: [&str; 4] = ["omega_0", "omega_1", "omega_2", "omega_3"];
 
-/// Columns by which other methods make splats move; nothing is made of them.
-const OF_OTHERS: [&str; 4] = ["scale_t", "t_scale", "rot_r_0", "trbf_center"];
+/// Columns by which other methods make splats move ("4D Gaussian Splatting", "4D-Rotor", "FreeTimeGS", splats with
+/// velocities); nothing is made of them.
+const OF_OTHERS: [&str; 18] = [
+    "scale_t",
+    "t_scale",
+    "rot_r_0",
+    "trbf_center",
+    "scale_3",
+    "rot_4",
+    "motion_0",
+    "omega_0",
+    "velocity_0",
+    "velocity_x",
+    "vx",
+    "t_start",
+    "t_end",
+    "duration",
+    "t",
+    "time",
+    "timestamp",
+    "time_center",
+];
 
 /// The columns that say how splats move.
 pub(super) struct MovingSplats<'a> {
@@ -100,13 +120,21 @@ impl<'a> MovingSplats<'a> {
 
 /// Says so where fields of `cloud` are of splats that move in another way.
 pub(super) fn warn_of_unknown(cloud: &mut RawCloud) {
-    let is_moving = |name: &&str| cloud.attributes.scalars.iter().any(|field| field.name == **name);
-    if let Some(name) = OF_OTHERS.iter().find(|name| is_moving(name)) {
-        cloud.warnings.push(format!(
-            "header: the property `{name}` says that these are moving splats: their time is not read, splats of all \
-             moments are shown together"
-        ));
-    }
+    /// More is not read by anybody.
+    const MOST_NAMED: usize = 3;
+    let is_moving = |name: &&&str| cloud.attributes.scalars.iter().any(|field| field.name == ***name);
+    let names = OF_OTHERS.iter().filter(is_moving).take(MOST_NAMED);
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    let (property, says) = match names.len() {
+        0 => return,
+        1 => ("property", "says"),
+        _ => ("properties", "say"),
+    };
+    cloud.warnings.push(format!(
+        "header: the {property} {} {says} that these are moving splats: their time is not read, splats of all moments \
+         are shown together",
+        names.join(", ")
+    ));
 }
 
 /// 0 where no value is finite.

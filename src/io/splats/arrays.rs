@@ -2,7 +2,7 @@
 //! `SplaTAM` and others): half axes, rotations, opacities, and colours as harmonics.
 
 use super::super::column::Column;
-use super::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, put_shapes};
+use super::{SplatShape, alpha_of_logit, byte, channel_of_harmonic, colors_of_harmonics, put_shapes, warn_of_colors};
 use crate::cloud::RawCloud;
 use glam::Quat;
 
@@ -40,6 +40,7 @@ pub(in crate::io) fn is_used(name: &str) -> bool {
 /// made of.
 pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) -> Vec<&'a str> {
     let mut used = Vec::new();
+    let mut broken_colors = 0;
     let count = cloud.positions.len();
     let find = |names: &[&str], widths: std::ops::RangeInclusive<usize>| {
         let mut named = names
@@ -79,11 +80,10 @@ pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) 
     }
     if let Some((name, harmonics)) = find(&HARMONICS, 3..=3).filter(|_| cloud.attributes.colors.is_none()) {
         used.push(name);
-        let color = |index: usize| {
-            let [r, g, b] = [0, 1, 2].map(|channel| channel_of_harmonic(harmonics[channel][index]));
-            [r, g, b, u8::MAX]
-        };
-        cloud.attributes.colors = Some((0..count).map(color).collect());
+        let channels = [0, 1, 2].map(|channel| harmonics[channel].as_slice());
+        let (colors, broken) = colors_of_harmonics(channels, channel_of_harmonic);
+        cloud.attributes.colors = Some(colors);
+        broken_colors = broken;
     }
     if let (Some((name, opacities)), Some(colors)) = (find(&OPACITIES, 1..=1), &mut cloud.attributes.colors) {
         used.push(name);
@@ -96,6 +96,9 @@ pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) 
                 alpha_of_logit(opacity)
             };
         }
+    }
+    if !used.is_empty() {
+        warn_of_colors(cloud, broken_colors);
     }
     used
 }

@@ -19,6 +19,44 @@ const HARMONIC: f32 = 0.282_094_79;
 /// Half the root of 2: no other part of a unit quaternion than its largest is beyond it.
 pub(super) const LARGEST_OF_OTHERS: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
+/// Constant terms of harmonics as 8 bits, made by `channel`; those that are no numbers are grey, and counted.
+pub(super) fn colors_of_harmonics(
+    [red, green, blue]: [&[f32]; 3],
+    channel: impl Fn(f32) -> u8,
+) -> (Vec<[u8; 4]>, usize) {
+    const GREY: u8 = 128;
+    let mut broken = 0;
+    let color = |((&red, &green), &blue): ((&f32, &f32), &f32)| {
+        let harmonics = [red, green, blue];
+        if harmonics.iter().any(|harmonic| harmonic.is_nan()) {
+            broken += 1;
+            return [GREY, GREY, GREY, u8::MAX];
+        }
+        let [red, green, blue] = harmonics.map(&channel);
+        [red, green, blue, u8::MAX]
+    };
+    let colors = red.iter().zip(green).zip(blue).map(color).collect();
+    (colors, broken)
+}
+
+/// What is said of splats whose colours are no numbers, and of those that a renderer of splats would not show.
+pub(super) fn warn_of_colors(cloud: &mut RawCloud, broken: usize) {
+    let colors = cloud.attributes.colors.as_deref().unwrap_or_default();
+    let count = colors.len();
+    if broken > 0 {
+        cloud.warnings.push(format!(
+            "splats: {broken} of {count} splats have a colour that is not a number, shown grey"
+        ));
+    }
+    let unseen = colors.iter().filter(|color| color[3] == 0).count();
+    if unseen > 0 {
+        cloud.warnings.push(format!(
+            "splats: {unseen} of {count} splats are transparent (opacity below 1/255), but shown like the others: \
+             pictures of points and disks do not use opacities"
+        ));
+    }
+}
+
 /// What a file says of a splat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SplatShape {
@@ -37,7 +75,11 @@ pub(super) fn put_shapes(cloud: &mut RawCloud, logits: &[f32], shape: impl Fn(us
         .warnings
         .extend(Unusable::of((0..count).map(&shape), logits).warning(count));
     let splat = |index: usize| {
-        let SplatShape { log_scales, rotation } = shape(index);
+        let shape = shape(index);
+        if !shape.has_scales() {
+            return ([0.0; 3], (0.0, Ellipse::CIRCLE));
+        }
+        let SplatShape { log_scales, rotation } = shape;
         let Splat {
             normal,
             radius,
@@ -83,7 +125,7 @@ impl Unusable {
         if self.shapes > 0 {
             reasons.push(format!(
                 "{} of {count} splats have no usable scale or rotation ({} a scale that is not a number or infinite, \
-                 shown as points; {} a rotation of no length, shown unturned)",
+                 shown as disks of an estimated size; {} a rotation of no length, shown unturned)",
                 self.shapes, self.scales, self.rotations
             ));
         }

@@ -2,6 +2,7 @@
 //!
 //! Losses of many frames are summed up in [`Losses`]: a line per kind.
 
+use crate::cloud::RawCloud;
 use std::collections::BTreeMap;
 
 /// Something that a written file lacks.
@@ -24,6 +25,8 @@ pub enum Loss {
     Name(String, String),
     /// Values of a scalar that are rounded or clamped, and to what.
     Values(String, String),
+    /// What was not read of the source, in words.
+    NotKept(String),
     /// Coordinates that are rounded; the amount is the largest error.
     Precision,
 }
@@ -60,6 +63,7 @@ impl Loss {
             Self::Sensor => format!("{format} cannot hold the position of the sensor: not written"),
             Self::Name(from, to) => format!("{format} cannot hold the field name `{from}`: it is written as `{to}`"),
             Self::Values(name, to) => format!("{format} holds {name} as {to}: values are rounded"),
+            Self::NotKept(what) => what.clone(),
             Self::Precision => format!("{format} rounds coordinates here, by up to {amount:.3e}"),
         }
     }
@@ -80,6 +84,13 @@ impl Losses {
         } else {
             tally.amount + more.amount
         };
+    }
+
+    /// Adds what was not read of the file of `cloud`.
+    pub fn add_not_kept(&mut self, cloud: &RawCloud) {
+        for entry in &cloud.not_kept {
+            self.add(Loss::NotKept(entry.what.clone()), 0.0);
+        }
     }
 
     /// Adds those of other frames.

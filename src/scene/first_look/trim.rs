@@ -2,13 +2,17 @@
 //!
 //! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated
 //! points, one in twenty at most, are left out; what is dense stays, however thin or far away it is, so that an
-//! antenna, a second object or the end of a line is never cut off.
+//! antenna, a second object or the end of a line is never cut off. Points that are hundreds of times as far from one
+//! another as those of the cloud, in all directions, sample nothing: up to a quarter may be such.
 
 use super::sample::CloudSample;
 use crate::math::Aabb;
 
 /// At most this share of the points is left out.
 const MOST_OUTLIERS: f64 = 0.05;
+/// At most this share if they sample nothing, which they do from so many times the median spacing on.
+const MOST_STRAYS: f64 = 0.25;
+const STRAY_SPACINGS: f32 = 300.0;
 /// A point is isolated from this many times the median spacing on.
 const ISOLATED_SPACINGS: f32 = 8.0;
 
@@ -18,7 +22,12 @@ pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let is_isolated = |&index: &usize| sample.spacing[index] > isolated_from;
     let mut isolated: Vec<usize> = (0..sample.spacing.len()).filter(is_isolated).collect();
     isolated.sort_by(|&a, &b| sample.spacing[b].total_cmp(&sample.spacing[a]));
-    isolated.truncate((MOST_OUTLIERS * sample.spacing.len() as f64) as usize);
+    let most = |share: f64| (share * sample.spacing.len() as f64) as usize;
+    let stray_from = STRAY_SPACINGS * sample.median_spacing();
+    let strays = isolated.partition_point(|&index| sample.spacing[index] > stray_from);
+    // More strays than that are the cloud.
+    let strays = if strays <= most(MOST_STRAYS) { strays } else { 0 };
+    isolated.truncate(strays.max(most(MOST_OUTLIERS)));
     isolated.sort_unstable();
     let is_inlier = |index: &usize| isolated.binary_search(index).is_err();
     (0..sample.spacing.len()).filter(is_inlier).collect()

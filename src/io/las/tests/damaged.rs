@@ -172,3 +172,29 @@ fn extra_bytes_are_held_against_the_memory() {
     let damage = problem(10);
     assert!(!damage.contains("extra bytes"), "{damage}");
 }
+
+#[test]
+fn headers_that_nobody_has_filled_are_said() {
+    let cloud = RawCloud::from_positions(Positions::F64(
+        (0..50).map(|index| [f64::from(index), 2.0, 3.0]).collect(),
+    ));
+    let mut file = written(&cloud, false);
+    // The counts of the old and the new header.
+    file[107..111].fill(0);
+    file[COUNT_AT..COUNT_AT + 8].fill(0);
+    let found = read(&file);
+    assert_eq!(found.positions.len(), 50);
+    assert!(found.warnings[0].contains("counts no points"), "{:?}", found.warnings);
+    let mut packed = written(&cloud, true);
+    packed[107..111].fill(0);
+    packed[COUNT_AT..COUNT_AT + 8].fill(0);
+    assert_eq!(read(&packed).positions.len(), 0);
+    let empty = RawCloud::from_positions(Positions::F64(Vec::new()));
+    assert!(read(&written(&empty, false)).warnings.is_empty());
+    assert!(read(&written(&empty, true)).warnings.is_empty());
+    // A scale of zero puts all points at one place.
+    let mut flat = written(&cloud, false);
+    flat[139..147].fill(0);
+    let fault = decode(&flat, &options(), &Progress::default()).unwrap_err();
+    assert!(fault.problem.contains("scale along y is 0"), "{}", fault.problem);
+}
