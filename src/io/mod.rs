@@ -30,6 +30,7 @@ mod format;
 mod gltf;
 mod growing;
 mod las;
+mod likeness;
 mod list;
 pub(crate) mod matroska;
 mod mesh;

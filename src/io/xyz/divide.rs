@@ -54,7 +54,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
     let columns = || (0..parsed.names.len()).filter(|column| !parsed.naming.positions.contains(column));
     let of_kind = |is: fn(Counter) -> bool| columns().find(|&column| counter(column).is_some_and(is));
     let numbered = of_kind(|counter| counter == Counter::Frames);
-    let timed = of_kind(|counter| counter != Counter::Frames);
+    let timed = of_kind(|counter| matches!(counter, Counter::Times(_)));
     let positions = parsed.naming.positions.map(|axis| parsed.rows.columns[axis].as_slice());
     for column in given.into_iter().chain(numbered).chain(timed) {
         let name = &parsed.names[column];
@@ -65,9 +65,11 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
         let mean = groups.mean_rows();
         let (is_sequence, evidence) = match counter(column) {
             _ if given == Some(column) => (true, Evidence::File),
-            Some(Counter::Times(_)) => {
+            Some(Counter::Times(unit)) => {
                 let is_of_lidar = is_of_lidar(&parsed.names);
-                (groups.are_times_of_frames(is_of_lidar, positions), Evidence::Statistics)
+                let seconds = unit.unwrap_or_else(|| guessed_seconds(&parsed.rows.columns[column]).0);
+                let are_frames = groups.are_times_of_frames(seconds, is_of_lidar, positions);
+                (are_frames, Evidence::Statistics)
             }
             _ => (groups.are_numbers_of_frames(), Evidence::File),
         };
@@ -91,7 +93,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
             continue;
         }
         let seconds = match counter(column) {
-            Some(Counter::Times(unit)) => Some(unit.unwrap_or_else(|| {
+            Some(Counter::Times(unit) | Counter::Points(unit)) => Some(unit.unwrap_or_else(|| {
                 let (seconds, unit) = guessed_seconds(&parsed.rows.columns[column]);
                 assumptions.push(Assumption::new(
                     Subject::FrameTimes,
