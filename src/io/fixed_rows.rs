@@ -55,6 +55,8 @@ pub(super) struct FixedRows {
     pub(super) count: usize,
     pub(super) big_endian: bool,
     pub(super) fields: Vec<RowField>,
+    /// Whether nothing comes behind the rows.
+    pub(super) is_all: bool,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
     /// See [`RawCloud::convention`].
@@ -63,10 +65,22 @@ pub(super) struct FixedRows {
     pub(super) grid: Option<ImageGrid>,
 }
 
+/// A warning of `rest` bytes that no header speaks of.
+pub(super) fn bytes_behind(rest: u64) -> String {
+    format!("{rest} bytes behind the data that the header describes are not read: its counts or types may be wrong")
+}
+
 impl FixedRows {
     /// Bytes of the rows in the file, as far as the header can be believed.
     pub(super) fn file_bytes(&self) -> u64 {
         (self.count as u64).saturating_mul(self.row_bytes as u64)
+    }
+
+    /// What there is to say of bytes behind the rows in a file of `file_bytes`.
+    pub(super) fn bytes_behind(&self, file_bytes: u64) -> Option<String> {
+        let end = (self.start as u64).saturating_add(self.file_bytes());
+        let rest = file_bytes.checked_sub(end).filter(|&rest| rest > 0 && self.is_all)?;
+        Some(bytes_behind(rest))
     }
 
     /// Bytes of the cloud in memory: fields of a byte or two take four.
@@ -254,6 +268,7 @@ mod tests {
             count: COUNT,
             big_endian,
             fields: fields.into(),
+            is_all: false,
             sensor: None,
             convention: None,
             grid: None,

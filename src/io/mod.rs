@@ -134,7 +134,7 @@ const TABLE: &[Codec] = &[
     Codec {
         encoders: &[npy_write::ENCODER],
         list: Some(npy::list_array),
-        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part))
+        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part, file.options))
     },
     Codec {
         list: Some(npy::list),

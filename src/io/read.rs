@@ -89,7 +89,11 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             let fault = Fault::too_large(&what, needed, options);
             return Err(fault.of(path, format));
         }
-        if let Some(cloud) = rows.read(path, progress).map_err(failed)? {
+        if let Some(mut cloud) = rows.read(path, progress).map_err(failed)? {
+            let warning = rows.bytes_behind(available);
+            cloud
+                .warnings
+                .extend(warning.map(|warning| located(&warning, path, format)));
             return Ok(cloud);
         }
     }
@@ -160,6 +164,11 @@ fn read_bytes_with(
     finished(decoded, name, format, options)
 }
 
+/// A warning of the file `name`.
+fn located(warning: &str, name: &Path, format: Format) -> String {
+    format!("{}, {warning} ({format} file)", name.display())
+}
+
 /// What a decoder has made of a file of `format`, with what the format says of all its clouds.
 pub(super) fn finished(
     decoded: Result<RawCloud, Fault>,
@@ -171,7 +180,7 @@ pub(super) fn finished(
         cloud.convention = cloud.convention.or(format.convention());
         cloud.unit = cloud.unit.or(format.unit());
         for warning in &mut cloud.warnings {
-            *warning = format!("{}, {warning} ({format} file)", name.display());
+            *warning = located(warning, name, format);
         }
         if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()

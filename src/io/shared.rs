@@ -92,7 +92,7 @@ fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Conte
         source,
     })?;
     if Format::detect(path, &bytes) == Some(npy::FORMAT) {
-        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes))));
+        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes, options))));
     }
     let format = npy::ARCHIVE;
     if Format::detect(path, &bytes) == Some(format) {

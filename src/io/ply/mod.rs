@@ -19,7 +19,7 @@ mod writer;
 use super::attributes;
 use super::column::Column;
 use super::error::Fault;
-use super::fixed_rows::FixedRows;
+use super::fixed_rows::{FixedRows, bytes_behind};
 use super::format::{Format, Magic, Traits};
 use super::growing;
 use crate::cloud::RawCloud;
@@ -43,7 +43,12 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     if let Some(splats) = packed_splats::decode(bytes, &header) {
         return splats;
     }
-    let PlyRows { columns, count, faces } = read_rows(bytes, &header, progress)?;
+    let PlyRows {
+        columns,
+        count,
+        faces,
+        warnings,
+    } = read_rows(bytes, &header, progress)?;
     let mut cloud = match Splats::take(columns) {
         Ok((splats, columns)) => {
             let mut cloud = growing::cloud(&columns, count)?;
@@ -55,6 +60,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
     cloud.warnings.extend(header.warnings);
+    cloud.warnings.extend(warnings);
     Ok(cloud)
 }
 
@@ -79,6 +85,7 @@ struct PlyRows<'a> {
     /// How many points there are.
     count: usize,
     faces: Faces,
+    warnings: Vec<String>,
 }
 
 fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Result<PlyRows<'a>, Fault> {
@@ -92,17 +99,21 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
         .iter()
         .rposition(|element| element.name == POINTS || FaceList::of(element).is_some());
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
-    let (columns, faces) = match header.encoding {
+    let is_all = elements.len() == header.elements.len();
+    let (columns, faces, warnings) = match header.encoding {
         Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
-            binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
+            let (columns, faces, rest) = binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?;
+            let warnings = (rest > 0 && is_all).then(|| bytes_behind(rest as u64));
+            (columns, faces, warnings.into_iter().collect())
         }
     };
     Ok(PlyRows {
         columns,
         count: vertex.count,
         faces,
+        warnings,
     })
 }
 

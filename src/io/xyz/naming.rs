@@ -58,11 +58,11 @@ impl Naming {
             return Self::of_values(head, is_counted);
         };
         let markers = markers(&strs(&raw));
-        if let Some(first) = markers.first() {
+        if let Some(first) = markers.first().copied() {
             return Ok(Self {
-                names: Some(with_roles(&raw, *first, &[])),
+                names: Some(with_roles(&raw, first, &[])),
                 markers,
-                ..Self::of_columns(*first)
+                ..Self::of_columns(first)
             });
         }
         let Some(found) = axes(&strs(&raw)) else {
