@@ -55,7 +55,7 @@ impl Arrays {
 }
 
 /// Larger files are not read to find out what they hold.
-const MAX_READ_BYTES: u64 = 1 << 30;
+const MAX_READ_BYTES: u64 = 1 << 31;
 
 /// The frames of the file at `path`, by the headers of its arrays, and by their values where an array may be an image
 /// of points. What cannot be understood is one frame, which then says why.

@@ -110,8 +110,8 @@ fn is_image(array: &Array<'_>, plane: &[usize; 2]) -> bool {
         [0, _] => array.at(&[row, column]),
         _ => array.at(&[0, row, column]),
     };
-    let columns = (0..width.min(MAX_WIDTH)).map(|column| (0..rows.min(MAX_WIDTH)).map(|row| value(row, column)));
-    let columns: Vec<Vec<f64>> = columns.map(Iterator::collect).collect();
+    let column = |column: usize| (0..rows.min(MAX_WIDTH)).map(|row| value(row, column)).collect();
+    let columns: Vec<Vec<f64>> = (0..width.min(MAX_WIDTH)).map(column).collect();
     number.scalar == Some(Scalar::U16) || is_grid(&columns)
 }
 
@@ -164,7 +164,11 @@ fn can_be_point_map(array: &Array<'_>) -> bool {
     let &[height, width, columns] = &array.shape[..] else {
         return false;
     };
-    let is_claimed = array.claimed_bytes().is_some_and(|bytes| bytes <= array.payload.len());
+    /// Larger ones are not read to list what a file holds.
+    const MAX_BYTES: usize = 1 << 30;
+    let is_claimed = array
+        .claimed_bytes()
+        .is_some_and(|bytes| bytes <= array.payload.len().min(MAX_BYTES));
     is_claimed && !array.is_fortran && height > 1 && width > 1 && (3..=MAX_COLUMNS).contains(&columns)
 }
 
