@@ -97,10 +97,12 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
         // Of noise some width is always possible.
         estimate.filter(|estimate| estimate.is_clear || given.is_some())
     });
-    let (estimate, is_double) = match (of_doubles, estimated?) {
-        (Some(estimate), _) => (estimate, true),
-        (None, Some(estimate)) => (estimate, false),
-        (None, None) => return Err(wrong_size(bytes.len(), given.is_some(), &widths)),
+    let (estimate, is_double) = match of_doubles {
+        Some(estimate) => (estimate, true),
+        None => match estimated? {
+            Some(estimate) => (estimate, false),
+            None => return Err(wrong_size(bytes.len(), given.is_some(), &widths)),
+        },
     };
     let (scalar, number_bytes) = if is_double {
         (Scalar::F64, 2 * FLOAT_BYTES)

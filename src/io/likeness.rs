@@ -58,6 +58,20 @@ pub(super) fn poses(columns: &[Vec<f64>]) -> Option<Poses> {
     }
 }
 
+/// Whether three rows of three numbers are the matrix of a camera, or a unit matrix.
+pub(super) fn is_camera_matrix(columns: &[Vec<f64>]) -> bool {
+    let [x, y, z] = columns else { return false };
+    let is_column = |column: &[f64], below: [Option<f64>; 3]| {
+        let fits = |(value, below): (&f64, Option<f64>)| below.is_none_or(|below| *value == below);
+        column.len() == 3 && column.iter().zip(below).all(fits)
+    };
+    is_column(x, [None, Some(0.0), Some(0.0)])
+        && is_column(y, [None, None, Some(0.0)])
+        && is_column(z, [None, None, Some(1.0)])
+        && x[0] != 0.0
+        && y[1] != 0.0
+}
+
 /// Fewer columns are a table.
 const MIN_GRID_COLUMNS: usize = 16;
 const MIN_GRID_ROWS: usize = 4;
@@ -166,6 +180,17 @@ mod tests {
         for width in [3, 8, 12, 16] {
             assert_eq!(poses(&columns(9, width, noise)), None);
         }
+    }
+
+    #[test]
+    fn matrices_of_cameras_are_known() {
+        let camera = [vec![525.0, 0.0, 0.0], vec![0.0, 525.0, 0.0], vec![319.5, 239.5, 1.0]];
+        assert!(is_camera_matrix(&camera));
+        assert!(!is_camera_matrix(&[
+            vec![1.0, 4.0, 7.0],
+            vec![2.0, 5.0, 8.0],
+            vec![3.0, 6.0, 9.0]
+        ]));
     }
 
     #[test]

@@ -167,7 +167,10 @@ pub(super) fn cloud_of_archive(
                 .map_or(0, |(_, array)| array.shape.iter().product()),
         ),
     };
-    add_columns_beside(&mut columns, &arrays, count)?;
+    let has_coordinates = place.is_some() || arrays.iter().any(|(name, _)| name == "x");
+    if has_coordinates {
+        add_columns_beside(&mut columns, &arrays, count)?;
+    }
     if columns.is_empty() {
         return Err(Fault::header(format!(
             "there are no coordinates: expected an array `xyz` or `points` (N × 3), found {}",

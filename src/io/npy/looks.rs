@@ -7,7 +7,7 @@
 
 use super::super::column_map::ColumnMap;
 use super::super::error::Fault;
-use super::super::likeness::{is_grid, poses};
+use super::super::likeness::{is_camera_matrix, is_grid, poses};
 use super::header::{Array, ArrayLayout};
 use super::layers::{MAX_COLUMNS, NamedArray};
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -41,6 +41,14 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
         )))
     };
     match shape[..] {
+        [_, height, width, 3 | 4] if is_byte && is_large(&[height, width]) => fault(
+            "images of bytes (frames × height × width × colours)",
+            "Save each as an image of a folder, with depth images or cameras next to them",
+        ),
+        [3, 3] if columns.is_none() && is_camera_matrix(&entries(array, &[0])) => fault(
+            "the matrix of a camera",
+            "Name the file with --intrinsics next to depth images",
+        ),
         [height, width, 3 | 4] if is_byte && is_large(&[height, width]) => fault(
             "an image of bytes (height × width × colours)",
             "Depth images next to images of colours are read as a folder; an image alone has no depth",

@@ -1,7 +1,7 @@
 //! Numbers in rows that are no points, where nothing names the columns.
 
 use super::super::error::{Fault, Place};
-use super::super::likeness::{Poses, is_grid, poses};
+use super::super::likeness::{Poses, is_camera_matrix, is_grid, poses};
 use super::rows::{Kind, ParsedRows};
 
 /// Fails for poses of cameras and for grids of values. `line` is that of the first row.
@@ -21,6 +21,10 @@ pub(super) fn refuse(rows: &ParsedRows, kinds: &[Kind], line: usize) -> Result<(
              its positions as points with --columns x={x},y={y},z={z}",
             found.row()
         )
+    } else if is_camera_matrix(columns) {
+        "three rows of a camera matrix (or a unit matrix) are no points: name the file with --intrinsics next to depth \
+         images, or say which columns are coordinates, such as --columns x=0,y=1,z=2"
+            .to_owned()
     } else if is_grid(columns) {
         format!(
             "{} rows of {} numbers of one kind are a grid or an image without a header, not a point per row: put the \

@@ -247,8 +247,10 @@ impl Table {
         names.swap(east, north);
         self.assumptions
             .retain(|assumption| assumption.subject != Subject::Columns);
+        let [x, y, z] = naming.positions;
+        let value = format!("x y z are columns {x}, {y} and {z}");
         let why = "files named .neu have north, east and up";
-        let columns = Assumption::new(Subject::Columns, names.join(" "), why, Evidence::Convention);
+        let columns = Assumption::new(Subject::Columns, value, why, Evidence::Convention);
         self.assumptions.push(columns);
     }
 
@@ -282,6 +284,8 @@ impl Table {
                 "a count, a comment and rows that start with a word: a molecule in XYZ format",
                 Evidence::Convention,
             ));
+        } else if first > 0 && names.len() == first + 3 {
+            // All is said already.
         } else if names.len() > 3 {
             let values_tell = first > 0 || names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
             let (why, evidence) = if values_tell {
