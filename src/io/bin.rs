@@ -71,11 +71,6 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
             Evidence::Statistics,
         ),
     };
-    if bytes.iter().all(|&byte| byte == 0) {
-        return Err(Fault::header(
-            "all bytes are zero: there are no points in it, it was probably never written",
-        ));
-    }
     let roles = map.map_or(&[][..], ColumnMap::roles);
     let positions = positions(roles)?;
     let named = roles.iter().filter_map(|(_, column)| index_of(column).ok());
@@ -104,6 +99,11 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
             None => return Err(wrong_size(bytes.len(), given.is_some(), &widths)),
         },
     };
+    if bytes.iter().all(|&byte| byte == 0) {
+        return Err(Fault::header(
+            "all bytes are zero: there are no points in it, it was probably never written",
+        ));
+    }
     let (scalar, number_bytes) = if is_double {
         (Scalar::F64, 2 * FLOAT_BYTES)
     } else {

@@ -58,8 +58,10 @@ pub(super) fn poses(columns: &[Vec<f64>]) -> Option<Poses> {
     }
 }
 
-/// Whether three rows of three numbers are the matrix of a camera, or a unit matrix.
+/// Whether three rows of three numbers are the matrix of a camera.
 pub(super) fn is_camera_matrix(columns: &[Vec<f64>]) -> bool {
+    /// Pixels. The corners of a triangle are nearer to each other.
+    const MIN_FOCAL_LENGTH: f64 = 10.0;
     let [x, y, z] = columns else { return false };
     let is_column = |column: &[f64], below: [Option<f64>; 3]| {
         let fits = |(value, below): (&f64, Option<f64>)| below.is_none_or(|below| *value == below);
@@ -68,8 +70,8 @@ pub(super) fn is_camera_matrix(columns: &[Vec<f64>]) -> bool {
     is_column(x, [None, Some(0.0), Some(0.0)])
         && is_column(y, [None, None, Some(0.0)])
         && is_column(z, [None, None, Some(1.0)])
-        && x[0] != 0.0
-        && y[1] != 0.0
+        && x[0] >= MIN_FOCAL_LENGTH
+        && y[1] >= MIN_FOCAL_LENGTH
 }
 
 /// Fewer columns are a table.

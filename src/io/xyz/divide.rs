@@ -25,7 +25,11 @@ pub(super) fn divide(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warning
             return Vec::new();
         }
         let comments: Vec<String> = counted.blocks.iter().map(|block| block.comment.clone()).collect();
-        let mut found = frames::of_blocks(&starts, rows, &comments);
+        // What extended XYZ says of all frames names none of them.
+        let is_name = |comment: &&String| !comment.contains("Lattice=") && !comment.contains("Properties=");
+        let name = |comment: &String| Some(comment).filter(is_name).cloned().unwrap_or_default();
+        let names: Vec<String> = comments.iter().map(name).collect();
+        let mut found = frames::of_blocks(&starts, rows, &names);
         if let Some(times) = frames::times_in(&comments) {
             for (frame, time) in found.iter_mut().zip(times) {
                 frame.time = Some(time);
@@ -55,8 +59,9 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
     let of_kind = |is: fn(Counter) -> bool| columns().find(|&column| counter(column).is_some_and(is));
     let numbered = of_kind(|counter| counter == Counter::Frames);
     let timed = of_kind(|counter| matches!(counter, Counter::Times(_)));
+    let stamped = of_kind(|counter| matches!(counter, Counter::Points(_)));
     let positions = parsed.naming.positions.map(|axis| parsed.rows.columns[axis].as_slice());
-    for column in given.into_iter().chain(numbered).chain(timed) {
+    for column in given.into_iter().chain(numbered).chain(timed).chain(stamped) {
         let name = &parsed.names[column];
         let Some(groups) = Groups::of(&parsed.rows.columns[column]) else {
             continue;
@@ -71,6 +76,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                 let are_frames = groups.are_times_of_frames(seconds, is_of_lidar, positions);
                 (are_frames, Evidence::Statistics)
             }
+            Some(Counter::Points(_)) => (false, Evidence::Convention),
             _ => (groups.are_numbers_of_frames(), Evidence::File),
         };
         if !is_sequence {
@@ -81,8 +87,8 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                     "column `{name}` has {count} values for {} points: they are those of points",
                     parsed.rows.len()
                 ),
-                // One value per point cannot be meant otherwise.
-                if mean < 1.5 {
+                // One value per point cannot be meant otherwise, and the clock of a laser scanner stamps points.
+                if mean < 1.5 || evidence == Evidence::Convention {
                     Evidence::Convention
                 } else {
                     Evidence::Statistics

@@ -506,8 +506,8 @@ fn no_rows(head: &Head, text: &[u8]) -> Result<Table, Fault> {
     let known = usize::from(head.claimed.is_some()) + usize::from(has_names);
     match head.claimed {
         Some(claimed) if claimed > 0 => Err(cut_short(claimed, 0)),
-        // A header or a count of none alone is a cloud of no points.
-        _ if known > 0 && lines <= known => Ok(Table::default()),
+        // A header alone, or a count of none with or without a comment behind it, is a cloud of no points.
+        _ if known > 0 && lines <= known + usize::from(head.claimed.is_some()) => Ok(Table::default()),
         _ => Err(Fault::new(
             Place::Line(1),
             "there is no line with numbers: expected x y z in columns",
