@@ -32,6 +32,9 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
         return Ok(());
     };
     let shape = &array.shape;
+    if shape.contains(&0) {
+        return Ok(());
+    }
     let is_byte = number.scalar == Some(Scalar::U8);
     let is_large = |sides: &[usize]| sides.iter().all(|&side| side >= MIN_SIDE);
     let fault = |what: &str, advice: &str| {
@@ -45,7 +48,7 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
             "images of bytes (frames × height × width × colours)",
             "Save each as an image of a folder, with depth images or cameras next to them",
         ),
-        [3, 3] if columns.is_none() && is_camera_matrix(&entries(array, &[0])) => fault(
+        [3, 3] if columns.is_none() && is_camera_matrix(&entries(array)) => fault(
             "the matrix of a camera",
             "Name the file with --intrinsics next to depth images",
         ),
@@ -53,7 +56,7 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
             "an image of bytes (height × width × colours)",
             "Depth images next to images of colours are read as a folder; an image alone has no depth",
         ),
-        [_, 4 | 3, 4] if poses(&entries(array, &[0])).is_some() => fault(
+        [_, 4 | 3, 4] if poses(&entries(array)).is_some() => fault(
             "a matrix per frame: poses",
             "Name the file with --poses next to the frames; positions alone are `poses[:, :3, 3]`",
         ),
@@ -66,7 +69,7 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
             "Save each layer as a file of a folder of depth images, with the camera next to it (--intrinsics), or \
              points as N × 3",
         ),
-        [_, _] if columns.is_none() && poses(&entries(array, &[0])).is_some() => fault(
+        [_, _] if columns.is_none() && poses(&entries(array)).is_some() => fault(
             "a pose per row",
             "Name the file with --poses next to the frames, or say which columns are coordinates (--columns \
              x=0,y=1,z=2)",
@@ -80,10 +83,10 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
     }
 }
 
-/// The values of all entries along the dimensions `kept`, column by column of the rest.
-fn entries(array: &Array<'_>, kept: &[usize]) -> Vec<Vec<f64>> {
+/// The values of the first entries along the first dimension, column by column of the others.
+fn entries(array: &Array<'_>) -> Vec<Vec<f64>> {
     const MAX_ROWS: usize = 1024;
-    let rows = array.shape[kept[0]].min(MAX_ROWS);
+    let rows = array.shape[0].min(MAX_ROWS);
     let inner = &array.shape[1..];
     let width: usize = inner.iter().product();
     if width > 2 * MAX_COLUMNS {
