@@ -90,7 +90,7 @@ pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud,
 /// a list of values commas separate.
 fn with_points_in_grid(text: &[u8]) -> Option<Vec<u8>> {
     let is_decimal = |word: &[u8]| {
-        let commas = word.iter().filter(|&&byte| byte == b',').count();
+        let commas = word.split(|&byte| byte == b',').count() - 1;
         let is_between = word
             .windows(3)
             .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit());

@@ -65,9 +65,13 @@ pub(super) struct FixedRows {
     pub(super) grid: Option<ImageGrid>,
 }
 
-/// A warning of `rest` bytes that no header speaks of.
-pub(super) fn bytes_behind(rest: u64) -> String {
-    format!("{rest} bytes behind the data that the header describes are not read: its counts or types may be wrong")
+/// A warning of `rest` bytes that no header speaks of; none of a line ending.
+pub(super) fn bytes_behind(rest: u64) -> Option<String> {
+    const LINE_ENDING_BYTES: u64 = 2;
+    let warning = || {
+        format!("{rest} bytes behind the data that the header describes are not read: its counts or types may be wrong")
+    };
+    (rest > LINE_ENDING_BYTES).then(warning)
 }
 
 impl FixedRows {
@@ -79,8 +83,8 @@ impl FixedRows {
     /// What there is to say of bytes behind the rows in a file of `file_bytes`.
     pub(super) fn bytes_behind(&self, file_bytes: u64) -> Option<String> {
         let end = (self.start as u64).saturating_add(self.file_bytes());
-        let rest = file_bytes.checked_sub(end).filter(|&rest| rest > 0 && self.is_all)?;
-        Some(bytes_behind(rest))
+        let rest = file_bytes.checked_sub(end).filter(|_| self.is_all)?;
+        bytes_behind(rest)
     }
 
     /// Bytes of the cloud in memory: fields of a byte or two take four.

@@ -89,18 +89,18 @@ impl<'a> Iterator for Tokens<'a> {
     }
 }
 
-/// `text` with points in place of decimal commas, if its first rows have them: `numbers` words of one comma at most,
-/// which is between digits.
-pub(super) fn with_decimal_points(text: &[u8], numbers: usize) -> Option<Vec<u8>> {
+/// `text` with points in place of decimal commas, if the first of its `rows` have them: `numbers` words of one comma at
+/// most, which is between digits.
+pub(super) fn with_decimal_points(text: &[u8], numbers: usize, rows: usize) -> Option<Vec<u8>> {
     const LOOKED_AT_ROWS: usize = 16;
     let is_between_digits = |word: &[u8]| {
         word.windows(3)
             .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit())
     };
-    let commas = |word: &[u8]| word.iter().filter(|&&byte| byte == b',').count();
-    let rows = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let commas = |word: &[u8]| word.split(|&byte| byte == b',').count() - 1;
+    let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
     let mut has_comma = false;
-    for row in rows.filter(|row| !row.is_empty()).take(LOOKED_AT_ROWS) {
+    for row in lines.filter(|line| !line.is_empty()).take(LOOKED_AT_ROWS.min(rows)) {
         let words = row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         let words: Vec<&[u8]> = words.collect();
         let fits = |word: &&[u8]| commas(word) == 0 || (commas(word) == 1 && is_between_digits(word));
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn commas_are_decimal_where_the_number_of_words_fits() {
-        let of = |text: &str, numbers| with_decimal_points(text.as_bytes(), numbers);
+        let of = |text: &str, numbers| with_decimal_points(text.as_bytes(), numbers, 2);
         assert_eq!(
             of("2,5 -1,25 3\n4,5 1 2\n", 3),
             Some(b"2.5 -1.25 3\n4.5 1 2\n".to_vec())

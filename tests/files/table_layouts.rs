@@ -246,7 +246,10 @@ fn rows_of_markers_are_frames() {
         [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]
     );
     let titled = "Frame 0\n1 2 3\n4 5 6\n1 5 3\nFrame 1\n1 2 4\n4 5 6\n1 5 3\nFrame 2\n1 2 5\n4 5 6\n1 5 3\n";
-    assert_eq!(frames("a.txt", titled.as_bytes()).len(), 3);
+    let found = frames("a.txt", titled.as_bytes());
+    assert_eq!((found.len(), found[0].0.as_str()), (3, "frame 1 (Frame 0)"));
+    let timed = titled.replace("Frame ", "# t = ");
+    assert_eq!(frames("a.txt", timed.as_bytes())[2].1, Some(Duration::from_secs(2)));
 }
 
 #[test]

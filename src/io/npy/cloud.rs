@@ -74,7 +74,7 @@ pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) ->
     }
     if let Some(([height, width], assumption)) = map {
         cloud.grid = grid_of(width, height, count);
-        cloud.assumptions.push(assumption);
+        cloud.assumptions.extend(assumption);
     }
     cloud.assumptions.extend(meaning);
     Ok(cloud)
@@ -201,7 +201,7 @@ pub(super) fn cloud_of_archive(
     }
     if let Some(([height, width], assumption)) = map {
         cloud.grid = grid_of(width, height, count);
-        cloud.assumptions.push(assumption);
+        cloud.assumptions.extend(assumption);
     }
     cloud.assumptions.extend(meaning);
     Ok(cloud)
@@ -412,7 +412,7 @@ fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
             ColumnName::Index(index) if *index < width => *index,
             _ => {
                 return Err(Fault::header(format!(
-                    "there is no column {column} as --columns says: the array has {width}, counted from 0, without names"
+                    "there is no column {column} as --columns says: the array has {width} without names, counted from 0"
                 )));
             }
         };

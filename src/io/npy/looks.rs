@@ -1,9 +1,9 @@
-//! What an array is, by its shape, its type and its values: images, depths, voxels and poses are refused by name, and a
-//! point in each pixel of one image (H × W × 3) is told from T frames of N points.
+//! What an array is, by its shape, its type and its values: images, depths, voxels and poses are refused by name, and
+//! a point in each pixel of one image (H × W × 3) is told from T frames of N points.
 //!
-//! **How it works.** Neighbouring rows of an image of points are about as near to each other as neighbours in a row, and
-//! a row is a thin strip of the scene. Neighbouring frames are the same points moved a little, or others, and each of
-//! them is as large as the scene.
+//! **How it works.** Neighbouring rows of an image of points are about as near to each other as neighbours in a row,
+//! and a row is a thin strip of the scene. Neighbouring frames are the same points moved a little, or others, and each
+//! of them is as large as the scene.
 
 use super::super::column_map::ColumnMap;
 use super::super::error::Fault;
@@ -45,7 +45,7 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
     };
     match shape[..] {
         [_, height, width, 3 | 4] if is_byte && is_large(&[height, width]) => fault(
-            "images of bytes (frames × height × width × colours)",
+            "a sequence of images of bytes (frames × height × width × colours)",
             "Save each as an image of a folder, with depth images or cameras next to them",
         ),
         [3, 3] if columns.is_none() && is_camera_matrix(&entries(array)) => fault(
@@ -131,13 +131,13 @@ fn given(columns: Option<ColumnMap>) -> Option<bool> {
     columns.and_then(ColumnMap::frame).map(|frame| frame.is_some())
 }
 
-/// Height and width of the array at `place` if it is one image of points: it becomes a table, as well as what is beside
-/// it of each pixel.
+/// Height and width of the array at `place` if it is one image of points, with the assumption unless a person says so:
+/// it becomes a table, as well as what is beside it of each pixel.
 pub(super) fn take_point_map(
     arrays: &mut [NamedArray<'_>],
     place: usize,
     columns: Option<ColumnMap>,
-) -> Option<([usize; 2], Assumption)> {
+) -> Option<([usize; 2], Option<Assumption>)> {
     let positions = &arrays[place].1;
     let &[height, width, _] = &positions.shape[..] else {
         return None;
@@ -149,34 +149,29 @@ pub(super) fn take_point_map(
     if !is_map {
         return None;
     }
-    let (why, evidence) = if given(columns).is_some() {
-        ("--columns says that there are no frames", Evidence::Convention)
-    } else {
-        (
-            "neighbouring rows are as near as neighbours in a row",
-            Evidence::Statistics,
-        )
-    };
-    for (_, array) in arrays.iter_mut() {
+    for (_, array) in arrays {
         let is_table = matches!(array.kind, ArrayLayout::Table(_)) && !array.is_fortran;
         if is_table && array.shape.starts_with(&[height, width]) {
             array.shape.splice(0..2, [height * width]);
         }
     }
-    let value = format!("one: an image of {height} × {width} points");
-    let assumption = Assumption::new(Subject::Frames, value, why, evidence).with_option(Some("--columns"));
+    let assumption = given(columns).is_none().then(|| {
+        let value = format!("one: an image of {height} × {width} points");
+        let why = "neighbouring rows are as near as neighbours in a row";
+        Assumption::new(Subject::Frames, value, why, Evidence::Statistics).with_option(Some("--columns"))
+    });
     Some(([height, width], assumption))
 }
 
 fn can_be_point_map(array: &Array<'_>) -> bool {
+    /// Larger ones are not read to list what a file holds.
+    const MAX_BYTES: usize = 1 << 30;
     let ArrayLayout::Table(_) = array.kind else {
         return false;
     };
     let &[height, width, columns] = &array.shape[..] else {
         return false;
     };
-    /// Larger ones are not read to list what a file holds.
-    const MAX_BYTES: usize = 1 << 30;
     let is_claimed = array
         .claimed_bytes()
         .is_some_and(|bytes| bytes <= array.payload.len().min(MAX_BYTES));

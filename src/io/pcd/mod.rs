@@ -296,7 +296,7 @@ impl Table {
         };
         let mut columns: Vec<Column<'static>> = self.numbers().into_iter().map(column).collect();
         let mut warnings = Vec::new();
-        let decimal = with_decimal_points(payload, self.row_numbers());
+        let decimal = with_decimal_points(payload, self.row_numbers(), self.rows);
         if decimal.is_some() {
             warnings.push("numbers have decimal commas: they are read as decimal points".to_owned());
         }

@@ -14,7 +14,8 @@ use crate::progress::Progress;
 /// More rows that are no numbers are a damaged file.
 const MAX_ODD_ROWS: usize = 16;
 
-/// The columns of `vertex`, the triangles and what is odd in the file `bytes`, of whose elements the first are `elements`.
+/// The columns of `vertex`, the triangles and what is odd in the file `bytes`, of whose elements the first are
+/// `elements`.
 pub(super) fn read(
     bytes: &[u8],
     (header, elements, vertex): (&PlyHeader, &[Element], &Element),
@@ -23,7 +24,7 @@ pub(super) fn read(
     let payload = &bytes[header.byte_size..];
     let mut warnings = Vec::new();
     let is_first = elements.first().is_some_and(|element| element.name == POINTS);
-    let decimal = with_decimal_points(payload, vertex.properties.len()).filter(|_| is_first);
+    let decimal = with_decimal_points(payload, vertex.properties.len(), vertex.count).filter(|_| is_first);
     if decimal.is_some() {
         warnings.push("numbers have decimal commas: they are read as decimal points".to_owned());
     }
@@ -34,7 +35,8 @@ pub(super) fn read(
     for (place, element) in elements.iter().enumerate() {
         if element.name == POINTS {
             check_ascii_claim(element, payload)?;
-            let rows_behind = header.elements[place + 1..].iter().map(|element| element.count).sum();
+            let counts = header.elements[place + 1..].iter().map(|element| element.count);
+            let rows_behind = counts.fold(0, usize::saturating_add);
             let read = vertices(&mut tokens, element, rows_behind, &mut warnings, progress)?;
             let kept = columns.insert(read);
             if kept.is_empty() {

@@ -10,8 +10,8 @@ use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
 
-/// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`, and the number of
-/// bytes behind these.
+/// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`, and the number
+/// of bytes behind these.
 pub(super) fn read<'a>(
     payload: &'a [u8],
     big_endian: bool,

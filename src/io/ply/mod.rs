@@ -105,7 +105,7 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
             let (columns, faces, rest) = binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?;
-            let warnings = (rest > 0 && is_all).then(|| bytes_behind(rest as u64));
+            let warnings = bytes_behind(rest as u64).filter(|_| is_all);
             (columns, faces, warnings.into_iter().collect())
         }
     };

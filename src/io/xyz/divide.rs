@@ -117,9 +117,12 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                 groups.without
             ));
         }
-        let why = format!("column `{name}` has as many values, for {mean:.0} points each");
-        let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
-        assumptions.push(assumption.with_option(Some("--columns")));
+        // What a person says is not assumed.
+        if given != Some(column) {
+            let why = format!("column `{name}` has as many values, for {mean:.0} points each");
+            let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
+            assumptions.push(assumption.with_option(Some("--columns")));
+        }
         let no_words = Vec::new();
         let words = parsed.rows.words.get(column).unwrap_or(&no_words);
         let mut found = groups.frames(name, seconds, words);
@@ -213,7 +216,10 @@ fn by_breaks(parsed: &Parsed, assumptions: &mut Vec<Assumption>) -> Vec<Frame> {
         let before = breaks.iter().find(|found| found.row == row);
         before.map_or_else(String::new, |found| found.label.clone())
     };
-    let labels: Vec<String> = std::iter::once(0).chain(starts.iter().copied()).map(label).collect();
+    let mut labels: Vec<String> = std::iter::once(0).chain(starts.iter().copied()).map(label).collect();
+    if labels[1..].iter().all(|label| !label.is_empty()) {
+        labels[0].clone_from(&parsed.title);
+    }
     let mut found = frames::of_blocks(&starts, rows, &labels);
     if let Some(times) = frames::times_in(&labels) {
         for (frame, time) in found.iter_mut().zip(times) {

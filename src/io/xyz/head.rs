@@ -26,6 +26,8 @@ pub(super) struct Header {
 pub(super) struct Head {
     pub(super) dialect: Dialect,
     pub(super) header: Option<Header>,
+    /// The last comment or title before the first row, and its line.
+    pub(super) title: Option<(usize, String)>,
     /// Points by the lone number before the first one.
     pub(super) claimed: Option<usize>,
     /// Cells of a row; `None` if there are no rows.
@@ -52,6 +54,7 @@ impl Head {
         let mut head = Self {
             dialect: Dialect::of(bytes),
             header: None,
+            title: None,
             claimed: None,
             width: None,
             kinds: Vec::new(),
@@ -63,6 +66,10 @@ impl Head {
         let mut candidates: Vec<Header> = Vec::new();
         for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             let content = trimmed(line, head.dialect);
+            if let Some(text) = comment(content).or_else(|| is_title(content).then_some(content)) {
+                let title = String::from_utf8_lossy(text).trim().to_owned();
+                head.title = Some((head.line_count + 1, title));
+            }
             if let Some(comment) = comment(content) {
                 candidates.extend(head.names(comment, true));
             } else if !content.is_empty() && !is_title(content) {
@@ -314,7 +321,7 @@ fn are_names(names: &[String]) -> bool {
     known * 2 >= names.len().max(4) && !is_sentence && names.iter().all(begins_as_name)
 }
 
-/// The names of columns that the letters of LAStools stand for, as in `% xyziRGB`; `None` of another word.
+/// The names of columns that the letters of `LAStools` stand for, as in `% xyziRGB`; `None` of another word.
 fn of_letters(text: &[u8]) -> Option<Vec<String>> {
     const LETTERS: [(u8, &str); 16] = [
         (b'x', "x"),

@@ -33,14 +33,13 @@ pub(super) fn unrolled(parsed: &Parsed, assumptions: &mut Vec<Assumption>) -> (V
         time: times.as_ref().map(|times| times[row]),
     };
     let is_one = parsed.naming.frame == Some(None);
-    let why = format!("the header names x, y and z of {} points per row", markers.len());
-    let value = if is_one {
-        "one, of all rows".to_owned()
-    } else {
-        format!("{rows}, a row each")
-    };
-    let assumption = Assumption::new(Subject::Frames, value, why, Evidence::Convention);
-    assumptions.push(assumption.with_option(Some("--columns")));
+    // What a person says is not assumed.
+    if parsed.naming.frame.is_none() {
+        let why = format!("the header names x, y and z of {} points per row", markers.len());
+        let value = format!("{rows}, a row each");
+        let assumption = Assumption::new(Subject::Frames, value, why, Evidence::Convention);
+        assumptions.push(assumption.with_option(Some("--columns")));
+    }
     let frames = if rows > 1 && !is_one {
         (0..rows).map(frame).collect()
     } else {

@@ -123,7 +123,10 @@ impl Table {
         if is_north_first {
             table.take_north_first(&mut names, &naming);
         }
+        let line_of_names = head.header.as_ref().map(|header| header.line);
+        let title = head.title.filter(|(line, _)| Some(*line) != line_of_names);
         let parsed = Parsed {
+            title: title.map_or_else(String::new, |(_, title)| title),
             rows: parsed,
             names,
             raw_names: head.header.map_or_else(Vec::new, |header| header.names),
