@@ -53,7 +53,10 @@ pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) ->
     refuse(&array, options.columns)?;
     let mut arrays = vec![(String::new(), array)];
     let image = unroll_images(&mut arrays, 0);
-    let map = take_point_map(&mut arrays, 0, options.columns);
+    let map = match image {
+        Some(_) => None,
+        None => take_point_map(&mut arrays, 0, options.columns),
+    };
     let assumption = match part {
         Part::Layer(layer) => take_layer(&mut arrays, 0, *layer)?,
         _ => None,
@@ -141,7 +144,9 @@ pub(super) fn cloud_of_archive(
         refuse(&arrays[place].1, columns_given)?;
     }
     let image = place.and_then(|place| unroll_images(&mut arrays, place));
-    let map = place.and_then(|place| take_point_map(&mut arrays, place, columns_given));
+    let map = place
+        .filter(|_| image.is_none())
+        .and_then(|place| take_point_map(&mut arrays, place, columns_given));
     let mut meaning = None;
     let mut arrays: Vec<NamedArray<'_>> = arrays
         .into_iter()

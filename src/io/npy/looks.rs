@@ -64,7 +64,7 @@ pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<()
             "a grid of voxels",
             "Save the coordinates of the occupied ones with `numpy.argwhere(grid > 0)`",
         ),
-        [layers, height, width] if layers > 0 && is_large(&[height, width]) && is_image(array, &[1, 2]) => fault(
+        [_, height, width] if columns.is_none() && is_large(&[height, width]) && is_image(array, &[1, 2]) => fault(
             "an image of values per layer, such as depths",
             "Save each layer as a file of a folder of depth images, with the camera next to it (--intrinsics), or \
              points as N × 3",
