@@ -47,7 +47,7 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
 });
 
 /// Extensions of tables of numbers and of other files as well: the first lines tell.
-const SHARED_EXTENSIONS: [&str; 5] = ["dat", "neu", "3d", "txyz", "out"];
+const SHARED_EXTENSIONS: [&str; 4] = ["dat", "neu", "3d", "txyz"];
 
 /// True for a file with one of the shared extensions that begins with rows of numbers, behind comments and names.
 fn is_table_of_numbers(name: &Path, bytes: &[u8]) -> bool {
@@ -65,17 +65,12 @@ fn is_table_of_numbers(name: &Path, bytes: &[u8]) -> bool {
     let lines = plain.text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
     let lines = lines.filter(|line| !line.is_empty() && dialect::comment(line).is_none());
     let lines: Vec<&[u8]> = lines.take(MAX_LINES).collect();
-    let widths = lines
-        .iter()
-        .filter_map(|line| rows::numbers_in(line, dialect))
-        .map(|row| row.len());
-    let widths: Vec<usize> = widths.filter(|width| *width >= 3).collect();
+    let width = |line: &&[u8]| rows::numbers_in(line, dialect).map_or(0, |row| row.len());
+    let widths: Vec<usize> = lines.iter().map(width).skip_while(|width| *width < 3).collect();
     // ZMap+ grids wrap their lines behind a header between two of these signs.
     let is_grid = lines.iter().any(|line| line.starts_with(b"@"));
-    !is_grid
-        && widths
-            .first()
-            .is_some_and(|first| widths.iter().filter(|width| *width == first).count() * 2 > lines.len())
+    let is_most = |first: &usize| widths.iter().filter(|width| *width == first).count() * 2 > widths.len();
+    !is_grid && widths.first().is_some_and(is_most)
 }
 
 /// The text of a file as UTF-8.
