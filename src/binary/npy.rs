@@ -68,6 +68,8 @@ pub(crate) enum HeaderError {
          as in numpy.savez('frames.npz', **arrays), or a single one with numpy.save"
     )]
     Pickled,
+    #[error("its values are words or other things that are no numbers, expected x, y and z of points")]
+    Words,
 }
 
 impl Number {
@@ -91,7 +93,13 @@ impl Header {
     /// The header that `bytes` begin with; they may end anywhere behind it.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
         let Some([major, _]) = bytes.strip_prefix(MAGIC).and_then(|rest| rest.first_chunk()) else {
-            return Err(HeaderError::NoMagic);
+            // What `pickle` and `numpy.ndarray.dump` begin with, protocols 2 to 5.
+            let is_pickle = matches!(bytes, [0x80, 2..=5, ..]);
+            return Err(if is_pickle {
+                HeaderError::Pickled
+            } else {
+                HeaderError::NoMagic
+            });
         };
         let (start, length) = match (major, &bytes[MAGIC.len() + 2..]) {
             (1, [low, high, ..]) => (10, usize::from(u16::from_le_bytes([*low, *high]))),
@@ -104,8 +112,13 @@ impl Header {
         Dictionary::parse(&text, start + length).ok_or_else(|| {
             // The type of objects, alone or in a record, with or without the byte order that it does not have.
             let is_object = ["'|O'", "'O'", "'<O'", "'>O'"].iter().any(|kind| text.contains(kind));
+            let is_word = ["'<U", "'>U", "'|S", "'|V", "'<c", "'<M", "'<m"]
+                .iter()
+                .any(|kind| text.contains(kind));
             if is_object {
                 HeaderError::Pickled
+            } else if is_word {
+                HeaderError::Words
             } else {
                 HeaderError::NotUnderstood
             }

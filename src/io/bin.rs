@@ -1,6 +1,8 @@
 //! Bare little-endian f32 records: KITTI's `.bin` (x y z intensity), nuScenes' `.pcd.bin` (x y z intensity ring),
 //! radars of seven floats and more.
 //!
+//! Files of doubles are read as well, where singles make no sense of them and doubles do.
+//!
 //! Nothing in such a file says what it is, so it must be plausible to be believed, and how many numbers a point has is
 //! estimated:
 //!
@@ -61,11 +63,11 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
         .is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin"));
     let given = map.and_then(ColumnMap::width);
     let (widths, why, evidence) = match given {
-        Some(width) => (vec![width], "as given", Evidence::File),
+        Some(width) => (vec![width], "the first three are coordinates", Evidence::Convention),
         None if is_nuscenes => (vec![NUSCENES_WIDTH], "files named .pcd.bin are", Evidence::Convention),
         None => (
             WIDTHS.to_vec(),
-            "values change least from point to point",
+            "with so many values per point each column varies smoothly",
             Evidence::Statistics,
         ),
     };
@@ -79,8 +81,33 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
             fewest - 1
         )));
     }
-    let Some(estimate) = estimate(bytes, &widths, positions, fewest)? else {
-        return Err(wrong_size(bytes.len(), given.is_some(), &widths));
+    let estimated = estimate(bytes, &widths, positions, fewest);
+    let singles = if matches!(estimated, Ok(Some(_))) {
+        None
+    } else {
+        singles_of_doubles(bytes)
+    };
+    let of_doubles = singles.as_ref().and_then(|singles| {
+        let estimate = estimate(singles, &widths, positions, fewest).ok().flatten();
+        // Of noise some width is always possible.
+        estimate.filter(|estimate| estimate.is_clear || given.is_some())
+    });
+    let (estimate, is_double) = match of_doubles {
+        Some(estimate) => (estimate, true),
+        None => match estimated? {
+            Some(estimate) => (estimate, false),
+            None => return Err(wrong_size(bytes.len(), given.is_some(), &widths)),
+        },
+    };
+    if bytes.iter().all(|&byte| byte == 0) {
+        return Err(Fault::header(
+            "all bytes are zero: there are no points in it, it was probably never written",
+        ));
+    }
+    let (scalar, number_bytes) = if is_double {
+        (Scalar::F64, 2 * FLOAT_BYTES)
+    } else {
+        (Scalar::F32, FLOAT_BYTES)
     };
     let width = estimate.width;
     let (why, evidence) = if estimate.is_clear || evidence != Evidence::Statistics {
@@ -88,30 +115,54 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
     } else {
         ("it is the most common width of those that fit", Evidence::Fallback)
     };
-    let step = width * FLOAT_BYTES;
-    let names = names(bytes, width, roles)?;
+    let step = width * number_bytes;
+    let names = names(singles.as_deref().filter(|_| is_double).unwrap_or(bytes), width, roles)?;
     let columns: Vec<Column<'_>> = names
         .iter()
         .enumerate()
         .map(|(index, name)| Column {
             name: name.clone(),
-            scalar: Scalar::F32,
+            scalar,
             values: Values::Packed {
                 bytes,
-                start: index * FLOAT_BYTES,
+                start: index * number_bytes,
                 step,
                 big_endian: false,
             },
         })
         .collect();
     let mut cloud = growing::cloud(&columns, bytes.len() / step)?;
-    cloud.assumptions.push(Assumption::new(
-        Subject::Columns,
-        format!("{width} values per point: {}", names.join(" ")),
-        why,
-        evidence,
-    ));
+    let kind = if is_double { "doubles" } else { "values" };
+    let value = format!("{width} {kind} per point: {}", names.join(" "));
+    let is_given = given.is_some() && roles.iter().any(|(role, _)| role == "x");
+    if is_double {
+        let why = "singles make no sense of it, doubles do";
+        cloud
+            .assumptions
+            .push(Assumption::new(Subject::Columns, value, why, Evidence::Statistics));
+    } else if !is_given {
+        cloud
+            .assumptions
+            .push(Assumption::new(Subject::Columns, value, why, evidence));
+    }
     Ok(cloud)
+}
+
+/// The numbers of a file of doubles as singles; `None` where some are none that a point has.
+fn singles_of_doubles(bytes: &[u8]) -> Option<Vec<u8>> {
+    const MAX_VALUE: f64 = 1e12;
+    const MIN_VALUE: f64 = 1e-12;
+    let (doubles, rest) = bytes.as_chunks();
+    let single = |raw: &[u8; 2 * FLOAT_BYTES]| {
+        let value = f64::from_le_bytes(*raw);
+        let is_plausible = value == 0.0 || (MIN_VALUE..MAX_VALUE).contains(&value.abs());
+        is_plausible.then(|| (value as f32).to_le_bytes())
+    };
+    if !rest.is_empty() {
+        return None;
+    }
+    let singles: Vec<[u8; FLOAT_BYTES]> = doubles.iter().map(single).collect::<Option<_>>()?;
+    Some(singles.concat())
 }
 
 /// The columns of the coordinates.

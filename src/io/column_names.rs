@@ -40,6 +40,7 @@ const COORDINATE_WORDS: &[&str] = &[
     "local",
     "map",
     "translation",
+    "t",
     "center",
     "centre",
     "centroid",
@@ -49,7 +50,7 @@ const COORDINATE_WORDS: &[&str] = &[
 ];
 
 /// Words before or behind an axis without anything in between, as in `Xcoord` and `posx`.
-const GLUED_WORDS: &[&str] = &["coordinate", "coord", "position", "point", "pos", "pt", "loc", "p"];
+const GLUED_WORDS: &[&str] = &["coordinate", "coord", "position", "point", "pos", "pt", "loc", "p", "t"];
 
 /// Words of vectors that are no coordinates.
 const OTHER_VECTORS: &[&str] = &[
@@ -151,7 +152,7 @@ const UNITS: &[(LengthUnit, &[&str])] = &[
 ];
 
 /// Names of three colour channels and of alpha.
-const COLORS: [[&str; 4]; 9] = [
+const COLORS: [[&str; 4]; 16] = [
     ["red", "green", "blue", "alpha"],
     ["r", "g", "b", "a"],
     ["rf", "gf", "bf", "af"],
@@ -161,6 +162,13 @@ const COLORS: [[&str; 4]; 9] = [
     ["color_red", "color_green", "color_blue", "color_alpha"],
     ["colorr", "colorg", "colorb", "colora"],
     ["rgb_r", "rgb_g", "rgb_b", "rgb_a"],
+    ["colr", "colg", "colb", "cola"],
+    ["col_r", "col_g", "col_b", "col_a"],
+    ["rouge", "vert", "bleu", "alpha"],
+    ["rot", "grün", "blau", "alpha"],
+    ["rot", "gruen", "blau", "alpha"],
+    ["rojo", "verde", "azul", "alpha"],
+    ["rosso", "verde", "blu", "alpha"],
 ];
 const COLOR_STEMS: &[&str] = &["rgb", "rgba", "color", "colors", "colour", "colours"];
 const COLOR_ROLES: [&str; 4] = ["red", "green", "blue", "alpha"];
@@ -356,6 +364,45 @@ fn triples(words: &[Words]) -> Vec<(Vec<&str>, [usize; 3])> {
     stems.into_iter().filter_map(complete).collect()
 }
 
+/// The columns of several markers in a row, named alike but for a number: `x0 y0 z0 x1 y1 z1 …`, `marker2_x …`. None
+/// where the names are those of one point, or of few without a column of frames or times.
+pub(super) fn markers(names: &[&str]) -> Vec<[usize; 3]> {
+    const FEWEST_WITH_FRAMES: usize = 3;
+    /// Three may be the corners of a triangle, four those of a tetrahedron.
+    const FEWEST: usize = 5;
+    const FRAME_WORDS: [&str; 6] = ["frame", "frames", "time", "timestamp", "t", "step"];
+    let words: Vec<Words> = names.iter().map(|name| Words::of(name)).collect();
+    let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
+    let text = |stem: &[&str]| -> Vec<String> {
+        let others = stem.iter().filter(|word| !is_number(word));
+        others.map(|word| (*word).to_owned()).collect()
+    };
+    let triples = triples(&words);
+    let is_numbered = |stem: &[&str]| {
+        stem.iter().any(|word| is_number(word)) && !stem.iter().any(|word| OTHER_VECTORS.contains(word))
+    };
+    let has_one = triples.iter().any(|(stem, _)| stem.is_empty());
+    let Some((first, _)) = triples.iter().find(|(stem, _)| is_numbered(stem)).filter(|_| !has_one) else {
+        return Vec::new();
+    };
+    let alike = triples
+        .iter()
+        .filter(|(stem, _)| is_numbered(stem) && text(stem) == text(first));
+    let columns: Vec<[usize; 3]> = alike.map(|(_, columns)| *columns).collect();
+    let is_frame = |words: &Words| {
+        words
+            .words
+            .first()
+            .is_some_and(|word| FRAME_WORDS.contains(&word.as_str()))
+    };
+    let fewest = if words.iter().any(is_frame) {
+        FEWEST_WITH_FRAMES
+    } else {
+        FEWEST
+    };
+    if columns.len() < fewest { Vec::new() } else { columns }
+}
+
 fn cartesian(words: &[Words]) -> Option<Found> {
     let triples = triples(words);
     if let Some((_, columns)) = triples.iter().find(|(stem, _)| stem.is_empty()) {
@@ -449,101 +496,4 @@ pub(super) fn colors_and_normals(names: &[&str]) -> Vec<(usize, &'static str)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn found(names: &str) -> Option<([usize; 3], Match, Option<LengthUnit>)> {
-        let names: Vec<&str> = names.split('|').collect();
-        axes(&names).map(|axes| (axes.columns, axes.by, axes.unit))
-    }
-
-    #[test]
-    fn coordinates_are_found_under_many_names() {
-        for names in [
-            "x|y|z",
-            "\"X\"|\"Y\"|\"Z\"",
-            "//X|Y|Z",
-            "x [m]|y [m]|z [m]",
-            "x_mm|y_mm|z_mm",
-            "X1 (m)|Y1 (m)|Z1 (m)",
-            "pos_x|pos_y|pos_z",
-            "posX|posY|posZ",
-            "px|py|pz",
-            "X_coord|Y_coord|Z_coord",
-            "Xcoord|Ycoord|Zcoord",
-            "Points_m_XYZ:0|Points_m_XYZ:1|Points_m_XYZ:2",
-            "Points:0|Points:1|Points:2",
-            "Points_0|Points_1|Points_2",
-            "Points[0]|Points[1]|Points[2]",
-            "coord1|coord2|coord3",
-            "position.x|position.y|position.z",
-            "field.point.x|field.point.y|field.point.z",
-            "world x|world y|world z",
-            "easting|northing|elevation",
-            "Easting (m)|Northing (m)|Height (m)",
-            "E|N|H",
-            "x|y|height",
-            "UTM_Easting|UTM_Northing|Z",
-            "head_x|head_y|head_z",
-            "Longitude|Latitude|Altitude",
-            "lon|lat|ellipsoidal height",
-        ] {
-            let columns = found(names).map(|(columns, ..)| columns);
-            assert_eq!(columns, Some([0, 1, 2]), "{names}");
-            let shifted = format!("id|{names}|intensity");
-            let columns = found(&shifted).map(|(columns, ..)| columns);
-            assert_eq!(columns, Some([1, 2, 3]), "{shifted}");
-        }
-    }
-
-    #[test]
-    fn other_vectors_and_words_are_no_coordinates() {
-        for names in [
-            "vx|vy|vz",
-            "vel_x|vel_y|vel_z",
-            "nx|ny|nz",
-            "a|b|c",
-            "x|y",
-            "normal_x|normal_y|normal_z",
-            "lat|lon",
-        ] {
-            assert_eq!(found(names), None, "{names}");
-        }
-        // Two of unknown kind: neither is better.
-        assert_eq!(found("left_x|left_y|left_z|right_x|right_y|right_z"), None);
-        assert_eq!(found("vel_x|vel_y|vel_z|pos_x|pos_y|pos_z").unwrap().0, [3, 4, 5]);
-        assert_eq!(found("lon|lat|alt|x|y|z").unwrap().0, [3, 4, 5]);
-        assert_eq!(found("x_old|y_old|z_old|z|x|y").unwrap().0, [4, 5, 3]);
-    }
-
-    #[test]
-    fn units_are_in_brackets_or_the_last_word() {
-        for (names, unit) in [
-            ("x [m]|y [m]|z [m]", Some(LengthUnit::Metre)),
-            ("x (cm)|y (cm)|z (cm)", Some(LengthUnit::Centimetre)),
-            ("x_mm|y_mm|z_mm", Some(LengthUnit::Millimetre)),
-            ("X1 (ft)|Y1 (ft)|Z1 (ft)", Some(LengthUnit::Foot)),
-            ("Points_m_XYZ:0|Points_m_XYZ:1|Points_m_XYZ:2", Some(LengthUnit::Metre)),
-            ("x|y|z", None),
-            ("x (raw)|y (raw)|z (raw)", None),
-        ] {
-            assert_eq!(found(names).unwrap().2, unit, "{names}");
-        }
-    }
-
-    #[test]
-    fn colors_and_normals_are_found_under_many_names() {
-        for (names, expected) in [
-            ("Rf|Gf|Bf", "red green blue"),
-            ("R|G|B|A", "red green blue alpha"),
-            ("RGB:0|RGB:1|RGB:2", "red green blue"),
-            ("Nx|Ny|Nz", "nx ny nz"),
-            ("Normals:0|Normals:1|Normals:2", "nx ny nz"),
-            ("red|green", ""),
-        ] {
-            let names: Vec<&str> = names.split('|').collect();
-            let roles: Vec<&str> = colors_and_normals(&names).into_iter().map(|(_, role)| role).collect();
-            assert_eq!(roles.join(" "), expected);
-        }
-    }
-}
+mod tests;

@@ -70,7 +70,7 @@ mod tests {
             let cloud = crate::io::read_bytes(Path::new(name), bytes).unwrap();
             cloud.unit
         };
-        assert_eq!(unit("a.bin", &[0; 32]), Some(LengthUnit::Metre));
+        assert_eq!(unit("a.bin", &1f32.to_le_bytes().repeat(8)), Some(LengthUnit::Metre));
         assert_eq!(unit("a.xyz", b"0 0 0\n1 2 3\n"), None);
     }
 

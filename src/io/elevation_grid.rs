@@ -1,7 +1,7 @@
-//! Elevation grids as text: ESRI's ASCII grid (`.asc`, also of GDAL) and Surfer's (`DSAA`).
+//! Elevation grids as text: ESRI's ASCII grid (`.asc`, also of GDAL), that of GRASS and Surfer's (`DSAA`).
 //!
-//! A cell with a value is a point: at the centre of the cell in ESRI's, at a node in Surfer's. Cells of no data are
-//! skipped, with their number as an assumption. ESRI's rows go from north to south, Surfer's from south to north.
+//! A cell with a value is a point: at the centre of the cell in ESRI's and GRASS', at a node in Surfer's. Cells of no
+//! data are skipped, with their number as an assumption. Rows go from north to south, Surfer's from south to north.
 
 use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
@@ -48,18 +48,26 @@ enum Missing {
     From(f64),
 }
 
-/// True for a text that begins with the number of columns by name.
+/// What the header of GRASS begins with.
+const GRASS_WORDS: [&str; 6] = ["north:", "south:", "east:", "west:", "rows:", "cols:"];
+
+/// True for a text that begins with the number of columns by name, or with an edge of GRASS.
 fn is_esri(_: &Path, bytes: &[u8]) -> bool {
     let text = xyz::utf8(&bytes[..bytes.len().min(64)]);
     let start = text.trim_ascii_start().to_ascii_lowercase();
+    if GRASS_WORDS.iter().any(|word| start.starts_with(word.as_bytes())) {
+        return true;
+    }
     let rest = start.strip_prefix(b"ncols").or_else(|| start.strip_prefix(b"nrows"));
     rest.is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
 }
 
 pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
     let text = xyz::utf8(bytes);
+    let decimal = with_points_in_grid(&text);
+    let text = decimal.as_deref().unwrap_or(&text);
     let mut header = EsriHeader::default();
-    let mut tokens = Tokens::new(&text, 1);
+    let mut tokens = Tokens::new(text, 1);
     let mut values = tokens.clone();
     while let Some(word) = tokens.next() {
         // The first number is the first value.
@@ -78,6 +86,27 @@ pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud,
     grid.read(&mut values, text.len(), progress)
 }
 
+/// A grid with points in place of decimal commas: each comma is between digits, and some line of the header has one. In
+/// a list of values commas separate.
+fn with_points_in_grid(text: &[u8]) -> Option<Vec<u8>> {
+    let is_decimal = |word: &[u8]| {
+        let commas = word.split(|&byte| byte == b',').count() - 1;
+        let is_between = word
+            .windows(3)
+            .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit());
+        commas == 0 || (commas == 1 && is_between)
+    };
+    let mut words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    if !text.contains(&b',') || text.contains(&b'.') || !words.all(is_decimal) {
+        return None;
+    }
+    Some(
+        text.iter()
+            .map(|&byte| if byte == b',' { b'.' } else { byte })
+            .collect(),
+    )
+}
+
 /// Values of the header by their names.
 #[derive(Default)]
 struct EsriHeader {
@@ -86,6 +115,8 @@ struct EsriHeader {
     corner: [Option<f64>; 2],
     centre: [Option<f64>; 2],
     cell: [Option<f64>; 2],
+    /// North, south, east and west of GRASS.
+    edges: [Option<f64>; 4],
     no_data: Option<f64>,
 }
 
@@ -104,7 +135,13 @@ impl EsriHeader {
                 self.cell = [Some(value); 2];
                 return Ok(());
             }
-            b"nodata_value" | b"nodata" => &mut self.no_data,
+            b"north:" => &mut self.edges[0],
+            b"south:" => &mut self.edges[1],
+            b"east:" => &mut self.edges[2],
+            b"west:" => &mut self.edges[3],
+            b"rows:" => &mut self.rows,
+            b"cols:" => &mut self.columns,
+            b"nodata_value" | b"nodata" | b"null:" => &mut self.no_data,
             _ => {
                 let problem = format!(
                     "found {}, expected a line of the header of a grid or values",
@@ -121,6 +158,19 @@ impl EsriHeader {
         let missing = |name: &str| Fault::header(format!("the header of the grid has no {name}"));
         let columns = count_of(self.columns.ok_or_else(|| missing("ncols"))?, "ncols")?;
         let rows = count_of(self.rows.ok_or_else(|| missing("nrows"))?, "nrows")?;
+        if let [Some(north), Some(south), Some(east), Some(west)] = self.edges {
+            let step = [
+                (east - west) / columns.max(1) as f64,
+                (south - north) / rows.max(1) as f64,
+            ];
+            return Ok(Grid {
+                columns,
+                rows,
+                start: [west + 0.5 * step[0], north + 0.5 * step[1]],
+                step,
+                is_missing: Missing::Value(self.no_data.unwrap_or(f64::NAN)),
+            });
+        }
         let [Some(width), Some(height)] = self.cell else {
             return Err(missing("cellsize"));
         };
@@ -199,6 +249,8 @@ impl Grid {
             for column in 0..self.columns {
                 let value = match tokens.next_number() {
                     Some(Ok(value)) => value,
+                    // How GRASS writes cells without data.
+                    Some(Err(b"*")) => f64::NAN,
                     Some(Err(word)) => {
                         let problem = format!("found {}, expected a number", quoted(word));
                         return Err(Fault::new(Place::Line(tokens.line()), problem));
@@ -265,6 +317,13 @@ mod tests {
         let centre = "NCOLS 2 NROWS 1 XLLCENTER 0 YLLCENTER 5 DX 2 DY 1\n1 -9999\n";
         let cloud = decode_esri(centre.as_bytes(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 5.0, 1.0]]);
+        let grass = "north: 20\nsouth: 0\neast: 30\nwest: 10\nrows: 2\ncols: 2\n1 2\n3 *\n";
+        assert!(is_esri(Path::new("a.asc"), grass.as_bytes()));
+        let cloud = decode_esri(grass.as_bytes(), &Progress::default()).unwrap();
+        assert_eq!(points(&cloud), [[15.0, 15.0, 1.0], [25.0, 15.0, 2.0], [15.0, 5.0, 3.0]]);
+        let commas = "ncols 2\nnrows 1\nxllcorner 0,5\nyllcorner 0,5\ncellsize 1\n1,25 2,5\n";
+        let cloud = decode_esri(commas.as_bytes(), &Progress::default()).unwrap();
+        assert_eq!(points(&cloud), [[1.0, 1.0, 1.25], [2.0, 1.0, 2.5]]);
         let surfer = "DSAA\n2 2\n0 10\n0 5\n1 4\n1 2\n1.70141e+38 4\n";
         let cloud = decode_surfer(surfer.as_bytes(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 0.0, 1.0], [10.0, 0.0, 2.0], [10.0, 5.0, 4.0]]);

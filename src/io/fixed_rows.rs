@@ -55,6 +55,8 @@ pub(super) struct FixedRows {
     pub(super) count: usize,
     pub(super) big_endian: bool,
     pub(super) fields: Vec<RowField>,
+    /// Whether nothing comes behind the rows.
+    pub(super) is_all: bool,
     /// See [`RawCloud::sensor`].
     pub(super) sensor: Option<DVec3>,
     /// See [`RawCloud::convention`].
@@ -65,10 +67,26 @@ pub(super) struct FixedRows {
     pub(super) not_kept: Vec<NotKept>,
 }
 
+/// A warning of `rest` bytes that no header speaks of; none of a line ending.
+pub(super) fn bytes_behind(rest: u64) -> Option<String> {
+    const LINE_ENDING_BYTES: u64 = 2;
+    let warning = || {
+        format!("{rest} bytes behind the data that the header describes are not read: its counts or types may be wrong")
+    };
+    (rest > LINE_ENDING_BYTES).then(warning)
+}
+
 impl FixedRows {
     /// Bytes of the rows in the file, as far as the header can be believed.
     pub(super) fn file_bytes(&self) -> u64 {
         (self.count as u64).saturating_mul(self.row_bytes as u64)
+    }
+
+    /// What there is to say of bytes behind the rows in a file of `file_bytes`.
+    pub(super) fn bytes_behind(&self, file_bytes: u64) -> Option<String> {
+        let end = (self.start as u64).saturating_add(self.file_bytes());
+        let rest = file_bytes.checked_sub(end).filter(|_| self.is_all)?;
+        bytes_behind(rest)
     }
 
     /// Bytes of the cloud in memory: fields of a byte or two take four.
@@ -258,6 +276,7 @@ mod tests {
             count: COUNT,
             big_endian,
             fields: fields.into(),
+            is_all: false,
             sensor: None,
             convention: None,
             grid: None,

@@ -31,6 +31,7 @@ mod format;
 mod gltf;
 mod growing;
 mod las;
+mod likeness;
 mod list;
 pub(crate) mod matroska;
 mod mesh;
@@ -135,7 +136,7 @@ const TABLE: &[Codec] = &[
     Codec {
         encoders: &[npy_write::ENCODER],
         list: Some(npy::list_array),
-        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part))
+        ..Codec::reading(npy::FORMAT, |file| npy::decode(file.bytes, file.part, file.options))
     },
     Codec {
         list: Some(npy::list),

@@ -4,7 +4,8 @@
 //! file, whatever their type, byte order and order of rows and columns.
 //!
 //! An array of T × N × 3 is a sequence, and so are arrays whose names differ in their numbers alone, as
-//! `numpy.savez(file, *frames)` names them. Folders may have a hundred thousand NPY files: whoever lists these opens
+//! `numpy.savez(file, *frames)` names them. One of H × W × 3 whose rows are strips of a scene is an image of points
+//! ([`looks`]). Folders may have a hundred thousand NPY files: whoever lists these opens
 //! none of them unless the first one holds a sequence.
 
 use super::format::{Format, Holding, Magic, Traits};
@@ -13,6 +14,7 @@ mod cloud;
 mod frames;
 mod header;
 mod layers;
+mod looks;
 
 pub(super) use cloud::{decode, decode_archive};
 pub(super) use frames::{Arrays, list, list_array};

@@ -53,6 +53,14 @@ impl<'a> Tokens<'a> {
         Some(parse_number(token).ok_or(token))
     }
 
+    /// Lines with something in them behind that of the last token.
+    pub(super) fn lines_behind(&self) -> usize {
+        let mut rest = self.clone();
+        rest.skip_line();
+        let lines = rest.bytes[rest.position..].split(|&byte| byte == b'\n');
+        lines.filter(|line| !line.trim_ascii().is_empty()).count()
+    }
+
     /// The line that the last token was on.
     pub(super) fn line(&self) -> usize {
         self.line
@@ -79,6 +87,30 @@ impl<'a> Iterator for Tokens<'a> {
         self.position = end;
         (end > start).then(|| &self.bytes[start..end])
     }
+}
+
+/// `text` with points in place of decimal commas, if the first of its `rows` have them: `numbers` words of one comma at
+/// most, which is between digits.
+pub(super) fn with_decimal_points(text: &[u8], numbers: usize, rows: usize) -> Option<Vec<u8>> {
+    const LOOKED_AT_ROWS: usize = 16;
+    let is_between_digits = |word: &[u8]| {
+        word.windows(3)
+            .any(|three| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit())
+    };
+    let commas = |word: &[u8]| word.split(|&byte| byte == b',').count() - 1;
+    let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut has_comma = false;
+    for row in lines.filter(|line| !line.is_empty()).take(LOOKED_AT_ROWS.min(rows)) {
+        let words = row.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let words: Vec<&[u8]> = words.collect();
+        let fits = |word: &&[u8]| commas(word) == 0 || (commas(word) == 1 && is_between_digits(word));
+        if words.len() != numbers || !words.iter().all(fits) {
+            return None;
+        }
+        has_comma |= words.iter().any(|word| commas(word) == 1);
+    }
+    let point = |&byte: &u8| if byte == b',' { b'.' } else { byte };
+    has_comma.then(|| text.iter().map(point).collect())
 }
 
 /// Number of line endings.
@@ -144,6 +176,18 @@ mod tests {
             seen.push((token, tokens.line()));
         }
         assert_eq!(seen, [(b"a".as_slice(), 7), (b"b", 7), (b"c", 9)]);
+    }
+
+    #[test]
+    fn commas_are_decimal_where_the_number_of_words_fits() {
+        let of = |text: &str, numbers| with_decimal_points(text.as_bytes(), numbers, 2);
+        assert_eq!(
+            of("2,5 -1,25 3\n4,5 1 2\n", 3),
+            Some(b"2.5 -1.25 3\n4.5 1 2\n".to_vec())
+        );
+        for (text, numbers) in [("2,5 1,25 3\n", 5), ("1,2,3\n", 3), ("1, 2, 3\n", 3), ("1 2 3\n", 3)] {
+            assert_eq!(of(text, numbers), None, "{text}");
+        }
     }
 
     #[test]

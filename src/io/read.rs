@@ -93,6 +93,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
             return Err(fault.of(path, format));
         }
         if let Some(mut cloud) = rows.read(path, progress).map_err(failed)? {
+            cloud.warnings.extend(rows.bytes_behind(available));
             place_warnings(&mut cloud, path, format);
             return Ok(cloud);
         }

@@ -89,7 +89,7 @@ impl SharedFile {
 fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Content, IoError> {
     let bytes = watched::read_file(path, options.max_memory_bytes, progress)?;
     if Format::detect(path, &bytes) == Some(npy::FORMAT) {
-        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes))));
+        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes, options))));
     }
     let format = npy::ARCHIVE;
     if Format::detect(path, &bytes) == Some(format) {

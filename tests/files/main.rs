@@ -26,3 +26,4 @@ mod real_frames;
 mod reel;
 mod refusals;
 mod rgbd;
+mod table_layouts;

@@ -2,6 +2,7 @@
 
 use super::super::attributes;
 use super::super::column::Column;
+use super::super::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use super::super::contents::Part;
 use super::super::error::{Fault, Place};
 use super::super::growing;
@@ -12,6 +13,8 @@ use super::header::{Array, ArrayLayout, column_of};
 use super::layers::{
     MAX_COLUMNS, NamedArray, assume_frames, layer_of, no_layer, numbered_frames, take_layer, unroll_images,
 };
+use super::looks::{refuse, shape_text, take_point_map};
+use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{ImageGrid, RawCloud, ScalarField};
 use std::io::{Cursor, Read as _};
 
@@ -45,17 +48,23 @@ const NORMALS: [&str; 2] = ["normals", "normal"];
 /// Numbers that are kept of a field of records: more than the longest descriptors have.
 const MAX_ENTRIES: usize = 2048;
 
-pub(in crate::io) fn decode(bytes: &[u8], part: &Part) -> Result<RawCloud, Fault> {
+pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
+    refuse(&array, options.columns)?;
     let mut arrays = vec![(String::new(), array)];
     let image = unroll_images(&mut arrays, 0);
+    let map = match image {
+        Some(_) => None,
+        None => take_point_map(&mut arrays, 0, options.columns),
+    };
     let assumption = match part {
         Part::Layer(layer) => take_layer(&mut arrays, 0, *layer)?,
         _ => None,
     };
     let array = arrays.swap_remove(0).1.without_single_layers();
+    let mut meaning = None;
     let (columns, count) = match &array.kind {
-        ArrayLayout::Table(_) => table(&array, "x")?,
+        ArrayLayout::Table(_) => table(&array, "x", options.columns, &mut meaning)?,
         ArrayLayout::Records { .. } => {
             let count = array.shape.iter().product();
             (records(&array, count)?, count)
@@ -66,12 +75,17 @@ pub(in crate::io) fn decode(bytes: &[u8], part: &Part) -> Result<RawCloud, Fault
         (Some([height, width]), Some(_)) => cloud.grid = grid_of(width, height, count),
         (_, assumption) => cloud.assumptions.extend(assumption),
     }
+    if let Some(([height, width], assumption)) = map {
+        cloud.grid = grid_of(width, height, count);
+        cloud.assumptions.extend(assumption);
+    }
+    cloud.assumptions.extend(meaning);
     Ok(cloud)
 }
 
 /// The arrays of an archive that a cloud has a use for.
 pub(in crate::io) fn decode_archive(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
-    cloud_of_archive(&unpacked(bytes, options)?, layer_of(part))
+    cloud_of_archive(&unpacked(bytes, options)?, layer_of(part), options.columns)
 }
 
 /// The array with coordinates: that of a name that is used for them, or the only one.
@@ -80,13 +94,40 @@ pub(super) fn place_of_positions(arrays: &[NamedArray<'_>]) -> Option<usize> {
     named.or((arrays.len() == 1).then_some(0))
 }
 
-pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> Result<RawCloud, Fault> {
+/// The arrays of `members`. Those of words and the like are left out, unless they are to be the coordinates.
+pub(super) fn parsed(members: &[(String, Vec<u8>)]) -> Result<Vec<NamedArray<'_>>, Fault> {
     let mut arrays = Vec::new();
+    let mut first_fault = None;
     for (name, bytes) in members {
-        let array = Array::parse(bytes)
-            .map_err(|fault| Fault::new(fault.place, format!("array `{name}`: {}", fault.problem)))?;
-        arrays.push((name.to_ascii_lowercase(), array));
+        let lower = name.to_ascii_lowercase();
+        match Array::parse(bytes) {
+            Ok(array) => arrays.push((lower, array)),
+            Err(fault) => {
+                let is_needed = POSITIONS.contains(&lower.as_str()) || fault.place != Place::Header;
+                let fault = Fault::new(fault.place, format!("array `{name}`: {}", fault.problem));
+                if is_needed {
+                    return Err(fault);
+                }
+                first_fault.get_or_insert(fault);
+            }
+        }
     }
+    match first_fault {
+        Some(fault) if arrays.is_empty() => Err(fault),
+        _ => Ok(arrays),
+    }
+}
+
+pub(super) fn cloud_of_archive(
+    members: &[(String, Vec<u8>)],
+    layer: usize,
+    columns_given: Option<ColumnMap>,
+) -> Result<RawCloud, Fault> {
+    let mut arrays = parsed(members)?;
+    let shapes: Vec<String> = arrays
+        .iter()
+        .map(|(name, array)| format!("`{name}` ({})", shape_text(&array.shape)))
+        .collect();
     let mut place = place_of_positions(&arrays);
     let mut assumption = None;
     let mut layer = layer;
@@ -99,7 +140,14 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
         arrays = vec![arrays.swap_remove(frame)];
         (place, layer) = (Some(0), 0);
     }
+    if let Some(place) = place {
+        refuse(&arrays[place].1, columns_given)?;
+    }
     let image = place.and_then(|place| unroll_images(&mut arrays, place));
+    let map = place
+        .filter(|_| image.is_none())
+        .and_then(|place| take_point_map(&mut arrays, place, columns_given));
+    let mut meaning = None;
     let mut arrays: Vec<NamedArray<'_>> = arrays
         .into_iter()
         .map(|(name, array)| (name, array.without_single_layers()))
@@ -109,7 +157,7 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
     }
     let (mut columns, count) = match place.map(|place| &arrays[place]) {
         Some((_, array)) => match &array.kind {
-            ArrayLayout::Table(_) => table(array, "x")?,
+            ArrayLayout::Table(_) => table(array, "x", columns_given, &mut meaning)?,
             ArrayLayout::Records { .. } => {
                 let count = array.shape.iter().product();
                 (records(array, count)?, count)
@@ -124,15 +172,17 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
                 .map_or(0, |(_, array)| array.shape.iter().product()),
         ),
     };
-    add_columns_beside(&mut columns, &arrays, count)?;
+    let has_coordinates = place.is_some() || arrays.iter().any(|(name, _)| name == "x");
+    if has_coordinates {
+        add_columns_beside(&mut columns, &arrays, count)?;
+    }
     if columns.is_empty() {
-        let names: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
         return Err(Fault::header(format!(
-            "there are no coordinates: expected an array `xyz` or `points`, found {}",
-            if names.is_empty() {
+            "there are no coordinates: expected an array `xyz` or `points` (N × 3), found {}",
+            if shapes.is_empty() {
                 "no array".to_owned()
             } else {
-                names.join(", ")
+                shapes.join(", ")
             }
         )));
     }
@@ -154,6 +204,11 @@ pub(super) fn cloud_of_archive(members: &[(String, Vec<u8>)], layer: usize) -> R
         // What an image is, four dimensions say.
         None => cloud.assumptions.extend(assumption),
     }
+    if let Some(([height, width], assumption)) = map {
+        cloud.grid = grid_of(width, height, count);
+        cloud.assumptions.extend(assumption);
+    }
+    cloud.assumptions.extend(meaning);
     Ok(cloud)
 }
 
@@ -286,10 +341,15 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
     Ok(members)
 }
 
-/// The columns of an array of numbers with a point a row, and how many there are.
-fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize), Fault> {
-    let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
-    let shape = shape.join(" × ");
+/// The columns of an array of numbers with a point a row, and how many there are. Of those behind the coordinates
+/// `meaning` says how they were taken.
+fn table<'a>(
+    array: &Array<'a>,
+    first: &str,
+    map: Option<ColumnMap>,
+    meaning: &mut Option<Assumption>,
+) -> Result<(Vec<Column<'a>>, usize), Fault> {
+    let shape = shape_text(&array.shape);
     let [count, width] = array.shape[..] else {
         let advice = match array.shape.len() {
             3 => {
@@ -321,12 +381,49 @@ fn table<'a>(array: &Array<'a>, first: &str) -> Result<(Vec<Column<'a>>, usize),
             _ => Vec::new(),
         })
         .collect();
-    let names = xyz::guessed_names(&told_by);
+    let mut names = xyz::guessed_names(&told_by);
+    if let Some(map) = map.filter(|map| map.roles().iter().any(|(role, _)| role != FRAME_ROLE)) {
+        name_as_given(&mut names, map)?;
+    } else if width > 3 {
+        let values_tell = names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
+        let (why, evidence) = if values_tell {
+            (
+                "the array does not name its columns, their values are like that",
+                Evidence::Statistics,
+            )
+        } else {
+            ("the array does not name its columns", Evidence::Fallback)
+        };
+        *meaning = Some(Assumption::new(Subject::Columns, names.join(" "), why, evidence));
+    }
     let columns = names
         .into_iter()
         .enumerate()
         .map(|(index, name)| Column { name, ..column(index) });
     Ok((columns.collect(), count))
+}
+
+/// Gives columns the names that a person says.
+fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
+    let roles = || map.roles().iter().filter(|(role, _)| role != FRAME_ROLE);
+    let width = names.len();
+    for (index, name) in names.iter_mut().enumerate() {
+        if roles().any(|(role, _)| role == name) {
+            *name = format!("value_{}", index + 1);
+        }
+    }
+    for (role, column) in roles() {
+        let index = match column {
+            ColumnName::Index(index) if *index < width => *index,
+            _ => {
+                return Err(Fault::header(format!(
+                    "there is no column {column} as --columns says: the array has {width} without names, counted from 0"
+                )));
+            }
+        };
+        names[index].clone_from(role);
+    }
+    Ok(())
 }
 
 /// The columns of an array of records; fields that are short arrays themselves are several.

@@ -3,12 +3,14 @@
 //! **How it works.** The headers alone tell how many layers there are. Arrays are unpacked once for all frames of a
 //! file (`io/shared.rs`); a frame then is a view of its layer, also of those arrays beside it that have as many.
 
+use super::super::column_map::ColumnMap;
 use super::super::contents::{Entry, Part};
 use super::super::error::{Fault, IoError};
 use super::super::options::ReadOptions;
-use super::cloud::{cloud_of_archive, place_of_positions, unpacked};
+use super::cloud::{cloud_of_archive, parsed, place_of_positions, unpacked};
 use super::header::Array;
 use super::layers::{layer_count, numbered_frames, unroll_images};
+use super::looks::{refuse, take_point_map};
 use crate::cloud::RawCloud;
 use std::fs::File;
 use std::io::Read;
@@ -24,39 +26,59 @@ const MAX_LAYERS: usize = 1_000_000;
 const MOST_DEFLATED: u64 = 1032;
 
 /// The arrays of an NPZ file, unpacked, by their names.
-pub(in crate::io) struct Arrays(Vec<(String, Vec<u8>)>);
+pub(in crate::io) struct Arrays {
+    members: Vec<(String, Vec<u8>)>,
+    columns: Option<ColumnMap>,
+}
 
 impl Arrays {
     /// Those in the `bytes` of a file.
     pub(in crate::io) fn open(bytes: &[u8], options: &ReadOptions) -> Result<Self, Fault> {
-        unpacked(bytes, options).map(Self)
+        Ok(Self {
+            members: unpacked(bytes, options)?,
+            columns: options.columns,
+        })
     }
 
     /// The one in the `bytes` of an NPY file.
-    pub(in crate::io) fn of_one(bytes: Vec<u8>) -> Self {
-        Self(vec![("points".to_owned(), bytes)])
+    pub(in crate::io) fn of_one(bytes: Vec<u8>, options: &ReadOptions) -> Self {
+        Self {
+            members: vec![("points".to_owned(), bytes)],
+            columns: options.columns,
+        }
     }
 
     /// The frame of this number, counted from 0; of arrays without layers there is the first alone.
     pub(in crate::io) fn frame(&self, layer: usize) -> Result<RawCloud, Fault> {
-        cloud_of_archive(&self.0, layer)
+        cloud_of_archive(&self.members, layer, self.columns)
     }
 }
 
-/// The frames of the file at `path`, by the headers of its arrays. What cannot be understood is one frame, which then
-/// says why.
-pub(in crate::io) fn list(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+/// Larger files are not read to find out what they hold.
+const MAX_READ_BYTES: u64 = 1 << 31;
+
+/// The frames of the file at `path`, by the headers of its arrays, and by their values where an array may be an image
+/// of points. What cannot be understood is one frame, which then says why.
+pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
     };
     let file = File::open(path).map_err(failed)?;
     let file_bytes = file.metadata().map_err(failed)?.len();
-    Ok(entries(layers_of(file, file_bytes)))
+    let layers = layers_of(file, file_bytes);
+    let is_one = || {
+        let members = unpacked(&std::fs::read(path).ok()?, options).ok()?;
+        let arrays = parsed(&members).ok()?;
+        let place = place_of_positions(&arrays)?;
+        Some(is_one_cloud(arrays, place, options))
+    };
+    let may_be_one = layers.is_some() && file_bytes <= MAX_READ_BYTES;
+    Ok(entries(layers.filter(|_| !may_be_one || is_one() != Some(true))))
 }
 
-/// The frames of the NPY file at `path`, by its header.
-pub(in crate::io) fn list_array(path: &Path, _options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
+/// The frames of the NPY file at `path`, as those of an archive.
+pub(in crate::io) fn list_array(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
         source,
@@ -67,7 +89,19 @@ pub(in crate::io) fn list_array(path: &Path, _options: &ReadOptions) -> Result<V
         let array = Array::parse_head(&head(file))?;
         layers_of_array(vec![(String::new(), array)], 0, file_bytes)
     };
-    Ok(entries(layers()))
+    let layers = layers();
+    let is_one = || {
+        let bytes = std::fs::read(path).ok()?;
+        let array = Array::parse(&bytes).ok()?;
+        Some(is_one_cloud(vec![(String::new(), array)], 0, options))
+    };
+    let may_be_one = layers.is_some() && file_bytes <= MAX_READ_BYTES;
+    Ok(entries(layers.filter(|_| !may_be_one || is_one() != Some(true))))
+}
+
+/// Whether the array at `place` is one image of points, or nothing that has frames: its reading then says why.
+fn is_one_cloud(mut arrays: Vec<(String, Array<'_>)>, place: usize, options: &ReadOptions) -> bool {
+    refuse(&arrays[place].1, options.columns).is_err() || take_point_map(&mut arrays, place, options.columns).is_some()
 }
 
 fn entries(layers: Option<usize>) -> Vec<Entry> {
@@ -101,10 +135,9 @@ fn layers_of(file: File, file_bytes: u64) -> Option<usize> {
             heads.push((name.to_ascii_lowercase(), head(member)));
         }
     }
-    let mut arrays = Vec::new();
-    for (name, head) in &heads {
-        arrays.push((name.clone(), Array::parse_head(head)?));
-    }
+    // Arrays of words and the like are no frames.
+    let array = |(name, head): &(String, Vec<u8>)| Some((name.clone(), Array::parse_head(head)?));
+    let arrays: Vec<(String, Array<'static>)> = heads.iter().filter_map(array).collect();
     let most_bytes = file_bytes.saturating_mul(MOST_DEFLATED);
     match place_of_positions(&arrays) {
         Some(place) => layers_of_array(arrays, place, most_bytes),

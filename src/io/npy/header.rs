@@ -80,6 +80,21 @@ impl<'a> Array<'a> {
         lengths.try_fold(self.row_bytes, |bytes, &length| bytes.checked_mul(length))
     }
 
+    /// The number at these indices of a whole array of numbers; NaN where there is none.
+    pub(super) fn at(&self, indices: &[usize]) -> f64 {
+        let ArrayLayout::Table(number) = self.kind else {
+            return f64::NAN;
+        };
+        let sides = indices.iter().zip(&self.shape);
+        let place = if self.is_fortran {
+            sides.rev().fold(0, |place, (index, side)| place * side + index)
+        } else {
+            sides.fold(0, |place, (index, side)| place * side + index)
+        };
+        let bytes = self.payload.get(place * number.bytes()..(place + 1) * number.bytes());
+        bytes.map_or(f64::NAN, |bytes| number.read(bytes))
+    }
+
     /// Leaves the layer of this number along the first dimension. Precondition: there is one.
     pub(super) fn take_layer(&mut self, layer: usize) {
         let layers = self.shape.remove(0);

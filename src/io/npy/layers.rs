@@ -1,7 +1,7 @@
 //! Sequences in one array: T × N × 3, a layer a frame, or T × H × W × 3, an image of points a frame.
 //!
-//! A single image of points, H × W × 3, looks like the first and is read as H frames: that is said of every frame. An
-//! array with one layer is one frame.
+//! A single image of points, H × W × 3, has the shape of the first: its values tell ([`super::looks`]). An array with
+//! one layer is one frame.
 
 use super::super::contents::Part;
 use super::super::error::Fault;
@@ -110,7 +110,8 @@ pub(super) fn take_layer(
         format!("{frames} frames of {points} points"),
         "the array of positions has three dimensions",
         Evidence::Convention,
-    );
+    )
+    .with_option(Some("--columns"));
     for (_, array) in arrays {
         let is_table = matches!(array.kind, ArrayLayout::Table(_));
         if is_table && array.shape.starts_with(&[frames, points]) {

@@ -11,7 +11,7 @@ use super::error::{Fault, Place};
 use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
-use super::numbers::{Tokens, line_endings, note_row, quoted};
+use super::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
 use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
@@ -22,6 +22,9 @@ const MAX_LZF_RATIO: usize = 88;
 
 /// The crate counts the bytes of a block in an i32.
 const MAX_LZF_BYTES: usize = i32::MAX as usize;
+
+/// More lines that are no points are a damaged file.
+const MAX_ODD_ROWS: usize = 16;
 
 /// Point Cloud Library: ascii, binary, compressed.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -45,12 +48,17 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     let header = Header::parse(bytes)?;
     let payload = bytes.split_at(header.byte_size);
     let table = Table::new(&header, payload.1)?;
-    let mut cloud = table.with_columns(header.encoding, payload, progress, growing::cloud)?;
+    let mut warnings = Vec::new();
+    let mut cloud = table.with_columns(header.encoding, payload, progress, |columns, rows, odd| {
+        warnings = odd;
+        growing::cloud(columns, rows)
+    })?;
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
     let rotation = not_kept(&header);
     cloud.warnings.extend(header.warnings);
     cloud.not_kept.extend(rotation);
+    cloud.warnings.extend(warnings);
     Ok(cloud)
 }
 
@@ -67,7 +75,10 @@ fn not_kept(header: &Header) -> Option<NotKept> {
 pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
     let header = Header::parse(bytes)?;
     let payload = bytes.split_at(header.byte_size);
-    Table::new(&header, payload.1)?.with_columns(header.encoding, payload, progress, attributes::normals)
+    let table = Table::new(&header, payload.1)?;
+    table.with_columns(header.encoding, payload, progress, |columns, rows, _| {
+        attributes::normals(columns, rows)
+    })
 }
 
 /// Names of what each point has in a file that begins with `head`.
@@ -220,6 +231,7 @@ impl Table {
             count: self.rows,
             big_endian: false,
             fields: self.numbers().into_iter().map(field).collect(),
+            is_all: false,
             sensor: None,
             convention: FORMAT.convention(),
             grid: None,
@@ -279,7 +291,14 @@ impl Table {
         Ok(block)
     }
 
-    fn ascii(&self, payload: &[u8], first_line: usize, progress: &Progress) -> Result<Vec<Column<'static>>, Fault> {
+    /// The columns of points as text, and what is odd in it. A line that is no point is a missing one, or is skipped
+    /// where the others are as many as the header says.
+    fn ascii(
+        &self,
+        payload: &[u8],
+        first_line: usize,
+        progress: &Progress,
+    ) -> Result<(Vec<Column<'static>>, Vec<String>), Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
         self.check_claim(self.row_numbers().saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
@@ -289,62 +308,101 @@ impl Table {
             values: Values::Parsed(Vec::with_capacity(self.rows)),
         };
         let mut columns: Vec<Column<'static>> = self.numbers().into_iter().map(column).collect();
-        let mut tokens = Tokens::new(payload, first_line);
-        for row in 0..self.rows {
+        let mut warnings = Vec::new();
+        let decimal = with_decimal_points(payload, self.row_numbers(), self.rows);
+        if decimal.is_some() {
+            warnings.push("numbers have decimal commas: they are read as decimal points".to_owned());
+        }
+        let mut tokens = Tokens::new(decimal.as_deref().unwrap_or(payload), first_line);
+        let mut odd_rows = 0;
+        let mut row = 0;
+        while row < self.rows {
             note_row(row, self.rows, progress)?;
-            let mut column = columns.iter_mut();
-            for field in &self.fields {
-                for _ in 0..field.count {
-                    let value = tokens.next_number().ok_or_else(|| {
-                        Fault::entry(
-                            "point",
-                            row,
-                            format!("the file ends before field `{}`: it is truncated", field.name),
-                        )
-                    })?;
-                    let value = value.map_err(|token| {
-                        Fault::new(
-                            Place::Line(tokens.line()),
-                            format!("field `{}` is {}, expected a number", field.name, quoted(token)),
-                        )
-                    })?;
-                    if field.scalar.is_some()
-                        && let Some(Column {
-                            values: Values::Parsed(values),
-                            ..
-                        }) = column.next()
-                    {
-                        values.push(value);
+            if let Err(fault) = self.ascii_row(row, &mut tokens, &mut columns) {
+                let Place::Line(line) = fault.place else {
+                    return Err(fault);
+                };
+                odd_rows += 1;
+                let needed = self.rows - row - 1;
+                let lines = tokens.lines_behind();
+                if odd_rows > MAX_ODD_ROWS || !(needed..=needed + 1).contains(&lines) {
+                    return Err(fault);
+                }
+                let is_extra = lines > needed;
+                row += usize::from(!is_extra);
+                for column in &mut columns {
+                    if let Values::Parsed(values) = &mut column.values {
+                        values.resize(row, f64::NAN);
                     }
                 }
+                let what = if is_extra {
+                    "this line is skipped"
+                } else {
+                    "this point is missing"
+                };
+                warnings.push(format!("line {line}: {}: {what}", fault.problem));
+            } else {
+                row += 1;
             }
             // A point is a line: what follows its last field is of no field.
             tokens.skip_line();
         }
         note_row(self.rows, self.rows, progress)?;
-        Ok(columns)
+        Ok((columns, warnings))
     }
 
-    /// What `make` makes of the columns and the number of rows behind the header, in this encoding.
+    /// Adds the numbers of point `row` to `columns`.
+    fn ascii_row(&self, row: usize, tokens: &mut Tokens<'_>, columns: &mut [Column<'static>]) -> Result<(), Fault> {
+        let mut column = columns.iter_mut();
+        for field in &self.fields {
+            for _ in 0..field.count {
+                let value = tokens.next_number().ok_or_else(|| {
+                    Fault::entry(
+                        "point",
+                        row,
+                        format!("the file ends before field `{}`: it is truncated", field.name),
+                    )
+                })?;
+                let value = value.map_err(|token| {
+                    Fault::new(
+                        Place::Line(tokens.line()),
+                        format!("field `{}` is {}, expected a number", field.name, quoted(token)),
+                    )
+                })?;
+                if field.scalar.is_some()
+                    && let Some(Column {
+                        values: Values::Parsed(values),
+                        ..
+                    }) = column.next()
+                {
+                    values.push(value);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What `make` makes of the columns, the number of rows and what is odd behind the header, in this encoding.
     fn with_columns<T>(
         &self,
         encoding: Encoding,
         (header, payload): (&[u8], &[u8]),
         progress: &Progress,
-        make: impl FnOnce(&[Column<'_>], usize) -> Result<T, Fault>,
+        make: impl FnOnce(&[Column<'_>], usize, Vec<String>) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
         match encoding {
             Encoding::Ascii => {
                 let first_line = line_endings(header) + 1;
-                make(&self.ascii(payload, first_line, progress)?, self.rows)
+                let (columns, odd) = self.ascii(payload, first_line, progress)?;
+                make(&columns, self.rows, odd)
             }
             Encoding::Binary => {
                 self.check_claim(self.row_bytes, payload.len())?;
-                make(&self.rows(0).columns(payload), self.rows)
+                make(&self.rows(0).columns(payload), self.rows, Vec::new())
             }
             Encoding::BinaryCompressed => {
                 let block = self.decompress(payload, header.len())?;
-                make(&self.blocks(&block), self.rows)
+                make(&self.blocks(&block), self.rows, Vec::new())
             }
         }
     }

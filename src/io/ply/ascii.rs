@@ -1,29 +1,44 @@
 //! Rows of numbers as text.
 //!
 //! A row is as many numbers as its element has properties, whatever line they are on: writers break lines as they like.
+//! Only where something in a row is no number do lines tell what is meant: the row, or a line that is none.
 
 use super::super::column::Column;
 use super::super::error::{Fault, Place};
-use super::super::numbers::{Tokens, note_row, quoted};
+use super::super::numbers::{Tokens, note_row, quoted, with_decimal_points};
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
 use crate::progress::Progress;
 
-/// The columns of `vertex` and the triangles in the file `bytes`, of whose elements the first are `elements`.
+/// More rows that are no numbers are a damaged file.
+const MAX_ODD_ROWS: usize = 16;
+
+/// The columns of `vertex`, the triangles and what is odd in the file `bytes`, of whose elements the first are
+/// `elements`.
 pub(super) fn read(
     bytes: &[u8],
     (header, elements, vertex): (&PlyHeader, &[Element], &Element),
     progress: &Progress,
-) -> Result<(Vec<Column<'static>>, Faces), Fault> {
+) -> Result<(Vec<Column<'static>>, Faces, Vec<String>), Fault> {
     let payload = &bytes[header.byte_size..];
+    let mut warnings = Vec::new();
+    let is_first = elements.first().is_some_and(|element| element.name == POINTS);
+    let decimal = with_decimal_points(payload, vertex.properties.len(), vertex.count).filter(|_| is_first);
+    if decimal.is_some() {
+        warnings.push("numbers have decimal commas: they are read as decimal points".to_owned());
+    }
+    let payload = decimal.as_deref().unwrap_or(payload);
     let mut tokens = Tokens::new(payload, header.line_count + 1);
     let mut columns = None;
     let mut faces = Faces::new(vertex.count);
-    for element in elements {
+    for (place, element) in elements.iter().enumerate() {
         if element.name == POINTS {
             check_ascii_claim(element, payload)?;
-            let kept = columns.insert(vertices(&mut tokens, element, progress)?);
+            let counts = header.elements[place + 1..].iter().map(|element| element.count);
+            let rows_behind = counts.fold(0, usize::saturating_add);
+            let read = vertices(&mut tokens, element, rows_behind, &mut warnings, progress)?;
+            let kept = columns.insert(read);
             if kept.is_empty() {
                 // Nothing is kept of these points, so there is no cloud to be made of them.
                 break;
@@ -45,7 +60,7 @@ pub(super) fn read(
             Err(fault) => return Err(fault),
         }
     }
-    Ok((columns.unwrap_or_default(), faces))
+    Ok((columns.unwrap_or_default(), faces, warnings))
 }
 
 /// Steps over the rows of an element that is not the points, and makes triangles of its faces if there are any.
@@ -76,21 +91,61 @@ fn others(tokens: &mut Tokens<'_>, element: &Element, faces: &mut Faces, progres
     Ok(())
 }
 
-fn vertices(tokens: &mut Tokens<'_>, vertex: &Element, progress: &Progress) -> Result<Vec<Column<'static>>, Fault> {
+/// The columns of the points, behind which are `rows_behind` rows of other elements. A row that is no numbers is a
+/// missing point, or a line of no row, by the number of lines behind it.
+fn vertices(
+    tokens: &mut Tokens<'_>,
+    vertex: &Element,
+    rows_behind: usize,
+    warnings: &mut Vec<String>,
+    progress: &Progress,
+) -> Result<Vec<Column<'static>>, Fault> {
     let mut kept = KeptColumns::new(vertex);
     if kept.columns.is_empty() {
         return Ok(kept.columns);
     }
-    for row in 0..vertex.count {
+    let mut odd_rows = 0;
+    let mut row = 0;
+    while row < vertex.count {
         note_row(row, vertex.count, progress)?;
-        for (index, property) in vertex.properties.iter().enumerate() {
-            if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| ())? {
-                kept.push(index, value);
-            }
+        let end = tokens.line();
+        let Err(fault) = point(tokens, vertex, row, &mut kept) else {
+            row += 1;
+            continue;
+        };
+        let Place::Line(line) = fault.place else {
+            return Err(fault);
+        };
+        odd_rows += 1;
+        let is_own_line = row == 0 || line == end + 1;
+        let needed = (vertex.count - row - 1).saturating_add(rows_behind);
+        let lines = tokens.lines_behind();
+        if !is_own_line || odd_rows > MAX_ODD_ROWS || !(needed..=needed.saturating_add(1)).contains(&lines) {
+            return Err(fault);
         }
+        let what = if lines == needed {
+            kept.resize(row + 1);
+            row += 1;
+            "this point is missing"
+        } else {
+            kept.resize(row);
+            "this line is skipped"
+        };
+        tokens.skip_line();
+        warnings.push(format!("line {line}: {}: {what}", fault.problem));
     }
     note_row(vertex.count, vertex.count, progress)?;
     Ok(kept.columns)
+}
+
+/// Adds the numbers of a point.
+fn point(tokens: &mut Tokens<'_>, vertex: &Element, row: usize, kept: &mut KeptColumns) -> Result<(), Fault> {
+    for (index, property) in vertex.properties.iter().enumerate() {
+        if let Some(value) = ascii_step(tokens, property, POINTS, row, |_| ())? {
+            kept.push(index, value);
+        }
+    }
+    Ok(())
 }
 
 /// A number as text takes a digit and what separates it from the next.

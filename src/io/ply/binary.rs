@@ -10,13 +10,14 @@ use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
 
-/// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`.
+/// The columns of `vertex` and the triangles in `payload`, of whose elements the first are `elements`, and the number
+/// of bytes behind these.
 pub(super) fn read<'a>(
     payload: &'a [u8],
     big_endian: bool,
     elements: &[Element],
     vertex: &Element,
-) -> Result<(Vec<Column<'a>>, Faces), Fault> {
+) -> Result<(Vec<Column<'a>>, Faces, usize), Fault> {
     let mut cursor = Cursor {
         bytes: payload,
         at: 0,
@@ -24,6 +25,7 @@ pub(super) fn read<'a>(
     };
     let mut vertices = None;
     let mut faces = Faces::new(vertex.count);
+    let mut is_whole = true;
     for element in elements {
         if element.name == POINTS {
             vertices = Some(columns(&mut cursor, element)?);
@@ -37,12 +39,14 @@ pub(super) fn read<'a>(
             Ok(()) => {}
             Err(fault) if vertices.is_some() => {
                 faces.stop(fault);
+                is_whole = false;
                 break;
             }
             Err(fault) => return Err(fault),
         }
     }
-    Ok((vertices.unwrap_or_default(), faces))
+    let rest = if is_whole { cursor.rest().len() } else { 0 };
+    Ok((vertices.unwrap_or_default(), faces, rest))
 }
 
 /// The columns of `vertex`, which begins at the cursor.
@@ -77,6 +81,7 @@ pub(super) fn rows(vertex: &Element, start: usize, big_endian: bool) -> Option<F
         count: vertex.count,
         big_endian,
         fields,
+        is_all: false,
         sensor: None,
         convention: None,
         grid: None,
@@ -94,7 +99,8 @@ pub(super) fn fixed_rows(header: &PlyHeader, big_endian: bool) -> Option<FixedRo
     let mut start = header.byte_size;
     for element in &header.elements {
         if element.name == POINTS {
-            return rows(element, start, big_endian);
+            let is_all = header.elements.last().is_some_and(|last| last.name == POINTS);
+            return rows(element, start, big_endian).map(|rows| FixedRows { is_all, ..rows });
         }
         start = start.checked_add(element.count.checked_mul(element.fixed_row_bytes()?)?)?;
     }

@@ -116,12 +116,29 @@ fn first_line(bytes: &[u8]) -> &[u8] {
         .unwrap_or(bytes)
 }
 
+/// A property as the file has it.
+struct Original {
+    name: String,
+    line: usize,
+    /// Its type, or that of the items of a list, where the grammar does not know it: there it is a double.
+    long: Option<Scalar>,
+}
+
+/// Whole numbers of eight bytes, which some writers add to the format.
+fn long_type(word: &str) -> Option<Scalar> {
+    match word {
+        "int64" | "long" | "longlong" => Some(Scalar::I64),
+        "uint64" | "ulong" | "ulonglong" => Some(Scalar::U64),
+        _ => None,
+    }
+}
+
 /// The lines up to `end_header` as the crate's grammar wants them.
 struct HeaderText {
     text: String,
-    /// Names of properties in the order of the file, and their lines. In `text` each is its place in this list: the
-    /// grammar knows no signs in names, and keeps one of two properties of the same name.
-    names: Vec<(String, usize)>,
+    /// Properties in the order of the file. In `text` the name of each is its place in this list: the grammar knows no
+    /// signs in names, and keeps one of two properties of the same name.
+    names: Vec<Original>,
     /// Bytes that the lines take in the file.
     byte_size: usize,
 }
@@ -165,12 +182,12 @@ impl HeaderText {
     fn lenient_line(&mut self, line: &[u8], number: usize) -> String {
         let text = String::from_utf8_lossy(line.trim_ascii());
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
-        let (kept, name) = match words.as_slice() {
+        let (kept, kind, name) = match words.as_slice() {
             [] => return "comment".to_owned(),
             ["property", "list", length, item, name @ ..] if !name.is_empty() => {
-                (vec!["property", "list", length, item], name)
+                (vec!["property", "list", length], *item, name)
             }
-            ["property", kind, name @ ..] if !name.is_empty() && *kind != "list" => (vec!["property", kind], name),
+            ["property", kind, name @ ..] if !name.is_empty() && *kind != "list" => (vec!["property"], *kind, name),
             _ => {
                 return text
                     .chars()
@@ -178,8 +195,14 @@ impl HeaderText {
                     .collect();
             }
         };
-        self.names.push((name.join(" "), number));
-        format!("{} p{}", kept.join(" "), self.names.len() - 1)
+        let long = long_type(kind);
+        self.names.push(Original {
+            name: name.join(" "),
+            line: number,
+            long,
+        });
+        let kind = if long.is_some() { "double" } else { kind };
+        format!("{} {kind} p{}", kept.join(" "), self.names.len() - 1)
     }
 }
 
@@ -224,7 +247,7 @@ impl From<ScalarType> for Scalar {
 impl Element {
     /// Gives the properties the names of the file, which the parser has seen as places in the list `names`. Of two of
     /// the same name the first keeps it.
-    fn restore_names(&mut self, names: &[(String, usize)], warnings: &mut Vec<String>) {
+    fn restore_names(&mut self, names: &[Original], warnings: &mut Vec<String>) {
         let original = |property: &Property| {
             let place: usize = property.name.strip_prefix('p')?.parse().ok()?;
             names.get(place)
@@ -233,14 +256,19 @@ impl Element {
             .properties
             .iter()
             .filter_map(original)
-            .map(|(name, _)| name.clone());
+            .map(|original| original.name.clone());
         let mut free = UniqueNames::reserving(reserved);
         let mut seen = HashSet::new();
         let mut duplicates = Vec::new();
         for property in &mut self.properties {
-            let Some((name, line)) = original(property) else {
+            let Some(Original { name, line, long }) = original(property) else {
                 continue;
             };
+            if let Some(long) = *long {
+                match &mut property.kind {
+                    PropertyKind::Scalar(scalar) | PropertyKind::List { item: scalar, .. } => *scalar = long,
+                }
+            }
             property.name = if seen.insert(name) {
                 name.clone()
             } else {
@@ -346,6 +374,22 @@ mod tests {
     fn names(header: &PlyHeader) -> Vec<&str> {
         let properties = header.elements[0].properties.iter();
         properties.map(|property| property.name.as_str()).collect()
+    }
+
+    #[test]
+    fn whole_numbers_may_be_long() {
+        let header = parse(
+            "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty int64 id\n\
+             property ulong t\nend_header\n",
+        );
+        let vertex = &header.elements[0];
+        let scalar = |index: usize| match vertex.properties[index].kind {
+            PropertyKind::Scalar(scalar) => Some(scalar),
+            PropertyKind::List { .. } => None,
+        };
+        assert_eq!(names(&header), ["x", "id", "t"]);
+        assert_eq!([scalar(1), scalar(2)], [Some(Scalar::I64), Some(Scalar::U64)]);
+        assert_eq!(vertex.fixed_row_bytes(), Some(4 + 8 + 8));
     }
 
     #[test]

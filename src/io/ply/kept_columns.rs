@@ -44,4 +44,13 @@ impl KeptColumns {
             values.push(value);
         }
     }
+
+    /// Leaves the first `rows` rows, of which missing values are NaN.
+    pub(super) fn resize(&mut self, rows: usize) {
+        for column in &mut self.columns {
+            if let Values::Parsed(values) = &mut column.values {
+                values.resize(rows, f64::NAN);
+            }
+        }
+    }
 }

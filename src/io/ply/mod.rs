@@ -20,7 +20,7 @@ mod writer;
 use super::attributes;
 use super::column::Column;
 use super::error::Fault;
-use super::fixed_rows::FixedRows;
+use super::fixed_rows::{FixedRows, bytes_behind};
 use super::format::{Format, Magic, Traits};
 use super::growing;
 use crate::cloud::RawCloud;
@@ -48,6 +48,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         mut columns,
         count,
         faces,
+        warnings,
     } = read_rows(bytes, &header, progress)?;
     let anchors = splats::drop_anchors(&mut columns);
     let mut cloud = match Splats::take(columns) {
@@ -64,6 +65,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
     cloud.not_kept.extend(not_kept::not_kept(&header));
     cloud.warnings.extend(header.warnings);
     cloud.warnings.extend(anchors);
+    cloud.warnings.extend(warnings);
     Ok(cloud)
 }
 
@@ -88,6 +90,7 @@ struct PlyRows<'a> {
     /// How many points there are.
     count: usize,
     faces: Faces,
+    warnings: Vec<String>,
 }
 
 fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Result<PlyRows<'a>, Fault> {
@@ -99,17 +102,21 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
         .iter()
         .rposition(|element| element.name == POINTS || FaceList::of(element).is_some());
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
-    let (columns, faces) = match header.encoding {
+    let is_all = elements.len() == header.elements.len();
+    let (columns, faces, warnings) = match header.encoding {
         Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
-            binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?
+            let (columns, faces, rest) = binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?;
+            let warnings = bytes_behind(rest as u64).filter(|_| is_all);
+            (columns, faces, warnings.into_iter().collect())
         }
     };
     Ok(PlyRows {
         columns,
         count: vertex.count,
         faces,
+        warnings,
     })
 }
 

@@ -122,6 +122,10 @@ impl Counted {
 }
 
 fn is_row(line: &[u8]) -> bool {
+    // Extended XYZ: `Lattice="5 0 0 0 5 0 0 0 5"`.
+    if line.contains(&b'=') {
+        return false;
+    }
     let cells = Cells::new(Dialect::of(line), line.trim_ascii()).all();
     let numbers = cells
         .iter()
@@ -176,6 +180,8 @@ mod tests {
         ] {
             assert!(Counted::of(other.as_bytes()).unwrap().is_none(), "{other:?}");
         }
+        let lattice = "1\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:pos:R:3\nC 1 2 3\n";
+        assert!(Counted::of(lattice.as_bytes()).unwrap().is_some());
         let fault = Counted::of(b"2\nfirst\nC 1 2 3\n").unwrap_err();
         assert!(fault.problem.contains("truncated"), "{fault:?}");
     }

@@ -17,7 +17,10 @@ pub(in crate::io) struct Dialect {
 const MARKS: [u8; 4] = [b';', b'\t', b'|', b','];
 
 /// Words for a value that is missing.
-const MISSING: [&str; 10] = ["", "na", "n/a", "null", "none", "nil", "-", "--", "?", "#n/a"];
+const MISSING: [&str; 16] = [
+    "", "na", "n/a", "null", "none", "nil", "-", "--", "?", "#n/a", "#name?", "#div/0!", "#value!", "#ref!", "#num!",
+    "#null!",
+];
 
 /// Bytes of a text that are looked at.
 pub(super) const SAMPLE_BYTES: usize = 64 << 10;
@@ -95,12 +98,66 @@ impl Dialect {
         if MISSING.iter().any(|missing| text.eq_ignore_ascii_case(missing)) {
             return Some(f64::NAN);
         }
-        if let Some(number) = parse_number(word) {
+        if let Some(number) = parse_number(word).or_else(|| of_fortran(text)) {
             return Some(number);
         }
         let (point, group) = if self.decimal_comma { (',', '.') } else { ('.', ',') };
         parse_number(without_groups(text, point, group)?.as_bytes())
     }
+}
+
+/// A number whose exponent Fortran marks as one of double precision: `1.5D-03`.
+fn of_fortran(text: &str) -> Option<f64> {
+    let (mantissa, exponent) = text.split_once(['D', 'd'])?;
+    let starts_as_number = mantissa.ends_with(|sign: char| sign.is_ascii_digit() || sign == '.');
+    starts_as_number.then(|| parse_number(format!("{mantissa}e{exponent}").as_bytes()))?
+}
+
+/// Red, green, blue and alpha in hexadecimal digits: `#rrggbb` or `0xrrggbb`, with two digits more for alpha.
+pub(super) fn hex_color(word: &[u8]) -> Option<[u8; 4]> {
+    let digits = word
+        .strip_prefix(b"#")
+        .or_else(|| word.strip_prefix(b"0x"))
+        .or_else(|| word.strip_prefix(b"0X"))?;
+    let number = u32::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
+    match digits.len() {
+        6 => Some((number << 8 | 0xff).to_be_bytes()),
+        8 => Some(number.to_be_bytes()),
+        _ => None,
+    }
+}
+
+/// True for a line that names the block of rows behind it: `Frame 3`, `t = 0.5 s`, and `ZONE` of Tecplot.
+pub(super) fn is_title(line: &[u8]) -> bool {
+    const WORDS: [&str; 9] = [
+        "frame",
+        "step",
+        "timestep",
+        "time",
+        "t",
+        "scan",
+        "sweep",
+        "snapshot",
+        "timestamp",
+    ];
+    /// Longer lines have more in them.
+    const MAX_BYTES: usize = 64;
+    let end = line
+        .iter()
+        .position(|byte| !byte.is_ascii_alphabetic())
+        .unwrap_or(line.len());
+    let (word, rest) = line.split_at(end);
+    if word.eq_ignore_ascii_case(b"zone") {
+        return rest.first().is_none_or(u8::is_ascii_whitespace);
+    }
+    if line.len() > MAX_BYTES || !WORDS.iter().any(|known| word.eq_ignore_ascii_case(known.as_bytes())) {
+        return false;
+    }
+    let rest = String::from_utf8_lossy(rest);
+    let rest = rest.trim_start_matches([' ', '\t', ':', '=', '#', '_', '-']);
+    let mut words = rest.split_ascii_whitespace();
+    let is_number = |word: &str| parse_number(word.trim_end_matches([':', 's']).as_bytes()).is_some();
+    words.next().is_some_and(is_number) && words.next().is_none_or(|word| !is_number(word)) && words.next().is_none()
 }
 
 /// The number in `text` with a decimal point and without the signs that group its thousands; `None` where it is none.
@@ -240,6 +297,8 @@ pub(super) fn seconds_of(word: &[u8]) -> Option<f64> {
 /// The text behind the mark of a comment.
 pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
     match line {
+        // Spreadsheets write errors so: the first cell is missing.
+        [b'#', ..] if begins_with_error(line) => None,
         [b'/', b'/', rest @ ..] | [b'#' | b'%' | b'!', rest @ ..] => Some(rest),
         // Where semicolons separate cells, the first one may be empty.
         [b';', rest @ ..] if !rest.contains(&b';') => Some(rest),
@@ -247,9 +306,65 @@ pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
     }
 }
 
+/// True where the first cell is `#N/A` or another error of a spreadsheet.
+fn begins_with_error(line: &[u8]) -> bool {
+    let end = line
+        .iter()
+        .position(|byte| b",;\t| ".contains(byte))
+        .unwrap_or(line.len());
+    let is_error = |word: &&str| word.starts_with('#') && line[..end].eq_ignore_ascii_case(word.as_bytes());
+    MISSING.iter().any(is_error)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_of_spreadsheets_are_no_comments() {
+        assert_eq!(comment(b"#N/A,#N/A,1"), None);
+        assert_eq!(comment(b"#DIV/0!;1;2"), None);
+        assert_eq!(comment(b"# N/A means missing"), Some(b" N/A means missing".as_slice()));
+        assert_eq!(comment(b"#name x y z"), Some(b"name x y z".as_slice()));
+        assert!(Dialect::MIXED.number_of(b"#N/A").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn blocks_may_have_titles() {
+        for title in [
+            "Frame 0",
+            "frame: 12",
+            "t = 0.5",
+            "Time=0.5 ps",
+            "TIMESTEP 3",
+            "scan_7",
+            "ZONE I=3, F=POINT",
+        ] {
+            assert!(is_title(title.as_bytes()), "{title}");
+        }
+        for other in [
+            "frame,x,y,z",
+            "t 1 2 3",
+            "time x y z",
+            "frame 1 2",
+            "zones",
+            "1 2 3",
+            "framework 3",
+        ] {
+            assert!(!is_title(other.as_bytes()), "{other}");
+        }
+    }
+
+    #[test]
+    fn colors_may_be_hexadecimal() {
+        assert_eq!(hex_color(b"#5add76"), Some([0x5a, 0xdd, 0x76, 255]));
+        assert_eq!(hex_color(b"0x5ADD7680"), Some([0x5a, 0xdd, 0x76, 0x80]));
+        for other in [b"5add76".as_slice(), b"#5add7", b"#gggggg", b"0x12"] {
+            assert_eq!(hex_color(other), None);
+        }
+        assert_eq!(Dialect::MIXED.number_of(b"-1.5D-03"), Some(-0.0015));
+        assert_eq!(Dialect::MIXED.number_of(b"3D"), None);
+    }
 
     #[test]
     fn commas_and_marks_are_determined_by_their_neighbours() {

@@ -25,7 +25,11 @@ pub(super) fn divide(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warning
             return Vec::new();
         }
         let comments: Vec<String> = counted.blocks.iter().map(|block| block.comment.clone()).collect();
-        let mut found = frames::of_blocks(&starts, rows, &comments);
+        // What extended XYZ says of all frames names none of them.
+        let is_name = |comment: &&String| !comment.contains("Lattice=") && !comment.contains("Properties=");
+        let name = |comment: &String| Some(comment).filter(is_name).cloned().unwrap_or_default();
+        let names: Vec<String> = comments.iter().map(name).collect();
+        let mut found = frames::of_blocks(&starts, rows, &names);
         if let Some(times) = frames::times_in(&comments) {
             for (frame, time) in found.iter_mut().zip(times) {
                 frame.time = Some(time);
@@ -54,9 +58,10 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
     let columns = || (0..parsed.names.len()).filter(|column| !parsed.naming.positions.contains(column));
     let of_kind = |is: fn(Counter) -> bool| columns().find(|&column| counter(column).is_some_and(is));
     let numbered = of_kind(|counter| counter == Counter::Frames);
-    let timed = of_kind(|counter| counter != Counter::Frames);
+    let timed = of_kind(|counter| matches!(counter, Counter::Times(_)));
+    let stamped = of_kind(|counter| matches!(counter, Counter::Points(_)));
     let positions = parsed.naming.positions.map(|axis| parsed.rows.columns[axis].as_slice());
-    for column in given.into_iter().chain(numbered).chain(timed) {
+    for column in given.into_iter().chain(numbered).chain(timed).chain(stamped) {
         let name = &parsed.names[column];
         let Some(groups) = Groups::of(&parsed.rows.columns[column]) else {
             continue;
@@ -65,10 +70,13 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
         let mean = groups.mean_rows();
         let (is_sequence, evidence) = match counter(column) {
             _ if given == Some(column) => (true, Evidence::File),
-            Some(Counter::Times(_)) => {
+            Some(Counter::Times(unit)) => {
                 let is_of_lidar = is_of_lidar(&parsed.names);
-                (groups.are_times_of_frames(is_of_lidar, positions), Evidence::Statistics)
+                let seconds = unit.unwrap_or_else(|| guessed_seconds(&parsed.rows.columns[column]).0);
+                let are_frames = groups.are_times_of_frames(seconds, is_of_lidar, positions);
+                (are_frames, Evidence::Statistics)
             }
+            Some(Counter::Points(_)) => (false, Evidence::Convention),
             _ => (groups.are_numbers_of_frames(), Evidence::File),
         };
         if !is_sequence {
@@ -79,8 +87,8 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                     "column `{name}` has {count} values for {} points: they are those of points",
                     parsed.rows.len()
                 ),
-                // One value per point cannot be meant otherwise.
-                if mean < 1.5 {
+                // One value per point cannot be meant otherwise, and the clock of a laser scanner stamps points.
+                if mean < 1.5 || evidence == Evidence::Convention {
                     Evidence::Convention
                 } else {
                     Evidence::Statistics
@@ -91,7 +99,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
             continue;
         }
         let seconds = match counter(column) {
-            Some(Counter::Times(unit)) => Some(unit.unwrap_or_else(|| {
+            Some(Counter::Times(unit) | Counter::Points(unit)) => Some(unit.unwrap_or_else(|| {
                 let (seconds, unit) = guessed_seconds(&parsed.rows.columns[column]);
                 assumptions.push(Assumption::new(
                     Subject::FrameTimes,
@@ -109,9 +117,12 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                 groups.without
             ));
         }
-        let why = format!("column `{name}` has as many values, for {mean:.0} points each");
-        let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
-        assumptions.push(assumption.with_option(Some("--columns")));
+        // What a person says is not assumed.
+        if given != Some(column) {
+            let why = format!("column `{name}` has as many values, for {mean:.0} points each");
+            let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);
+            assumptions.push(assumption.with_option(Some("--columns")));
+        }
         let no_words = Vec::new();
         let words = parsed.rows.words.get(column).unwrap_or(&no_words);
         let mut found = groups.frames(name, seconds, words);
@@ -205,7 +216,10 @@ fn by_breaks(parsed: &Parsed, assumptions: &mut Vec<Assumption>) -> Vec<Frame> {
         let before = breaks.iter().find(|found| found.row == row);
         before.map_or_else(String::new, |found| found.label.clone())
     };
-    let labels: Vec<String> = std::iter::once(0).chain(starts.iter().copied()).map(label).collect();
+    let mut labels: Vec<String> = std::iter::once(0).chain(starts.iter().copied()).map(label).collect();
+    if labels[1..].iter().all(|label| !label.is_empty()) {
+        labels[0].clone_from(&parsed.title);
+    }
     let mut found = frames::of_blocks(&starts, rows, &labels);
     if let Some(times) = frames::times_in(&labels) {
         for (frame, time) in found.iter_mut().zip(times) {

@@ -1,14 +1,19 @@
-//! Text as UTF-8, whatever it is stored as.
+//! Text as UTF-8 with line feeds, whatever it is stored as.
 
 use std::borrow::Cow;
 
-/// `bytes` without the mark of UTF-8, or those of UTF-16 (either byte order) as UTF-8.
+/// `bytes` without the mark of UTF-8, or those of UTF-16 (either byte order, with its mark or without) as UTF-8. Lines
+/// that end in carriage returns alone, as old Macs and some instruments write them, end in line feeds.
 pub(in crate::io) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
-    match bytes {
+    let text = match bytes {
         [0xff, 0xfe, text @ ..] => Cow::Owned(of_utf16(text, u16::from_le_bytes)),
         [0xfe, 0xff, text @ ..] => Cow::Owned(of_utf16(text, u16::from_be_bytes)),
-        [0xef, 0xbb, 0xbf, text @ ..] | text => Cow::Borrowed(text),
-    }
+        [0xef, 0xbb, 0xbf, text @ ..] | text => match unmarked_utf16(text) {
+            Some(unit) => Cow::Owned(of_utf16(text, unit)),
+            None => Cow::Borrowed(text),
+        },
+    };
+    with_line_feeds(text)
 }
 
 fn of_utf16(text: &[u8], unit: fn([u8; 2]) -> u16) -> Vec<u8> {
@@ -17,6 +22,37 @@ fn of_utf16(text: &[u8], unit: fn([u8; 2]) -> u16) -> Vec<u8> {
     let mut utf8 = String::with_capacity(units.len());
     utf8.extend(decoded.map(|sign| sign.unwrap_or(char::REPLACEMENT_CHARACTER)));
     utf8.into_bytes()
+}
+
+/// The byte order of UTF-16 without a mark: of numbers in it every second byte is zero.
+fn unmarked_utf16(text: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    const LOOKED_AT_BYTES: usize = 512;
+    const MIN_BYTES: usize = 8;
+    let head = &text[..text.len().min(LOOKED_AT_BYTES)];
+    let (pairs, _) = head.as_chunks::<2>();
+    if head.len() < MIN_BYTES {
+        return None;
+    }
+    let zeros = |place: usize| pairs.iter().filter(|pair| pair[place] == 0).count();
+    let is_most = |count: usize| count * 10 >= pairs.len() * 9;
+    match (zeros(0), zeros(1)) {
+        (0, high) if is_most(high) => Some(u16::from_le_bytes),
+        (high, 0) if is_most(high) => Some(u16::from_be_bytes),
+        _ => None,
+    }
+}
+
+fn with_line_feeds(text: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
+    const LOOKED_AT_BYTES: usize = 64 << 10;
+    let head = &text[..text.len().min(LOOKED_AT_BYTES)];
+    if head.contains(&b'\n') || !head.contains(&b'\r') {
+        return text;
+    }
+    let mut text = text.into_owned();
+    for byte in text.iter_mut().filter(|byte| **byte == b'\r') {
+        *byte = b'\n';
+    }
+    Cow::Owned(text)
 }
 
 #[cfg(test)]
@@ -34,8 +70,18 @@ mod tests {
             &[b"\xef\xbb\xbf", text.as_bytes()].concat(),
             &little,
             &big,
+            // Without the mark.
+            &little[2..],
+            &big[2..],
         ] {
             assert_eq!(utf8(bytes), text.as_bytes());
         }
+    }
+
+    #[test]
+    fn carriage_returns_alone_end_lines() {
+        assert_eq!(utf8(b"1 2 3\r4 5 6\r"), b"1 2 3\n4 5 6\n".as_slice());
+        let crlf = b"1 2 3\r\n4 5 6\r\n".as_slice();
+        assert_eq!(utf8(crlf), crlf);
     }
 }

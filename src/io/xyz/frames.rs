@@ -39,6 +39,8 @@ pub(super) enum Counter {
     Frames,
     /// It holds times in this unit, seconds.
     Times(Option<f64>),
+    /// It holds times of points in this unit, seconds: they are frames only where a person says so.
+    Points(Option<f64>),
 }
 
 const FRAME_WORDS: [&str; 10] = [
@@ -54,16 +56,7 @@ const FRAME_WORDS: [&str; 10] = [
     "timeframe",
 ];
 const FRAME_SUFFIXES: [&str; 8] = ["id", "no", "nr", "number", "index", "idx", "num", "count"];
-const TIME_WORDS: [&str; 8] = [
-    "time",
-    "timestamp",
-    "timestamps",
-    "t",
-    "stamp",
-    "datetime",
-    "gpstime",
-    "sec",
-];
+const TIME_WORDS: [&str; 7] = ["time", "timestamp", "timestamps", "t", "stamp", "datetime", "sec"];
 const TIME_UNITS: [(f64, &[&str]); 5] = [
     (60.0, &["min", "minutes"]),
     (1.0, &["s", "sec", "secs", "second", "seconds"]),
@@ -90,7 +83,9 @@ impl Counter {
             [first, second] if FRAME_WORDS.contains(first) && FRAME_SUFFIXES.contains(second) => Some(Self::Frames),
             ["time", "step" | "frame"] | ["scan", "id" | "index" | "number"] => Some(Self::Frames),
             [first] if TIME_WORDS.contains(first) => Some(Self::Times(unit)),
-            ["time", "stamp"] | ["gps" | "date", "time"] => Some(Self::Times(unit)),
+            ["time", "stamp"] | ["date", "time"] => Some(Self::Times(unit)),
+            // The clock of a laser scanner stamps points, whatever the number of digits makes of it.
+            ["gpstime"] | ["gps", "time"] => Some(Self::Points(unit)),
             [first, second] if TIME_WORDS.contains(first) => unit_of(second).map(|unit| Self::Times(Some(unit))),
             _ => None,
         }
@@ -197,12 +192,39 @@ impl Groups {
         self.mean_rows() >= MIN_ROWS
     }
 
-    /// Whether the values are times of frames, not of single points. A LiDAR stamps firings and packets, each of which
-    /// sees a part of what is around it.
-    pub(super) fn are_times_of_frames(&self, is_of_lidar: bool, positions: [&[f64]; 3]) -> bool {
+    /// Whether all frames but half have about as many rows as the median one.
+    fn are_similar(&self) -> bool {
+        const MAX_RATIO: usize = 4;
+        let mut sizes: Vec<usize> = self.by_value.iter().map(|(_, rows)| rows.len()).collect();
+        sizes.sort_unstable();
+        let median = sizes[sizes.len() / 2];
+        let is_similar = |size: &&usize| **size * MAX_RATIO >= median && **size <= median * MAX_RATIO;
+        sizes.iter().filter(is_similar).count() * 2 >= sizes.len()
+    }
+
+    /// Whether the values are evenly spaced, and no closer than frames are: rounded times of points are as even.
+    fn are_even(&self, seconds: f64) -> bool {
+        /// 200 frames per second.
+        const MIN_STEP_SECONDS: f64 = 0.005;
+        const TOLERANCE: f64 = 0.1;
+        let mut steps: Vec<f64> = self.by_value.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        steps.sort_by(f64::total_cmp);
+        let Some(&median) = steps.get(steps.len() / 2) else {
+            return false;
+        };
+        let is_even = |step: &&f64| (**step - median).abs() <= TOLERANCE * median;
+        let even = steps.iter().filter(is_even).count();
+        median * seconds >= MIN_STEP_SECONDS && even * 10 >= steps.len() * 9
+    }
+
+    /// Whether the values, of which a step of 1 is so many `seconds`, are times of frames, not of single points. A
+    /// LiDAR stamps firings and packets, each of which sees a part of what is around it.
+    pub(super) fn are_times_of_frames(&self, seconds: f64, is_of_lidar: bool, positions: [&[f64]; 3]) -> bool {
         /// Part of the width and breadth of everything that a frame has.
         const MIN_COVERAGE: f64 = 0.4;
         const MIN_ROWS: f64 = 64.0;
+        /// Of frames at uneven times.
+        const MIN_ROWS_OF_UNEVEN: f64 = 500.0;
         /// Tracks of a few points.
         const MIN_TRACKS: f64 = 2.0;
         const MAX_TRACK_FRAMES: usize = 20_000;
@@ -215,7 +237,8 @@ impl Groups {
             return false;
         }
         let are_tracks = mean >= MIN_TRACKS && self.are_equal() && self.len() <= MAX_TRACK_FRAMES;
-        mean >= MIN_ROWS || are_tracks
+        let is_even = mean >= MIN_ROWS && self.are_even(seconds);
+        is_even || (mean >= MIN_ROWS_OF_UNEVEN && self.are_similar()) || are_tracks
     }
 
     /// Median over the groups of the part of the rectangle around all points that the rectangle around theirs is.
@@ -429,6 +452,8 @@ mod tests {
             ("timestamp_us", Some(Counter::Times(Some(1e-6)))),
             ("RelativeTime", None),
             ("adjustedtime", None),
+            ("GpsTime", Some(Counter::Points(None))),
+            ("gps_time", Some(Counter::Points(None))),
             ("intensity", None),
             ("frame_rate_hz", None),
         ] {
@@ -441,7 +466,10 @@ mod tests {
         let flat = vec![0.0; 64_000];
         let groups = |values: Vec<f64>| {
             let groups = Groups::of(&values)?;
-            Some((groups.len(), groups.are_times_of_frames(false, [&flat, &flat, &flat])))
+            Some((
+                groups.len(),
+                groups.are_times_of_frames(1.0, false, [&flat, &flat, &flat]),
+            ))
         };
         // Each point has its own.
         assert_eq!(groups((0..1000).map(f64::from).collect()), Some((1000, false)));
@@ -449,6 +477,9 @@ mod tests {
             groups((0..1000).map(|i| f64::from(i / 100)).collect()),
             Some((10, true))
         );
+        // About a hundred points at times that were rounded to milliseconds.
+        let rounded = |i: i32| (f64::from(i) / 99.7).round() / 1000.0;
+        assert_eq!(groups((0..2000).map(rounded).collect()), Some((21, false)));
         // Tracks one after the other.
         assert_eq!(
             groups((0..1000).map(|i| f64::from(i % 100)).collect()),
@@ -459,8 +490,8 @@ mod tests {
         let moving: Vec<f64> = (0..6000).map(|i| f64::from(i % 60 + 50 * (i / 60))).collect();
         let scattered: Vec<f64> = (0..6000).map(|i| f64::from((i * 7919) % 6007)).collect();
         let zeros = vec![0.0; 6000];
-        assert!(turns.are_times_of_frames(false, [&moving, &zeros, &zeros]));
-        assert!(!turns.are_times_of_frames(false, [&scattered, &zeros, &zeros]));
+        assert!(turns.are_times_of_frames(1.0, false, [&moving, &zeros, &zeros]));
+        assert!(!turns.are_times_of_frames(1.0, false, [&scattered, &zeros, &zeros]));
         assert_eq!(groups(vec![1.0; 10]), None);
         // The packets of a LiDAR are sectors of a circle, its turns are all of it.
         let angle = |i: i32| f64::from(i) * std::f64::consts::TAU / 8000.0;
@@ -469,9 +500,9 @@ mod tests {
             (0..64_000).map(|i| angle(i).sin()).collect(),
         ];
         let of = |rows: i32| Groups::of(&(0..64_000).map(|i| f64::from(i / rows)).collect::<Vec<f64>>()).unwrap();
-        assert!(!of(64).are_times_of_frames(true, [&x, &y, &flat]));
-        assert!(!of(400).are_times_of_frames(true, [&x, &y, &flat]));
-        assert!(of(8000).are_times_of_frames(true, [&x, &y, &flat]));
+        assert!(!of(64).are_times_of_frames(1.0, true, [&x, &y, &flat]));
+        assert!(!of(400).are_times_of_frames(1.0, true, [&x, &y, &flat]));
+        assert!(of(8000).are_times_of_frames(1.0, true, [&x, &y, &flat]));
     }
 
     #[test]

@@ -55,7 +55,7 @@ pub(in crate::io) fn guessed_names(columns: &[Vec<f64>]) -> Vec<String> {
             // Normals along axes are whole numbers as well: fractions elsewhere are more like a colour.
             Some(first) if is_unit_length(&columns[first..first + 3]) => color(&names, is_fractions).or(Some(first)),
             Some(first) => Some(first),
-            None => color(&names, is_fractions),
+            None => color(&names, is_fractions).or_else(|| color(&names, are_wide_bytes)),
         }
     } else {
         color(&names, is_bright_bytes)
@@ -97,6 +97,18 @@ fn has_values(columns: &[Vec<f64>]) -> bool {
 fn is_bytes(columns: &[Vec<f64>]) -> bool {
     let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
     has_values(columns) && columns.iter().all(|column| known(column).all(is_byte))
+}
+
+/// Bytes that were made 16 bits wide: multiples of 256 or 257, and not all of them zero.
+fn are_wide_bytes(columns: &[Vec<f64>]) -> bool {
+    const MAX: f64 = 65_535.0;
+    let are_multiples = |of: f64| {
+        let is_multiple = |value: f64| (0.0..=MAX).contains(&value) && value % of == 0.0;
+        columns.iter().all(|column| known(column).all(is_multiple))
+    };
+    has_values(columns)
+        && columns.iter().any(|column| known(column).any(|value| value > 0.0))
+        && (are_multiples(256.0) || are_multiples(257.0))
 }
 
 /// Labels and counters are small, colours are not.
@@ -164,6 +176,8 @@ mod tests {
             ("1 2 3 -900 255 0 1", "x y z scalar red green blue"),
             ("1 2 3 9 255 0 1\n1 2 3 9 255 0 7", "x y z scalar red green blue"),
             ("1 2 3 255 0 1 0.5", "x y z red green blue scalar"),
+            ("1 2 3 23130 0 257", "x y z red green blue"),
+            ("1 2 3 9 23040 256 0\n1 2 3 8 256 0 0", "x y z scalar red green blue"),
             ("1 2 3 25 0 1 255", "x y z red green blue alpha"),
             ("1 2 3 0.5 0.25 0 1.0", "x y z red green blue alpha"),
             ("1 2 3 255 0 1 0 0 1", "x y z red green blue nx ny nz"),

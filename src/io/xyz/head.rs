@@ -1,8 +1,8 @@
 //! The lines before the first row, and the shape of the rows.
 
-use super::super::column_names::axes;
+use super::super::column_names::{Words, axes};
 use super::super::error::{Fault, Place};
-use super::dialect::{Cell, Dialect, comment, sample, seconds_of};
+use super::dialect::{Cell, Dialect, comment, hex_color, is_title, sample, seconds_of};
 use super::rows::{Cells, Kind, trimmed};
 
 /// More columns are no table of points.
@@ -26,12 +26,16 @@ pub(super) struct Header {
 pub(super) struct Head {
     pub(super) dialect: Dialect,
     pub(super) header: Option<Header>,
+    /// The last comment or title before the first row, and its line.
+    pub(super) title: Option<(usize, String)>,
     /// Points by the lone number before the first one.
     pub(super) claimed: Option<usize>,
     /// Cells of a row; `None` if there are no rows.
     pub(super) width: Option<usize>,
     /// Of the first rows.
     pub(super) kinds: Vec<Kind>,
+    /// The numbers in the first rows, column by column; missing where there is none.
+    pub(super) sample: Vec<Vec<f64>>,
     /// Whether the first cells of the first rows are words, or count from 0 or 1.
     pub(super) first_is_index: bool,
     /// Where the first row starts.
@@ -50,9 +54,11 @@ impl Head {
         let mut head = Self {
             dialect: Dialect::of(bytes),
             header: None,
+            title: None,
             claimed: None,
             width: None,
             kinds: Vec::new(),
+            sample: Vec::new(),
             first_is_index: false,
             byte_count: 0,
             line_count: 0,
@@ -60,9 +66,13 @@ impl Head {
         let mut candidates: Vec<Header> = Vec::new();
         for line in bytes.split_inclusive(|&byte| byte == b'\n') {
             let content = trimmed(line, head.dialect);
+            if let Some(text) = comment(content).or_else(|| is_title(content).then_some(content)) {
+                let title = String::from_utf8_lossy(text).trim().to_owned();
+                head.title = Some((head.line_count + 1, title));
+            }
             if let Some(comment) = comment(content) {
                 candidates.extend(head.names(comment, true));
-            } else if !content.is_empty() {
+            } else if !content.is_empty() && !is_title(content) {
                 let cells = Cells::new(head.dialect, content).all();
                 if is_row(&cells) && !is_header(&head, content, &cells, &bytes[head.byte_count + line.len()..]) {
                     head.take_shape(&bytes[head.byte_count..]);
@@ -103,7 +113,10 @@ impl Head {
     }
 
     fn names(&self, text: &[u8], is_comment: bool) -> Option<Header> {
-        let names = names_in(text, self.dialect);
+        let names = match of_letters(text).filter(|_| is_comment) {
+            Some(names) => names,
+            None => names_in(without_key(text), self.dialect),
+        };
         (!names.is_empty()).then(|| Header {
             names,
             line: self.line_count + 1,
@@ -129,17 +142,20 @@ impl Head {
         }
         let kind = |column: usize| {
             let words = rows.iter().filter(|row| row.len() >= width).map(|row| row[column]);
-            let (mut numbers, mut times, mut others) = (0, 0, 0);
+            let (mut numbers, mut times, mut others, mut colors) = (0, 0, 0, 0);
             for word in words.filter(|word| !word.is_empty()) {
                 match dialect.number_of(word) {
                     Some(_) => numbers += 1,
                     None if seconds_of(word).is_some() => times += 1,
+                    None if hex_color(word).is_some() => colors += 1,
                     None => others += 1,
                 }
             }
-            if numbers >= times + others {
+            if colors > numbers + times + others {
+                Kind::Hex
+            } else if numbers >= times + others + colors {
                 Kind::Number
-            } else if times > others {
+            } else if times > others + colors {
                 Kind::Time
             } else {
                 Kind::Text
@@ -147,6 +163,11 @@ impl Head {
         };
         self.width = Some(width);
         self.kinds = (0..width).map(kind).collect();
+        let number = |row: &Vec<&[u8]>, column: usize| dialect.number_of(row[column]).unwrap_or(f64::NAN);
+        let full = || rows.iter().filter(|row| row.len() >= width);
+        self.sample = (0..width)
+            .map(|column| full().map(|row| number(row, column)).collect())
+            .collect();
         let first = |row: &Vec<&[u8]>| row.first().and_then(|word| dialect.number_of(word));
         let firsts: Vec<f64> = rows.iter().filter_map(first).collect();
         let start = firsts.first().copied().unwrap_or(f64::NAN);
@@ -168,9 +189,10 @@ impl Head {
             .filter(|header| self.width.is_none() || fits(header))
             .find(has_axes);
         let named = named.or_else(|| lines.clone().find(|header| has_axes(header) && !header.is_comment));
-        named
-            .or_else(|| lines.clone().find(|header| !header.is_comment && fits(header)))
-            .cloned()
+        let named = named.or_else(|| lines.clone().find(|header| !header.is_comment && fits(header)));
+        // Names behind the mark of a comment that are no coordinates: whoever reads them must not be overruled.
+        let are_names = |header: &&Header| self.width == Some(header.names.len()) && are_names(&header.names);
+        named.or_else(|| lines.clone().find(are_names)).cloned()
     }
 }
 
@@ -182,6 +204,151 @@ pub(super) fn names_fit(names: usize, width: usize) -> bool {
 /// Names as `&str`.
 pub(super) fn strs(names: &[String]) -> Vec<&str> {
     names.iter().map(String::as_str).collect()
+}
+
+/// A list of names without what Tecplot writes before it, `VARIABLES = "X", "Y"`.
+fn without_key(text: &[u8]) -> &[u8] {
+    const KEY: &[u8] = b"variables";
+    let begin = text.trim_ascii_start();
+    let has_key = begin
+        .get(..KEY.len())
+        .is_some_and(|word| word.eq_ignore_ascii_case(KEY));
+    let list = begin.get(KEY.len()..).map(<[u8]>::trim_ascii_start).unwrap_or_default();
+    list.strip_prefix(b"=").filter(|_| has_key).unwrap_or(text)
+}
+
+/// Words that stand in sentences.
+const SENTENCE_WORDS: [&str; 32] = [
+    "are",
+    "is",
+    "was",
+    "the",
+    "of",
+    "a",
+    "an",
+    "by",
+    "with",
+    "for",
+    "from",
+    "in",
+    "on",
+    "to",
+    "and",
+    "this",
+    "that",
+    "here",
+    "made",
+    "created",
+    "exported",
+    "generated",
+    "written",
+    "file",
+    "version",
+    "date",
+    "number",
+    "points",
+    "total",
+    "using",
+    "data",
+    "as",
+];
+
+/// Words of columns, besides those of coordinates.
+const COLUMN_WORDS: [&str; 54] = [
+    "x",
+    "y",
+    "z",
+    "tx",
+    "ty",
+    "tz",
+    "qx",
+    "qy",
+    "qz",
+    "qw",
+    "vx",
+    "vy",
+    "vz",
+    "nx",
+    "ny",
+    "nz",
+    "r",
+    "g",
+    "b",
+    "red",
+    "green",
+    "blue",
+    "range",
+    "azimuth",
+    "elevation",
+    "inclination",
+    "distance",
+    "angle",
+    "theta",
+    "phi",
+    "rho",
+    "power",
+    "snr",
+    "rcs",
+    "doppler",
+    "velocity",
+    "speed",
+    "intensity",
+    "reflectivity",
+    "amplitude",
+    "time",
+    "timestamp",
+    "t",
+    "frame",
+    "id",
+    "index",
+    "label",
+    "class",
+    "ring",
+    "row",
+    "col",
+    "roll",
+    "pitch",
+    "yaw",
+];
+
+/// True for words of which most are names of columns and none is one of a sentence.
+fn are_names(names: &[String]) -> bool {
+    let words: Vec<Vec<String>> = names.iter().map(|name| Words::of(name).words).collect();
+    let has = |words: &[String], known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
+    let known = words.iter().filter(|words| has(words, &COLUMN_WORDS)).count();
+    let is_sentence = words.iter().any(|words| has(words, &SENTENCE_WORDS));
+    let begins_as_name = |name: &String| name.starts_with(|sign: char| sign.is_alphabetic() || sign == '"');
+    known * 2 >= names.len().max(4) && !is_sentence && names.iter().all(begins_as_name)
+}
+
+/// The names of columns that the letters of `LAStools` stand for, as in `% xyziRGB`; `None` of another word.
+fn of_letters(text: &[u8]) -> Option<Vec<String>> {
+    const LETTERS: [(u8, &str); 16] = [
+        (b'x', "x"),
+        (b'y', "y"),
+        (b'z', "z"),
+        (b'i', "intensity"),
+        (b'a', "scan_angle"),
+        (b'r', "return_number"),
+        (b'n', "number_of_returns"),
+        (b'c', "classification"),
+        (b'u', "user_data"),
+        (b'p', "point_source_id"),
+        (b't', "gps_time"),
+        (b'e', "edge_of_flight_line"),
+        (b'd', "scan_direction"),
+        (b'R', "red"),
+        (b'G', "green"),
+        (b'B', "blue"),
+    ];
+    let word = text.trim_ascii();
+    let name = |letter: &u8| LETTERS.iter().find(|(known, _)| known == letter);
+    let names: Option<Vec<String>> = word.iter().map(|letter| Some(name(letter)?.1.to_owned())).collect();
+    names.filter(|names| {
+        ["x", "y", "z"]
+            .iter()
+            .all(|axis| names.iter().filter(|name| name == axis).count() == 1)
+    })
 }
 
 /// The cells of a line of names. In the white space of names that have units behind them, `X (m)`, these belong to the
@@ -300,6 +467,22 @@ mod tests {
             ("x,y,z,450,500,550\n1,2,3,4,5,6\n1,2,3,4,5,6\n", "x|y|z|450|500|550", 6),
             ("a,b,c\n1,2,3\n1,2,3\n", "a|b|c", 3),
             (",0,1,2\n0,0.5,1.5,2.5\n1,0.5,1.5,2.5\n", "|0|1|2", 4),
+            (
+                "# range azimuth elevation power\n1 2 3 4\n",
+                "range|azimuth|elevation|power",
+                4,
+            ),
+            (
+                "# timestamp tx ty tz qx qy qz qw\n9 1 2 3 0 0 0 1\n",
+                "timestamp|tx|ty|tz|qx|qy|qz|qw",
+                8,
+            ),
+            (
+                "% scale 0.01\n% xyziRGB\n1 2 3 4 5 6 7\n",
+                "x|y|z|intensity|red|green|blue",
+                7,
+            ),
+            ("VARIABLES = \"X\", \"Y\", \"Z\"\nZONE I=2\n1 2 3\n", "X|Y|Z", 3),
         ] {
             let head = head(text);
             let header = head.header.unwrap_or_else(|| panic!("{text:?}: no names"));
@@ -314,6 +497,8 @@ mod tests {
             "# four words are here\n1 2 3 4\n",
             "0 1 2\n3 4 5\n",
             "2\n1 2 3\n4 5 6\n",
+            "Frame 0\n1 2 3\n4 5 6\n",
+            "# x of y\n1 2 3\n4 5 6\n",
         ] {
             assert_eq!(head(text).header, None, "{text:?}");
         }

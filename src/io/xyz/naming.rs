@@ -1,9 +1,10 @@
 //! What each column is, by the line of names, by the user or by place.
 
 use super::super::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
-use super::super::column_names::{Match, axes, colors_and_normals, longitude_and_latitude, plain_name};
+use super::super::column_names::{Match, axes, colors_and_normals, longitude_and_latitude, markers, plain_name};
 use super::super::error::{Fault, Place};
 use super::head::{Head, Header, names_fit, strs};
+use super::leading::leading;
 use super::rows::Kind;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::LengthUnit;
@@ -24,6 +25,10 @@ pub(super) struct Naming {
     pub(super) frame: Option<Option<usize>>,
     /// The column that numbers the rows.
     pub(super) index: Option<usize>,
+    /// Names of the columns before the coordinates, by their values.
+    pub(super) leading: &'static [&'static str],
+    /// Columns of the points of a row that has several.
+    pub(super) markers: Vec<[usize; 3]>,
     pub(super) unit: Option<LengthUnit>,
     pub(super) assumptions: Vec<Assumption>,
 }
@@ -31,14 +36,15 @@ pub(super) struct Naming {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Naming {
-    /// Of a table with a row at least; `width` is that of `head`.
-    pub(super) fn of(head: &Head, width: usize, map: Option<ColumnMap>) -> Result<Self, Fault> {
+    /// Of a table with a row at least; `width` is that of `head`, and rows follow lines that count them if they are
+    /// `counted`.
+    pub(super) fn of(head: &Head, width: usize, map: Option<ColumnMap>, is_counted: bool) -> Result<Self, Fault> {
         let raw = head.header.as_ref().and_then(|header| aligned(header, head, width));
         if let Some(map) = map.filter(|map| !map.roles().is_empty()) {
             let only_frames = map.roles().iter().all(|(role, _)| role == FRAME_ROLE);
             let names = raw.as_deref();
             let mut naming = if only_frames {
-                Self::of(head, width, None)
+                Self::of(head, width, None, is_counted)
             } else {
                 Self::of_map(map, names, head, width)
             }?;
@@ -49,8 +55,16 @@ impl Naming {
             return Ok(naming);
         }
         let Some(raw) = raw else {
-            return Self::of_places(head, None);
+            return Self::of_values(head, is_counted);
         };
+        let markers = markers(&strs(&raw));
+        if let Some(first) = markers.first().copied() {
+            return Ok(Self {
+                names: Some(with_roles(&raw, first, &[])),
+                markers,
+                ..Self::of_columns(first)
+            });
+        }
         let Some(found) = axes(&strs(&raw)) else {
             let is_generic = raw.iter().enumerate().all(|(index, name)| is_generic(name, index));
             if is_generic {
@@ -60,29 +74,22 @@ impl Naming {
             return Err(unmatched(&raw, head));
         };
         let mut naming = Self {
-            names: None,
-            positions: found.columns,
             is_geographic: found.by == Match::Geographic,
-            frame: None,
             index: raw.first().filter(|name| is_index_name(name)).map(|_| 0),
             unit: found.unit,
-            assumptions: Vec::new(),
+            ..Self::of_columns(found.columns)
         };
         let line = head.header.as_ref().map_or(1, |header| header.line);
-        if found.by != Match::Plain || found.unit.is_some() {
-            let named = found.columns.map(|column| raw[column].as_str()).join(", ");
-            if found.by != Match::Plain {
-                let evidence = match found.by {
-                    Match::Unknown => Evidence::Statistics,
-                    _ => Evidence::File,
-                };
-                let why = format!("the names in line {line}");
-                naming.assume(Subject::Columns, format!("x y z are {named}"), why, evidence);
-            }
-            if let Some(unit) = found.unit {
-                let why = format!("line {line} names the columns {named}");
-                naming.assume(Subject::Unit, unit.symbol(), why, Evidence::File);
-            }
+        let named = found.columns.map(|column| raw[column].as_str()).join(", ");
+        let evidence = match found.by {
+            Match::Unknown => Evidence::Statistics,
+            _ => Evidence::File,
+        };
+        let why = format!("the names in line {line}");
+        naming.assume(Subject::Columns, format!("x y z are {named}"), why, evidence);
+        if let Some(unit) = found.unit {
+            let why = format!("line {line} names the columns {named}");
+            naming.assume(Subject::Unit, unit.symbol(), why, Evidence::File);
         }
         if let Some(index) = naming.index {
             let why = "it has no name and numbers the rows".to_owned();
@@ -95,6 +102,35 @@ impl Naming {
 
     fn assume(&mut self, subject: Subject, value: impl Into<String>, why: String, evidence: Evidence) {
         self.assumptions.push(Assumption::new(subject, value, why, evidence));
+    }
+
+    /// Coordinates in these columns, and nothing else.
+    fn of_columns(positions: [usize; 3]) -> Self {
+        Self {
+            names: None,
+            positions,
+            is_geographic: false,
+            frame: None,
+            index: None,
+            leading: &[],
+            markers: Vec::new(),
+            unit: None,
+            assumptions: Vec::new(),
+        }
+    }
+
+    /// The first three columns of numbers are coordinates, behind those that cannot be by their values.
+    fn of_values(head: &Head, is_counted: bool) -> Result<Self, Fault> {
+        let Some(leading) = leading(head, is_counted) else {
+            return Self::of_places(head, None);
+        };
+        let first = leading.names.len();
+        Ok(Self {
+            index: leading.is_index.then_some(0),
+            leading: leading.names,
+            assumptions: vec![leading.assumption],
+            ..Self::of_columns([first, first + 1, first + 2])
+        })
     }
 
     /// The first three columns of numbers are coordinates.
@@ -112,13 +148,8 @@ impl Naming {
             ));
         };
         Ok(Self {
-            names: None,
-            positions: [x, y, z],
-            is_geographic: false,
-            frame: None,
             index,
-            unit: None,
-            assumptions: Vec::new(),
+            ..Self::of_columns([x, y, z])
         })
     }
 
@@ -148,20 +179,26 @@ impl Naming {
         let positions = [of_axis(0)?, of_axis(1)?, of_axis(2)?];
         let given = |axis: &str| roles.iter().any(|(_, role)| *role == axis);
         let by_header = of_header.filter(|_| !AXES.iter().any(|axis| given(axis)));
-        Ok(Self {
+        let mut naming = Self {
             names: Some(with_roles(&names, positions, &roles)),
-            positions,
             is_geographic: by_header.is_some_and(|axes| axes.by == Match::Geographic),
-            frame: None,
-            index: None,
-            unit: None,
-            assumptions: vec![Assumption::new(
-                Subject::Columns,
-                map.to_string(),
-                "as given",
-                Evidence::File,
-            )],
-        })
+            ..Self::of_columns(positions)
+        };
+        let degrees = raw.and_then(|raw| longitude_and_latitude(&strs(raw)));
+        if !naming.is_geographic
+            && let Some([longitude, latitude]) = degrees
+            && positions.contains(&longitude)
+            && positions.contains(&latitude)
+        {
+            let why = "--columns takes longitude and latitude as coordinates".to_owned();
+            naming.assume(
+                Subject::Projection,
+                "none: degrees as they are",
+                why,
+                Evidence::Convention,
+            );
+        }
+        Ok(naming)
     }
 }
 
@@ -308,7 +345,7 @@ mod tests {
     fn naming(text: &str, map: Option<&str>) -> Result<Naming, Fault> {
         let head = Head::read(text.as_bytes()).unwrap();
         let map = map.map(|map| map.parse().unwrap());
-        Naming::of(&head, head.width.unwrap(), map)
+        Naming::of(&head, head.width.unwrap(), map, false)
     }
 
     #[test]
@@ -333,9 +370,24 @@ mod tests {
     }
 
     #[test]
+    fn degrees_that_a_person_takes_as_they_are_are_said() {
+        let text = "Longitude,Latitude,Elevation\n8.5,47,400\n";
+        let naming = naming(text, Some("x=Longitude,y=Latitude,z=Elevation")).unwrap();
+        let [projection] = naming.assumptions.as_slice() else {
+            panic!("{:?}", naming.assumptions)
+        };
+        assert_eq!(projection.value, "none: degrees as they are");
+        assert!(!naming.is_geographic);
+    }
+
+    #[test]
     fn unknown_names_are_refused_with_the_way_out() {
         for (text, expected) in [
             ("a,b,c,d\n1,2,3,4\n", "0 a, 1 b, 2 c, 3 d"),
+            (
+                "# range azimuth elevation power\n1 2 3 4\n",
+                "0 range, 1 azimuth, 2 elevation, 3 power",
+            ),
             ("lon,lat,speed\n1,2,3\n", "projected to metres only with a height"),
         ] {
             let fault = naming(text, None).unwrap_err();

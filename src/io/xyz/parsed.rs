@@ -10,6 +10,8 @@ pub(super) struct Parsed {
     pub(super) names: Vec<String>,
     /// As the file has them; empty where it has none.
     pub(super) raw_names: Vec<String>,
+    /// The comment or title before the first row; empty where it is the line of names or there is none.
+    pub(super) title: String,
     pub(super) naming: Naming,
     pub(super) counted: Option<Counted>,
     /// Whether all points of a file of several counts are one cloud.

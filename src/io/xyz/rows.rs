@@ -5,7 +5,7 @@
 
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
-use super::dialect::{Cell, Dialect, comment, seconds_of};
+use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -27,6 +27,8 @@ pub(in crate::io) enum Kind {
     Time,
     /// Words, which become numbers of a [`ParsedRows::words`].
     Text,
+    /// Colours in hexadecimal digits, which become one number: red, green, blue and alpha, a byte each.
+    Hex,
 }
 
 /// The cells of a line, one after the other.
@@ -396,6 +398,10 @@ impl<'a> LineBlock<'a> {
             self.add_break(before / width, text);
             return;
         }
+        if is_title(line) {
+            self.add_break(before / width, line);
+            return;
+        }
         self.new_words.clear();
         let mut cells = Cells::new(dialect, line);
         let mut found = 0;
@@ -407,6 +413,10 @@ impl<'a> LineBlock<'a> {
                     // Words of lines that are skipped are none of the column.
                     self.new_words.push((found, word));
                     if word.is_empty() { f64::NAN } else { 0.0 }
+                }),
+                Some(Kind::Hex) => cells.word().map(|word| {
+                    let color = hex_color(word).map(u32::from_be_bytes);
+                    color.map_or(f64::NAN, f64::from)
                 }),
                 Some(Kind::Time) => cells.word().map(|word| seconds_of(word).unwrap_or(f64::NAN)),
                 kind => cells.next().map(|cell| match cell {

@@ -1,13 +1,14 @@
 //! The list of the frames in a file.
 
+use super::super::column_names::markers;
 use super::super::contents::{Entry, Part};
 use super::super::error::IoError;
 use super::super::options::ReadOptions;
 use super::counted::Counted;
-use super::dialect::{SAMPLE_BYTES, comment};
-use super::encoding::utf8;
+use super::dialect::{SAMPLE_BYTES, comment, is_title};
 use super::frames::{Counter, Frame};
-use super::head::Head;
+use super::head::{Head, strs};
+use super::layout::plain;
 use super::table::Table;
 use crate::progress::Progress;
 use std::io::Read as _;
@@ -35,7 +36,7 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
         return Ok(vec![Entry::whole()]);
     }
     file.read_to_end(&mut bytes).map_err(failed)?;
-    if !may_be_sequence && !has_breaks(&utf8(&bytes)) {
+    if !may_be_sequence && !has_breaks(&plain(&bytes).text) {
         return Ok(vec![Entry::whole()]);
     }
     let table = Table::open(path, &bytes, options, &Progress::default());
@@ -56,10 +57,12 @@ fn has_counter(bytes: &[u8], options: &ReadOptions) -> bool {
     if options.columns.is_some_and(|map| map.frame().is_some()) {
         return true;
     }
-    let text = utf8(bytes);
+    let text = plain(bytes).text;
     let is_counted = Counted::of(&text).map_or(true, |counted| counted.is_some());
     let header = Head::read(&text).ok().and_then(|head| head.header);
-    is_counted || header.is_some_and(|header| header.names.iter().any(|name| Counter::of(name).is_some()))
+    let counts = |name: &String| Counter::of(name).is_some();
+    is_counted
+        || header.is_some_and(|header| header.names.iter().any(counts) || !markers(&strs(&header.names)).is_empty())
 }
 
 /// Whether something else than a row stands between two rows.
@@ -72,8 +75,10 @@ fn has_breaks(text: &[u8]) -> bool {
     let mut has_row = false;
     let mut has_break = false;
     lines.any(|line| {
-        let is_break =
-            line.is_empty() || comment(line).is_some() || (has_row && !line.iter().any(|byte| b" \t,;".contains(byte)));
+        let is_break = line.is_empty()
+            || comment(line).is_some()
+            || is_title(line)
+            || (has_row && !line.iter().any(|byte| b" \t,;".contains(byte)));
         has_break |= has_row && is_break;
         has_row |= !is_break && is_digit_or_sign(line);
         has_break && !is_break

@@ -8,13 +8,16 @@ use super::super::error::{Fault, Place};
 use super::super::growing;
 use super::super::options::ReadOptions;
 use super::counted::{self, Counted};
+use super::dialect::comment;
 use super::divide::divide;
-use super::encoding::utf8;
 use super::frames::{Frame, Rows};
 use super::guess::guessed_names;
 use super::head::{Head, Header, count_of_points, names_in, strs};
+use super::layout::plain;
+use super::markers::unrolled;
 use super::naming::Naming;
 use super::parsed::Parsed;
+use super::refusal::refuse;
 use super::rows::{self, Kind, MAX_WORDS, Odd, ParsedRows};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
@@ -45,16 +48,26 @@ impl Table {
         options: &ReadOptions,
         progress: &Progress,
     ) -> Result<Self, Fault> {
-        let text = utf8(bytes);
-        let counted = Counted::of(&text)?;
-        let body: &[u8] = counted.as_ref().map_or(&text, |counted| &counted.text);
+        let plain = plain(bytes);
+        let text = &plain.text;
+        let counted = Counted::of(text)?;
+        let body: &[u8] = counted.as_ref().map_or(text, |counted| &counted.text);
         let mut head = Head::read(body)?;
         let Some(width) = head.width else {
-            return no_rows(&head);
+            return no_rows(&head, body);
         };
         if let Some(counted) = &counted {
             let comment = counted.blocks.first().map_or("", |block| &block.comment);
-            let names = counted::properties(comment).unwrap_or_else(|| names_in(comment.as_bytes(), head.dialect));
+            let properties = counted::properties(comment);
+            if let Some(properties) = properties.as_ref().filter(|names| names.len() != width) {
+                let problem = format!(
+                    "`Properties=` names {} columns ({}), but rows have {width}",
+                    properties.len(),
+                    properties.join(", ")
+                );
+                return Err(Fault::new(Place::Line(2), problem));
+            }
+            let names = properties.unwrap_or_else(|| names_in(comment.as_bytes(), head.dialect));
             let is_header = names.len() == width && axes(&strs(&names)).is_some();
             head.header = is_header.then_some(Header {
                 names,
@@ -63,7 +76,15 @@ impl Table {
             });
         }
         let map: Option<ColumnMap> = options.columns;
-        let naming = Naming::of(&head, width, map)?;
+        let mut naming = Naming::of(&head, width, map, counted.is_some())?;
+        let is_named = |known: &str| {
+            name.extension()
+                .is_some_and(|extension| extension.eq_ignore_ascii_case(known))
+        };
+        let is_north_first = is_named("neu") && naming.names.is_none();
+        if is_north_first {
+            naming.positions.swap(0, 1);
+        }
         let mut kinds = head.kinds.clone();
         for axis in naming.positions {
             if kinds[axis] != Kind::Number {
@@ -83,28 +104,43 @@ impl Table {
                 odd.first = odd.first.take().map(|(line, problem)| (counted.line_of(line), problem));
             }
         }
+        if naming.names.is_none() && naming.leading.is_empty() {
+            refuse(&parsed, &kinds, start)?;
+        }
         let mut table = Self {
             rows: parsed.len(),
+            warnings: plain.notes.iter().map(|note| (*note).to_owned()).collect(),
             unit: naming.unit,
             assumptions: naming.assumptions.clone(),
             ..Self::default()
         };
         table.check_lines(&mut parsed, &head, width)?;
         table.project(&mut parsed, &naming)?;
-        let names = match &naming.names {
+        let mut names = match &naming.names {
             Some(names) => names.clone(),
             None => table.guess(&parsed, &kinds, &naming, counted.is_some()),
         };
+        if is_north_first {
+            table.take_north_first(&mut names, &naming);
+        }
+        let line_of_names = head.header.as_ref().map(|header| header.line);
+        let title = head.title.filter(|(line, _)| Some(*line) != line_of_names);
         let parsed = Parsed {
+            title: title.map_or_else(String::new, |(_, title)| title),
             rows: parsed,
             names,
             raw_names: head.header.map_or_else(Vec::new, |header| header.names),
             naming,
             counted,
-            is_one_cloud: name
-                .extension()
-                .is_some_and(|extension| extension.eq_ignore_ascii_case("pts")),
+            is_one_cloud: is_named("pts"),
         };
+        if !parsed.naming.markers.is_empty() {
+            let (columns, frames) = unrolled(&parsed, &mut table.assumptions);
+            table.rows *= parsed.naming.markers.len();
+            table.columns = columns;
+            table.frames = frames;
+            return Ok(table);
+        }
         table.frames = divide(&parsed, &mut table.assumptions, &mut table.warnings);
         table.take_columns(parsed, &kinds);
         Ok(table)
@@ -189,10 +225,24 @@ impl Table {
         Ok(())
     }
 
+    /// North, east and up, as files with this name have them.
+    fn take_north_first(&mut self, names: &mut [String], naming: &Naming) {
+        let [east, north, _] = naming.positions;
+        names.swap(east, north);
+        self.assumptions
+            .retain(|assumption| assumption.subject != Subject::Columns);
+        let [x, y, z] = naming.positions;
+        let value = format!("x y z are columns {x}, {y} and {z}");
+        let why = "files named .neu have north, east and up";
+        let columns = Assumption::new(Subject::Columns, value, why, Evidence::Convention);
+        self.assumptions.push(columns);
+    }
+
     /// Names by values, where the file has none.
     fn guess(&mut self, parsed: &ParsedRows, kinds: &[Kind], naming: &Naming, is_counted: bool) -> Vec<String> {
-        let is_words = |column: usize| kinds[column] == Kind::Text || kinds[column] == Kind::Time;
-        let is_asked = |column: &usize| !is_words(*column) && Some(*column) != naming.index;
+        let is_words = |column: usize| matches!(kinds[column], Kind::Text | Kind::Time | Kind::Hex);
+        let first = naming.leading.len();
+        let is_asked = |column: &usize| *column >= first && !is_words(*column) && Some(*column) != naming.index;
         let numbers: Vec<usize> = (0..kinds.len()).filter(is_asked).collect();
         let values: Vec<Vec<f64>> = numbers.iter().map(|&column| parsed.columns[column].clone()).collect();
         let guessed = guessed_names(&values);
@@ -201,6 +251,8 @@ impl Table {
         let mut free = guessed.into_iter();
         for (column, kind) in kinds.iter().enumerate() {
             let name = match kind {
+                _ if column < first => unique(naming.leading[column], &names),
+                Kind::Hex => unique("color", &names),
                 Kind::Text if is_molecule && column == 0 => "element".to_owned(),
                 Kind::Text => unique("label", &names),
                 Kind::Time => unique("time", &names),
@@ -216,8 +268,10 @@ impl Table {
                 "a count, a comment and rows that start with a word: a molecule in XYZ format",
                 Evidence::Convention,
             ));
+        } else if first > 0 && names.len() == first + 3 {
+            // All is said already.
         } else if names.len() > 3 {
-            let values_tell = names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
+            let values_tell = first > 0 || names.iter().any(|name| ["red", "nx"].contains(&name.as_str()));
             let (why, evidence) = if values_tell {
                 (
                     "the file does not name its columns, their values are like that",
@@ -228,6 +282,10 @@ impl Table {
             };
             self.assumptions
                 .push(Assumption::new(Subject::Columns, names.join(" "), why, evidence));
+        } else {
+            let why = "the file does not name its columns: the first three";
+            self.assumptions
+                .push(Assumption::new(Subject::Columns, "x y z", why, Evidence::Convention));
         }
         names
     }
@@ -253,6 +311,7 @@ impl Table {
         let full = channels
             .flat_map(|(_, values)| values.iter().copied())
             .fold(0.0, f64::max);
+        let channels_named = names.iter().any(|name| is_channel(name));
         let mut dropped: Vec<String> = Vec::new();
         let mut scalars = 0;
         for (column, (name, mut values)) in names.into_iter().zip(rows.columns).enumerate() {
@@ -270,17 +329,21 @@ impl Table {
                 let listed: Vec<String> = words
                     .iter()
                     .enumerate()
-                    .map(|(code, word)| format!("{code} {word}"))
+                    .map(|(code, word)| format!("{code} = {word}"))
                     .collect();
                 self.assumptions.push(
                     Assumption::new(
                         Subject::Columns,
-                        format!("`{name}` is {}", listed.join(", ")),
-                        "words become numbers in alphabetical order",
+                        format!("`{name}`: words as numbers: {}", listed.join(", ")),
+                        "in alphabetical order",
                         Evidence::Convention,
                     )
                     .with_option(None),
                 );
+            }
+            if kinds[column] == Kind::Hex {
+                self.take_hex_colors(&name, &values, channels_named);
+                continue;
             }
             if !is_reserved(&name) {
                 scalars += 1;
@@ -316,6 +379,33 @@ impl Table {
                 dropped.len()
             ));
         }
+    }
+
+    /// Channels of the colours in a column of hexadecimal digits, unless other columns are the colours.
+    fn take_hex_colors(&mut self, name: &str, values: &[f64], has_channels: bool) {
+        let has_colors = has_channels || self.columns.iter().any(|column| column.name == "red");
+        if has_colors {
+            self.warnings.push(format!(
+                "column `{name}` holds colours, and others do as well: it is ignored"
+            ));
+            return;
+        }
+        let channels = ["red", "green", "blue", "alpha"];
+        for (channel, name) in channels.into_iter().enumerate() {
+            let of = |value: &f64| f64::from((*value as u32).to_be_bytes()[channel]);
+            self.columns.push(Column {
+                name: name.to_owned(),
+                scalar: Scalar::U8,
+                values: Values::Parsed(values.iter().map(of).collect()),
+            });
+        }
+        let assumption = Assumption::new(
+            Subject::Columns,
+            format!("`{name}`: red, green and blue"),
+            "its cells are colours in hexadecimal digits",
+            Evidence::Convention,
+        );
+        self.assumptions.push(assumption);
     }
 
     /// Number of frames.
@@ -390,12 +480,18 @@ fn unique(name: &str, names: &[String]) -> String {
 }
 
 /// The cloud of a file without rows.
-fn no_rows(head: &Head) -> Result<Table, Fault> {
-    match (head.claimed, &head.header) {
-        (Some(claimed), _) if claimed > 0 => Err(cut_short(claimed, 0)),
-        // A header or a count of none alone is a cloud of no points.
-        (Some(_), _) => Ok(Table::default()),
-        (_, Some(header)) if axes(&strs(&header.names)).is_some() => Ok(Table::default()),
+fn no_rows(head: &Head, text: &[u8]) -> Result<Table, Fault> {
+    let lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let lines = lines.filter(|line| !line.is_empty() && comment(line).is_none()).count();
+    let has_names = head
+        .header
+        .as_ref()
+        .is_some_and(|header| axes(&strs(&header.names)).is_some());
+    let known = usize::from(head.claimed.is_some()) + usize::from(has_names);
+    match head.claimed {
+        Some(claimed) if claimed > 0 => Err(cut_short(claimed, 0)),
+        // A header alone, or a count of none with or without a comment behind it, is a cloud of no points.
+        _ if known > 0 && lines <= known + usize::from(head.claimed.is_some()) => Ok(Table::default()),
         _ => Err(Fault::new(
             Place::Line(1),
             "there is no line with numbers: expected x y z in columns",
