@@ -51,6 +51,7 @@ pub(crate) fn id(path: &Path) -> Option<(u64, u64)> {
 
 /// [`id`] of a file that is open, or was looked at.
 #[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems do not say")]
 pub(crate) fn id_of(metadata: &Metadata) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt as _;
     Some((metadata.dev(), metadata.ino()))

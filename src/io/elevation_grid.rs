@@ -123,8 +123,8 @@ struct EsriHeader {
 impl EsriHeader {
     fn take(&mut self, word: &[u8], value: f64, line: usize) -> Result<(), Fault> {
         let field = match word.to_ascii_lowercase().as_slice() {
-            b"ncols" => &mut self.columns,
-            b"nrows" => &mut self.rows,
+            b"ncols" | b"cols:" => &mut self.columns,
+            b"nrows" | b"rows:" => &mut self.rows,
             b"xllcorner" => &mut self.corner[0],
             b"yllcorner" => &mut self.corner[1],
             b"xllcenter" => &mut self.centre[0],
@@ -139,8 +139,6 @@ impl EsriHeader {
             b"south:" => &mut self.edges[1],
             b"east:" => &mut self.edges[2],
             b"west:" => &mut self.edges[3],
-            b"rows:" => &mut self.rows,
-            b"cols:" => &mut self.columns,
             b"nodata_value" | b"nodata" | b"null:" => &mut self.no_data,
             _ => {
                 let problem = format!(

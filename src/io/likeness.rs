@@ -102,7 +102,7 @@ fn are_alike(columns: &[Vec<f64>]) -> bool {
         (1.0 / MAX_RATIO..=MAX_RATIO).contains(&ratio) && (range[1] - middle).abs() <= MAX_OFFSET * usual
     };
     let alike = ranges.iter().filter(|range| is_alike(range)).count();
-    usual > 0.0 && alike * 10 >= columns.len() * 9 && ranges[..3].iter().all(|range| is_alike(range))
+    usual > 0.0 && alike * 10 >= columns.len() * 9 && ranges[..3].iter().all(is_alike)
 }
 
 /// Whether values change much less from a column to the next than between columns that are far apart.

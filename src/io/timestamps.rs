@@ -42,7 +42,7 @@ impl TimeNotation {
 }
 
 /// Times of day are no times of frames that are further apart.
-const MOST_STEP: Duration = Duration::from_secs(300);
+const MOST_STEP: Duration = Duration::from_mins(5);
 
 /// The times in `names`, which are in order: since 1970, or since whatever moment they count from. All are `None`
 /// unless all are times that grow.
@@ -54,7 +54,7 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
             .collect::<Option<_>>()?;
         let grow = times.windows(2).all(|pair| pair[0] < pair[1]);
         // Three counters of two digits grow by more than a few minutes somewhere.
-        let is_close = |pair: &[Duration]| pair[1] - pair[0] <= MOST_STEP;
+        let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MOST_STEP;
         let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
         // The name of a single file says when it was made, not what frame it is.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())

@@ -91,12 +91,11 @@ impl Taken {
             return;
         }
         let waiting = self.places.iter_mut().filter(|held| held.sent_bytes.is_none());
-        let chosen = match waiting.min_by_key(|held| held.since) {
-            Some(waiting) => Some(waiting),
-            None => {
-                let slow = self.places.iter_mut().filter(|held| held.rate() < LEAST_RATE);
-                slow.min_by(|a, b| a.rate().total_cmp(&b.rate()))
-            }
+        let chosen = if let Some(waiting) = waiting.min_by_key(|held| held.since) {
+            Some(waiting)
+        } else {
+            let slow = self.places.iter_mut().filter(|held| held.rate() < LEAST_RATE);
+            slow.min_by(|a, b| a.rate().total_cmp(&b.rate()))
         };
         if let Some(held) = chosen {
             held.is_over = true;
@@ -170,7 +169,8 @@ mod tests {
         std::fs::write(&path, b"0123456789").unwrap();
         let server = Arc::new(FileServer::bind(&path, "127.0.0.1:0".parse().unwrap()).unwrap());
         let runs = Arc::clone(&server);
-        let thread = thread::spawn(move || runs.run());
+        let thread = thread::Builder::new().name("server".to_owned());
+        let thread = thread.spawn(move || runs.run()).unwrap();
         let url = server.url().unwrap();
         let address = url.trim_start_matches("http://").split('/').next().unwrap().to_owned();
         let slow: Vec<TcpStream> = (0..MOST_CONNECTIONS + 8)
@@ -184,7 +184,7 @@ mod tests {
             })
             .collect();
         let mut good = TcpStream::connect(&address).unwrap();
-        good.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        good.set_read_timeout(Some(Duration::from_mins(1))).unwrap();
         good.write_all(b"GET /a.reel HTTP/1.1\r\nConnection: close\r\n\r\n")
             .unwrap();
         let mut answer = String::new();

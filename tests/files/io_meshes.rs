@@ -463,12 +463,12 @@ fn meshes_are_sampled_where_asked() {
 
 /// A strip of triangles in a row: nine of them, of which the fifth names a vertex that is not there.
 fn row_of_triangles(head: &str, places: std::ops::Range<usize>) -> String {
-    let vertices: String = (0..10).map(|index| format!("{index} {} 0\n", index % 2)).collect();
+    let vertices: Vec<String> = (0..10).map(|index| format!("{index} {} 0\n", index % 2)).collect();
     let corner = |index: usize| if index == 6 { 66 } else { index + 2 };
-    let faces: String = places
+    let faces: Vec<String> = places
         .map(|index| format!("3 {index} {} {}\n", index + 1, corner(index)))
         .collect();
-    format!("{head}{vertices}{faces}")
+    format!("{head}{}{}", vertices.concat(), faces.concat())
 }
 
 #[test]

@@ -8,6 +8,8 @@ mod cli_convert;
 mod cli_video;
 mod compare;
 mod compare_frames;
+#[path = "../common/data.rs"]
+mod data;
 mod fields;
 mod hostile;
 mod outputs;

@@ -1,9 +1,6 @@
 //! What a stranger sends and what two programs do at once: nothing reaches the terminal but text, sessions open nothing
 //! unasked, pipes and devices are refused, sources are never destroyed, and an output has one writer.
 
-#[path = "../common/data.rs"]
-mod data;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -61,7 +58,7 @@ fn names_of_files_do_not_act_on_terminals() {
         fs::write(root.join(name), "x,y,z,heat\u{1b}[31m\n0,0,0,1\n1,0,0,2\n0,1,0,3\n").unwrap();
         inputs.push(name.to_owned());
     }
-    if let Some(reel) = data::shared("hostile/reel_name_with_terminal_escapes.reel") {
+    if let Some(reel) = super::data::shared("hostile/reel_name_with_terminal_escapes.reel") {
         inputs.push(reel.to_str().unwrap().to_owned());
     }
     for input in &inputs {
@@ -182,7 +179,7 @@ fn sources_are_never_destroyed() {
 
 #[test]
 fn images_of_recordings_are_sources() {
-    let Some(recording) = data::shared("meaning/R06_replica") else {
+    let Some(recording) = super::data::shared("meaning/R06_replica") else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();

@@ -168,7 +168,13 @@ fn what_is_repeated_and_real_stays() {
     assert!(found(&points).is_empty());
     let copied: Vec<DVec3> = table(UTM).into_iter().flat_map(|point| [point; 30]).collect();
     assert!(found(&copied).is_empty());
-    let tip = |index: usize, point: DVec3| if index % 3 == 0 { DVec3::Z * 100.0 } else { point };
+    let tip = |index: usize, point: DVec3| {
+        if index.is_multiple_of(3) {
+            DVec3::Z * 100.0
+        } else {
+            point
+        }
+    };
     let (points, _) = replaced(&table(DVec3::ZERO), 1, tip);
     let positions = Positions::F64(points.iter().map(DVec3::to_array).collect());
     let known = Known {

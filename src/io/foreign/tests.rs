@@ -192,10 +192,10 @@ const BY_CONTENT: &[Sample] = &[
 ];
 
 /// A header of the volume of NIfTI-1 and one of MRC, which have their magic far in.
-const NIFTI: &[u8] = &with_bytes_at::<348>(344, b"n+1\x00");
-const MRC: &[u8] = &with_bytes_at::<212>(208, b"MAP ");
+const NIFTI: &[u8] = &with_bytes_at::<348>(344, *b"n+1\x00");
+const MRC: &[u8] = &with_bytes_at::<212>(208, *b"MAP ");
 
-const fn with_bytes_at<const N: usize>(at: usize, bytes: &[u8; 4]) -> [u8; N] {
+const fn with_bytes_at<const N: usize>(at: usize, bytes: [u8; 4]) -> [u8; N] {
     let mut header = [0; N];
     let mut index = 0;
     while index < bytes.len() {

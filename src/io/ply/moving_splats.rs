@@ -16,7 +16,7 @@ const MOTION: &str = "motion_";
 /// What is added to the rotation in a unit of time.
 const TURN: [&str; 4] = ["omega_0", "omega_1", "omega_2", "omega_3"];
 
-/// Columns by which other methods make splats move ("4D Gaussian Splatting", "4D-Rotor", "FreeTimeGS", splats with
+/// Columns by which other methods make splats move ("4D Gaussian Splatting", "4D-Rotor", "`FreeTimeGS`", splats with
 /// velocities); nothing is made of them.
 const OF_OTHERS: [&str; 18] = [
     "scale_t",

@@ -447,9 +447,9 @@ fn by_convention(convention: AxisConvention) -> Up {
 fn up_of_sweep(around: &kind::Around, by_format: Option<Up>) -> Up {
     /// Scanners that look up and down as far as around have no axis that can be told.
     const FLAT: f32 = 0.35;
-    let axis = around.flattest_axis();
-    // Unless directions are much flatter along another axis, it is that of the format.
+    /// Unless directions are so much flatter along another axis, it is that of the format.
     const MUCH_FLATTER: f32 = 0.6;
+    let axis = around.flattest_axis();
     if let Some(format) = by_format {
         let along_format = around.mean_abs_direction.dot(format.axis.direction().as_vec3().abs());
         if around.mean_abs_direction[axis] > MUCH_FLATTER * along_format {

@@ -90,7 +90,9 @@ fn asymmetry(sample: &CloudSample, axis: usize) -> f32 {
         counts[cell] += 1.0;
     }
     // Roots: a dense part is not all that counts.
-    counts.iter_mut().for_each(|count| *count = count.sqrt());
+    for count in &mut counts {
+        *count = count.sqrt();
+    }
     let sum: f32 = counts.iter().sum();
     let mirrored = |cell: usize| {
         let place = cell / strides[axis] % CELLS;

@@ -252,7 +252,7 @@ fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<(Poses, Option<Vec<D
     let is_text = list
         .extension()
         .is_some_and(|extension| extension != "npy" && extension != "npz");
-    let has_names = || read_text(list).is_ok_and(|text| text.contains(|c: char| matches!(c, 'q' | 'Q' | '{')));
+    let has_names = || read_text(list).is_ok_and(|text| text.contains(['q', 'Q', '{']));
     let plain = if is_text && !has_names() {
         rows().and_then(|rows| of_rows(&rows))
     } else {

@@ -102,6 +102,7 @@ fn name(frame: &Value) -> Option<String> {
 }
 
 /// The pose that `value` is or has; nothing for other things, no pose where the camera was lost.
+#[expect(clippy::option_option, reason = "no pose is something else than a lost camera")]
 pub(super) fn pose(value: &Value) -> Option<Option<DAffine3>> {
     if value.is_object() {
         let (found, leads) = KEYS
@@ -117,6 +118,7 @@ pub(super) fn pose(value: &Value) -> Option<Option<DAffine3>> {
 }
 
 /// A matrix in rows, or number by number.
+#[expect(clippy::option_option, reason = "no pose is something else than a lost camera")]
 fn of_numbers(value: &Value) -> Option<Option<DAffine3>> {
     let list = value.as_array()?;
     let flat = list.iter().flat_map(|row| match row.as_array() {

@@ -1,7 +1,7 @@
 //! Tables of poses: lines of numbers, with a header that names the columns, with the name or the number of a frame in
 //! front, or as graphs of SLAM programs have them (g2o).
 //!
-//! *Order of quaternions.* Most programs write `qx qy qz qw`, EuRoC and many scripts `qw qx qy qz`: nothing in the
+//! *Order of quaternions.* Most programs write `qx qy qz qw`, `EuRoC` and many scripts `qw qx qy qz`: nothing in the
 //! numbers tells them apart. Where a header names the columns it is believed; one that names places and other things
 //! than a quaternion is refused.
 
@@ -271,7 +271,9 @@ fn of_graph(text: &str) -> Trajectory {
     let mut poses: Vec<(usize, Option<DAffine3>)> = text.lines().filter_map(vertex).collect();
     // Keys of GTSAM hold a letter in their highest byte.
     let most = usize::MAX >> 8;
-    poses.iter_mut().for_each(|(number, _)| *number &= most);
+    for (number, _) in &mut poses {
+        *number &= most;
+    }
     Trajectory::Numbered(poses.into_iter().collect())
 }
 

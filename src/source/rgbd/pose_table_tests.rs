@@ -41,12 +41,11 @@ fn headers_say_the_order_of_quaternions() {
             format!("5000000000000000000,map,1,2,3,0,{half},0,{half}"),
         ),
     ] {
-        let found = match header.starts_with('%') {
-            true => {
-                let trajectory = read(&format!("{header}\n{row}\n")).unwrap().unwrap();
-                trajectory.pose(0, Some(Duration::from_secs(5_000_000_000))).unwrap()
-            }
-            false => first(&format!("{header}\n{row}\n")),
+        let found = if header.starts_with('%') {
+            let trajectory = read(&format!("{header}\n{row}\n")).unwrap().unwrap();
+            trajectory.pose(0, Some(Duration::from_secs(5_000_000_000))).unwrap()
+        } else {
+            first(&format!("{header}\n{row}\n"))
         };
         assert!(found.abs_diff_eq(pose(), 1e-9), "{header}: {found}");
     }

@@ -208,12 +208,11 @@ fn assumed_times(entries: &[FrameEntry]) -> Option<Assumption> {
 /// The camera of the first frame: its numbers for the images that are there.
 fn assumed_camera(calibration: &Calibration, sensor: Option<&Sensor>) -> Assumption {
     let camera = sensor.map(|sensor| &sensor.rig.depth);
-    let (focal, principal, size) = match camera {
-        Some(camera) => (camera.focal_px(), camera.principal_px(), Some(camera.size_px())),
-        None => {
-            let depth = &calibration.depth;
-            (depth.focal_px, depth.principal_px, depth.for_size_px)
-        }
+    let (focal, principal, size) = if let Some(camera) = camera {
+        (camera.focal_px(), camera.principal_px(), Some(camera.size_px()))
+    } else {
+        let depth = &calibration.depth;
+        (depth.focal_px, depth.principal_px, depth.for_size_px)
     };
     let size = size.map(|[width, height]| format!(" for images of {width} × {height} pixels"));
     let [fx, fy, cx, cy] = [focal.x, focal.y, principal.x, principal.y].map(|number| (number * 1e6).round() / 1e6);

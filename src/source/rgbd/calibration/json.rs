@@ -83,14 +83,13 @@ pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, St
     let color = match json.get("color").filter(|color| !color.is_null()) {
         Some(color) => {
             // Without a place of its own the colour camera is where the depth camera is: colours were registered.
-            let color_from_depth = match color.get("color_from_depth") {
-                None => DAffine3::IDENTITY,
-                Some(_) => {
-                    let matrix: [f64; 16] = numbers(color, "color_from_depth")?
-                        .try_into()
-                        .map_err(|_| "`color_from_depth` has not 16 numbers")?;
-                    DAffine3::from_mat4(DMat4::from_cols_array(&matrix).transpose())
-                }
+            let color_from_depth = if color.get("color_from_depth").is_none() {
+                DAffine3::IDENTITY
+            } else {
+                let matrix: [f64; 16] = numbers(color, "color_from_depth")?
+                    .try_into()
+                    .map_err(|_| "`color_from_depth` has not 16 numbers")?;
+                DAffine3::from_mat4(DMat4::from_cols_array(&matrix).transpose())
             };
             Some((intrinsics(color)?, color_from_depth))
         }

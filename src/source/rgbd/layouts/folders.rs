@@ -93,6 +93,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     Ok(Some(found))
 }
 
+/// A name with the shape and the numbers of its array.
+type NamedNumbers = (String, (Vec<usize>, Vec<f64>));
+
 /// The camera `K` and the poses `cam2world` in archives of depths, where the first has a camera.
 fn in_arrays(depths: &[PathBuf]) -> Option<(Calibration, Vec<Option<DAffine3>>)> {
     const CAMERAS: [&str; 4] = ["k", "intrinsics", "intrinsic", "camera_matrix"];
@@ -100,7 +103,7 @@ fn in_arrays(depths: &[PathBuf]) -> Option<(Calibration, Vec<Option<DAffine3>>)>
     if !has_extension(name_of(depths.first()?), &["npz"]) {
         return None;
     }
-    let named = |all: &[(String, (Vec<usize>, Vec<f64>))], names: &[&str]| {
+    let named = |all: &[NamedNumbers], names: &[&str]| {
         let found = all.iter().find(|(name, _)| names.contains(&name.as_str()));
         found.map(|(_, (_, numbers))| numbers.clone())
     };

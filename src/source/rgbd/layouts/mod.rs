@@ -83,6 +83,6 @@ pub(super) fn has_depths_beside_transforms(folder: &Folder) -> bool {
         return false;
     }
     let has_images = |path: std::path::PathBuf| Folder::read(&path).is_ok_and(|depth| !depth.depth_images().is_empty());
-    let has_camera = || folder.files(beside::is_camera).first().is_some();
+    let has_camera = || !folder.files(beside::is_camera).is_empty();
     transforms::has_depths(folder) || (folder.sub(folders::DEPTH).is_some_and(has_images) && has_camera())
 }

@@ -1,4 +1,4 @@
-//! `transforms.json` of nerfstudio, instant-ngp, Polycam and Record3D whose frames have depth images
+//! `transforms.json` of nerfstudio, instant-ngp, Polycam and `Record3D` whose frames have depth images
 //! (`depth_file_path`).
 //!
 //! Matrices lead from the camera to the world, whose camera has x right, y up and z backward (OpenGL). The corner of an
