@@ -62,8 +62,8 @@ impl Zone {
     pub(super) fn project_near(self, longitude: f64, latitude: f64) -> Result<[f64; 2], String> {
         if self.degrees_from_meridian(longitude).abs() > MAX_DEGREES {
             return Err(format!(
-                "longitude {longitude} is more than {MAX_DEGREES} degrees away from the other points (UTM zone {self}): \
-                 points all around the Earth are not projected"
+                "longitude {longitude} is more than {MAX_DEGREES} degrees away from the other points (UTM zone \
+                 {self}): points all around the Earth are not projected"
             ));
         }
         Ok(self.project(longitude, latitude))

@@ -1,6 +1,6 @@
 //! Why a session cannot be opened or saved.
 
-use super::Beyond;
+use super::reach::Beyond;
 use std::path::PathBuf;
 
 /// Why a session cannot be opened or saved.

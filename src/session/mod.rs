@@ -18,14 +18,15 @@ mod error;
 mod file;
 mod model;
 mod paths;
+mod reach;
 mod reading;
 #[cfg(test)]
 mod tests;
 mod text;
 mod written;
 
-pub use beyond::Beyond;
 pub use error::SessionError;
 pub use file::{EXTENSION, ReadSession, is_session, session_of};
 pub use model::{Compared, ComparedBy, ComparedLayout, Marker, Measured, MeasuredPoint, Session, Unknown};
+pub use reach::Beyond;
 pub use reading::Reading;

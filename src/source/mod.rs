@@ -37,6 +37,7 @@ pub use examples::Example;
 pub use files::{Files, Recording};
 pub use generated::Generated;
 pub use list::FrameList;
+use live::is_recording;
 pub use live::{
     ConnectionChange, ConnectionWatch, Live, LiveState, LiveStatus, LiveStream, RecordedStream, StreamRecording,
 };
@@ -84,7 +85,7 @@ pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> R
         };
     }
     if let [input] = inputs
-        && RecordedStream::is_one(input)
+        && is_recording(input)
     {
         return Ok(Arc::new(RecordedStream::open(input, options)?));
     }

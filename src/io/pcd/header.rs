@@ -297,8 +297,8 @@ impl Lines {
             };
             if is_no_float(kind, number_bytes) && name != PADDING {
                 return Err(sizes.fault(format!(
-                    "the SIZE of field `{name}` is {number_bytes}, but its TYPE in line {} is F: floating-point numbers \
-                     take 4 or 8 bytes, and where the others of a point are is not known",
+                    "the SIZE of field `{name}` is {number_bytes}, but its TYPE in line {} is F: floating-point \
+                     numbers take 4 or 8 bytes, and where the others of a point are is not known",
                     types.number
                 )));
             }

@@ -11,7 +11,7 @@ use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::{
-    FRAME_HEAD_BYTES, Frame, FrameHead, MAGIC, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
+    FRAME_HEAD_BYTES, Frame, FrameHead, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
 };
 use std::fs::File;
@@ -44,13 +44,6 @@ struct Recorded {
 }
 
 impl RecordedStream {
-    /// Whether the file at `path` begins as a recording does.
-    pub(in crate::source) fn is_one(path: &Path) -> bool {
-        let mut begin = [0; MAGIC.len()];
-        let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
-        read.is_ok() && begin == MAGIC
-    }
-
     /// The frames of the file at `path`.
     ///
     /// # Errors

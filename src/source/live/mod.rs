@@ -22,6 +22,7 @@ mod watch;
 
 pub use file::RecordedStream;
 pub use recorder::StreamRecording;
+pub(in crate::source) use recorder::is_recording;
 pub use status::{Live, LiveState, LiveStatus};
 pub use stream::LiveStream;
 pub use watch::{ConnectionChange, ConnectionWatch};

@@ -5,11 +5,18 @@
 //! (`.reel`) would have prepared points in place of images, coded while frames come; `pointreel convert` makes one
 //! of a recording afterwards.
 
-use super::file::RecordedStream;
-use crate::wire::{Message, StreamHead};
+use crate::regular_file;
+use crate::wire::{MAGIC, Message, StreamHead};
 use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+
+/// Whether the file at `path` begins as a recording does.
+pub(in crate::source) fn is_recording(path: &Path) -> bool {
+    let mut begin = [0; MAGIC.len()];
+    let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    read.is_ok() && begin == MAGIC
+}
 
 /// What was recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +40,7 @@ impl Recorder {
     /// A new file at `path` for a stream with this head, in place of a recording that may be there.
     pub(super) fn create(path: &Path, head: &StreamHead) -> io::Result<Self> {
         let has_bytes = path.metadata().is_ok_and(|there| !there.is_file() || there.len() > 0);
-        if has_bytes && !RecordedStream::is_one(path) {
+        if has_bytes && !is_recording(path) {
             return Err(io::Error::other("it is there already, and is no recording of a stream"));
         }
         let mut file = BufWriter::with_capacity(1 << 16, File::create(path)?);
