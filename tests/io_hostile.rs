@@ -91,7 +91,7 @@ fn wrong_plys() -> Vec<Case> {
         (
             "no magic, no extension",
             "a.dat",
-            b"\x7fELF".to_vec(),
+            b"\x01\x02\x03\x04".to_vec(),
             "not in a format that pointreel reads",
         ),
         (

@@ -378,12 +378,11 @@ fn lines_and_single_places_have_no_plane() {
     for normal in &surface.normals[..400] {
         assert!(normal.abs_diff_eq(Vec3::Z, 1e-6));
     }
-    // Duplicates of three places: no plane where a place has as many as there are neighbours, a plane where it has
-    // fewer.
-    for (copies, expected) in [(13, all(39)), (5, Vec::new())] {
+    // Copies of three places are as good as three points.
+    for copies in [13, 5] {
         let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.7, 0.0)];
         let cloud: Vec<Vec3> = places.iter().flat_map(|&place| vec![place; copies]).collect();
-        assert_eq!(without(&cloud), expected);
+        assert_eq!(without(&cloud), [0u32; 0]);
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a conversion would write, judged by a few frames: sizes and errors before anything is written.
 //!
 //! How it works: a frame is encoded in memory as the conversion would do it, and read back. In a sequence file it is
-//! encoded in a group with frames beside it. The group's first frame stands for those that begin a group, the mean of
-//! the others for those that follow. Bytes of directories are shared out.
+//! encoded in a group with frames beside it. Each of them stands for the frames at its place in all groups; the mean of
+//! those behind the first one for places that the sample has not. Bytes of directories are shared out.
 
 use super::error::ConvertError;
 use super::reel;
@@ -259,15 +259,21 @@ impl SampleFrame {
         let file = ReelFile::of_bytes(write_to_memory(&new, options)?)?;
         let frames = (0..size).map(|index| file.frame(index).map_or([0; _], |frame| frame.bytes_by_stream));
         let frames: Vec<[u64; StreamKind::ALL.len()]> = frames.collect();
-        // A frame alone stands for all.
-        let following = frames
-            .get(1..)
-            .filter(|following| !following.is_empty())
-            .unwrap_or(&frames);
-        let firsts = groups_a_frame(options, self.frame_count);
+        let group = (options.keyframes as usize).clamp(1, self.frame_count.max(1));
         let bytes = std::array::from_fn(|kind| {
-            let sum: u64 = following.iter().map(|frame| frame[kind]).sum();
-            firsts * frames[0][kind] as f64 + (1.0 - firsts) * sum as f64 / following.len() as f64
+            // Frames of a longer group are like those that follow the first one here.
+            let following: u64 = frames.iter().skip(1).map(|frame| frame[kind]).sum();
+            let like_others = following as f64 / (size - 1).max(1) as f64;
+            let bytes_at = |place: usize| match frames.get(place) {
+                Some(frame) => frame[kind] as f64,
+                None if size > 1 => like_others,
+                None => frames[0][kind] as f64,
+            };
+            // The last group may be shorter.
+            let count = self.frame_count.max(1);
+            let groups_with = |place: usize| count / group + usize::from(place < count % group);
+            let all = (0..group).map(|place| groups_with(place) as f64 * bytes_at(place));
+            all.sum::<f64>() / count as f64
         });
         Ok((file, self.place - first, bytes))
     }

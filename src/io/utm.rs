@@ -33,6 +33,11 @@ impl Zone {
         }
     }
 
+    /// Its code in the register of EPSG.
+    pub(super) fn epsg(self) -> u32 {
+        (if self.is_south { 32_700 } else { 32_600 }) + u32::from(self.number)
+    }
+
     /// Longitude of its central meridian, degrees.
     fn meridian(self) -> f64 {
         f64::from(self.number) * ZONE_DEGREES - 183.0

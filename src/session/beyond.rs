@@ -103,6 +103,7 @@ fn is_inside(path: &Path, folder: &Path) -> bool {
 mod tests {
     use super::*;
     use std::fs;
+    use std::path::PathBuf;
 
     fn read(folder: &Path, files: &str, more: &str) -> ReadSession {
         let text = format!(r#"{{"pointreel_session": 1, "files": {files}{more}}}"#);

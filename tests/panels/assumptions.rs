@@ -1,7 +1,7 @@
 //! Assumptions: the chip, the list, its alternatives, and what is remembered.
 
 use super::walk::{options, sequence};
-use super::{click, window_on};
+use super::window_on;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -61,6 +61,13 @@ fn source_of(state: &State) -> *const Sequence {
 }
 
 /// Clicks, and waits until the inputs are open again.
+/// Clicks what may be further down in the list.
+fn click(harness: &mut Harness<'_, State>, label: &str) {
+    harness.get_by_role_and_label(Role::Button, label).scroll_to_me();
+    harness.run();
+    super::click(harness, label);
+}
+
 fn click_and_reopen(harness: &mut Harness<'_, State>, label: &str) {
     let before = source_of(harness.state());
     click(harness, label);
@@ -135,8 +142,8 @@ fn the_chip_has_the_number_of_assumptions_and_opens_their_list() {
     assert_eq!(chip(&harness), None, "nothing is open");
     harness.state_mut().open(Arc::new(sequence));
     until(&mut harness, "it is shown", is_looked_at);
-    // Up axis and primitive, and one each of both frames that are equal.
-    assert_eq!(chip(&harness).as_deref(), Some("4 assumptions"));
+    // Up axis, primitive and colours, and one each of both frames that are equal.
+    assert_eq!(chip(&harness).as_deref(), Some("5 assumptions"));
     open_list(&mut harness);
     for text in [
         "camera:",
@@ -191,7 +198,7 @@ fn other_columns_open_the_file_again_and_are_remembered_for_it() {
     let mut harness = window_of(folder.path(), &inputs);
     assert_eq!(point_count(&harness), 1600);
     open_list(&mut harness);
-    click_and_reopen(&mut harness, "columns: 5 values");
+    click_and_reopen(&mut harness, "columns: 5 values per point");
     assert_eq!(point_count(&harness), 1280);
     assert!(has(&harness, "Reset columns"));
     let columns = harness.state().session().unwrap().reading.columns;
@@ -215,14 +222,14 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
     let mut harness = window_of(folder.path(), &inputs);
     let before = source_of(harness.state());
     open_list(&mut harness);
-    click(&mut harness, "columns: 5 values");
+    click(&mut harness, "columns: 5 values per point");
     until(&mut harness, "it is said", |state| !state.notices.list().is_empty());
     assert!(harness.state().notices.list()[0].text.contains("odd.bin"));
     assert_eq!(source_of(harness.state()), before);
     assert_eq!(harness.state().reading_choices.of(&inputs), None);
 
     // A file that was written again does not fit the choice that was made for it before: it is opened all the same.
-    click_and_reopen(&mut harness, "columns: 4 values");
+    click_and_reopen(&mut harness, "columns: 4 values per point");
     write_slab(&file, 81, 3);
     let again = window_of(folder.path(), &inputs);
     assert_eq!(point_count(&again), 81);

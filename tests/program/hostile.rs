@@ -56,7 +56,8 @@ fn sequence_files_that_lie_are_refused_by_every_command() {
         let input = copy.to_str().unwrap();
         let picture = scratch.path().join("picture.png");
         let frames = scratch.path().join(format!("frames of {name}"));
-        let is_fine = name.contains("escapes");
+        // One has a bad name, the other a bad frame beside three good ones.
+        let is_fine = name.contains("escapes") || name.contains("1TB");
         for arguments in [
             &["info", input][..],
             &["check", input],

@@ -300,8 +300,8 @@ fn the_root_of_nuscenes_opens_the_lidar_with_its_poses() {
     let poses = format!("[{}, {}]", pose("1", 600), pose("2", 610));
     let mounting = format!("[{}]", pose("c", 1));
     let folder = folder_of(&[
-        (&one, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"),
-        (&other, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"),
+        (&one, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0@@\0\0\0\0"),
+        (&other, "\0\0\0\0\0\0\0\0\0\0\0\0\0\0@@\0\0\0\0"),
         ("samples/RADAR_FRONT/a1.pcd", ""),
         ("samples/RADAR_FRONT/a2.pcd", ""),
         ("sweeps/LIDAR_TOP/x1.pcd.bin", ""),

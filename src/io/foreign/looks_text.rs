@@ -80,9 +80,7 @@ pub(super) fn ensight(_: &Path, bytes: &[u8]) -> bool {
 
 pub(super) fn tecplot(name: &Path, bytes: &[u8]) -> bool {
     let text = text(bytes);
-    let is_named_so = [".dat", ".tec", ".plt"]
-        .iter()
-        .any(|ending| name_ends_with(name, ending));
+    let is_named_so = [".tec", ".plt"].iter().any(|ending| name_ends_with(name, ending));
     let begins = begins_with(text, b"TITLE") || begins_with(text, b"VARIABLES");
     let upper = text.to_ascii_uppercase();
     is_named_so && begins && contains(&upper, b"VARIABLES") && contains(&upper, b"ZONE")

@@ -165,7 +165,7 @@ const BY_CONTENT: &[Sample] = &[
     ("a.case", b"FORMAT\ntype: ensight gold\n", "EnSight"),
     ("a.plt", b"#!TDV112\x01", "Tecplot"),
     (
-        "a.dat",
+        "a.tec",
         b"TITLE = \"x\"\nVARIABLES = \"X\", \"Y\", \"Z\"\nZONE\n",
         "Tecplot",
     ),

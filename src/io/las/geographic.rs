@@ -1,5 +1,4 @@
-//! Coordinates in degrees: where the coordinate reference system is a geographic one, longitudes and latitudes become
-//! metres, as those of text do ([`crate::io::utm`]).
+//! Coordinates in degrees: where the coordinate reference system is a geographic one, that is said.
 //!
 //! The keys of `GeoTIFF` say it by the type of the model, or by a geographic system without a projected one; well-known
 //! text says it by a geographic system that no projection is around. Files with such a record and coordinates that are
@@ -9,7 +8,6 @@ use super::header::{Record, take};
 use super::unit::{GEO_KEYS_ID, PROJECTION_USER, WELL_KNOWN_TEXT_ID};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
-use crate::io::error::Fault;
 use crate::io::utm::Zone;
 
 /// Keys of `GeoTIFF` (OGC 19-008): the type of the model, systems of angles and of projections, the unit of angles and
@@ -99,50 +97,36 @@ fn of_text(text: &str) -> Option<System> {
     Some(System::Geographic { height })
 }
 
-/// `cloud`, in metres of a zone where `records` say that its coordinates are longitude, latitude and height.
-pub(super) fn project<'a>(mut cloud: RawCloud, records: impl Iterator<Item = Record<'a>>) -> Result<RawCloud, Fault> {
+/// Says of `cloud` that its coordinates are longitude, latitude and height, where `records` say so. They stay as they
+/// are: other readers have the same numbers.
+pub(super) fn note<'a>(cloud: &mut RawCloud, records: impl Iterator<Item = Record<'a>>) {
     let Some(System::Geographic { height }) = system(records) else {
-        return Ok(cloud);
+        return;
     };
-    let Positions::F64(points) = &mut cloud.positions else {
-        return Ok(cloud);
+    let Positions::F64(points) = &cloud.positions else {
+        return;
     };
-    let are_degrees = |order: [usize; 2]| {
-        let [longitude, latitude] = order;
-        points
-            .iter()
-            .all(|point| Zone::are_degrees(point[longitude], point[latitude]))
+    let are_degrees = |[longitude, latitude]: [usize; 2]| {
+        let mut places = points.iter().map(|point| (point[longitude], point[latitude]));
+        places.all(|(longitude, latitude)| Zone::are_degrees(longitude, latitude))
     };
+    // Programs reproject points and leave the record.
     let Some([longitude, latitude]) = ORDERS.into_iter().find(|&order| are_degrees(order)) else {
-        log::warn!(
-            "the coordinate reference system is one of degrees, and the coordinates are none: they are left as they are"
-        );
-        return Ok(cloud);
+        return;
     };
     let Some(zone) = Zone::of_middle(points.iter().map(|point| [point[longitude], point[latitude]])) else {
-        return Ok(cloud);
+        return;
     };
-    let height_m = height.map_or(1.0, LengthUnit::metres);
-    for (index, point) in points.iter_mut().enumerate() {
-        let [x, y] = zone
-            .project_near(point[longitude], point[latitude])
-            .map_err(|problem| Fault::entry("point", index, problem))?;
-        *point = [x, y, point[2] * height_m];
-    }
-    cloud.unit = Some(LengthUnit::Metre);
-    let heights = match height {
-        Some(unit) => format!("heights are in {}", unit.symbol()),
-        None => "heights are taken as metres".to_owned(),
-    };
-    let (order, evidence) = if longitude == 0 {
-        ("X as longitude", Evidence::File)
-    } else {
-        ("X as latitude, since Y goes beyond 90", Evidence::Statistics)
-    };
-    let why = format!("the coordinate reference system is one of degrees, taken as WGS 84, {order}; {heights}");
-    let projection = Assumption::new(Subject::Projection, format!("UTM zone {zone}, metres"), why, evidence);
-    cloud.assumptions.push(projection.with_option(None));
-    Ok(cloud)
+    let unit = height.unwrap_or(LengthUnit::Metre).symbol();
+    cloud.unit = None;
+    cloud.warnings.push(format!(
+        "the coordinates are degrees, and heights are {unit}: pictures and distances are wrong; project it to metres \
+         first, such as with PDAL (pdal translate IN OUT reprojection --filters.reprojection.out_srs=EPSG:{})",
+        zone.epsg()
+    ));
+    let why = "the coordinate reference system of the file is one of degrees";
+    let assumption = Assumption::new(Subject::Projection, "none: degrees as they are", why, Evidence::File);
+    cloud.assumptions.push(assumption.with_option(None));
 }
 
 #[cfg(test)]
@@ -202,39 +186,20 @@ mod tests {
     }
 
     #[test]
-    fn degrees_become_metres_and_others_stay() {
+    fn degrees_stay_and_are_said() {
         let data = keys(&[(1024, 2), (4099, 9002)]);
-        let records = || [record(GEO_KEYS_ID, &data)].into_iter();
-        let of = |points: Vec<[f64; 3]>| project(RawCloud::from_positions(Positions::F64(points)), records()).unwrap();
-        let cloud = of(vec![[9.0, 45.0, 100.0], [9.0, 45.0, 0.0]]);
-        let Positions::F64(points) = &cloud.positions else {
-            panic!("narrow positions")
+        let noted = |points: Vec<[f64; 3]>| {
+            let mut cloud = RawCloud::from_positions(Positions::F64(points));
+            cloud.unit = Some(LengthUnit::Metre);
+            note(&mut cloud, [record(GEO_KEYS_ID, &data)].into_iter());
+            cloud
         };
-        let [x, y, z] = points[0];
-        assert!(
-            (x - 500_000.0).abs() < 1e-6 && (y - 0.9996 * 4_984_944.378).abs() < 0.002,
-            "{x} {y}"
-        );
-        assert!((z - 30.48).abs() < 1e-9, "{z}");
-        assert_eq!(cloud.unit, Some(LengthUnit::Metre));
-        let [assumption] = &cloud.assumptions[..] else {
-            panic!("{:?}", cloud.assumptions)
-        };
-        assert_eq!(assumption.subject, Subject::Projection);
-        assert_eq!(assumption.evidence, Evidence::File);
-        assert!(assumption.value.contains("32N") && assumption.option.is_none());
-        // Latitude first, which can only be told beyond 90 degrees.
-        let turned = of(vec![[45.0, -93.0, 0.0]]);
-        let Positions::F64(points) = &turned.positions else {
-            panic!("narrow positions")
-        };
-        assert!((points[0][0] - 500_000.0).abs() < 1e-6, "{:?}", points[0]);
-        assert_eq!(turned.assumptions[0].evidence, Evidence::Statistics);
-        // The record was left behind by a program that projected the points.
-        let projected = of(vec![[637_000.0, 849_000.0, 1.0]]);
-        assert!(projected.assumptions.is_empty() && projected.unit.is_none());
-        let far = vec![[9.0, 45.0, 0.0], [9.0, 45.0, 0.0], [150.0, 0.0, 0.0]];
-        let fault = project(RawCloud::from_positions(Positions::F64(far)), records()).unwrap_err();
-        assert!(fault.problem.contains("150"), "{}", fault.problem);
+        let points = vec![[9.0, 45.0, 100.0], [9.0, 45.0, 0.0]];
+        let cloud = noted(points.clone());
+        assert_eq!((cloud.positions, cloud.unit), (Positions::F64(points), None));
+        assert!(cloud.warnings[0].contains("heights are ft") && cloud.warnings[0].contains("EPSG:32632"));
+        assert_eq!(cloud.assumptions[0].subject, Subject::Projection);
+        let projected = noted(vec![[500_000.0, 4_900_000.0, 10.0]]);
+        assert!(projected.warnings.is_empty() && projected.unit.is_some());
     }
 }

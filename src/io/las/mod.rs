@@ -69,7 +69,8 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
     let with_unit = |mut cloud: RawCloud| {
         cloud.unit = unit::unit(header.records(bytes));
         cloud.warnings.extend(unfinished.clone());
-        geographic::project(cloud, header.records(bytes))
+        geographic::note(&mut cloud, header.records(bytes));
+        Ok(cloud)
     };
     if !header.compressed {
         let rows = rows(&header, bytes)?;

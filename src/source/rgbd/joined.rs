@@ -245,7 +245,11 @@ mod tests {
     fn cells_that_do_not_fit_into_memory_grow_and_it_is_said() {
         let cloud = merged(Some(0.001), 8_000);
         assert!(cloud.positions.len() <= 8_000);
-        assert!(cloud.warnings[0].contains("in cells of 4.0 mm"), "{:?}", cloud.warnings);
+        assert!(
+            cloud.assumptions[0].value.contains("in cells of 4.0 mm"),
+            "{:?}",
+            cloud.assumptions
+        );
     }
 
     #[test]
