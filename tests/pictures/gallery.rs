@@ -13,6 +13,7 @@ use pointreel::scene::{
     BackFaces, Backdrop, Background, Camera, CaptureKind, FirstLook, Primitive, RendererChoice, Style, UpAxis,
 };
 use pointreel::sequence::{FrameEntry, Loader, LoaderOptions, OpenOptions, Sequence, Shape};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -160,13 +161,23 @@ fn figure(count: usize) -> Vec<Vec3> {
     points
 }
 
+/// What a camera at zero that looks along Z sees of points: the nearest in each direction, and what is beside them.
+fn seen_along_z(points: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    let direction = |[x, y, z]: [f32; 3]| [x, y].map(|along| (150.0 * along / z).round() as i32);
+    let mut nearest: HashMap<[i32; 2], f32> = HashMap::new();
+    for &point in &points {
+        let depth = nearest.entry(direction(point)).or_insert(f32::INFINITY);
+        *depth = depth.min(point[2]);
+    }
+    let is_seen = |point: &[f32; 3]| point[2] <= nearest[&direction(*point)] + 0.03;
+    points.into_iter().filter(is_seen).collect()
+}
+
 #[test]
 fn outliers_do_not_make_the_person_small() {
     // A depth camera: Y down, Z forward, what it cannot see saved as 65.535 m.
-    let mut points: Vec<[f32; 3]> = figure(68_000)
-        .into_iter()
-        .map(|p| [p.x, 0.9 - p.y, 2.4 + p.z])
-        .collect();
+    let figure = figure(68_000).into_iter().map(|p| [p.x, 0.9 - p.y, 2.4 + p.z]);
+    let mut points = seen_along_z(figure.collect());
     let mut random = Random(3);
     for _ in 0..100 {
         let slope = [random.between(-0.5, 0.5), random.between(-0.4, 0.4)];
