@@ -150,7 +150,14 @@ impl SampleFrame {
             0..=MOST_BYTES_OF_TWO => (BYTES_OF_MANY / cloud.byte_size().max(1)).clamp(2, MOST_FRAMES),
             _ => 1,
         };
-        let first = (index + 1).saturating_sub(count);
+        let group = index / MOST_FRAMES * MOST_FRAMES;
+        let is_whole = count == MOST_FRAMES && group + 2 < sequence.len();
+        // Small frames as they are grouped by the usual options, others behind the one before.
+        let first = if is_whole {
+            group
+        } else {
+            (index + 1).saturating_sub(count)
+        };
         let beside = |range: Range<usize>| {
             let decoded = range.map(|index| (decode(index), index));
             decoded.filter_map(|(cloud, index)| Some((cloud.ok()?, sequence.entry(index))))
@@ -249,7 +256,8 @@ impl SampleFrame {
     /// frame of such a file takes.
     fn as_reel(&self, options: &ReelOptions) -> Result<(ReelFile, usize, BytesByStream), ConvertError> {
         let size = (options.keyframes as usize).clamp(1, self.clouds.len());
-        let first = (self.place + 1).saturating_sub(size);
+        let first = self.place / size * size;
+        let first = first.min(self.clouds.len() - size);
         let new = self.clouds[first..first + size].iter().map(|(cloud, entry)| NewFrame {
             cloud,
             name: &entry.name,

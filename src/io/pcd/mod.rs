@@ -325,7 +325,8 @@ impl Table {
                 odd_rows += 1;
                 let needed = self.rows - row - 1;
                 let lines = tokens.lines_behind();
-                if odd_rows > MAX_ODD_ROWS || !(needed..=needed + 1).contains(&lines) {
+                let are_too_many = odd_rows > MAX_ODD_ROWS.min(self.rows - 1);
+                if are_too_many || !(needed..=needed + 1).contains(&lines) {
                     return Err(fault);
                 }
                 let is_extra = lines > needed;

@@ -120,7 +120,8 @@ fn vertices(
         let is_own_line = row == 0 || line == end + 1;
         let needed = (vertex.count - row - 1).saturating_add(rows_behind);
         let lines = tokens.lines_behind();
-        if !is_own_line || odd_rows > MAX_ODD_ROWS || !(needed..=needed.saturating_add(1)).contains(&lines) {
+        let are_too_many = odd_rows > MAX_ODD_ROWS.min(vertex.count - 1);
+        if !is_own_line || are_too_many || !(needed..=needed.saturating_add(1)).contains(&lines) {
             return Err(fault);
         }
         let what = if lines == needed {
