@@ -7,7 +7,7 @@ use super::fixed_rows::FixedRows;
 use super::format::Format;
 use super::list::{first_bytes, list_format};
 use super::options::ReadOptions;
-use super::{archive, mesh, packets, recording, watched};
+use super::{archive, las, mesh, packets, recording, watched};
 use crate::cloud::{RawCloud, even_places};
 use crate::progress::Progress;
 use std::path::Path;
@@ -99,7 +99,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         }
     }
     // Of a file with coarse levels only some points are decoded.
-    let has_levels = magic.windows(COPC.len()).any(|bytes| bytes == COPC);
+    let has_levels = format == las::FORMAT && magic.windows(COPC.len()).any(|bytes| bytes == COPC);
     let most_bytes = if has_levels { u64::MAX } else { options.max_memory_bytes };
     let bytes = watched::read_file(path, most_bytes, progress)?;
     read_bytes_with(path, &bytes, part, options, progress)

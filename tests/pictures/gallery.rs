@@ -251,7 +251,7 @@ fn a_sweep_is_seen_from_above_and_drawn_as_points() {
     assert_eq!(shown.look.up, UpAxis::Z);
     assert_eq!(shown.look.primitive, Primitive::Point);
     assert!(shown.look.from.elevation_deg > 15.0);
-    assert!(shown.look.prefers_height());
+    assert_eq!(shown.look.color_hints().prefers_height, Some(true));
 }
 
 #[test]

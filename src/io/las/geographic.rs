@@ -4,8 +4,8 @@
 //! text says it by a geographic system that no projection is around. Files with such a record and coordinates that are
 //! no degrees are common, as programs reproject points and leave the record: those are left as they are.
 
-use super::header::{Record, take};
-use super::unit::{GEO_KEYS_ID, PROJECTION_USER, WELL_KNOWN_TEXT_ID};
+use super::header::Record;
+use super::reference_system::{self, GeoKeys, metres_of_unit};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::io::utm::Zone;
@@ -39,27 +39,12 @@ enum System {
 }
 
 /// The first system that `records` name.
-fn system<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<System> {
-    records.find_map(|record| {
-        if record.is(PROJECTION_USER, GEO_KEYS_ID) {
-            of_geo_keys(record.data)
-        } else if record.is(PROJECTION_USER, WELL_KNOWN_TEXT_ID) {
-            of_text(&String::from_utf8_lossy(record.data))
-        } else {
-            None
-        }
-    })
+fn system<'a>(records: impl Iterator<Item = Record<'a>>) -> Option<System> {
+    reference_system::find(records, of_geo_keys, of_text)
 }
 
-fn of_geo_keys(data: &[u8]) -> Option<System> {
-    let (keys, _) = data.as_chunks::<8>();
-    // The first four numbers count the keys; a value is in its key where the second number is 0.
-    let value = |wanted: u16| {
-        let number = |key: &[u8; 8], index: usize| u16::from_le_bytes(take(key, 2 * index));
-        let mut keys = keys.iter().skip(1);
-        let key = keys.find(|key| number(key, 0) == wanted && number(key, 1) == 0)?;
-        Some(number(key, 3))
-    };
+fn of_geo_keys(keys: &GeoKeys<'_>) -> Option<System> {
+    let value = |key: u16| keys.value(key);
     let model = value(MODEL_KEY);
     let has_angles = value(GEOGRAPHIC_KEY).is_some() && value(PROJECTED_KEY).is_none();
     let is_geographic = model == Some(GEOGRAPHIC_MODEL) || (model != Some(PROJECTED_MODEL) && has_angles);
@@ -90,9 +75,7 @@ fn of_text(text: &str) -> Option<System> {
         .find_map(|word| text.find(word));
     let height = vertical.and_then(|at| {
         let unit = text.get(at..)?.split("UNIT[").nth(1)?;
-        // Behind the name, which may have brackets.
-        let factor = unit.split('"').nth(2)?.split([',', ']']).nth(1)?;
-        LengthUnit::of_metres(factor.trim().parse().ok()?)
+        LengthUnit::of_metres(metres_of_unit(unit)?)
     });
     Some(System::Geographic { height })
 }
@@ -131,6 +114,7 @@ pub(super) fn note<'a>(cloud: &mut RawCloud, records: impl Iterator<Item = Recor
 
 #[cfg(test)]
 mod tests {
+    use super::super::reference_system::{GEO_KEYS_ID, PROJECTION_USER, WELL_KNOWN_TEXT_ID};
     use super::*;
 
     fn record(id: u16, data: &[u8]) -> Record<'_> {

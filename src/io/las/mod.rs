@@ -14,6 +14,7 @@ mod layered_point;
 mod laz;
 mod median;
 mod points;
+mod reference_system;
 mod scanner_channel;
 #[cfg(test)]
 mod tests;

@@ -1,39 +1,20 @@
 //! The unit of coordinates, as far as the coordinate reference system says it in plain words: a key of `GeoTIFF`, or
 //! the unit of a projection in well-known text. Codes of the EPSG registry are not looked up.
 
-use super::header::{Record, take};
+use super::header::Record;
+use super::reference_system::{self, GeoKeys, metres_of_unit};
 use crate::cloud::LengthUnit;
-
-/// What names the records with coordinate reference systems.
-pub(super) const PROJECTION_USER: &[u8] = b"LASF_Projection";
-pub(super) const GEO_KEYS_ID: u16 = 34735;
-pub(super) const WELL_KNOWN_TEXT_ID: u16 = 2112;
 
 /// The key of `GeoTIFF` with the unit of projected coordinates (OGC 19-008, `ProjLinearUnitsGeoKey`).
 const LINEAR_UNITS_KEY: u16 = 3076;
 
 /// The unit that `records` say; of several the first.
-pub(super) fn unit<'a>(mut records: impl Iterator<Item = Record<'a>>) -> Option<LengthUnit> {
-    records.find_map(|record| {
-        if record.is(PROJECTION_USER, GEO_KEYS_ID) {
-            of_geo_keys(record.data)
-        } else if record.is(PROJECTION_USER, WELL_KNOWN_TEXT_ID) {
-            of_text(&String::from_utf8_lossy(record.data))
-        } else {
-            None
-        }
-    })
+pub(super) fn unit<'a>(records: impl Iterator<Item = Record<'a>>) -> Option<LengthUnit> {
+    reference_system::find(records, of_geo_keys, of_text)
 }
 
-/// Four numbers a key: which, where its value is (0: in the last number), how many and which.
-fn of_geo_keys(data: &[u8]) -> Option<LengthUnit> {
-    let (keys, _) = data.as_chunks::<8>();
-    // The first four numbers count the keys.
-    let key = keys.iter().skip(1).find(|key| {
-        let number = |index: usize| u16::from_le_bytes(take(*key, 2 * index));
-        number(0) == LINEAR_UNITS_KEY && number(1) == 0
-    })?;
-    LengthUnit::of_epsg(u16::from_le_bytes(take(key, 6)))
+fn of_geo_keys(keys: &GeoKeys<'_>) -> Option<LengthUnit> {
+    LengthUnit::of_epsg(keys.value(LINEAR_UNITS_KEY)?)
 }
 
 /// Of `PROJCS["…", GEOGCS[…], …, UNIT["metre",1], …]`, or `PROJCRS[…, LENGTHUNIT["metre",1]]`: the unit that belongs to
@@ -62,10 +43,7 @@ fn of_text(text: &str) -> Option<LengthUnit> {
                 rest.strip_prefix("UNIT[").filter(|_| has_place)
             })
         {
-            // Behind the name, which may have brackets.
-            let factor = unit.split('"').nth(2)?.split([',', ']']).nth(1)?;
-            let metres = factor.trim().parse().ok()?;
-            return LengthUnit::of_metres(metres);
+            return LengthUnit::of_metres(metres_of_unit(unit)?);
         }
     }
     None
@@ -73,6 +51,7 @@ fn of_text(text: &str) -> Option<LengthUnit> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::reference_system::{GEO_KEYS_ID, PROJECTION_USER, WELL_KNOWN_TEXT_ID};
     use super::*;
 
     fn record(id: u16, data: &[u8]) -> Record<'_> {

@@ -149,7 +149,10 @@ impl FirstLook {
             spacing_spread: sample.spread(),
             is_closed: standpoint::is_closed(&sample, &trimmed),
             point_size_px: primitive::point_size_px(frames.first().map_or(0, |frame| frame.points_in_file())),
-            colors: colors_of(frames.first().copied(), told.kind, up),
+            colors: frames
+                .first()
+                .map(|frame| ColorGuess::of(frame, &color_hints(told.kind, up)))
+                .unwrap_or_default(),
             colors_have_light: frames.first().is_some_and(|frame| {
                 let is_image = frame.grid().is_some() || told.kind == CaptureKind::CameraFrame;
                 (is_image || are_splats) && frame.value_sample().has_telling_colors()
@@ -270,9 +273,9 @@ impl FirstLook {
         self
     }
 
-    /// Whether height tells more than the direction of normals: where the ground is what was scanned.
-    pub fn prefers_height(&self) -> bool {
-        self.kind.is_of_ground()
+    /// Hints for colours that nobody has chosen.
+    pub fn color_hints(&self) -> ColorHints {
+        color_hints(self.kind, self.up)
     }
 
     /// Where the sensor stood, if a file or the points say so; relative to the origin.
@@ -326,13 +329,12 @@ impl FirstLook {
     }
 }
 
-/// What `frame` is coloured by.
-fn colors_of(frame: Option<&Frame>, kind: CaptureKind, up: UpAxis) -> ColorGuess {
-    let hints = ColorHints {
+/// Hints for colours: where the ground is what was scanned, height tells more than the direction of normals.
+fn color_hints(kind: CaptureKind, up: UpAxis) -> ColorHints {
+    ColorHints {
         up: Some(up.direction().as_vec3()),
         prefers_height: Some(kind.is_of_ground()),
-    };
-    frame.map(|frame| ColorGuess::of(frame, &hints)).unwrap_or_default()
+    }
 }
 
 /// What the points and the file tell.

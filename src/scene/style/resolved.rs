@@ -2,7 +2,7 @@
 
 use super::{BackFaces, Background, EyeDome, LightStyle, Lighting, PhotoRelight, Primitive, Style, SurfelStyle};
 use crate::scene::FirstLook;
-use crate::sequence::{ColorHints, ColorSource};
+use crate::sequence::ColorSource;
 
 impl Style {
     /// These settings, but drawn as `way` is: the colours, the background and the grid stay, what is clipped, and
@@ -78,10 +78,7 @@ impl Style {
             style.light.eye_dome = eye_dome;
             style.light.lighting = lighting;
             style.backdrop.background = background;
-            style.of_sequence.color_hints = ColorHints {
-                up: Some(look.up.direction().as_vec3()),
-                prefers_height: Some(look.prefers_height()),
-            };
+            style.of_sequence.color_hints = look.color_hints();
             style.of_sequence.ground_box = Some(look.trimmed);
             style.of_sequence.has_photographs = look.has_photographs();
         })

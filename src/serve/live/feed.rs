@@ -18,12 +18,6 @@ const MOST_KEPT_BYTES: usize = 256 << 20;
 /// How far apart points are is looked at anew after so many frames.
 const SPACING_FRAMES: usize = 100;
 
-/// What `work` gives; a sentence if the program fails in it: one frame that it cannot make ends no stream.
-fn without_panic<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    let done = catch_unwind(AssertUnwindSafe(work));
-    done.unwrap_or_else(|_| Err("the program failed on this frame: please report it with the file".to_owned()))
-}
-
 /// Makes bodies of the frames of a source.
 pub(super) struct Feed {
     source: Arc<dyn Source>,
@@ -58,29 +52,34 @@ impl Feed {
     /// All points of frame `index`, for those who are sent what they see; `None` if it cannot be read, which was said
     /// where its body was made.
     pub(super) fn whole(&mut self, index: usize) -> Option<Arc<WholeFrame>> {
-        let cloud = self.decoded(index).ok()?;
+        self.without_panic(|feed| feed.made_whole(index)).ok()
+    }
+
+    fn made_whole(&mut self, index: usize) -> Result<Arc<WholeFrame>, String> {
+        let cloud = self.decoded(index)?;
         let origin = origin_of(&cloud);
         let known = self.spacing.filter(|(_, frames)| *frames < SPACING_FRAMES);
         let (spacing, frames) = match known {
             Some(known) => known,
-            None => (spacing_of(&cloud, origin)?, 0),
+            None => (spacing_of(&cloud, origin).ok_or("it is no cloud")?, 0),
         };
         self.spacing = Some((spacing, frames + 1));
-        Some(Arc::new(WholeFrame::new(cloud, origin, spacing)))
+        Ok(Arc::new(WholeFrame::new(cloud, origin, spacing)))
+    }
+
+    /// The answer of `work`; a sentence if the program fails in it: one frame that it cannot make ends no stream.
+    fn without_panic<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
+        catch_unwind(AssertUnwindSafe(|| work(self))).unwrap_or_else(|_| {
+            // One that has failed half-way may be in any state.
+            self.decoder = self.source.decoder();
+            Err("the program failed on this frame: please report it with the file".to_owned())
+        })
     }
 
     fn decoded(&mut self, index: usize) -> Result<RawCloud, String> {
         let entry = self.source.entry(index);
-        let decoder = &mut self.decoder;
-        let decoded = without_panic(|| {
-            let decoded = decoder.decode(index, &entry, usize::MAX, &Progress::default());
-            decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
-        });
-        if decoded.is_err() {
-            // One that has failed half-way may be in any state.
-            self.decoder = self.source.decoder();
-        }
-        decoded
+        let decoded = self.decoder.decode(index, &entry, usize::MAX, &Progress::default());
+        decoded.map(|decoded| decoded.cloud).map_err(|error| error.to_string())
     }
 
     /// The body of frame `index`; `None` if it cannot be read, which is logged once.
@@ -91,7 +90,7 @@ impl Feed {
         if self.broken.contains(&index) {
             return None;
         }
-        let body = match without_panic(|| self.made(index)) {
+        let body = match self.without_panic(|feed| feed.made(index)) {
             Ok(body) => body,
             Err(problem) => {
                 log::warn!("{} is left out: {problem}", frame_by_index(index));

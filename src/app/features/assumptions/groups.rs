@@ -223,7 +223,7 @@ fn with_reading(mut group: Group, row: &ReadRow, given: &Given<'_>) -> Group {
         group.reset = Some(Change::Read(row.automatic.clone()));
     }
     let automatic = ("Auto".to_owned(), row.automatic.clone());
-    let all = std::iter::once(automatic).chain((row.offered)(&given.file_kind));
+    let all = std::iter::once(automatic).chain((row.offered)(given.file_kind));
     let alternatives = all.map(|(label, change)| Alternative {
         label,
         hint: "Opens the inputs again".to_owned(),

@@ -36,7 +36,7 @@ pub(super) struct ReadRow {
     pub(super) chosen: fn(&OpenOptions) -> Option<String>,
     pub(super) automatic: ReadChange,
     /// Values that files usually have.
-    pub(super) offered: fn(&FileKind) -> Vec<(String, ReadChange)>,
+    pub(super) offered: fn(FileKind) -> Vec<(String, ReadChange)>,
     /// Any other value.
     pub(super) field: Option<Field>,
 }
@@ -236,7 +236,7 @@ mod tests {
         ReadChange::Filters(Filters::USUAL).apply(&mut usual);
         for row in ReadRow::ALL {
             assert_eq!((row.chosen)(&usual), None, "{:?}", row.subject);
-            let offered = [FileKind::Binary, FileKind::Other].map(|kind| (row.offered)(&kind));
+            let offered = [FileKind::Binary, FileKind::Other].map(|kind| (row.offered)(kind));
             for (label, change) in offered.concat() {
                 let mut open = usual.clone();
                 change.apply(&mut open);
