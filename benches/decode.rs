@@ -13,7 +13,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::io;
-use pointreel::memory::MiMalloc;
+use pointreel::memory::Allocator;
 use std::f32::consts::TAU;
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -22,7 +22,7 @@ use std::time::Duration;
 
 // As in the program.
 #[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
+static ALLOCATOR: Allocator = Allocator::new();
 
 const POINTS: usize = 100_000;
 

@@ -11,7 +11,7 @@
 
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
-use pointreel::memory::MiMalloc;
+use pointreel::memory::Allocator;
 use std::fs::File;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ use turns::{median, time_ms};
 
 // As in the program.
 #[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
+static ALLOCATOR: Allocator = Allocator::new();
 
 const POINTS: usize = 1_000_000;
 

@@ -12,7 +12,7 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::analysis::fake_color;
 use pointreel::cloud::{Frame, PointRecord, Positions, RawCloud, ScalarField};
-use pointreel::memory::MiMalloc;
+use pointreel::memory::Allocator;
 use pointreel::sequence::{
     ColorHints, ColorSource, Coloring, HeightAxis, Loader, LoaderOptions, Needs, PrepareCounters, PreparedFrame,
     Sequence, complete, prepare,
@@ -25,7 +25,7 @@ use std::time::Duration;
 
 // As in the program.
 #[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
+static ALLOCATOR: Allocator = Allocator::new();
 
 const POINTS: usize = 100_000;
 const ROUNDS: usize = 5;

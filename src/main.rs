@@ -1,10 +1,10 @@
 //! The `pointreel` program; see [`pointreel::cli`].
 
-use pointreel::memory::MiMalloc;
+use pointreel::memory::Allocator;
 use std::process::ExitCode;
 
 #[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
+static ALLOCATOR: Allocator = Allocator::new();
 
 fn main() -> ExitCode {
     pointreel::cli::main()

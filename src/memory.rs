@@ -3,9 +3,11 @@
 //! Frames are tens of megabytes that come and go many times a second. The system's allocator gives such pieces back at
 //! once and pays for every page again; this one keeps them for the next frame.
 
+mod allocator;
 mod control_group;
 
-pub use mimalloc::MiMalloc;
+pub use allocator::Allocator;
+pub(crate) use allocator::try_reserve;
 
 use std::ffi::c_long;
 

@@ -21,7 +21,20 @@ pub(super) fn first_look(sequence: &Sequence) -> Option<FirstLook> {
     let has_none = sequence.source().filters() == Some(Filters::NONE);
     let filtered = has_none.then(|| sequence.filtered(Filters::USUAL)).flatten();
     let sequence = filtered.as_ref().unwrap_or(sequence);
-    let frame = (0..sequence.len()).find_map(|index| sequence.frame(index).ok())?;
+    let mut refused = None;
+    let readable = (0..sequence.len()).find_map(|index| match sequence.frame(index) {
+        Ok(frame) => Some(frame),
+        Err(error) => {
+            refused.get_or_insert(error);
+            None
+        }
+    });
+    let Some(frame) = readable else {
+        if let Some(error) = refused {
+            warnings::warn(&format!("nothing is known of how it is shown: {error}"));
+        }
+        return None;
+    };
     let look = FirstLook::of_sequence(&frame, sequence);
     (!look.trimmed.is_empty()).then_some(look)
 }

@@ -299,9 +299,13 @@ fn tell(converted: &Converted, conversion: &Conversion, count: usize) -> anyhow:
         bail!("the conversion was interrupted: the same command goes on with the frames that are missing");
     }
     if let Output::Reel(path, _) = output
-        && path.is_file()
+        && converted.written + converted.left > 0
     {
-        answer(&ReelInfo::of(&ReelFile::open_path(path)?).line());
+        let written = ReelFile::open_path(path)?;
+        for damage in written.damage() {
+            warnings::warn(damage);
+        }
+        answer(&ReelInfo::of(&written).line());
     }
     match converted.failed.len() {
         0 => Ok(()),

@@ -20,7 +20,7 @@ const MAX_BYTES: u64 = 4096;
 /// Held by the process that writes a file. What a killed one leaves is free for the next.
 #[derive(Debug)]
 pub(super) struct Lock {
-    _file: File,
+    file: File,
     path: PathBuf,
 }
 
@@ -125,11 +125,13 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
             output.display()
         );
     }
-    Holder::this().write(&mut file).map_err(failed)?;
-    Ok(Lock {
-        _file: file,
+    // Gone again if the disk has no room for it.
+    let mut lock = Lock {
+        file,
         path: path.to_owned(),
-    })
+    };
+    Holder::this().write(&mut lock.file).map_err(failed)?;
+    Ok(lock)
 }
 
 /// Whether the file at `path` is still the one that is open.

@@ -67,7 +67,7 @@ fn stem_of(entry: &FrameEntry) -> Option<String> {
         let extension = Path::new(own).extension().and_then(|extension| extension.to_str());
         extension.is_some_and(|found| supported_extensions().any(|known| known.eq_ignore_ascii_case(found)))
     };
-    let is_whole = matches!(entry.content, FrameBytes::File(Part::Whole));
+    let is_whole = matches!(entry.content, FrameBytes::File(Part::Whole | Part::Sole));
     let is_file = is_whole && entry.path.file_name().is_some_and(|file| file == own);
     if !is_file && !is_member() {
         return None;

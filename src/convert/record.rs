@@ -140,7 +140,7 @@ fn inputs_of(sequence: &Sequence) -> Vec<String> {
     let mut places: Vec<PathBuf> = Vec::new();
     for entry in sequence.entries() {
         let place = match (&entry.content, entry.path.parent()) {
-            (FrameBytes::File(Part::Whole), Some(folder)) if entry.path.is_file() => folder,
+            (FrameBytes::File(Part::Whole | Part::Sole), Some(folder)) if entry.path.is_file() => folder,
             _ => entry.path.as_path(),
         };
         // Those of one folder follow one another.
@@ -325,7 +325,7 @@ fn source_of(entry: &FrameEntry) -> String {
     let file = real(&entry.path).display().to_string();
     let time = entry.time.map(|time| format!(" at {time:?}")).unwrap_or_default();
     match &entry.content {
-        FrameBytes::File(Part::Whole) => file,
+        FrameBytes::File(Part::Whole | Part::Sole) => file,
         FrameBytes::File(part) => format!("{file}, {part:?}{time}"),
         FrameBytes::Embedded(_) => format!("{file}, {}", entry.name),
     }

@@ -64,6 +64,14 @@ impl Unfinished {
         lock::lock(&self.lock, output)
     }
 
+    /// Removes what there is of it.
+    fn remove(&self) -> Result<(), ConvertError> {
+        for path in [&self.file, &self.ledger] {
+            remove_if_there(path)?;
+        }
+        Ok(())
+    }
+
     fn keep(&self, ledger: &Ledger) -> Result<(), ConvertError> {
         let text = serde_json::to_vec_pretty(ledger).unwrap_or_default();
         crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
@@ -134,7 +142,7 @@ pub(super) fn convert(
     }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
-    let (mut writer, mut ledger) = if let Some(ledger) = known {
+    let (writer, ledger) = if let Some(ledger) = known {
         (Writer::append_to(&unfinished.file, options.clone())?, ledger)
     } else {
         let ledger = Ledger {
@@ -146,6 +154,26 @@ pub(super) fn convert(
         (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
     converted.left = writer.frame_count();
+    let written = write_frames(
+        (sequence, conversion, options),
+        (frames, output),
+        (writer, ledger, &unfinished),
+        (&mut converted, progress),
+    );
+    if written.is_err() && !unfinished.ledger.exists() {
+        // Nobody can go on with it.
+        unfinished.remove()?;
+    }
+    written.map(|()| converted)
+}
+
+/// Writes those of `frames` that are not in the unfinished file yet, and gives it its name.
+fn write_frames(
+    (sequence, conversion, options): (&Sequence, &Conversion, &ReelOptions),
+    (frames, output): (&[usize], &Path),
+    (mut writer, mut ledger, unfinished): (Writer, Ledger, &Unfinished),
+    (converted, progress): (&mut Converted, &Progress),
+) -> Result<(), ConvertError> {
     let readable = |frame: &usize| !ledger.left_out.contains(frame);
     let rest: Vec<usize> = frames.iter().copied().filter(readable).skip(converted.left).collect();
     progress.set(frames.len() - rest.len(), frames.len());
@@ -159,7 +187,7 @@ pub(super) fn convert(
             let made = made?;
             if made.is_cancelled {
                 converted.is_cancelled = true;
-                return Ok(converted);
+                return Ok(());
             }
             ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
             converted.failed.extend(made.failed);
@@ -172,8 +200,12 @@ pub(super) fn convert(
             }
         }
     }
-    finish(writer, output, &unfinished)?;
-    Ok(converted)
+    if writer.frame_count() == 0 && !frames.is_empty() {
+        // A file that is there is worth more than one without a frame.
+        drop(writer);
+        return unfinished.remove();
+    }
+    finish(writer, output, unfinished)
 }
 
 /// A group as it came out.
@@ -318,8 +350,12 @@ pub(super) fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> 
     file.sync_data().map_err(failed)?;
     fs::rename(&unfinished.file, output).map_err(failed)?;
     crate::regular_file::sync_folder_of(output);
-    match fs::remove_file(&unfinished.ledger) {
-        Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(&unfinished.ledger)(reason)),
+    remove_if_there(&unfinished.ledger)
+}
+
+fn remove_if_there(path: &Path) -> Result<(), ConvertError> {
+    match fs::remove_file(path) {
+        Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(path)(reason)),
         _ => Ok(()),
     }
 }

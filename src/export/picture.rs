@@ -158,7 +158,7 @@ pub fn write_png(
     camera: &Camera,
     style: &Style,
     size: PictureSize,
-    (out, name): (impl Write + 'static, &Path),
+    (out, name): (impl Write, &Path),
 ) -> Result<(), ExportError> {
     check_size(size.size_px)?;
     stream_png(
@@ -176,28 +176,30 @@ type Drawn<'a> = (&'a PreparedFrame, &'a Camera, &'a Style, PictureSize);
 fn stream_png(
     headless: &mut Headless,
     (frame, camera, style, size): Drawn<'_>,
-    (out, name): (impl Write + 'static, &Path),
+    (out, name): (impl Write, &Path),
     progress: &Progress,
 ) -> Result<(), ExportError> {
     let failed = |reason: io::Error| ExportError::Write {
         path: name.to_owned(),
         reason,
     };
-    let mut png = start_png(out, size.size_px).map_err(failed)?;
+    let mut out = BufWriter::new(out);
+    let mut encoder = start_png(&mut out, size.size_px).map_err(failed)?;
+    let mut png = encoder.stream_writer().map_err(io::Error::from).map_err(failed)?;
     let take = &mut |strip: RgbaImage| png.write_all(&strip).map_err(failed);
     for_each_strip(headless, frame, camera, style, size, (take, progress))?;
-    png.finish().map_err(io::Error::from).map_err(failed)
+    png.finish().map_err(io::Error::from).map_err(failed)?;
+    encoder.finish().map_err(io::Error::from).map_err(failed)?;
+    // A writer that is dropped keeps to itself that its last bytes found no room.
+    out.flush().map_err(failed)
 }
 
-fn start_png<W: Write + 'static>(
-    out: W,
-    [width, height]: [u32; 2],
-) -> io::Result<png::StreamWriter<'static, BufWriter<W>>> {
-    let mut encoder = png::Encoder::new(BufWriter::new(out), width, height);
+fn start_png<W: Write>(out: W, [width, height]: [u32; 2]) -> io::Result<png::Writer<W>> {
+    let mut encoder = png::Encoder::new(out, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
-    Ok(encoder.write_header()?.into_stream_writer()?)
+    Ok(encoder.write_header()?)
 }
 
 /// Refuses edges of zero, and beyond [`MAX_EDGE_PX`].

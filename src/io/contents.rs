@@ -10,8 +10,10 @@ use std::time::Duration;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {
-    /// All of it.
+    /// All of it; of a file with several frames the first.
     Whole,
+    /// The only frame of a file whose frames could not be listed; none where it turns out to have several.
+    Sole,
     /// One of several scans in a file (E57), counted from 0.
     Scan(usize),
     /// The pose at this time of an animation (glTF).

@@ -81,6 +81,17 @@ pub enum IoError {
         /// Its content, and what to do.
         holds: String,
     },
+    /// A file whose frames could not be listed when it was opened, and can be now.
+    #[error(
+        "{} has {count} frames, which could not be listed when it was opened: open it again",
+        path.display()
+    )]
+    NotListed {
+        /// The file.
+        path: PathBuf,
+        /// Frames that it has.
+        count: usize,
+    },
     /// The file breaks the rules of its format.
     #[error("{}, {place}: {problem} ({format} file)", path.display())]
     Invalid {

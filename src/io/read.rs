@@ -57,7 +57,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         }
         Part::Message(message) => return recording::read(path, message, options),
         Part::Turn(turn) => return packets::read(path, turn, options, progress),
-        Part::Whole | Part::Scan(_) | Part::Moment(_) | Part::Layer(_) => {}
+        Part::Whole | Part::Sole | Part::Scan(_) | Part::Moment(_) | Part::Layer(_) => {}
     }
     let magic = first_bytes(path)?;
     if magic.is_empty() {
@@ -68,9 +68,14 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         return Err(IoError::unknown(path, &magic));
     };
     // Archives and recordings may be larger than the memory: their first frame is read alone.
-    if *part == Part::Whole && format.is_container() {
+    if matches!(part, Part::Whole | Part::Sole) && format.is_container() {
         let contents = list_format(path, format, None, options)?;
+        let count = contents.entries.len();
         return match contents.entries.first() {
+            Some(_) if count > 1 && *part == Part::Sole => Err(IoError::NotListed {
+                path: path.to_owned(),
+                count,
+            }),
             Some(first) if first.part != Part::Whole => read_watched(path, &first.part, options, progress),
             _ => Err(IoError::NoFrame {
                 path: path.to_owned(),

@@ -57,7 +57,7 @@ pub(super) fn read_file(path: &Path, most_bytes: u64, progress: &Progress) -> Re
 fn read_opened(file: &mut File, length: u64, progress: &Progress) -> io::Result<Vec<u8>> {
     let length = usize::try_from(length).map_err(io::Error::other)?;
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length)?;
+    crate::memory::try_reserve(&mut bytes, length)?;
     progress.set(0, length);
     while file.by_ref().take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
         if progress.is_cancelled() {

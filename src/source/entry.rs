@@ -59,6 +59,16 @@ impl FrameEntry {
         Self::new(path.into(), FrameBytes::File(Part::Whole))
     }
 
+    /// The file at `path`, of which it is not known whether it holds several frames.
+    pub(super) fn unlisted(path: impl Into<PathBuf>) -> Self {
+        Self::new(path.into(), FrameBytes::File(Part::Sole))
+    }
+
+    /// Whether it is all of a file, as far as is known.
+    pub(super) fn is_file(&self) -> bool {
+        matches!(self.content, FrameBytes::File(Part::Whole | Part::Sole))
+    }
+
     /// A frame of a file that holds several.
     pub(super) fn entry(path: impl Into<PathBuf>, entry: io::Entry) -> Self {
         let mut frame = Self::new(path.into(), FrameBytes::File(entry.part));

@@ -25,7 +25,9 @@ pub(super) fn read_frame(
 ) -> Result<RawCloud, DecodeFailure> {
     let path = &entry.path;
     Ok(match (&entry.content, &entry.normals) {
-        (FrameBytes::File(Part::Whole), Some(normals)) => read_with_normals(path, normals, options, progress)?,
+        (FrameBytes::File(Part::Whole | Part::Sole), Some(normals)) => {
+            read_with_normals(path, normals, options, progress)?
+        }
         (FrameBytes::File(part), _) => shared.read_part(path, part, options, progress)?,
         (FrameBytes::Embedded(bytes), _) => io::read_bytes(path, bytes)?,
     })

@@ -22,10 +22,10 @@ use super::refusal;
 use super::series::{self, note_of_skipped};
 use super::{poses, times};
 use crate::assumption::{Assumption, Evidence, Subject};
-use crate::io::{self, Format, Part};
+use crate::io::{self, Format};
 use crate::natural::natural_order;
 use crate::progress::Progress;
-use crate::source::{FrameBytes, FrameEntry, OpenOptions, SequenceError};
+use crate::source::{FrameEntry, OpenOptions, SequenceError};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -232,9 +232,8 @@ impl Discovered {
         options: &OpenOptions,
         mut skipped: Vec<PathBuf>,
     ) -> Result<(), SequenceError> {
-        let is_file = |entry: &FrameEntry| entry.content == FrameBytes::File(Part::Whole);
         let is_sequence = self.entries.len() > 1 || inputs.iter().any(|input| input.is_dir());
-        let folders = if is_sequence && self.entries.iter().all(is_file) {
+        let folders = if is_sequence && self.entries.iter().all(FrameEntry::is_file) {
             folders_beside(&self.entries, inputs)
         } else {
             Vec::new()
@@ -298,7 +297,8 @@ impl Discovered {
                     });
                 }
             }
-            None | Some(Err(_)) => self.entries.push(FrameEntry::file(path)),
+            Some(Err(_)) => self.entries.push(FrameEntry::unlisted(path)),
+            None => self.entries.push(FrameEntry::file(path)),
         }
     }
 

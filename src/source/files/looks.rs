@@ -5,8 +5,7 @@
 //! again as soon as it rests. Of a folder with many frames the newest are looked at each time, the others by turns.
 //! Where frames are numbered evenly, one that jumps ahead waits for those before it for a while.
 
-use crate::io::Part;
-use crate::source::{FrameBytes, FrameEntry};
+use crate::source::FrameEntry;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,7 +85,7 @@ impl Looks {
     }
 
     fn has_changed(&mut self, entry: &FrameEntry) -> bool {
-        if entry.content != FrameBytes::File(Part::Whole) {
+        if !entry.is_file() {
             return false;
         }
         // A file that is gone for a moment is being replaced.

@@ -153,7 +153,7 @@ impl Source for Files {
         const MOST_TIME: Duration = Duration::from_secs(1);
         let entry = self.entry(index);
         match (&entry.content, &entry.normals) {
-            (FrameBytes::File(Part::Whole), None) => {
+            (FrameBytes::File(Part::Whole | Part::Sole), None) => {
                 let sample = io::read_sample(&entry.path, most_points, fewest_points, MOST_TIME)?;
                 Ok(sample.map(|(mut cloud, points)| {
                     self.color_depth.apply(&mut cloud, &self.options.read, &self.shared);
@@ -235,7 +235,7 @@ impl Source for Files {
 /// What tells frames of one file apart.
 fn place_in_file(entry: &FrameEntry) -> String {
     match &entry.content {
-        FrameBytes::File(Part::Whole) => String::new(),
+        FrameBytes::File(Part::Whole | Part::Sole) => String::new(),
         content => format!("{content:?}"),
     }
 }

@@ -35,7 +35,7 @@ pub(super) fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>, RgbdEr
         });
     }
     let mut read = Vec::new();
-    read.try_reserve_exact(bytes as usize)
+    crate::memory::try_reserve(&mut read, bytes as usize)
         .map_err(|reason| unreadable(std::io::Error::other(reason)))?;
     file.take(most_bytes).read_to_end(&mut read).map_err(unreadable)?;
     Ok(read)

@@ -1,0 +1,29 @@
+//! Every allocation, and every opening, reading and writing of a file, fails once: nothing panics, nothing is lost, and
+//! what went wrong is said. After SQLite's tests of out-of-memory and I/O errors, <https://sqlite.org/testing.html>.
+//!
+//! **How it works.** This program is the test and the program under test. As the latter, which it is where the
+//! environment names a fault, it runs the command line of its arguments with the calls of `shim.rs`. As the former it
+//! counts the calls of a command, and runs it again for each of them. Usually some of each kind; with
+//! `POINTREEL_FAULTS=all` (`make faults`) all of them.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[cfg(target_os = "linux")]
+mod commands;
+#[cfg(target_os = "linux")]
+mod run;
+#[cfg(target_os = "linux")]
+mod shim;
+
+#[cfg(target_os = "linux")]
+fn main() -> std::process::ExitCode {
+    if shim::arm() {
+        let code = pointreel::cli::main();
+        shim::report();
+        return code;
+    }
+    run::all()
+}
+
+/// The calls are those of Linux.
+#[cfg(not(target_os = "linux"))]
+fn main() {}
