@@ -69,6 +69,14 @@ impl Unfinished {
         crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
     }
 
+    /// Removes it: nothing goes on with it. To be called while it is locked.
+    fn remove(&self) {
+        for path in [&self.file, &self.ledger] {
+            // The next conversion writes over what cannot be removed.
+            let _ = fs::remove_file(path);
+        }
+    }
+
     /// What is there, if it was made with `record`.
     fn ledger_of(&self, record: &Record) -> Option<Ledger> {
         let ledger: Ledger = serde_json::from_slice(&crate::regular_file::read(&self.ledger).ok()?).ok()?;
@@ -159,6 +167,10 @@ pub(super) fn convert(
             let made = made?;
             if made.is_cancelled {
                 converted.is_cancelled = true;
+                if conversion.overwrites || writer.frame_count() == 0 {
+                    drop(writer);
+                    unfinished.remove();
+                }
                 return Ok(converted);
             }
             ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
