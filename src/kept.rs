@@ -6,6 +6,7 @@ mod lenient;
 pub(crate) use lenient::{Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently};
 
 use crate::regular_file;
+use crate::temporary::Temporary;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
@@ -66,10 +67,24 @@ pub(crate) fn write_whole_with(
     Ok(())
 }
 
+/// [`write_whole`], or into the pipe or device that somebody has named.
+pub(crate) fn write_to(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if is_pipe_or_device(file) {
+        fs::write(file, bytes)
+    } else {
+        write_whole(file, bytes)
+    }
+}
+
+/// Whether it keeps nothing of what is written to it.
+pub(crate) fn is_pipe_or_device(path: &Path) -> bool {
+    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
 /// A file under a hidden name until it is whole. What is dropped before is removed.
 #[derive(Debug)]
 pub(crate) struct Partial {
-    hidden: PathBuf,
+    hidden: Temporary,
     file: PathBuf,
 }
 
@@ -81,7 +96,7 @@ impl Partial {
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         Self {
-            hidden: file.with_file_name(format!(".{name}.{}.{number}.partial", std::process::id())),
+            hidden: Temporary::file(&file.with_file_name(format!(".{name}.{}.{number}.partial", std::process::id()))),
             file: file.to_owned(),
         }
     }
@@ -100,7 +115,7 @@ impl Partial {
 
     /// Where it is until then.
     pub(crate) fn hidden(&self) -> &Path {
-        &self.hidden
+        self.hidden.path()
     }
 
     /// Gives it its name, in place of a file that has it now.
@@ -110,14 +125,7 @@ impl Partial {
 
     /// [`Partial::finish`] where it is a part of something else.
     pub(crate) fn rename(&self) -> std::io::Result<()> {
-        fs::rename(&self.hidden, &self.file)
-    }
-}
-
-impl Drop for Partial {
-    fn drop(&mut self) {
-        // What is left of it would stay for ever; that it may not be there, since it has its name, is no problem.
-        let _ = fs::remove_file(&self.hidden);
+        self.hidden.rename(&self.file)
     }
 }
 

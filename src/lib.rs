@@ -5,6 +5,8 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
+//! | `temporary` | what is on the disk only until a command ends |
+//! | `signals` | signals that ask the program to end |
 //! | `kept` | files that are kept between runs |
 //! | `locks` | locks that go on after a panic elsewhere |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
@@ -70,8 +72,10 @@ pub mod scene;
 pub mod sequence;
 pub mod serve;
 pub mod session;
+mod signals;
 pub mod source;
 pub mod stereo;
 mod stopwatch;
+mod temporary;
 pub mod timeline;
 pub mod wire;

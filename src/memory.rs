@@ -7,7 +7,7 @@ mod allocator;
 mod control_group;
 
 pub use allocator::Allocator;
-pub(crate) use allocator::try_reserve;
+pub(crate) use allocator::{before_the_end, try_reserve};
 
 use std::ffi::c_long;
 

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
-    &["printable", "regular_file"],
+    &["printable", "regular_file", "temporary"],
     &[
         "binary",
         "assumption",
@@ -40,6 +40,7 @@ const ORDER: &[&[&str]] = &[
         "natural",
         "priority",
         "progress",
+        "signals",
         "stopwatch",
     ],
     &["cloud"],

@@ -15,6 +15,7 @@ use crate::progress::Progress;
 use crate::reel::ReelFile;
 use crate::regular_file;
 use crate::sequence::Sequence;
+use crate::signals;
 use anyhow::bail;
 use clap::Args;
 use glam::DMat4;
@@ -113,29 +114,17 @@ pub(super) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let bar = Arc::new(Bar::new(frame_count));
     let shown = Arc::clone(&bar);
     let progress = Progress::told_to(move |progress| shown.set(progress.done()));
-    cancel_at_interrupt(&progress);
+    let cancelled = progress.clone();
+    // The frames that are being written are finished.
+    let ends_well = signals::on_first(move || cancelled.cancel(), None);
     let converted = convert(&sequence, &conversion, &progress);
+    drop(ends_well);
     bar.clear();
     // Files of one frame have no rate.
     let rate_is_kept = matches!(conversion.output, Output::Reel(..));
     let untouched: &[Subject] = if rate_is_kept { &[] } else { &[Subject::FrameTimes] };
     assumptions::print_guesses(&sequence, None, untouched);
     tell(&converted?, &conversion, sequence.len())
-}
-
-/// The first interrupt ends the conversion when the frames that are being written are finished, the second at once.
-fn cancel_at_interrupt(progress: &Progress) {
-    let progress = progress.clone();
-    let cancelled = ctrlc::set_handler(move || {
-        if progress.is_cancelled() {
-            // As a shell says it of a process that an interrupt has ended.
-            std::process::exit(130);
-        }
-        progress.cancel();
-    });
-    if let Err(reason) = cancelled {
-        warnings::warn(&format!("an interrupt will leave hidden files ({reason})"));
-    }
 }
 
 /// Parts must not be replaced by the file that they become, nor another file in silence.
@@ -296,6 +285,9 @@ fn tell(converted: &Converted, conversion: &Conversion, count: usize) -> anyhow:
         converted.failed.len()
     ));
     if converted.is_cancelled {
+        if conversion.overwrites {
+            bail!("the conversion was interrupted: with --overwrite the same command begins again");
+        }
         bail!("the conversion was interrupted: the same command goes on with the frames that are missing");
     }
     if let Output::Reel(path, _) = output

@@ -1,5 +1,6 @@
 //! The command line: one file a verb. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence
-//! on stderr, 3 where `check` found something.
+//! on stderr (also where the answer cannot be written to stdout), 3 where `check` found something. What a signal has
+//! ended dies by it.
 
 mod arguments;
 mod assumptions;
@@ -34,8 +35,10 @@ mod video_arguments;
 mod view;
 mod warnings;
 
+use crate::signals;
+use crate::temporary;
 use clap::{Parser, Subcommand};
-use output::say;
+use output::{check_answers, say};
 use std::io::Write as _;
 use std::process::ExitCode;
 use warnings::When;
@@ -82,13 +85,29 @@ enum Verb {
 /// Exit code of wrong usage, as of what the parser of the command line refuses.
 const WRONG_USAGE: u8 = 2;
 
-/// Parses the command line, runs the verb and says what went wrong.
+/// Parses the command line, runs the verb and says what went wrong. To be called once, as the last thing that a
+/// process does.
 pub fn main() -> ExitCode {
+    signals::watch();
     crate::memory::keep_freed_pages();
+    crate::memory::before_the_end(temporary::remove_all_without_memory);
     device_select::leave_out_without_session();
     start_log();
-    // A wrong usage exits with 2 here.
-    let arguments = Arguments::parse();
+    let code = match Arguments::try_parse() {
+        Ok(arguments) => run(arguments),
+        // A wrong usage exits with 2 here.
+        Err(refused) if refused.use_stderr() => refused.exit(),
+        Err(help) => {
+            output::note(help.print().and_then(|()| std::io::stdout().flush()));
+            ended_with(check_answers().map(done))
+        }
+    };
+    // What threads that still run are writing.
+    temporary::remove_all();
+    code
+}
+
+fn run(arguments: Arguments) -> ExitCode {
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
     warnings::say_them(match (arguments.verbose, has_window) {
         (true, _) => When::AllAtOnce,
@@ -111,6 +130,18 @@ pub fn main() -> ExitCode {
         Some(Verb::CompareFrames(compare)) => compare_frames::run(&compare).map(done),
     };
     warnings::finish();
+    // A server that was ended has done what it should; a window, or what has failed for a signal, ends by it.
+    let is_ended = has_window || result.is_err();
+    let result = result.and_then(|code| check_answers().map(|()| code));
+    let code = ended_with(result);
+    if is_ended {
+        signals::end_if_received();
+    }
+    code
+}
+
+/// Says what went wrong.
+fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
     match result {
         Ok(code) => code,
         Err(error) => {

@@ -1,15 +1,42 @@
 //! What a verb says to a person, and what it answers; names that terminals would obey are escaped here.
 
+use crate::locks::lock;
 use crate::printable;
-use std::io::Write as _;
+use anyhow::anyhow;
+use std::io::{self, ErrorKind, Write as _};
+use std::sync::Mutex;
 
-/// One line on stderr.
-#[expect(clippy::print_stderr, reason = "the command line speaks to a person here")]
+/// Why an answer could not be written: the first reason.
+static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// One line on stderr. Nobody could be told that it cannot be written.
 pub(super) fn say(line: &str) {
-    eprintln!("{}", printable::text(line));
+    let _ = writeln!(io::stderr().lock(), "{}", printable::text(line));
 }
 
-/// The answer of a verb on stdout. A reader that has left is no failure.
+/// The answer of a verb on stdout. A reader that has left is no failure; any other one is, once the verb is done
+/// ([`check_answers`]).
 pub(super) fn answer(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{}", printable::text(text));
+    let mut stdout = io::stdout().lock();
+    note(writeln!(stdout, "{}", printable::text(text)).and_then(|()| stdout.flush()));
+}
+
+/// Notes whether something was written to stdout.
+pub(super) fn note(written: io::Result<()>) {
+    match written {
+        Err(reason) if reason.kind() != ErrorKind::BrokenPipe => {
+            lock(&FAILED).get_or_insert(reason);
+        }
+        Ok(()) | Err(_) => {}
+    }
+}
+
+/// Fails if an answer could not be written.
+pub(super) fn check_answers() -> anyhow::Result<()> {
+    match lock(&FAILED).take() {
+        Some(reason) => Err(anyhow!(
+            "the answer could not be written to stdout ({reason}): make room, or send it elsewhere"
+        )),
+        None => Ok(()),
+    }
 }

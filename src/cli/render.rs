@@ -16,6 +16,7 @@ use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Style};
 use crate::sequence::{ColorSource, Loader, LoaderOptions};
 use crate::session::Session;
+use crate::temporary::Temporary;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use std::io::IsTerminal as _;
@@ -164,18 +165,20 @@ fn check_names(output: &Path, FrameRange { first, last }: FrameRange) -> anyhow:
     Ok(())
 }
 
-/// Makes the folder that pictures of several frames go to.
-fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<()> {
+/// Makes the folder that pictures of several frames go to; it goes again when nothing is written to it.
+fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<Option<Temporary>> {
     if !output.to_string_lossy().contains(FRAME_PLACEHOLDER) {
-        return Ok(());
+        return Ok(None);
     }
     let first = numbered(output, 0, frame_count);
     let folder = first.parent().unwrap_or(Path::new(""));
-    if folder.as_os_str().is_empty() {
-        return Ok(());
+    if folder.as_os_str().is_empty() || folder.is_dir() {
+        return Ok(None);
     }
+    let new = Temporary::folder(folder);
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("the folder {} for the pictures cannot be made", folder.display()))
+        .with_context(|| format!("the folder {} for the pictures cannot be made", folder.display()))?;
+    Ok(Some(new))
 }
 
 /// Renders every frame that can be; returns those that cannot, with the reason.
@@ -188,7 +191,7 @@ fn render_frames(
 ) -> anyhow::Result<Vec<(usize, String)>> {
     let sequence = Arc::clone(headless.sequence());
     let count = sequence.len();
-    make_folder(output, count)?;
+    let _new_folder = make_folder(output, count)?;
     let look = headless.first_look()?;
     let range = FrameRange { first, last };
     let poses = arguments.poses.poses(range, headless, style)?;

@@ -1,12 +1,13 @@
 //! `pointreel serve`: a sequence for those who play it over the network, as a file or live.
 
 use super::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
-use super::output::{answer, say};
+use super::output::{answer, check_answers, say};
 use crate::reel::MAGIC;
 use crate::regular_file;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::serve::FileServer;
 use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
+use crate::signals;
 use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
@@ -89,6 +90,7 @@ fn run_file(path: &Path, listen: SocketAddr) -> anyhow::Result<()> {
     let server = FileServer::bind(path, listen);
     let server = server.with_context(|| format!("{listen} cannot be listened at"))?;
     answer(&format!("{} (play it with pointreel, end with Ctrl+C)", server.url()?));
+    check_answers()?;
     server.run()?;
     Ok(())
 }
@@ -118,13 +120,14 @@ fn run_live(arguments: &ServeArgs) -> anyhow::Result<()> {
     let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
     let server = Arc::new(server);
     let stopped = Arc::clone(&server);
-    ctrlc::set_handler(move || stopped.stop()).context("Ctrl+C cannot be waited for")?;
+    let _ends_well = signals::on_first(move || stopped.stop(), None);
     answer(&format!(
         "{} ({} frames, {:.1} a second; show it with pointreel, end with Ctrl+C)",
         server.url()?,
         sequence.len(),
         sequence.fps()
     ));
+    check_answers()?;
     server.run()?;
     let report = server.report();
     say(&format!(

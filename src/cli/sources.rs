@@ -48,7 +48,7 @@ pub(super) fn check_outputs(
 /// Refuses to replace a file at `output` that is not of `kind`; an empty one is of any.
 pub(super) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<()> {
     // Pipes and devices keep nothing.
-    if !output.exists() || is_pipe_or_device(output) {
+    if !output.exists() || kept::is_pipe_or_device(output) {
         return Ok(());
     }
     let mut begin = Vec::new();
@@ -71,18 +71,9 @@ pub(super) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow::Result<
     Ok(())
 }
 
-fn is_pipe_or_device(path: &Path) -> bool {
-    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
-}
-
 /// Writes a text to a file as a whole, or to the pipe or device that somebody has named.
 pub(super) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
-    let written = if is_pipe_or_device(path) {
-        std::fs::write(path, text)
-    } else {
-        kept::write_whole(path, text.as_bytes())
-    };
-    written.with_context(|| format!("{} cannot be written", path.display()))
+    kept::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
 }
 
 /// Whether a file that begins so is one that this program writes as a picture or a video.

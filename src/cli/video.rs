@@ -54,7 +54,7 @@ pub(super) fn render_video(
     check_outputs(headless.sequence(), outputs.into_iter(), OutputKind::Picture)?;
     let mut told = HashSet::new();
     let bar = Bar::new(video.picture_count());
-    // An interrupt ends the process; what stands there then has a hidden name.
+    // A signal ends the process and removes what is written so far.
     let progress = Progress::default();
     let exported = export_video(headless, &video, output, &progress, &mut |picture| {
         bar.set(picture.done);

@@ -9,6 +9,7 @@ use super::conversion::Shard;
 use super::error::ConvertError;
 use super::reel::{Unfinished, Writer, finish};
 use crate::reel::{FilePart, ReelFile};
+use crate::temporary::Temporary;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -74,6 +75,8 @@ pub fn join(parts: &[PathBuf], output: &Path) -> Result<Joined, ConvertError> {
     }
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
+    // Nothing could go on with a part of it.
+    let _new = Temporary::file(&unfinished.file);
     let mut writer: Option<Writer> = None;
     for file in &files {
         let writer = match &mut writer {

@@ -7,11 +7,12 @@
 
 use super::error::ConvertError;
 use crate::regular_file;
+use crate::temporary::Temporary;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What a holder says of itself is shorter.
@@ -20,15 +21,9 @@ const MAX_BYTES: u64 = 4096;
 /// Held by the process that writes a file. What a killed one leaves is free for the next.
 #[derive(Debug)]
 pub(super) struct Lock {
-    file: File,
-    path: PathBuf,
-}
-
-impl Drop for Lock {
-    fn drop(&mut self) {
-        // Whoever cannot remove it leaves a file that nobody holds.
-        let _ = fs::remove_file(&self.path);
-    }
+    /// Removed first. Whoever cannot remove it leaves a file that nobody holds.
+    _listed: Temporary,
+    _file: File,
 }
 
 /// Who writes an output.
@@ -125,13 +120,13 @@ pub(super) fn lock(path: &Path, output: &Path) -> Result<Lock, ConvertError> {
             output.display()
         );
     }
-    // Gone again if the disk has no room for it.
-    let mut lock = Lock {
-        file,
-        path: path.to_owned(),
-    };
-    Holder::this().write(&mut lock.file).map_err(failed)?;
-    Ok(lock)
+    // From here on it is this process's.
+    let listed = Temporary::file(path);
+    Holder::this().write(&mut file).map_err(failed)?;
+    Ok(Lock {
+        _listed: listed,
+        _file: file,
+    })
 }
 
 /// Whether the file at `path` is still the one that is open.

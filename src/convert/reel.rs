@@ -64,17 +64,24 @@ impl Unfinished {
         lock::lock(&self.lock, output)
     }
 
-    /// Removes what there is of it.
-    fn remove(&self) -> Result<(), ConvertError> {
-        for path in [&self.file, &self.ledger] {
-            remove_if_there(path)?;
-        }
-        Ok(())
-    }
-
     fn keep(&self, ledger: &Ledger) -> Result<(), ConvertError> {
         let text = serde_json::to_vec_pretty(ledger).unwrap_or_default();
         crate::kept::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
+    }
+
+    /// Removes it: nothing goes on with it. To be called while it is locked.
+    fn remove(&self) {
+        for path in [&self.file, &self.ledger] {
+            // The next conversion writes over what cannot be removed.
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// The file that is there, to go on with; `None` where that cannot be, which is said.
+    fn reopened(&self, options: &ReelOptions) -> Option<Writer> {
+        let reopened = Writer::append_to(&self.file, options.clone());
+        let told = reopened.inspect_err(|error| log::warn!("the conversion begins anew: {error}"));
+        told.ok()
     }
 
     /// What is there, if it was made with `record`.
@@ -142,29 +149,28 @@ pub(super) fn convert(
     }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
-    let (writer, ledger) = if let Some(ledger) = known {
-        (Writer::append_to(&unfinished.file, options.clone())?, ledger)
-    } else {
-        let ledger = Ledger {
-            record,
-            part: [part.index, part.count],
-            group: group_length(sequence, frames, options),
-            left_out: Vec::new(),
-        };
-        (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
+    let (writer, ledger) = match known.and_then(|ledger| Some((unfinished.reopened(options)?, ledger))) {
+        Some(both) => both,
+        None => {
+            let ledger = Ledger {
+                record,
+                part: [part.index, part.count],
+                group: group_length(sequence, frames, options),
+                left_out: Vec::new(),
+            };
+            // Before the file: of whatever is left behind it is known what it is.
+            unfinished.keep(&ledger)?;
+            (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
+        }
     };
     converted.left = writer.frame_count();
-    let written = write_frames(
+    write_frames(
         (sequence, conversion, options),
         (frames, output),
         (writer, ledger, &unfinished),
         (&mut converted, progress),
-    );
-    if written.is_err() && !unfinished.ledger.exists() {
-        // Nobody can go on with it.
-        unfinished.remove()?;
-    }
-    written.map(|()| converted)
+    )?;
+    Ok(converted)
 }
 
 /// Writes those of `frames` that are not in the unfinished file yet, and gives it its name.
@@ -187,6 +193,10 @@ fn write_frames(
             let made = made?;
             if made.is_cancelled {
                 converted.is_cancelled = true;
+                if conversion.overwrites || writer.frame_count() == 0 {
+                    drop(writer);
+                    unfinished.remove();
+                }
                 return Ok(());
             }
             ledger.left_out.extend(made.failed.iter().map(|(frame, _)| frame));
@@ -203,7 +213,8 @@ fn write_frames(
     if writer.frame_count() == 0 && !frames.is_empty() {
         // A file that is there is worth more than one without a frame.
         drop(writer);
-        return unfinished.remove();
+        unfinished.remove();
+        return Ok(());
     }
     finish(writer, output, unfinished)
 }
@@ -350,12 +361,8 @@ pub(super) fn finish(writer: Writer, output: &Path, unfinished: &Unfinished) -> 
     file.sync_data().map_err(failed)?;
     fs::rename(&unfinished.file, output).map_err(failed)?;
     crate::regular_file::sync_folder_of(output);
-    remove_if_there(&unfinished.ledger)
-}
-
-fn remove_if_there(path: &Path) -> Result<(), ConvertError> {
-    match fs::remove_file(path) {
-        Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(path)(reason)),
+    match fs::remove_file(&unfinished.ledger) {
+        Err(reason) if reason.kind() != std::io::ErrorKind::NotFound => Err(write_error(&unfinished.ledger)(reason)),
         _ => Ok(()),
     }
 }

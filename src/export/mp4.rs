@@ -3,10 +3,11 @@
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
+use crate::temporary::Helper;
 use image::RgbaImage;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
 /// No more of what it says is kept.
@@ -24,7 +25,10 @@ pub fn has_ffmpeg() -> bool {
 /// An MP4 that is being written.
 pub(super) struct Mp4File {
     output: PathBuf,
-    ffmpeg: Child,
+    /// Killed before what it writes is removed.
+    ffmpeg: Helper,
+    /// Where it takes pictures from.
+    pictures: Option<ChildStdin>,
     /// Reads what it says, so that it never waits for a reader.
     messages: Option<JoinHandle<String>>,
     partial: Partial,
@@ -55,11 +59,12 @@ impl Mp4File {
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
-        let mut ffmpeg = command.spawn().map_err(|reason| match reason.kind() {
+        let ffmpeg = Helper::spawn(&mut command).map_err(|reason| match reason.kind() {
             ErrorKind::NotFound => ExportError::NoFfmpeg,
             _ => write(reason),
         })?;
-        let said = ffmpeg.stderr.take();
+        let said = ffmpeg.child().stderr.take();
+        let pictures = ffmpeg.child().stdin.take();
         let read = move || {
             let mut text = Vec::new();
             if let Some(mut said) = said {
@@ -73,6 +78,7 @@ impl Mp4File {
         let mut sink = Self {
             output: output.to_owned(),
             ffmpeg,
+            pictures,
             messages: None,
             partial,
         };
@@ -98,15 +104,14 @@ impl Mp4File {
 
 impl FrameSink for Mp4File {
     fn push(&mut self, picture: &RgbaImage) -> Result<(), ExportError> {
-        let pipe = self.ffmpeg.stdin.as_mut();
-        match pipe.map(|pipe| pipe.write_all(picture)) {
+        match self.pictures.as_mut().map(|pipe| pipe.write_all(picture)) {
             Some(Ok(())) => Ok(()),
             _ => Err(self.failure()),
         }
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ExportError> {
-        drop(self.ffmpeg.stdin.take());
+        drop(self.pictures.take());
         let is_done = self.ffmpeg.wait().is_ok_and(|status| status.success());
         if !is_done {
             return Err(self.failure());
@@ -115,14 +120,6 @@ impl FrameSink for Mp4File {
             path: self.output.clone(),
             reason,
         })
-    }
-}
-
-impl Drop for Mp4File {
-    fn drop(&mut self) {
-        // It has ended already, unless the video was given up: nothing to be done about what fails here.
-        let _ = self.ffmpeg.kill();
-        let _ = self.ffmpeg.wait();
     }
 }
 

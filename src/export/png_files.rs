@@ -3,6 +3,7 @@
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
 use crate::kept::Partial;
+use crate::temporary::Temporary;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, RgbaImage};
 use std::fs;
@@ -35,8 +36,8 @@ pub(super) struct PngFiles {
     name: PathBuf,
     partials: Vec<Partial>,
     stream: VideoStream,
-    /// The folder, if it was made for them; it goes with them.
-    new_folder: Option<PathBuf>,
+    /// The folder, if it was made for them; it goes after them, unless something is in it.
+    _new_folder: Option<Temporary>,
 }
 
 impl PngFiles {
@@ -48,6 +49,7 @@ impl PngFiles {
             .parent()
             .filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
             .map(Path::to_owned);
+        let new_folder = folder.as_deref().map(Temporary::folder);
         if let Some(folder) = &folder {
             fs::create_dir_all(folder).map_err(|reason| failed(folder, reason))?;
         }
@@ -55,7 +57,7 @@ impl PngFiles {
             name,
             partials: Vec::new(),
             stream: *stream,
-            new_folder: folder,
+            _new_folder: new_folder,
         })
     }
 }
@@ -83,18 +85,7 @@ impl FrameSink for PngFiles {
         for partial in self.partials.drain(..) {
             partial.finish().map_err(|reason| failed(&self.name, reason))?;
         }
-        self.new_folder = None;
         Ok(())
-    }
-}
-
-impl Drop for PngFiles {
-    fn drop(&mut self) {
-        self.partials.clear();
-        if let Some(folder) = &self.new_folder {
-            // Unless somebody else has put something there.
-            let _ = fs::remove_dir(folder);
-        }
     }
 }
 

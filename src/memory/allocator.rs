@@ -9,10 +9,28 @@ use std::alloc::{GlobalAlloc, Layout};
 use std::cell::Cell;
 use std::collections::TryReserveError;
 use std::io::Write as _;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
 
+// Constants without a destructor: they allocate nothing themselves.
 thread_local! {
-    /// Whether the caller asks for the refusal. Constant and without a destructor: it allocates nothing itself.
+    /// Whether the caller asks for the refusal.
     static REFUSAL_IS_ASKED_FOR: Cell<bool> = const { Cell::new(false) };
+    /// Whether this thread ends the program, and has been refused once more.
+    static IS_CLEANING_UP: Cell<bool> = const { Cell::new(false) };
+}
+
+/// For how long a thread waits for another one that ends the program.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Called before a refusal ends the program.
+static BEFORE_THE_END: OnceLock<fn()> = OnceLock::new();
+
+/// Has a refusal that ends the program call `clean_up` first, which must not wait for other threads.
+pub(crate) fn before_the_end(clean_up: fn()) {
+    // Only the first one counts, and there is one.
+    let _ = BEFORE_THE_END.set(clean_up);
 }
 
 /// Room for `count` more elements, or the error that says that there is none.
@@ -71,6 +89,27 @@ fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
 /// Ends the program. Nothing here allocates, and nothing that other threads or libraries hold is waited for.
 #[cold]
 fn end(bytes: usize) -> ! {
+    static IS_ENDING: AtomicBool = AtomicBool::new(false);
+    if IS_ENDING.swap(true, Relaxed) {
+        if !IS_CLEANING_UP.get() {
+            // Another thread is at it.
+            std::thread::sleep(PATIENCE);
+        }
+    } else {
+        IS_CLEANING_UP.set(true);
+        say(bytes);
+        if let Some(clean_up) = BEFORE_THE_END.get() {
+            clean_up();
+        }
+    }
+    #[allow(unsafe_code, reason = "ending without the destructors of libraries is a call of C")]
+    // SAFETY: the function takes a number, returns never, and may be called at any time.
+    unsafe {
+        libc::_exit(1)
+    }
+}
+
+fn say(bytes: usize) {
     const LONGEST: usize = 256;
     let mut sentence = [0; LONGEST];
     let mut rest = &mut sentence[..];
@@ -81,11 +120,6 @@ fn end(bytes: usize) -> ! {
     );
     let length = LONGEST - rest.len();
     let _ = std::io::stderr().write_all(&sentence[..length]);
-    #[allow(unsafe_code, reason = "ending without the destructors of libraries is a call of C")]
-    // SAFETY: the function takes a number, returns never, and may be called at any time.
-    unsafe {
-        libc::_exit(1)
-    }
 }
 
 #[cfg(test)]

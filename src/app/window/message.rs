@@ -7,6 +7,8 @@ use egui_winit::accesskit_winit;
 pub(super) enum Message {
     /// Workers or tasks have something new.
     Wake,
+    /// A signal asks the program to end.
+    End,
     /// A screen reader, or another program that helps people, wants to know or to do something.
     Accessibility(accesskit_winit::Event),
 }

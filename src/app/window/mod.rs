@@ -21,6 +21,7 @@ use crate::render::RenderError;
 use crate::scene::RendererChoice;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::ReadSession;
+use crate::signals;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,6 +42,9 @@ const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(320.0, 240.0);
 /// wait: a mouse tells of its moves a thousand times a second. It is below 1, so that pictures which are due do not
 /// move back little by little.
 const MIN_REDRAW_INTERVAL: f64 = 0.75;
+
+/// How long a window may take to close after a signal has asked for it.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Of a screen that does not tell.
 const DEFAULT_REFRESH_INTERVAL: Duration = Duration::from_micros(16_667);
@@ -137,6 +141,12 @@ fn run_with(options: Options, trial: Option<Trial>) -> Result<Vec<WindowAction>,
         .build()
         .map_err(|error| no_window(&error))?;
     let mut app = App::new(options, &event_loop);
+    let proxy = event_loop.create_proxy();
+    let end = move || {
+        // Without an event loop it has ended already.
+        let _ = proxy.send_event(Message::End);
+    };
+    let _ends_well = signals::on_first(end, Some(PATIENCE));
     app.trial = trial;
     event_loop.run_app(&mut app).map_err(|error| no_window(&error))?;
     app.end?;
@@ -427,8 +437,9 @@ impl ApplicationHandler<Message> for App {
         }
     }
 
-    fn user_event(&mut self, _event_loop: &ActiveEventLoop, message: Message) {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, message: Message) {
         match message {
+            Message::End => event_loop.exit(),
             Message::Wake => {
                 self.wake_is_queued.store(false, Ordering::Release);
                 self.woken = true;

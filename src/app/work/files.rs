@@ -2,7 +2,8 @@
 
 use super::tasks::TaskFailed;
 use crate::export::{PictureFormat, encode_picture};
-use crate::kept::write_whole_with;
+use crate::kept::{write_to, write_whole_with};
+use crate::temporary::Temporary;
 use std::fs;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ pub(in crate::app) enum PicturePlace {
 
 /// Writes `bytes` to `path`.
 pub(in crate::app) fn save_bytes(path: PathBuf, bytes: &[u8]) -> Result<SavedFile, TaskFailed> {
-    match fs::write(&path, bytes) {
+    match write_to(&path, bytes) {
         Ok(()) => Ok(SavedFile(path)),
         Err(reason) => Err(TaskFailed(cannot_write(&path, &reason))),
     }
@@ -72,10 +73,11 @@ fn save_new_png(image: &image::RgbaImage, folder: &Path, stem: &str) -> Result<P
     for path in numbered_files(folder, stem, "png").take(MOST_TRIED) {
         match fs::File::create_new(&path) {
             Ok(mut file) => {
-                return file
-                    .write_all(encoded.get_ref())
-                    .map(|()| path.clone())
-                    .map_err(|reason| cannot_write(&path, &reason));
+                let unfinished = Temporary::file(&path);
+                let written = file.write_all(encoded.get_ref()).and_then(|()| file.sync_data());
+                written.map_err(|reason| cannot_write(&path, &reason))?;
+                unfinished.keep();
+                return Ok(path);
             }
             Err(reason) if reason.kind() == std::io::ErrorKind::AlreadyExists => {}
             Err(reason) => return Err(cannot_write(&path, &reason)),

@@ -1,10 +1,15 @@
 //! Writes what arrives to a file.
 //!
+//! The file gets its name with its first frame, so that a recording which is there already is not lost to a stream that
+//! sends nothing. From then on it is a recording at any moment: each frame is handed to the system at once, and whatever
+//! ends the program leaves the frames before.
+//!
 //! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
 //! lost on the way, filters can be chosen later, and a recording that breaks off is read up to there. A sequence file
 //! (`.reel`) would have prepared points in place of images, coded while frames come; `pointreel convert` makes one
 //! of a recording afterwards.
 
+use crate::kept::Partial;
 use crate::regular_file;
 use crate::wire::{MAGIC, Message, StreamHead};
 use std::fs::File;
@@ -33,6 +38,8 @@ pub struct StreamRecording {
 #[derive(Debug)]
 pub(super) struct Recorder {
     file: BufWriter<File>,
+    /// The file until it has a frame.
+    hidden: Option<Partial>,
     written: StreamRecording,
 }
 
@@ -43,11 +50,13 @@ impl Recorder {
         if has_bytes && !is_recording(path) {
             return Err(io::Error::other("it is there already, and is no recording of a stream"));
         }
-        let mut file = BufWriter::with_capacity(1 << 16, File::create(path)?);
+        let (hidden, file) = Partial::create(path)?;
+        let mut file = BufWriter::with_capacity(1 << 16, file);
         let head = head.encode();
         file.write_all(&head)?;
         Ok(Self {
             file,
+            hidden: Some(hidden),
             written: StreamRecording {
                 path: path.to_owned(),
                 frames: 0,
@@ -61,6 +70,10 @@ impl Recorder {
         let header = message.header();
         self.file.write_all(&header)?;
         self.file.write_all(&message.payload)?;
+        self.file.flush()?;
+        if let Some(hidden) = self.hidden.take() {
+            hidden.finish()?;
+        }
         self.written.frames += 1;
         self.written.bytes += (header.len() + message.payload.len()) as u64;
         Ok(())
@@ -70,9 +83,15 @@ impl Recorder {
         &self.written
     }
 
-    /// Writes what is left.
+    /// Writes what is left. Without a frame it takes no other recording's place.
     pub(super) fn finish(mut self) -> io::Result<StreamRecording> {
         self.file.flush()?;
+        if let Some(hidden) = self.hidden.take()
+            && !self.written.path.exists()
+        {
+            hidden.finish()?;
+        }
+        self.file.get_ref().sync_data()?;
         Ok(self.written)
     }
 }

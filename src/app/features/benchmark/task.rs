@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
 use crate::scene::RendererChoice;
 use crate::sequence::Sequence;
+use crate::temporary::{Helper, Temporary};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -63,35 +64,37 @@ pub(in crate::app) fn benchmark_job(
 fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
     let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
     let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).map_err(say)?;
-    let file = folder.join("report.json");
+    let folder = Temporary::folder_and_contents(&folder);
+    std::fs::create_dir_all(folder.path()).map_err(say)?;
+    let file = folder.path().join("report.json");
     let inputs = match sequence.source().inputs() {
         [] => vec![PathBuf::from("demo:")],
         inputs => inputs.to_vec(),
     };
     let fps = sequence.fps().to_string();
-    let mut program = Command::new(std::env::current_exe().map_err(say)?)
+    let mut command = Command::new(std::env::current_exe().map_err(say)?);
+    command
         .args(["bench", "window"])
         .args(inputs)
         .args(["--fps", &fps, "--json"])
         .arg(&file)
         .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .spawn()
-        .map_err(say)?;
+        .stdout(Stdio::null());
+    let program = Helper::spawn(&mut command).map_err(say)?;
     let ended = loop {
         if progress.is_cancelled() {
             // One that has just ended by itself needs no end.
-            let _ = program.kill();
+            let _ = program.child().kill();
         }
-        match program.try_wait().map_err(say)? {
+        // The lock on it is not held while it is waited for.
+        let status = program.child().try_wait().map_err(say)?;
+        match status {
             Some(status) => break status,
             None => std::thread::sleep(LOOK_INTERVAL),
         }
     };
     let json = std::fs::read_to_string(&file);
-    // What is left there is cleaned up by the system.
-    let _ = std::fs::remove_dir_all(&folder);
+    drop(folder);
     if !ended.success() {
         return Err("the other window was closed before all was measured".to_owned());
     }

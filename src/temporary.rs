@@ -1,0 +1,245 @@
+//! What is on the disk only until a command ends: hidden files that are being written, locks, new folders, and helpers
+//! that write.
+//!
+//! **How it works.** One list of the process names them all. Each is removed by whoever made it ([`Temporary`] is
+//! dropped), by a signal that ends the process, and at the end of the program, whichever comes first ([`remove_all`]).
+//! A file gets its final name while the list is locked, so a signal finds either the hidden file or the finished one.
+//! After [`remove_all`] the list stays locked: nothing new comes to the disk while the process ends. What a process that
+//! is killed outright (SIGKILL, power) leaves is not removed.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// How often is looked whether a helper has ended.
+const LOOK_INTERVAL: Duration = Duration::from_millis(5);
+
+static LISTED: Mutex<List> = Mutex::new(List {
+    next: 0,
+    entries: BTreeMap::new(),
+});
+
+#[derive(Debug)]
+struct List {
+    next: u64,
+    /// In the order in which they were made.
+    entries: BTreeMap<u64, Entry>,
+}
+
+#[derive(Debug)]
+enum Entry {
+    File(PathBuf),
+    /// Removed while nothing is in it.
+    Folder(PathBuf),
+    /// Removed with all that is in it.
+    FolderAndContents(PathBuf),
+    Helper(Arc<Mutex<Child>>),
+}
+
+impl Entry {
+    fn remove(&self) {
+        // What is not there any more needs no removal, and nobody could be told of what cannot be removed.
+        let _ = match self {
+            Self::File(path) => fs::remove_file(path),
+            Self::Folder(path) => fs::remove_dir(path),
+            Self::FolderAndContents(path) => fs::remove_dir_all(path),
+            Self::Helper(child) => {
+                let mut child = locked(child);
+                child.kill().and_then(|()| child.wait().map(|_| ()))
+            }
+        };
+    }
+}
+
+/// What another thread's panic leaves of a list of paths is still a list of paths.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn register(entry: Entry) -> u64 {
+    let mut list = locked(&LISTED);
+    let number = list.next;
+    list.next += 1;
+    list.entries.insert(number, entry);
+    number
+}
+
+/// Removes everything that is listed, the latest first. From then on every thread that makes, names or removes a
+/// temporary waits: call it only before the process ends.
+pub(crate) fn remove_all() {
+    let mut list = locked(&LISTED);
+    for (_, entry) in std::mem::take(&mut list.entries).into_iter().rev() {
+        entry.remove();
+    }
+    std::mem::forget(list);
+}
+
+/// [`remove_all`] where memory has run out: nothing is allocated, and the list is not waited for, since this thread
+/// itself may be at it.
+pub(crate) fn remove_all_without_memory() {
+    if let Ok(mut list) = LISTED.try_lock() {
+        for entry in list.entries.values().rev() {
+            entry.remove();
+        }
+        list.entries.clear();
+        std::mem::forget(list);
+    }
+}
+
+/// A file or folder that is removed when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Temporary {
+    number: u64,
+    path: PathBuf,
+}
+
+impl Temporary {
+    /// The file at `path`, which is made after this.
+    pub(crate) fn file(path: &Path) -> Self {
+        Self::of(path, Entry::File)
+    }
+
+    /// A new folder, removed while it is empty.
+    pub(crate) fn folder(path: &Path) -> Self {
+        Self::of(path, Entry::Folder)
+    }
+
+    /// A new folder, removed with all that is in it.
+    pub(crate) fn folder_and_contents(path: &Path) -> Self {
+        Self::of(path, Entry::FolderAndContents)
+    }
+
+    fn of(path: &Path, entry: fn(PathBuf) -> Entry) -> Self {
+        Self {
+            number: register(entry(path.to_owned())),
+            path: path.to_owned(),
+        }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives the file the name `target`, in place of a file that has it now: it is temporary no longer.
+    pub(crate) fn rename(&self, target: &Path) -> io::Result<()> {
+        let mut list = locked(&LISTED);
+        fs::rename(&self.path, target)?;
+        list.entries.remove(&self.number);
+        Ok(())
+    }
+
+    /// Leaves it where it is.
+    pub(crate) fn keep(self) {
+        locked(&LISTED).entries.remove(&self.number);
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let mut list = locked(&LISTED);
+        if let Some(entry) = list.entries.remove(&self.number) {
+            entry.remove();
+        }
+    }
+}
+
+/// Another program that writes for this one. It is killed when this is dropped, and when this process is ended.
+#[derive(Debug)]
+pub(crate) struct Helper {
+    number: u64,
+    child: Arc<Mutex<Child>>,
+}
+
+impl Helper {
+    /// Starts it.
+    pub(crate) fn spawn(command: &mut Command) -> io::Result<Self> {
+        let mut list = locked(&LISTED);
+        let child = Arc::new(Mutex::new(command.spawn()?));
+        let number = list.next;
+        list.next += 1;
+        list.entries.insert(number, Entry::Helper(Arc::clone(&child)));
+        Ok(Self { number, child })
+    }
+
+    /// The process, for its pipes. It must not be waited for under this lock.
+    pub(crate) fn child(&self) -> MutexGuard<'_, Child> {
+        locked(&self.child)
+    }
+
+    /// Waits until it has ended. A signal can kill it meanwhile.
+    pub(crate) fn wait(&self) -> io::Result<ExitStatus> {
+        loop {
+            if let Some(status) = self.child().try_wait()? {
+                return Ok(status);
+            }
+            thread::sleep(LOOK_INTERVAL);
+        }
+    }
+}
+
+impl Drop for Helper {
+    fn drop(&mut self) {
+        let mut list = locked(&LISTED);
+        if let Some(entry) = list.entries.remove(&self.number) {
+            entry.remove();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_dropped_is_removed_and_what_is_named_or_kept_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let [dropped, hidden, named, kept] =
+            ["dropped", ".hidden", "named", "kept"].map(|name| folder.path().join(name));
+        let temporaries = [&dropped, &hidden, &kept].map(|path| {
+            let temporary = Temporary::file(path);
+            fs::write(path, "bytes").unwrap();
+            temporary
+        });
+        let [at_dropped, at_hidden, at_kept] = temporaries;
+        at_hidden.rename(&named).unwrap();
+        // Somebody else's file by now.
+        fs::write(&hidden, "of others").unwrap();
+        at_kept.keep();
+        drop((at_dropped, at_hidden));
+        let is_there = [&dropped, &hidden, &named, &kept].map(|path| path.exists());
+        assert_eq!(is_there, [false, true, true, true]);
+    }
+
+    #[test]
+    fn a_folder_with_a_file_in_it_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let [empty, full, whole] = ["empty", "full", "whole"].map(|name| folder.path().join(name));
+        let temporaries = (
+            Temporary::folder(&empty),
+            Temporary::folder(&full),
+            Temporary::folder_and_contents(&whole),
+        );
+        for path in [&empty, &full, &whole] {
+            fs::create_dir(path).unwrap();
+        }
+        fs::write(full.join("frame.png"), "").unwrap();
+        fs::write(whole.join("report.json"), "").unwrap();
+        drop(temporaries);
+        assert_eq!([&empty, &full, &whole].map(|path| path.exists()), [false, true, false]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_helper_ends_with_its_owner() {
+        let helper = Helper::spawn(Command::new("sleep").arg("600")).unwrap();
+        let child = Arc::clone(&helper.child);
+        assert!(locked(&child).try_wait().unwrap().is_none());
+        drop(helper);
+        assert!(locked(&child).try_wait().unwrap().is_some());
+    }
+}
