@@ -64,6 +64,11 @@ slurm-test: ## the Slurm job file on a slurmctld with two slurmd (root; packages
 fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=folders of files to begin with)
 	scripts/fuzz.sh $(or $(SECONDS),60) $(SEEDS)
 
+# In `make test` a dozen calls of each kind fail per command; all of them take most of an hour.
+.PHONY: faults
+faults: ## each allocation, opening, reading and writing of some twenty commands fails once
+	POINTREEL_FAULTS=all $(CARGO) test --locked --test faults
+
 .PHONY: bench
 bench: ## run the criterion benches (benches/README.md)
 	$(CARGO) bench --locked --benches

@@ -4,51 +4,29 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-/// A command line within a folder of files.
-#[derive(Debug)]
-pub(crate) struct Case {
-    pub(crate) arguments: &'static [&'static str],
-}
-
-const fn case(arguments: &'static [&'static str]) -> Case {
-    Case { arguments }
-}
-
-/// A row per way through the readers and writers.
-pub(crate) const CASES: &[Case] = &[
-    case(&["info", "cube.ply"]),
-    case(&["info", "--json", "cube.reel"]),
-    case(&["check", "frames"]),
-    case(&["check", "cube.reel"]),
-    case(&["check", "cube.zip"]),
-    case(&["convert", "frames", "--overwrite", "old.reel"]),
-    case(&["convert", "cube.las", "--overwrite", "old.ply"]),
-    case(&["convert", "cube.xyz", "--overwrite", "old.las"]),
-    case(&["convert", "cube.pcd", "new.ply"]),
-    case(&["convert", "cube.zip", "new.reel"]),
-    case(&["convert", "cube.reel", "new_frames"]),
-    case(&["compare-frames", "frames", "--from", "0", "--to", "1"]),
-    case(&["compare", "old.png", "picture.png"]),
-    case(&[
-        "render",
-        "cube.reel",
-        "--renderer",
-        "cpu",
-        "--size",
-        "16x12",
-        "-o",
-        "old.png",
-    ]),
-    case(&[
-        "render",
-        "frames",
-        "--renderer",
-        "cpu",
-        "--size",
-        "16x12",
-        "--video",
-        "new.gif",
-    ]),
+/// Command lines within the folder of files: a row per way through the readers and writers.
+pub(crate) const CASES: &[&str] = &[
+    "info cube.ply",
+    "info --json cube.reel",
+    "check frames",
+    "check cube.reel",
+    "check cube.zip",
+    "convert frames --overwrite old.reel",
+    "convert cube.las --overwrite old.ply",
+    "convert cube.xyz --overwrite old.las",
+    "convert cube.pcd new.laz",
+    "convert cube.laz new.ply",
+    "convert cube.ply new.npy",
+    "convert cube.zip new.reel",
+    "convert cube.reel new_frames",
+    "compare-frames frames --from 0 --to 1",
+    "compare old.png picture.png --heatmap new.png",
+    "render cube.reel --renderer cpu --size 16x12 -o old.png",
+    "render cube.ply --renderer cpu --size 16x12 -o new.tif",
+    "render cube.ply --renderer cpu --size 16x12 -o new.webp",
+    "render frames --renderer cpu --size 16x12 --video new.gif",
+    "render frames --renderer cpu --size 16x12 --video new.webp",
+    "render frames --renderer cpu --size 16x12 --video new_{frame}.png",
 ];
 
 /// Fills `folder` with the files that the commands name. Files that are written over begin as other ones.
@@ -70,7 +48,7 @@ pub(crate) fn make_files(folder: &Path) {
     let picture = |color: [u8; 3]| image::RgbImage::from_pixel(16, 12, image::Rgb(color));
     picture([9, 9, 9]).save(folder.join("old.png")).unwrap();
     picture([10, 9, 9]).save(folder.join("picture.png")).unwrap();
-    for made in ["cube.las", "cube.reel"] {
+    for made in ["cube.las", "cube.laz", "cube.reel"] {
         super::run::succeed(folder, &["convert", "cube.ply", made]);
     }
     for (from, old) in [

@@ -1,6 +1,6 @@
 //! Runs commands with faults, and says what each has left.
 
-use super::commands::{CASES, Case, make_files};
+use super::commands::{CASES, make_files};
 use super::shim::{FAULT, FOLDER, How, Kind, REPORT};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -71,7 +71,7 @@ struct Run {
 }
 
 /// Runs it in the folder `files` of `scratch`, whose path is the same for every run: what a command prints names it.
-fn run(case: &Case, scratch: &Path, before: &Files, fault: &str) -> Run {
+fn run(case: &str, scratch: &Path, before: &Files, fault: &str) -> Run {
     let folder = scratch.join("files");
     let report = scratch.join("report");
     if folder.exists() {
@@ -82,7 +82,7 @@ fn run(case: &Case, scratch: &Path, before: &Files, fault: &str) -> Run {
     }
     write_files(&folder, before);
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(case.arguments).current_dir(&folder).stdin(Stdio::null());
+    command.args(case.split(' ')).current_dir(&folder).stdin(Stdio::null());
     command.envs([("RUST_BACKTRACE", "0"), ("RAYON_NUM_THREADS", "1"), (FAULT, fault)]);
     command.env(FOLDER, &folder).env(REPORT, &report);
     command.env("XDG_CONFIG_HOME", scratch).env("XDG_CACHE_HOME", scratch);
@@ -163,14 +163,11 @@ fn places(count: u64) -> Vec<u64> {
 }
 
 /// Faults of one command: how many were tried, and what was wrong.
-fn try_case(case: &Case, scratch: &Path, before: &Files) -> (usize, Vec<String>) {
+fn try_case(case: &str, scratch: &Path, before: &Files) -> (usize, Vec<String>) {
     let sound = run(case, scratch, before, "none");
     let mut wrong = Vec::new();
     if !sound.output.status.success() || sound.counts.len() != Kind::ALL.len() {
-        return (
-            0,
-            vec![format!("{:?} without a fault: {}", case.arguments, sound.said())],
-        );
+        return (0, vec![format!("{case} without a fault: {}", sound.said())]);
     }
     let piecemeal = format!("::{}", How::Piecemeal.name());
     let mut tried = 0;
@@ -185,7 +182,7 @@ fn try_case(case: &Case, scratch: &Path, before: &Files) -> (usize, Vec<String>)
             faults.push("has another result".to_owned());
         }
         if !faults.is_empty() {
-            let mut line = format!("{} with {fault}: {}", case.arguments.join(" "), faults.join("; "));
+            let mut line = format!("{case} with {fault}: {}", faults.join("; "));
             let _ = write!(line, "\n    said: {}", run.said().trim());
             wrong.push(line);
         }
@@ -204,21 +201,14 @@ fn try_case(case: &Case, scratch: &Path, before: &Files) -> (usize, Vec<String>)
     }
     one(&piecemeal, false);
     let counts = sound.counts;
-    println!(
-        "{} {counts:?}: {tried} faults, {} wrong",
-        case.arguments.join(" "),
-        wrong.len()
-    );
+    println!("{case} {counts:?}: {tried} faults, {} wrong", wrong.len());
     (tried, wrong)
 }
 
 /// Tries every command whose line contains the program's argument, if there is one.
 pub(crate) fn all() -> ExitCode {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let chosen = |case: &&Case| {
-        let line = case.arguments.join(" ");
-        filter.as_ref().is_none_or(|filter| line.contains(filter.as_str()))
-    };
+    let chosen = |case: &&&str| filter.as_ref().is_none_or(|filter| case.contains(filter.as_str()));
     let scratch = tempfile::tempdir().unwrap();
     let made = tempfile::tempdir().unwrap();
     make_files(made.path());
