@@ -6,6 +6,7 @@
 use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::numbers::{Tokens, quoted};
+use super::options::ReadOptions;
 use super::xyz;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, Positions, RawCloud};
@@ -62,7 +63,7 @@ fn is_esri(_: &Path, bytes: &[u8]) -> bool {
     rest.is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
 }
 
-pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode_esri(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let text = xyz::utf8(bytes);
     let decimal = with_points_in_grid(&text);
     let text = decimal.as_deref().unwrap_or(&text);
@@ -83,7 +84,8 @@ pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud,
         values = tokens.clone();
     }
     let grid = header.grid()?;
-    grid.read(&mut values, text.len(), progress)
+    let copied = if decimal.is_some() { text.len() } else { 0 };
+    grid.read(&mut values, text.len(), &options.holding(copied), progress)
 }
 
 /// A grid with points in place of decimal commas: each comma is between digits, and some line of the header has one. In
@@ -200,7 +202,7 @@ fn count_of(number: f64, name: &str) -> Result<usize, Fault> {
     Err(Fault::header(format!("{name} is {number}, expected a number of cells")))
 }
 
-pub(super) fn decode_surfer(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode_surfer(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let mut tokens = Tokens::new(bytes, 1);
     tokens.next();
     let mut header = [0.0; 8];
@@ -225,12 +227,18 @@ pub(super) fn decode_surfer(bytes: &[u8], progress: &Progress) -> Result<RawClou
         step: [step(west, east, columns), step(south, north, rows)],
         is_missing: Missing::From(SURFER_BLANK),
     };
-    grid.read(&mut tokens, bytes.len(), progress)
+    grid.read(&mut tokens, bytes.len(), options, progress)
 }
 
 impl Grid {
     /// The points of the values in `tokens`, which are at most `byte_count` bytes.
-    fn read(&self, tokens: &mut Tokens<'_>, byte_count: usize, progress: &Progress) -> Result<RawCloud, Fault> {
+    fn read(
+        &self,
+        tokens: &mut Tokens<'_>,
+        byte_count: usize,
+        options: &ReadOptions,
+        progress: &Progress,
+    ) -> Result<RawCloud, Fault> {
         let cells = self.columns.checked_mul(self.rows);
         // A digit and a space each.
         let Some(cells) = cells.filter(|&cells| cells <= byte_count / 2 + 1) else {
@@ -240,6 +248,7 @@ impl Grid {
             );
             return Err(Fault::header(problem));
         };
+        options.claim_entries(&format!("{cells} cells"), cells, size_of::<[f64; 3]>())?;
         let mut points = Vec::with_capacity(cells);
         let mut missing = 0;
         for row in 0..self.rows {

@@ -10,6 +10,7 @@ use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::growing;
 use super::numbers::{parse_number, quoted};
+use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 
 /// Geomview OFF.
@@ -21,7 +22,9 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+    /// Three digits, two spaces and the end of a line.
+    const LEAST_LINE_BYTES: usize = 6;
     let mut lines = Lines::new(bytes);
     let (keyword, counts) = header(&mut lines)?;
     let [vertices, faces] = counts;
@@ -29,7 +32,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     for index in 0..vertices {
         let numbers = lines.numbers("vertex", index)?;
         if index == 0 {
-            columns = vec![Vec::new(); numbers.len()];
+            let count = vertices.min(bytes.len() / LEAST_LINE_BYTES);
+            options.claim_entries("the vertices", count, numbers.len() * size_of::<f64>())?;
+            columns = (0..numbers.len()).map(|_| Vec::with_capacity(count)).collect();
         }
         if numbers.len() != columns.len() || numbers.len() < 3 {
             return Err(Fault::new(
@@ -58,13 +63,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let mut cloud = if vertices == 0 {
         RawCloud::from_positions(crate::cloud::Positions::F64(Vec::new()))
     } else {
-        growing::cloud(&columns, vertices)?
+        growing::cloud(&columns, vertices, options)?
     };
+    drop(columns);
+    let options = options.holding(cloud.byte_size());
     let mut triangles = Vec::new();
     let mut broken = BrokenFaces::default();
     for index in 0..faces {
         match lines.numbers("face", index) {
-            Ok(numbers) => broken.count(face(&numbers, index, vertices, &mut triangles).err()),
+            Ok(numbers) => broken.count({
+                options.reserve(&mut triangles, numbers.len(), "the faces")?;
+                face(&numbers, index, vertices, &mut triangles).err()
+            }),
             Err(fault) => {
                 broken.end(fault);
                 break;

@@ -79,7 +79,8 @@ fn decode_usual(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MOST_EDGE_PX);
     limits.max_image_height = Some(MOST_EDGE_PX);
-    limits.max_alloc = Some(most_bytes);
+    // Colours of other kinds are there in their own pixels and in those that are handed over.
+    limits.max_alloc = Some(most_bytes / 2);
     reader.limits(limits);
     let image = reader.decode().map_err(|error| error.to_string())?;
     let size_px = [image.width(), image.height()];

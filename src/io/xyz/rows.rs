@@ -5,10 +5,12 @@
 
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
+use super::super::options::ReadOptions;
 use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Large enough to be worth a task, small enough that the cores share a file evenly.
 const BLOCK_BYTES: usize = 1 << 20;
@@ -264,20 +266,27 @@ pub(in crate::io) fn parse(
     first_line: usize,
     kinds: &[Kind],
     dialect: Dialect,
+    options: &ReadOptions,
     progress: &Progress,
 ) -> Result<ParsedRows, Fault> {
     let width = kinds.len();
+    let taken = AtomicU64::new(0);
     let mut blocks: Vec<LineBlock<'_>> = blocks(text)
         .into_par_iter()
         .map(|block| {
             if progress.is_cancelled() {
-                return LineBlock::default();
+                return Ok(LineBlock::default());
             }
-            let parsed = parse_block(block, kinds, dialect);
+            let mut parsed = parse_block(block, kinds, dialect);
+            parsed.values.shrink_to_fit();
+            // What is parsed is put together in columns, next to the blocks.
+            let more = 2 * parsed.bytes();
+            let bytes = taken.fetch_add(more, Ordering::Relaxed).saturating_add(more);
+            options.claim("the numbers of its lines", bytes)?;
             progress.advance(block.len());
-            parsed
+            Ok(parsed)
         })
-        .collect();
+        .collect::<Result<_, Fault>>()?;
     if progress.is_cancelled() {
         return Err(Fault::cancelled());
     }
@@ -387,6 +396,13 @@ pub(super) fn trimmed(line: &[u8], dialect: Dialect) -> &[u8] {
 }
 
 impl<'a> LineBlock<'a> {
+    /// Memory that it takes.
+    fn bytes(&self) -> u64 {
+        let labels: usize = self.breaks.iter().map(|found| found.label.len()).sum();
+        let breaks = size_of_val(self.breaks.as_slice()) + labels;
+        (size_of_val(self.values.as_slice()) + size_of_val(self.lones.as_slice()) + breaks) as u64
+    }
+
     fn add_line(&mut self, line: &'a [u8], kinds: &[Kind], dialect: Dialect) {
         let width = kinds.len();
         let before = self.values.len();
@@ -533,9 +549,17 @@ mod tests {
     #[test]
     fn many_blocks_are_parsed_as_one_and_name_the_line() {
         let mut text: Vec<String> = (0..200_000).map(|i| format!("{i} {} -{i}.5 7", i * 2)).collect();
-        let progress = Progress::default();
+        let (options, progress) = (ReadOptions::default(), Progress::default());
         let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Number];
-        let rows = parse(text.join("\n").as_bytes(), 1, &kinds, Dialect::MIXED, &progress).unwrap();
+        let rows = parse(
+            text.join("\n").as_bytes(),
+            1,
+            &kinds,
+            Dialect::MIXED,
+            &options,
+            &progress,
+        )
+        .unwrap();
         assert_eq!(progress.done(), text.join("\n").len());
         assert_eq!(rows.len(), 200_000);
         assert!((0..200_000).all(|i| rows.columns[2][i] == -(i as f64) - 0.5));
@@ -543,7 +567,15 @@ mod tests {
         "1 2 oops 4".clone_into(&mut text[150_000]);
         "1 2".clone_into(&mut text[170_000]);
         "1 2 3 oops".clone_into(&mut text[180_000]);
-        let rows = parse(text.join("\r\n").as_bytes(), 11, &kinds, Dialect::MIXED, &progress).unwrap();
+        let rows = parse(
+            text.join("\r\n").as_bytes(),
+            11,
+            &kinds,
+            Dialect::MIXED,
+            &options,
+            &progress,
+        )
+        .unwrap();
         assert_eq!(rows.len(), 199_998);
         assert_eq!(rows.odd_lines.count, 2);
         assert_eq!(rows.odd_lines.fault().unwrap().place, Place::Line(150_011));
@@ -554,11 +586,39 @@ mod tests {
     }
 
     #[test]
+    fn lines_take_no_more_memory_than_they_may() {
+        let kinds = [Kind::Required; 3];
+        let parse = |line: &str, most_bytes: u64| {
+            let text = line.repeat(1 << 20);
+            let options = ReadOptions::default().with_max_memory(most_bytes);
+            let progress = Progress::default();
+            parse(text.as_bytes(), 1, &kinds, Dialect::MIXED, &options, &progress).map(|rows| rows.len())
+        };
+        for (line, rows, bytes) in [
+            ("1 2 3\n", 1 << 20, 48 << 20),
+            ("1\n", 0, 48 << 20),
+            ("1 2 3\n\n", 1 << 20, 112 << 20),
+        ] {
+            assert_eq!(parse(line, bytes).unwrap(), rows, "{line:?}");
+            let refused = parse(line, bytes - 1024).unwrap_err().problem;
+            assert!(refused.contains("--max-memory"), "{refused}");
+        }
+    }
+
+    #[test]
     fn words_become_their_places_in_order() {
         let lines = ["1 2 3 car\n", "1 2 3 bus\n", "1 2 3 -\n", "1 2 3 van\n"];
         let text = lines.concat().repeat(150_000 / 4);
         let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Text];
-        let rows = parse(text.as_bytes(), 1, &kinds, Dialect::MIXED, &Progress::default()).unwrap();
+        let rows = parse(
+            text.as_bytes(),
+            1,
+            &kinds,
+            Dialect::MIXED,
+            &ReadOptions::default(),
+            &Progress::default(),
+        )
+        .unwrap();
         assert_eq!(rows.words[3], ["-", "bus", "car", "van"]);
         assert_eq!(rows.columns[3][..4], [2.0, 1.0, 0.0, 3.0]);
         assert_eq!(rows.columns[3][149_996..], [2.0, 1.0, 0.0, 3.0]);

@@ -11,7 +11,7 @@ use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::{
-    FRAME_HEAD_BYTES, Frame, FrameHead, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
+    FRAME_HEAD_BYTES, Frame, FrameHead, Kind, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
 };
 use std::fs::File;
@@ -140,6 +140,13 @@ fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(
     let Some(header) = MessageHeader::read(file)? else {
         return Ok(None);
     };
+    // Zeros have the right length and checksum, and a sparse file may have terabytes of them.
+    if header.kind == Kind::Other(0) {
+        return Err(WireError::Malformed {
+            what: "the file",
+            reason: "a message is of kind 0, which there is none of".to_owned(),
+        });
+    }
     let begin = offset + MESSAGE_HEADER_BYTES as u64;
     let end = begin + u64::from(header.payload_bytes);
     if end > length {
