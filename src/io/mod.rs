@@ -33,6 +33,7 @@ mod growing;
 mod las;
 mod likeness;
 mod list;
+pub(crate) mod long_walk;
 pub(crate) mod matroska;
 mod mesh;
 pub(crate) mod normals;

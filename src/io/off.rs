@@ -30,7 +30,7 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
     let [vertices, faces] = counts;
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for index in 0..vertices {
-        let numbers = lines.numbers("vertex", index)?;
+        let numbers = lines.numbers("vertex", index, options)?;
         if index == 0 {
             let count = vertices.min(bytes.len() / LEAST_LINE_BYTES);
             options.claim_entries("the vertices", count, numbers.len() * size_of::<f64>())?;
@@ -70,7 +70,7 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
     let mut triangles = Vec::new();
     let mut broken = BrokenFaces::default();
     for index in 0..faces {
-        match lines.numbers("face", index) {
+        match lines.numbers("face", index, &options) {
             Ok(numbers) => broken.count({
                 options.reserve(&mut triangles, numbers.len(), "the faces")?;
                 face(&numbers, index, vertices, &mut triangles).err()
@@ -213,7 +213,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The numbers of the next line, which is entry `index` of `list`.
-    fn numbers(&mut self, list: &str, index: usize) -> Result<Vec<f64>, Fault> {
+    fn numbers(&mut self, list: &str, index: usize, options: &ReadOptions) -> Result<Vec<f64>, Fault> {
         let Some(line) = self.next() else {
             return Err(Fault::entry(
                 list,
@@ -221,6 +221,8 @@ impl<'a> Lines<'a> {
                 "the file ends here, but its counts say that there are more: it is truncated, or its header is wrong",
             ));
         };
+        // A digit and a space each, in a list that doubles.
+        options.claim_entries("the numbers of a line", line.len() / 2, 2 * size_of::<f64>())?;
         line.split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty())
             .map(|word| {

@@ -52,16 +52,12 @@ pub(super) fn unpack(
     if claimed_bytes > options.left_bytes() {
         return Err(too_large(claimed_bytes, options));
     }
-    let bytes = drain(packing, packed, claimed_bytes)?;
-    if bytes.len() as u64 != claimed_bytes {
+    let Drained { bytes, has_more } = drain(packing, packed, claimed_bytes)?;
+    if has_more || bytes.len() as u64 != claimed_bytes {
+        let least = if has_more { "more than" } else { "only" };
         return Err(format!(
-            "it unpacks to {} {} bytes, expected {claimed_bytes}: it is damaged",
-            if bytes.len() as u64 > claimed_bytes {
-                "more than"
-            } else {
-                "only"
-            },
-            (bytes.len() as u64).min(claimed_bytes)
+            "it unpacks to {least} {} bytes, expected {claimed_bytes}: it is damaged",
+            bytes.len()
         ));
     }
     Ok(bytes)
@@ -75,8 +71,8 @@ pub(super) fn unpack_gzip(mut packed: impl Read + Seek, options: &ReadOptions) -
     let limit_bytes = options.left_bytes();
     let claimed_bytes = claim_of_gzip(&mut packed).map_err(failed)?;
     if claimed_bytes <= limit_bytes {
-        let bytes = drain(Packing::Gzip, &mut packed, claimed_bytes)?;
-        if bytes.len() as u64 == claimed_bytes {
+        let Drained { bytes, has_more } = drain(Packing::Gzip, &mut packed, claimed_bytes)?;
+        if !has_more {
             return Ok(bytes);
         }
     }
@@ -89,7 +85,7 @@ pub(super) fn unpack_gzip(mut packed: impl Read + Seek, options: &ReadOptions) -
         return Err(too_large(count, options));
     }
     packed.rewind().map_err(failed)?;
-    drain(Packing::Gzip, packed, count)
+    Ok(drain(Packing::Gzip, packed, count)?.bytes)
 }
 
 /// Bytes of the last stream by its trailer (RFC 1952), but no more than its packed bytes can unpack to.
@@ -107,8 +103,15 @@ fn claim_of_gzip(packed: &mut (impl Read + Seek)) -> io::Result<u64> {
     Ok(u64::from(u32::from_le_bytes(claim)).min(length.saturating_mul(MOST_DEFLATED)))
 }
 
-/// At most one byte more than `expected_bytes`, in one allocation of that. Precondition: there is memory for them.
-fn drain(packing: Packing, packed: impl Read, expected_bytes: u64) -> Result<Vec<u8>, String> {
+/// What was unpacked.
+struct Drained {
+    bytes: Vec<u8>,
+    /// There is more of it.
+    has_more: bool,
+}
+
+/// At most `expected_bytes`, in one allocation of that. Precondition: there is memory for them.
+fn drain(packing: Packing, packed: impl Read, expected_bytes: u64) -> Result<Drained, String> {
     let mut bytes = Vec::new();
     let expected = usize::try_from(expected_bytes).unwrap_or(usize::MAX);
     // Memory that nothing is written to is none yet.
@@ -118,13 +121,9 @@ fn drain(packing: Packing, packed: impl Read, expected_bytes: u64) -> Result<Vec
     let mut unpacked = reader(packing, packed).map_err(failed)?;
     let read = unpacked.by_ref().take(expected_bytes).read_to_end(&mut bytes);
     read.map_err(failed)?;
-    if bytes.len() == expected {
-        // Checksums stand behind the last byte, and are looked at when there is no further one.
-        let mut one_more = [0; 1];
-        let count = read_some(&mut unpacked, &mut one_more).map_err(failed)?;
-        bytes.extend_from_slice(&one_more[..count]);
-    }
-    Ok(bytes)
+    // Checksums stand behind the last byte, and are looked at when there is no further one.
+    let has_more = bytes.len() == expected && read_some(&mut unpacked, &mut [0]).map_err(failed)? > 0;
+    Ok(Drained { bytes, has_more })
 }
 
 fn read_some(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {

@@ -80,7 +80,7 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
     let found = if format == containers::DB3 {
         db3::find(path, wanted)
     } else {
-        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
+        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?, path).map_err(failed)?;
         if format == containers::MCAP {
             mcap::find(&mut walk, wanted, options)
         } else {

@@ -100,7 +100,6 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
         )));
     }
     let options = options.holding(unpacked.len());
-    options.claim_entries(&format!("{} splats", header.count), header.count, SPLAT_BYTES)?;
     let mut rest = &unpacked[HEADER_BYTES..];
     let mut arrays = [&[][..]; 5];
     for ((array, name), width) in arrays.iter_mut().zip(ARRAYS).zip(header.widths()) {
@@ -118,6 +117,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
         };
         (*array, rest) = rest.split_at(length);
     }
+    options.claim_entries(&format!("{} splats", header.count), header.count, SPLAT_BYTES)?;
     Ok(cloud(&header, arrays))
 }
 

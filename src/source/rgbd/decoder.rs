@@ -13,7 +13,7 @@ use super::text;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
-use crate::io::raster::{Raster, Samples};
+use crate::io::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
 use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
@@ -57,13 +57,9 @@ struct PreparedRig {
     rays: Arc<RayTable>,
 }
 
-/// Memory of a pixel until it is a point: its number, its depth before and after filters, its ray, place, normal and
-/// colour, and what the filters note.
-const PIXEL_BYTES: u64 = 96;
-
 /// Fails where an image of this size takes more memory than it may: a few bytes of RVL are as many holes as they like.
 fn check_pixels([width, height]: [u32; 2], path: &Path, options: &ReadOptions) -> Result<(), RgbdError> {
-    let bytes = u64::from(width) * u64::from(height) * PIXEL_BYTES;
+    let bytes = u64::from(width) * u64::from(height) * DEPTH_PIXEL_BYTES;
     if bytes > options.max_memory_bytes {
         return Err(RgbdError::ManyPixels {
             path: path.to_owned(),

@@ -123,20 +123,55 @@ fn packed() -> Vec<Case> {
     let points = GIB / 12;
     let cloud = ply("binary_little_endian", points, "");
     let lines = text_line("0 0 0\n", 6 * 100_000);
-    let spz = [b"NGSP\x02\0\0\0".as_slice(), &50_000_000u32.to_le_bytes(), &[0, 12, 0, 0]].concat();
+    let spz = [
+        b"NGSP\x02\0\0\0".as_slice(),
+        &50_000_000u32.to_le_bytes(),
+        &[0, 12, 0, 0],
+    ]
+    .concat();
     let mut bombs = vec![
         Case::whole("gzip of zeros", "a.ply.gz", gzip(&[(&cloud, 1), (&piece, 1025)])),
-        Case::whole("gzip that just fits", "a.ply.gz", gzip(&[(&ply("binary_little_endian", 440 * MIB / 12, ""), 1), (&piece, 440)])),
+        Case::whole(
+            "gzip that just fits",
+            "a.ply.gz",
+            gzip(&[(&ply("binary_little_endian", 440 * MIB / 12, ""), 1), (&piece, 440)]),
+        ),
         Case::whole("gzip of text", "a.xyz.gz", gzip(&[(&lines, 400)])),
         Case::whole("gzip without a name", "a.gz", gzip(&[(&piece, 1025)])),
-        Case::whole("TAR in gzip", "a.tgz", gzip(&[(&tar_header("a.ply", GIB), 1), (&cloud, 1), (&piece, 1025)])),
+        Case::whole(
+            "TAR in gzip",
+            "a.tgz",
+            gzip(&[(&tar_header("a.ply", GIB), 1), (&cloud, 1), (&piece, 1025)]),
+        ),
         Case::whole("ZIP", "a.zip", zip("a.ply", &[(&cloud, 1), (&piece, 1025)])),
         Case::whole("ZIP of text", "a.zip", zip("a.xyz", &[(&lines, 400)])),
-        Case::whole("NPZ", "a.npz", zip("points.npy", &[(&npy("'|u1'", &format!("{}, 3", GIB / 3)), 1), (&piece, 1025)])),
-        Case::whole("NPZ that just fits", "a.npz", zip("points.npy", &[(&npy("'|u1'", &format!("{}, 3", 400 * MIB / 3)), 1), (&piece, 400)])),
-        Case::whole("NPZ of other arrays", "a.npz", zip("other.npy", &[(&npy("'|u1'", &format!("{GIB},")), 1), (&piece, 1025)])),
+        Case::whole(
+            "NPZ",
+            "a.npz",
+            zip(
+                "points.npy",
+                &[(&npy("'|u1'", &format!("{}, 3", GIB / 3)), 1), (&piece, 1025)],
+            ),
+        ),
+        Case::whole(
+            "NPZ that just fits",
+            "a.npz",
+            zip(
+                "points.npy",
+                &[(&npy("'|u1'", &format!("{}, 3", 400 * MIB / 3)), 1), (&piece, 400)],
+            ),
+        ),
+        Case::whole(
+            "NPZ of other arrays",
+            "a.npz",
+            zip("other.npy", &[(&npy("'|u1'", &format!("{GIB},")), 1), (&piece, 1025)]),
+        ),
         Case::whole("SPZ", "a.spz", gzip(&[(&spz, 1), (&piece, 1025)])),
-        Case::whole("SPZ that just fits", "a.spz", gzip(&[(&spz, 1), (&piece[..1000], 450_000)])),
+        Case::whole(
+            "SPZ that just fits",
+            "a.spz",
+            gzip(&[(&spz, 1), (&piece[..1000], 450_000)]),
+        ),
         Case::whole("SPZ of streams", "a.spz", spz_of_streams(40_000_000)),
     ];
     // A directory that lies about the size of its member.
@@ -175,19 +210,36 @@ fn claims() -> Vec<Case> {
     let many = |bytes: Vec<u8>| [bytes, vec![0; 12], u32::MAX.to_le_bytes().to_vec(), vec![0; 40]].concat();
     vec![
         Case::whole("PLY, a list of everything", "a.ply", many(lists)),
-        Case::whole("PLY, a face of everything", "a.ply", many(ply("binary_little_endian", 1, faces))),
-        Case::whole("PLY, points of nothing", "a.ply", ply("binary_little_endian", 1 << 40, "")),
+        Case::whole(
+            "PLY, a face of everything",
+            "a.ply",
+            many(ply("binary_little_endian", 1, faces)),
+        ),
+        Case::whole(
+            "PLY, points of nothing",
+            "a.ply",
+            ply("binary_little_endian", 1 << 40, ""),
+        ),
         Case::whole(
             "PCD, compressed",
             "a.pcd",
-            [pcd(u64::from(u32::MAX) / 12, "binary_compressed"), vec![0, 1, 0, 0, 0xfc, 0xff, 0xff, 0xff], vec![0xff; 256]].concat(),
+            [
+                pcd(u64::from(u32::MAX) / 12, "binary_compressed"),
+                vec![0, 1, 0, 0, 0xfc, 0xff, 0xff, 0xff],
+                vec![0xff; 256],
+            ]
+            .concat(),
         ),
         Case::whole("LAS", "a.las", las(1 << 40, false, &[])),
         Case::whole("LAZ", "a.laz", laz_that_lies),
         Case::whole(
             "LAZ, chunks of everything",
             "a.laz",
-            [las(1 << 24, true, &[("laszip encoded", 22204, laszip(u32::MAX - 1))]), vec![0xff; 100_000]].concat(),
+            [
+                las(1 << 24, true, &[("laszip encoded", 22204, laszip(u32::MAX - 1))]),
+                vec![0xff; 100_000],
+            ]
+            .concat(),
         ),
         Case::whole("E57", "a.e57", e57(10, "1099511627776")),
         Case::whole("E57 that just fits", "a.e57", e57(10, "17000000")),
@@ -201,11 +253,29 @@ fn models() -> Vec<Case> {
     let zeros = |count: u64| accessor(count, "VEC3", 5126, "");
     let sparse = ", \"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 0, \"componentType\": 5125}, \"values\": \
                   {\"bufferView\": 0}}";
-    let polygon = |corners: u64| [b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf".to_vec(), text_line(" 1 2 3", corners * 2)].concat();
+    let polygon = |corners: u64| {
+        [
+            b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf".to_vec(),
+            text_line(" 1 2 3", corners * 2),
+        ]
+        .concat()
+    };
     vec![
-        Case::whole("glTF, points without a buffer", "a.gltf", gltf(0, None, &zeros(1 << 31))),
-        Case::whole("glTF, points that just fit", "a.gltf", gltf(0, None, &zeros(40_000_000))),
-        Case::whole("glTF, triangles that just fit", "a.gltf", gltf(4, None, &zeros(40_000_000))),
+        Case::whole(
+            "glTF, points without a buffer",
+            "a.gltf",
+            gltf(0, None, &zeros(1 << 31)),
+        ),
+        Case::whole(
+            "glTF, points that just fit",
+            "a.gltf",
+            gltf(0, None, &zeros(40_000_000)),
+        ),
+        Case::whole(
+            "glTF, triangles that just fit",
+            "a.gltf",
+            gltf(4, None, &zeros(40_000_000)),
+        ),
         Case::whole(
             "glTF, sparse points",
             "a.gltf",
@@ -214,12 +284,20 @@ fn models() -> Vec<Case> {
         Case::whole(
             "glTF, indices without a buffer",
             "a.gltf",
-            gltf(4, Some(1), &format!("{point}, {}", accessor(1 << 31, "SCALAR", 5125, ""))),
+            gltf(
+                4,
+                Some(1),
+                &format!("{point}, {}", accessor(1 << 31, "SCALAR", 5125, "")),
+            ),
         ),
         Case::whole(
             "glTF, indices that just fit",
             "a.gltf",
-            gltf(5, Some(1), &format!("{point}, {}", accessor(120_000_000, "SCALAR", 5125, ""))),
+            gltf(
+                5,
+                Some(1),
+                &format!("{point}, {}", accessor(120_000_000, "SCALAR", 5125, "")),
+            ),
         ),
         Case::whole("OBJ, a polygon of millions", "a.obj", polygon(10_000_000)).with_limit(64 * MIB),
     ]
@@ -291,8 +369,16 @@ fn recordings() -> Vec<Case> {
     let (lz4, bzip2) = (lz4.finish().unwrap(), bzip2.finish().unwrap());
     vec![
         Case::whole("MCAP, zstd", "a.mcap", with_chunk("zstd", GIB, &zstd(GIB))),
-        Case::whole("MCAP, zstd that lies", "a.mcap", with_chunk("zstd", 400 * MIB, &zstd(GIB))),
-        Case::whole("MCAP, zstd that just fits", "a.mcap", with_chunk("zstd", 400 * MIB, &zstd(400 * MIB))),
+        Case::whole(
+            "MCAP, zstd that lies",
+            "a.mcap",
+            with_chunk("zstd", 400 * MIB, &zstd(GIB)),
+        ),
+        Case::whole(
+            "MCAP, zstd that just fits",
+            "a.mcap",
+            with_chunk("zstd", 400 * MIB, &zstd(400 * MIB)),
+        ),
         Case::whole("MCAP, lz4", "a.mcap", with_chunk("lz4", GIB, &lz4)),
         Case::whole("MCAP, a chunk of nothing", "a.mcap", with_chunk("", u64::MAX, &[])),
         Case::whole("bag, lz4", "a.bag", bag("lz4", 1 << 30, &lz4)),
@@ -311,6 +397,7 @@ fn depth_folder(name: &'static str, depth: (&'static str, Vec<u8>), list: &str) 
     };
     case.files.push(file(depth.0, depth.1));
     case.files.push(file("rgbd/rgb.txt", b"# color images\n".to_vec()));
+    case.folder = Some("rgbd");
     case
 }
 
@@ -318,9 +405,21 @@ fn pictures() -> Vec<Case> {
     let list = "# depth maps\n# timestamp filename\n0.1 depth/0.1.png\n";
     let rows = zlib_of_zeros(600 * MIB);
     vec![
-        depth_folder("depth as PNG", ("rgbd/depth/0.1.png", png([30_000, 10_000], 16, 0, &rows)), list),
-        depth_folder("depth as PNG that just fits", ("rgbd/depth/0.1.png", png([20_000, 10_000], 16, 0, &rows)), list),
-        depth_folder("colours as PNG of 16 bits", ("rgbd/depth/0.1.png", png([8_000, 8_000], 16, 6, &rows)), list),
+        depth_folder(
+            "depth as PNG",
+            ("rgbd/depth/0.1.png", png([30_000, 10_000], 16, 0, &rows)),
+            list,
+        ),
+        depth_folder(
+            "depth as PNG that just fits",
+            ("rgbd/depth/0.1.png", png([20_000, 10_000], 16, 0, &rows)),
+            list,
+        ),
+        depth_folder(
+            "colours as PNG of 16 bits",
+            ("rgbd/depth/0.1.png", png([8_000, 8_000], 16, 6, &rows)),
+            list,
+        ),
         super::bombs::compressed_depth("depth as RVL", [32_768, 8_000]),
         super::bombs::compressed_depth("depth as RVL that just fits", [20_000, 12_000]),
     ]
@@ -336,7 +435,12 @@ pub(super) fn compressed_depth(name: &'static str, size_px: [u32; 2]) -> Case {
     image.number(data.len() as u32);
     image.bytes.extend(data);
     let mut camera = Cdr::default();
-    camera.header().number(size_px[1]).number(size_px[0]).text("plumb_bob").number(0);
+    camera
+        .header()
+        .number(size_px[1])
+        .number(size_px[0])
+        .text("plumb_bob")
+        .number(0);
     for number in [500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0] {
         camera.float(number);
     }
@@ -355,7 +459,11 @@ pub(super) fn compressed_depth(name: &'static str, size_px: [u32; 2]) -> Case {
         (5, message)
     };
     let mut records = Vec::new();
-    records.extend(mcap_topic(1, "/camera/depth/image_raw/compressedDepth", "sensor_msgs/msg/CompressedImage"));
+    records.extend(mcap_topic(
+        1,
+        "/camera/depth/image_raw/compressedDepth",
+        "sensor_msgs/msg/CompressedImage",
+    ));
     records.extend(mcap_topic(2, "/camera/depth/camera_info", "sensor_msgs/msg/CameraInfo"));
     records.push(message(2, camera.bytes));
     records.push(message(1, image.bytes));
@@ -416,6 +524,8 @@ fn run_of_holes(mut count: u32) -> Vec<u8> {
     }
     nibbles.push(0);
     nibbles.resize(nibbles.len().next_multiple_of(8), 0);
-    let words = nibbles.chunks(8).map(|eight| eight.iter().fold(0, |word, nibble| word << 4 | nibble));
+    let words = nibbles
+        .chunks(8)
+        .map(|eight| eight.iter().fold(0, |word, nibble| word << 4 | nibble));
     words.flat_map(u32::to_le_bytes).collect()
 }

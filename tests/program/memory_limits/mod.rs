@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Memory of the program itself: code, threads, allocator, what it draws with.
-const OF_PROGRAM_BYTES: u64 = 200 << 20;
+/// Memory of the program itself: code, threads, and what the allocator keeps.
+const OF_PROGRAM_BYTES: u64 = 120 << 20;
 
 /// A hang takes longer, in a debug build with other tests beside.
 const PATIENCE: Duration = Duration::from_mins(2);
@@ -39,8 +39,9 @@ struct TestFile {
 /// An input and what it may take.
 struct Case {
     name: &'static str,
-    /// The first is the input, the others lie next to it.
+    /// The first is the input, unless that is a folder; the others lie next to it.
     files: Vec<TestFile>,
+    folder: Option<&'static str>,
     limit_bytes: u64,
     /// Commands that reach the reader.
     commands: &'static [&'static str],
@@ -56,6 +57,7 @@ impl Case {
                 bytes,
                 length: None,
             }],
+            folder: None,
             limit_bytes: 512 * MIB,
             commands: &["info"],
         }
@@ -94,7 +96,7 @@ impl Case {
                 file.set_len(*length).unwrap();
             }
         }
-        folder.join(self.files[0].name)
+        folder.join(self.folder.unwrap_or(self.files[0].name))
     }
 
     /// Runs the program on the input by each command: the failures, a line each.

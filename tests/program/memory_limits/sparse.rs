@@ -20,7 +20,11 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn clouds() -> Vec<Case> {
     let copc = las(POINTS, false, &[("copc", 1, vec![0; 160])]);
-    let mut copc_of_laz = las(1 << 20, true, &[("copc", 1, vec![0; 160]), ("laszip encoded", 22204, laszip(50_000))]);
+    let mut copc_of_laz = las(
+        1 << 20,
+        true,
+        &[("copc", 1, vec![0; 160]), ("laszip encoded", 22204, laszip(50_000))],
+    );
     // A page of the hierarchy far behind.
     let info = 375 + 54;
     copc_of_laz[info + 40..info + 48].copy_from_slice(&(1u64 << 31).to_le_bytes());
@@ -36,11 +40,19 @@ fn clouds() -> Vec<Case> {
         ),
         Case::sparse("PCD, binary", "a.pcd", pcd(POINTS, "binary")),
         Case::sparse("PCD, text", "a.pcd", pcd(POINTS, "ascii")),
-        Case::sparse("PCD, compressed", "a.pcd", [pcd(POINTS, "binary_compressed"), vec![0xff; 8]].concat()),
+        Case::sparse(
+            "PCD, compressed",
+            "a.pcd",
+            [pcd(POINTS, "binary_compressed"), vec![0xff; 8]].concat(),
+        ),
         Case::sparse("LAS", "a.las", las(POINTS / 2, false, &[])),
         Case::sparse("LAS, a claim", "a.las", las(CLAIM, false, &[])),
         Case::sparse("LAS without a count", "a.las", las(0, false, &[])),
-        Case::sparse("LAZ", "a.laz", las(CLAIM, true, &[("laszip encoded", 22204, laszip(50_000))])),
+        Case::sparse(
+            "LAZ",
+            "a.laz",
+            las(CLAIM, true, &[("laszip encoded", 22204, laszip(50_000))]),
+        ),
         Case::sparse("COPC", "a.copc.laz", copc),
         Case::sparse("COPC, a far page", "a.copc.laz", copc_of_laz),
         Case::sparse("E57", "a.e57", super::bombs::e57(1, "1")),
@@ -54,12 +66,22 @@ fn clouds() -> Vec<Case> {
 fn meshes() -> Vec<Case> {
     let triangles = ((3u64 << 30) - 84) / 50;
     let stl = [vec![0; 80], (triangles as u32).to_le_bytes().to_vec()].concat();
-    let glb = [b"glTF\x02\0\0\0".as_slice(), &u32::MAX.to_le_bytes(), &(1u32 << 31).to_le_bytes(), b"JSON{"].concat();
+    let glb = [
+        b"glTF\x02\0\0\0".as_slice(),
+        &u32::MAX.to_le_bytes(),
+        &(1u32 << 31).to_le_bytes(),
+        b"JSON{",
+    ]
+    .concat();
     vec![
         Case::sparse("OBJ", "a.obj", b"v 0 0 0\nv 1 0 0\n".to_vec()),
         Case::sparse("OFF", "a.off", b"OFF\n1000000000 1000000000 0\n".to_vec()),
         Case::sparse("STL", "a.stl", stl),
-        Case::sparse("STL, text", "a.stl", b"solid a\nfacet normal 0 0 1\nouter loop\n".to_vec()),
+        Case::sparse(
+            "STL, text",
+            "a.stl",
+            b"solid a\nfacet normal 0 0 1\nouter loop\n".to_vec(),
+        ),
         Case::sparse("glTF", "a.gltf", gltf(0, None, "")),
         Case::sparse("GLB", "a.glb", glb),
     ]
@@ -71,8 +93,16 @@ fn arrays() -> Vec<Case> {
         Case::sparse("NPY", "a.npy", npy("'<f4'", &format!("{POINTS}, 3"))),
         Case::sparse("NPY of frames", "a.npy", npy("'<f4'", &frames)),
         Case::sparse("NPY, a claim", "a.npy", npy("'<f4'", &format!("{CLAIM}, 3"))),
-        Case::sparse("NPY of records", "a.npy", npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4')]", &format!("{POINTS},"))),
-        Case::sparse("NPZ", "a.npz", zip("points.npy", &[(&npy("'<f4'", "2, 3"), 1), (&[0; 24], 1)])),
+        Case::sparse(
+            "NPY of records",
+            "a.npy",
+            npy("[('x', '<f4'), ('y', '<f4'), ('z', '<f4')]", &format!("{POINTS},")),
+        ),
+        Case::sparse(
+            "NPZ",
+            "a.npz",
+            zip("points.npy", &[(&npy("'<f4'", "2, 3"), 1), (&[0; 24], 1)]),
+        ),
     ]
 }
 
@@ -84,7 +114,11 @@ fn text() -> Vec<Case> {
         Case::sparse("text of frames", "a.csv", b"frame,x,y,z\n0,0,0,0\n1,1,1,1\n".to_vec()),
         Case::sparse("a line without an end", "a.txt", b"1 2 3".to_vec()),
         Case::sparse("PTX", "a.ptx", ptx.as_bytes().to_vec()),
-        Case::sparse("ESRI grid", "a.asc", b"ncols 30000\nnrows 30000\nxllcorner 0\nyllcorner 0\ncellsize 1\n".to_vec()),
+        Case::sparse(
+            "ESRI grid",
+            "a.asc",
+            b"ncols 30000\nnrows 30000\nxllcorner 0\nyllcorner 0\ncellsize 1\n".to_vec(),
+        ),
         Case::sparse("Surfer grid", "a.grd", b"DSAA\n30000 30000\n0 1\n0 1\n0 1\n".to_vec()),
     ]
 }
@@ -102,14 +136,26 @@ fn containers() -> Vec<Case> {
         Case::sparse("MCAP, one message", "a.mcap", one_message),
         Case::sparse("bag", "a.bag", b"#ROSBAG V2.0\n".to_vec()),
         Case::sparse("bag, a chunk", "a.bag", bag("none", u32::MAX, &[])),
-        Case::sparse("ROS 2 bag", "a.db3", b"SQLite format 3\0\x10\0\x01\x01\0\x40\x20\x20".to_vec()),
+        Case::sparse(
+            "ROS 2 bag",
+            "a.db3",
+            b"SQLite format 3\0\x10\0\x01\x01\0\x40\x20\x20".to_vec(),
+        ),
         Case::sparse("pcap", "a.pcap", pcap()),
         Case::sparse("pcapng", "a.pcapng", pcapng()),
-        Case::sparse("ZIP", "a.zip", zip("a.ply", &[(&ply("ascii", 1, ""), 1), (b"0 0 0\n", 1)])),
+        Case::sparse(
+            "ZIP",
+            "a.zip",
+            zip("a.ply", &[(&ply("ascii", 1, ""), 1), (b"0 0 0\n", 1)]),
+        ),
         Case::sparse("TAR", "a.tar", tar_header("a.ply", (3 << 30) - 1024)),
         Case::sparse("TAR, a claim", "a.tar", tar_header("a.ply", (8 << 30) - 1)),
         Case::sparse("gzip", "a.ply.gz", vec![0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 3]),
-        Case::sparse("Matroska", "a.mkv", vec![0x1a, 0x45, 0xdf, 0xa3, 0x01, 0, 0, 0, 0x80, 0, 0, 0]),
+        Case::sparse(
+            "Matroska",
+            "a.mkv",
+            vec![0x1a, 0x45, 0xdf, 0xa3, 0x01, 0, 0, 0, 0x80, 0, 0, 0],
+        ),
     ]
 }
 
@@ -124,7 +170,11 @@ fn others() -> Vec<Case> {
     vec![
         Case::sparse("sequence file", "a.reel", made_by_program("reel")),
         Case::sparse("recorded stream", "a.pointreel-stream", stream.encode()),
-        Case::sparse("session", "a.pointreel", b"{\"format\": \"pointreel session\", \"version\": 1, ".to_vec()),
+        Case::sparse(
+            "session",
+            "a.pointreel",
+            b"{\"format\": \"pointreel session\", \"version\": 1, ".to_vec(),
+        ),
         Case::sparse("a picture", "a.png", depth),
         Case::sparse("zeros", "a.dat", Vec::new()),
     ]
