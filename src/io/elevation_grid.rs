@@ -315,24 +315,24 @@ mod tests {
     #[test]
     fn rows_of_esri_go_south_and_those_of_surfer_north() {
         let esri = "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -1\n1 2\n3 -1\n";
-        let cloud = decode_esri(esri.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(esri.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(
             points(&cloud),
             [[105.0, 215.0, 1.0], [115.0, 215.0, 2.0], [105.0, 205.0, 3.0]]
         );
         assert_eq!(cloud.assumptions[0].value, "-1: 1 of 4 cells are skipped");
         let centre = "NCOLS 2 NROWS 1 XLLCENTER 0 YLLCENTER 5 DX 2 DY 1\n1 -9999\n";
-        let cloud = decode_esri(centre.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(centre.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 5.0, 1.0]]);
         let grass = "north: 20\nsouth: 0\neast: 30\nwest: 10\nrows: 2\ncols: 2\n1 2\n3 *\n";
         assert!(is_esri(Path::new("a.asc"), grass.as_bytes()));
-        let cloud = decode_esri(grass.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(grass.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[15.0, 15.0, 1.0], [25.0, 15.0, 2.0], [15.0, 5.0, 3.0]]);
         let commas = "ncols 2\nnrows 1\nxllcorner 0,5\nyllcorner 0,5\ncellsize 1\n1,25 2,5\n";
-        let cloud = decode_esri(commas.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(commas.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[1.0, 1.0, 1.25], [2.0, 1.0, 2.5]]);
         let surfer = "DSAA\n2 2\n0 10\n0 5\n1 4\n1 2\n1.70141e+38 4\n";
-        let cloud = decode_surfer(surfer.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_surfer(surfer.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 0.0, 1.0], [10.0, 0.0, 2.0], [10.0, 5.0, 4.0]]);
     }
 
@@ -355,12 +355,12 @@ mod tests {
             ("ncols 2\nnrows\n", "no number behind"),
             ("ncols 2\nspeed 3\n", "`speed`"),
         ] {
-            let fault = decode_esri(text.as_bytes(), &Progress::default()).unwrap_err();
+            let fault = decode_esri(text.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap_err();
             assert!(fault.problem.contains(expected), "{fault:?}");
         }
         for end in 0..29 {
             let surfer = &b"DSAA\n2 2\n0 10\n0 5\n1 4\n1 2\n3 4\n"[..end];
-            assert!(decode_surfer(surfer, &Progress::default()).is_err());
+            assert!(decode_surfer(surfer, &ReadOptions::default(), &Progress::default()).is_err());
         }
     }
 }

@@ -13,6 +13,7 @@ mod attributes;
 mod beside;
 mod bin;
 mod broken_faces;
+mod budget;
 mod codec;
 mod column;
 mod column_map;

@@ -99,7 +99,7 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     }
     // Of a file with coarse levels only some points are read.
     let has_levels = format == las::FORMAT && magic.windows(COPC.len()).any(|bytes| bytes == COPC);
-    if has_levels && let Some(cloud) = las::read_levels(path, options, progress)? {
+    if has_levels && let Some(cloud) = las::windows::read_levels(path, options, progress)? {
         return finished(Ok(cloud), path, format, options);
     }
     let bytes = watched::read_file(path, options.left_bytes(), progress)?;

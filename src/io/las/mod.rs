@@ -19,12 +19,11 @@ mod scanner_channel;
 #[cfg(test)]
 mod tests;
 mod unit;
-mod windows;
+pub(in crate::io) mod windows;
 pub(in crate::io) mod write;
 mod write_fields;
 
 pub(in crate::io) use header::take;
-pub(in crate::io) use windows::read_levels;
 
 use super::error::{Fault, mebibytes};
 use super::format::{Format, Magic, Traits};

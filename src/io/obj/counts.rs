@@ -96,8 +96,9 @@ mod tests {
 
     #[test]
     fn entries_are_counted_over_lines_that_go_on() {
-        let text = b"v 0 0 0\nvn 0 0 1\nvt 0 0\n  v 1 1 1\r\nf 1 2 3\nf  1/1 2/2\t3/3 4/4\nf 1 2 \\\n3 4 5\nusemtl a b\n# f 1 2 3\n";
-        let counts = Counts::of(text);
+        let vertices = "v 0 0 0\nvn 0 0 1\nvt 0 0\n  v 1 1 1\r\n";
+        let faces = "f 1 2 3\nf  1/1 2/2\t3/3 4/4\nf 1 2 \\\n3 4 5\nusemtl a b\n# f 1 2 3\n";
+        let counts = Counts::of([vertices, faces].concat().as_bytes());
         assert_eq!((counts.vertices, counts.normals, counts.places), (2, 1, 1));
         assert_eq!((counts.corners, counts.uses, counts.name_bytes), (6, 1, 10));
         // One corner more than there is where a line goes on.

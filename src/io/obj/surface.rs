@@ -88,11 +88,11 @@ impl Corners {
 
     /// Gives the vertices of `cloud`, which has all the faces, what the materials of the faces say.
     pub(super) fn put_on(self, cloud: &mut RawCloud, file: &Encoded<'_>) -> Result<(), Fault> {
+        /// A corner, its number, and the place of both in an index.
+        const SPLIT_BYTES: usize = 80;
         if self.libraries.is_empty() || self.uses.is_empty() || cloud.faces.is_empty() {
             return Ok(());
         }
-        /// A corner, its number, and the place of both in an index.
-        const SPLIT_BYTES: usize = 80;
         let corners = 3 * cloud.faces.len() + cloud.positions.len();
         file.options
             .claim_entries("the corners of its faces", corners, SPLIT_BYTES)?;

@@ -133,7 +133,7 @@ fn levels_of_a_file_beyond_the_limit_are_read_by_windows() {
     std::fs::write(file.path(), octree()).unwrap();
     let read = |most_bytes: u64| {
         let options = options().with_max_memory(most_bytes);
-        super::super::read_levels(file.path(), &options, &Progress::default())
+        super::super::windows::read_levels(file.path(), &options, &Progress::default())
     };
     assert!(read(FILE_BYTES).unwrap().is_none(), "all of it fits");
     file.as_file().set_len(FILE_BYTES).unwrap();
