@@ -139,7 +139,7 @@ impl Roles {
     /// Bytes that a point takes in memory.
     pub(super) fn point_bytes(&self, columns: &[Column<'_>]) -> usize {
         let number = |is_wide: bool| if is_wide { size_of::<f64>() } else { size_of::<f32>() };
-        let is_wide = self.positions.iter().any(|&index| columns[index].is_wide());
+        let is_wide = self.positions.iter().any(|&index| columns[index].may_be_wide());
         // Wide scalars become narrow ones in the end.
         let scalars = self
             .scalars

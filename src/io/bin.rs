@@ -21,6 +21,7 @@ use super::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
+use super::options::ReadOptions;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, LengthUnit, RawCloud};
 use std::path::Path;
@@ -57,7 +58,8 @@ const MUCH_SMOOTHER: f64 = 0.3;
 const MAX_SAMPLED: usize = 1 << 16;
 
 /// `name` tells the width where it is nuScenes', `map` where a user does.
-pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Result<RawCloud, Fault> {
+pub(super) fn decode(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+    let map = options.columns;
     let is_nuscenes = name
         .file_name()
         .is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin"));
@@ -85,6 +87,8 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
     let singles = if matches!(estimated, Ok(Some(_))) {
         None
     } else {
+        // Singles, and the list that they are put together from.
+        options.claim("the values of the file", bytes.len() as u64)?;
         singles_of_doubles(bytes)
     };
     let of_doubles = singles.as_ref().and_then(|singles| {
@@ -131,7 +135,7 @@ pub(super) fn decode(name: &Path, bytes: &[u8], map: Option<ColumnMap>) -> Resul
             },
         })
         .collect();
-    let mut cloud = growing::cloud(&columns, bytes.len() / step)?;
+    let mut cloud = growing::cloud(&columns, bytes.len() / step, options)?;
     let kind = if is_double { "doubles" } else { "values" };
     let value = format!("{width} {kind} per point: {}", names.join(" "));
     let is_given = given.is_some() && roles.iter().any(|(role, _)| role == "x");

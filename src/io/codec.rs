@@ -29,7 +29,7 @@ type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
 type List = fn(&Path, &ReadOptions) -> Result<Vec<Entry>, IoError>;
 
 /// Normals as they stand in the file, a row each.
-type Normals = fn(&[u8], &Progress) -> Result<Vec<[f32; 3]>, Fault>;
+type Normals = fn(&[u8], &ReadOptions, &Progress) -> Result<Vec<[f32; 3]>, Fault>;
 
 /// A format, and how it is read and written.
 pub(super) struct Codec {

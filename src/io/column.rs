@@ -107,6 +107,22 @@ impl Column<'_> {
         }
     }
 
+    /// [`Self::is_wide`] without a look at the numbers: whether that may be.
+    pub(super) fn may_be_wide(&self) -> bool {
+        match &self.values {
+            Values::Parsed(_) => true,
+            Values::Packed { .. } => self.scalar.is_wide(),
+        }
+    }
+
+    /// Bytes of its own: of numbers that lie in a file there are none.
+    pub(super) fn parsed_bytes(&self) -> usize {
+        match &self.values {
+            Values::Parsed(values) => size_of_val(values.as_slice()),
+            Values::Packed { .. } => 0,
+        }
+    }
+
     /// Hands over the numbers of `range` with their indices. Precondition: the column has them.
     pub(super) fn for_each_f32(&self, range: Range<usize>, mut each: impl FnMut(usize, f32)) {
         walk!(self, range, each, f32);

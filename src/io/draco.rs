@@ -29,9 +29,9 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fa
     const POINT_BYTES: u64 = 64;
     const FACE_BYTES: u64 = 64;
     let limits = DecodeLimits::default()
-        .with_max_points((options.max_memory_bytes / POINT_BYTES).min(u64::from(u32::MAX)))
-        .with_max_faces(options.max_memory_bytes / FACE_BYTES)
-        .with_max_decoded_bytes(options.max_memory_bytes / 2);
+        .with_max_points((options.left_bytes() / POINT_BYTES).min(u64::from(u32::MAX)))
+        .with_max_faces(options.left_bytes() / FACE_BYTES)
+        .with_max_decoded_bytes(options.left_bytes() / 2);
     let unpack = || {
         let mut mesh = Mesh::new();
         let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);

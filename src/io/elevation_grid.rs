@@ -6,6 +6,7 @@
 use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::numbers::{Tokens, quoted};
+use super::options::ReadOptions;
 use super::xyz;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{AxisConvention, Positions, RawCloud};
@@ -62,7 +63,7 @@ fn is_esri(_: &Path, bytes: &[u8]) -> bool {
     rest.is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
 }
 
-pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode_esri(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let text = xyz::utf8(bytes);
     let decimal = with_points_in_grid(&text);
     let text = decimal.as_deref().unwrap_or(&text);
@@ -83,7 +84,8 @@ pub(super) fn decode_esri(bytes: &[u8], progress: &Progress) -> Result<RawCloud,
         values = tokens.clone();
     }
     let grid = header.grid()?;
-    grid.read(&mut values, text.len(), progress)
+    let copied = if decimal.is_some() { text.len() } else { 0 };
+    grid.read(&mut values, text.len(), &options.holding(copied), progress)
 }
 
 /// A grid with points in place of decimal commas: each comma is between digits, and some line of the header has one. In
@@ -200,7 +202,7 @@ fn count_of(number: f64, name: &str) -> Result<usize, Fault> {
     Err(Fault::header(format!("{name} is {number}, expected a number of cells")))
 }
 
-pub(super) fn decode_surfer(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode_surfer(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let mut tokens = Tokens::new(bytes, 1);
     tokens.next();
     let mut header = [0.0; 8];
@@ -225,12 +227,18 @@ pub(super) fn decode_surfer(bytes: &[u8], progress: &Progress) -> Result<RawClou
         step: [step(west, east, columns), step(south, north, rows)],
         is_missing: Missing::From(SURFER_BLANK),
     };
-    grid.read(&mut tokens, bytes.len(), progress)
+    grid.read(&mut tokens, bytes.len(), options, progress)
 }
 
 impl Grid {
     /// The points of the values in `tokens`, which are at most `byte_count` bytes.
-    fn read(&self, tokens: &mut Tokens<'_>, byte_count: usize, progress: &Progress) -> Result<RawCloud, Fault> {
+    fn read(
+        &self,
+        tokens: &mut Tokens<'_>,
+        byte_count: usize,
+        options: &ReadOptions,
+        progress: &Progress,
+    ) -> Result<RawCloud, Fault> {
         let cells = self.columns.checked_mul(self.rows);
         // A digit and a space each.
         let Some(cells) = cells.filter(|&cells| cells <= byte_count / 2 + 1) else {
@@ -240,6 +248,7 @@ impl Grid {
             );
             return Err(Fault::header(problem));
         };
+        options.claim_entries(&format!("{cells} cells"), cells, size_of::<[f64; 3]>())?;
         let mut points = Vec::with_capacity(cells);
         let mut missing = 0;
         for row in 0..self.rows {
@@ -306,24 +315,24 @@ mod tests {
     #[test]
     fn rows_of_esri_go_south_and_those_of_surfer_north() {
         let esri = "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -1\n1 2\n3 -1\n";
-        let cloud = decode_esri(esri.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(esri.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(
             points(&cloud),
             [[105.0, 215.0, 1.0], [115.0, 215.0, 2.0], [105.0, 205.0, 3.0]]
         );
         assert_eq!(cloud.assumptions[0].value, "-1: 1 of 4 cells are skipped");
         let centre = "NCOLS 2 NROWS 1 XLLCENTER 0 YLLCENTER 5 DX 2 DY 1\n1 -9999\n";
-        let cloud = decode_esri(centre.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(centre.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 5.0, 1.0]]);
         let grass = "north: 20\nsouth: 0\neast: 30\nwest: 10\nrows: 2\ncols: 2\n1 2\n3 *\n";
         assert!(is_esri(Path::new("a.asc"), grass.as_bytes()));
-        let cloud = decode_esri(grass.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(grass.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[15.0, 15.0, 1.0], [25.0, 15.0, 2.0], [15.0, 5.0, 3.0]]);
         let commas = "ncols 2\nnrows 1\nxllcorner 0,5\nyllcorner 0,5\ncellsize 1\n1,25 2,5\n";
-        let cloud = decode_esri(commas.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_esri(commas.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[1.0, 1.0, 1.25], [2.0, 1.0, 2.5]]);
         let surfer = "DSAA\n2 2\n0 10\n0 5\n1 4\n1 2\n1.70141e+38 4\n";
-        let cloud = decode_surfer(surfer.as_bytes(), &Progress::default()).unwrap();
+        let cloud = decode_surfer(surfer.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap();
         assert_eq!(points(&cloud), [[0.0, 0.0, 1.0], [10.0, 0.0, 2.0], [10.0, 5.0, 4.0]]);
     }
 
@@ -346,12 +355,12 @@ mod tests {
             ("ncols 2\nnrows\n", "no number behind"),
             ("ncols 2\nspeed 3\n", "`speed`"),
         ] {
-            let fault = decode_esri(text.as_bytes(), &Progress::default()).unwrap_err();
+            let fault = decode_esri(text.as_bytes(), &ReadOptions::default(), &Progress::default()).unwrap_err();
             assert!(fault.problem.contains(expected), "{fault:?}");
         }
         for end in 0..29 {
             let surfer = &b"DSAA\n2 2\n0 10\n0 5\n1 4\n1 2\n3 4\n"[..end];
-            assert!(decode_surfer(surfer, &Progress::default()).is_err());
+            assert!(decode_surfer(surfer, &ReadOptions::default(), &Progress::default()).is_err());
         }
     }
 }

@@ -198,11 +198,11 @@ impl Fault {
         }
     }
 
-    /// `needed` bytes that are more than `options` allow.
+    /// `needed` bytes that are, with those held already, more than `options` allow.
     pub(super) fn too_large(what: &str, needed: u64, options: &ReadOptions) -> Self {
         Self::header(format!(
             "{what} would take {} or more of memory, and may take {}: raise --max-memory if the machine has it",
-            mebibytes(needed),
+            mebibytes(needed.saturating_add(options.held_bytes)),
             mebibytes(options.max_memory_bytes)
         ))
     }

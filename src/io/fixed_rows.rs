@@ -239,7 +239,7 @@ impl FixedRows {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{growing, read, read_bytes};
+    use super::super::{ReadOptions, growing, read, read_bytes};
     use super::*;
     use crate::cloud::Frame;
 
@@ -310,7 +310,7 @@ mod tests {
         for big_endian in [false, true] {
             let rows = rows(big_endian);
             let bytes = bytes(&rows);
-            let whole = growing::cloud(&rows.columns(&bytes), COUNT).unwrap();
+            let whole = growing::cloud(&rows.columns(&bytes), COUNT, &ReadOptions::default()).unwrap();
             assert_eq!(whole.positions.len(), COUNT);
             assert_eq!(whole.attributes.scalars.len(), 3);
             // NaN is not equal to itself, but is written alike.
@@ -421,7 +421,7 @@ mod tests {
         bytes.resize(bytes.len() + 12_000, 0);
         std::fs::write(file.path(), &bytes).unwrap();
         let read = |most_bytes| {
-            let options = super::super::ReadOptions::default().with_max_memory(most_bytes);
+            let options = ReadOptions::default().with_max_memory(most_bytes);
             super::super::read_part(file.path(), &super::super::Part::Whole, &options)
         };
         assert_eq!(read(12_000).unwrap().positions.len(), 1000);

@@ -4,6 +4,7 @@ use super::arrays::{Scales, append_colors, append_f32, append_f64, rounded_color
 use super::attributes::{self, Colors, Roles};
 use super::column::{Column, Scalar};
 use super::error::Fault;
+use super::options::ReadOptions;
 use super::unique_names::UniqueNames;
 use crate::cloud::{Attributes, NotKept, Positions, RawCloud, ScalarField};
 use crate::locks::lock;
@@ -261,9 +262,15 @@ fn append_packed_colors(colors: &mut Vec<[u8; 4]>, column: &Column<'_>, count: u
     }));
 }
 
-/// The cloud of `count` points in `columns`.
-pub(super) fn cloud(columns: &[Column<'_>], count: usize) -> Result<RawCloud, Fault> {
-    let growing = Growing::new(Roles::of(columns)?, columns, count);
+/// The cloud of `count` points in `columns`, if there is memory for it next to those that are parsed.
+pub(super) fn cloud(columns: &[Column<'_>], count: usize, options: &ReadOptions) -> Result<RawCloud, Fault> {
+    let roles = Roles::of(columns)?;
+    let parsed = columns.iter().map(Column::parsed_bytes).sum();
+    let what = format!("{count} points");
+    options
+        .holding(parsed)
+        .claim_entries(&what, count, roles.point_bytes(columns))?;
+    let growing = Growing::new(roles, columns, count);
     growing.append_all(columns, count);
     Ok(growing.finish())
 }

@@ -74,11 +74,7 @@ pub(super) fn check_memory(cloud: &RawCloud, count: NonZeroUsize, options: &Read
 
 fn check_bytes(count: NonZeroUsize, point_bytes: usize, options: &ReadOptions) -> Result<(), Fault> {
     let needed = (count.get() as u64).saturating_mul(point_bytes as u64);
-    if needed > options.max_memory_bytes {
-        let what = format!("a mesh sampled with {count} points");
-        return Err(Fault::too_large(&what, needed, options));
-    }
-    Ok(())
+    options.claim(&format!("a mesh sampled with {count} points"), needed)
 }
 
 impl Places {

@@ -13,6 +13,7 @@ mod attributes;
 mod beside;
 mod bin;
 mod broken_faces;
+mod budget;
 mod codec;
 mod column;
 mod column_map;
@@ -33,6 +34,7 @@ mod growing;
 mod las;
 mod likeness;
 mod list;
+pub(crate) mod long_walk;
 pub(crate) mod matroska;
 mod mesh;
 pub(crate) mod normals;
@@ -90,7 +92,7 @@ const TABLE: &[Codec] = &[
             normals: ply::normals,
         }),
         encoders: &[ply_write::BINARY, ply_write::ASCII],
-        ..Codec::reading(ply::FORMAT, |file| ply::decode(file.bytes, file.progress))
+        ..Codec::reading(ply::FORMAT, |file| ply::decode(file.bytes, file.options, file.progress))
     },
     Codec {
         columns: Some(NamedColumns {
@@ -99,7 +101,7 @@ const TABLE: &[Codec] = &[
             normals: pcd::normals,
         }),
         encoders: &[pcd_write::ENCODER],
-        ..Codec::reading(pcd::FORMAT, |file| pcd::decode(file.bytes, file.progress))
+        ..Codec::reading(pcd::FORMAT, |file| pcd::decode(file.bytes, file.options, file.progress))
     },
     Codec {
         encoders: &[las::write::LAS, las::write::LAZ],
@@ -118,15 +120,15 @@ const TABLE: &[Codec] = &[
         ..Codec::reading(xyz::FORMAT, xyz::decode)
     },
     Codec::reading(elevation_grid::ESRI, |file| {
-        elevation_grid::decode_esri(file.bytes, file.progress)
+        elevation_grid::decode_esri(file.bytes, file.options, file.progress)
     }),
     Codec::reading(elevation_grid::SURFER, |file| {
-        elevation_grid::decode_surfer(file.bytes, file.progress)
+        elevation_grid::decode_surfer(file.bytes, file.options, file.progress)
     }),
-    Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.progress)),
+    Codec::reading(ptx::FORMAT, |file| ptx::decode(file.bytes, file.options, file.progress)),
     Codec::reading(obj::FORMAT, obj::decode),
-    Codec::reading(off::FORMAT, |file| off::decode(file.bytes)),
-    Codec::reading(stl::FORMAT, |file| stl::decode(file.bytes)),
+    Codec::reading(off::FORMAT, |file| off::decode(file.bytes, file.options)),
+    Codec::reading(stl::FORMAT, |file| stl::decode(file.bytes, file.options)),
     Codec {
         list: Some(gltf::list),
         ..Codec::reading(gltf::FORMAT, |file| {
@@ -147,10 +149,10 @@ const TABLE: &[Codec] = &[
     Codec::reading(splats::spz::FORMAT, |file| {
         splats::spz::decode(file.bytes, file.options)
     }),
-    Codec::reading(splats::bare::FORMAT, |file| splats::bare::decode(file.bytes)),
-    Codec::reading(bin::FORMAT, |file| {
-        bin::decode(file.name, file.bytes, file.options.columns)
+    Codec::reading(splats::bare::FORMAT, |file| {
+        splats::bare::decode(file.bytes, file.options)
     }),
+    Codec::reading(bin::FORMAT, |file| bin::decode(file.name, file.bytes, file.options)),
     Codec::container(containers::MCAP),
     Codec::container(containers::BAG),
     Codec::container(containers::DB3),

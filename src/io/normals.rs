@@ -83,7 +83,7 @@ pub(crate) fn read_with_normals(
     // Normals are those of the vertices: a mesh is sampled when it has them.
     let mut cloud = read_part_observed(path, &Part::Whole, &options.of_meshes(), progress)?;
     if cloud.attributes.normals.is_none() {
-        join(&mut cloud, path, normals, progress);
+        join(&mut cloud, path, normals, options, progress);
     }
     if progress.is_cancelled() {
         return Err(IoError::Cancelled { path: path.to_owned() });
@@ -97,9 +97,10 @@ pub(crate) fn read_with_normals(
     Ok(cloud)
 }
 
-fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) {
+fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, options: &ReadOptions, progress: &Progress) {
     let points = cloud.positions.len();
-    match read_normals(normals, progress) {
+    let options = options.holding(cloud.byte_size());
+    match read_normals(normals, &options, progress) {
         Ok(read) if read.len() == points => cloud.attributes.normals = Some(read),
         Ok(read) => cloud.warnings.push(format!(
             "{} has {} normals, but {} has {points} points: these normals are left out, and estimated where they are \
@@ -115,13 +116,14 @@ fn join(cloud: &mut RawCloud, path: &Path, normals: &Path, progress: &Progress) 
     }
 }
 
-fn read_normals(path: &Path, progress: &Progress) -> Result<Vec<[f32; 3]>, IoError> {
-    let bytes = watched::read_file(path, ReadOptions::default().max_memory_bytes, progress)?;
+fn read_normals(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Vec<[f32; 3]>, IoError> {
+    let bytes = watched::read_file(path, options.left_bytes(), progress)?;
+    let options = options.holding(bytes.len());
     let unknown = || IoError::unknown(path, &bytes);
     let format = Format::detect(path, &bytes).ok_or_else(unknown)?;
     let columns = format.codec().and_then(|codec| codec.columns.as_ref());
     let normals = match columns {
-        Some(columns) => (columns.normals)(&bytes, progress),
+        Some(columns) => (columns.normals)(&bytes, &options, progress),
         None => Err(Fault::header("normals are read from PLY and PCD")),
     };
     normals.map_err(|fault| fault.of(path, format))

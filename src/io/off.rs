@@ -10,6 +10,7 @@ use super::error::{Fault, Place};
 use super::format::{Format, Magic, Traits};
 use super::growing;
 use super::numbers::{parse_number, quoted};
+use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 
 /// Geomview OFF.
@@ -21,15 +22,19 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
+    /// Three digits, two spaces and the end of a line.
+    const LEAST_LINE_BYTES: usize = 6;
     let mut lines = Lines::new(bytes);
     let (keyword, counts) = header(&mut lines)?;
     let [vertices, faces] = counts;
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for index in 0..vertices {
-        let numbers = lines.numbers("vertex", index)?;
+        let numbers = lines.numbers("vertex", index, options)?;
         if index == 0 {
-            columns = vec![Vec::new(); numbers.len()];
+            let count = vertices.min(bytes.len() / LEAST_LINE_BYTES);
+            options.claim_entries("the vertices", count, numbers.len() * size_of::<f64>())?;
+            columns = (0..numbers.len()).map(|_| Vec::with_capacity(count)).collect();
         }
         if numbers.len() != columns.len() || numbers.len() < 3 {
             return Err(Fault::new(
@@ -58,13 +63,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
     let mut cloud = if vertices == 0 {
         RawCloud::from_positions(crate::cloud::Positions::F64(Vec::new()))
     } else {
-        growing::cloud(&columns, vertices)?
+        growing::cloud(&columns, vertices, options)?
     };
+    drop(columns);
+    let options = options.holding(cloud.byte_size());
     let mut triangles = Vec::new();
     let mut broken = BrokenFaces::default();
     for index in 0..faces {
-        match lines.numbers("face", index) {
-            Ok(numbers) => broken.count(face(&numbers, index, vertices, &mut triangles).err()),
+        match lines.numbers("face", index, &options) {
+            Ok(numbers) => broken.count({
+                options.reserve(&mut triangles, numbers.len(), "the faces")?;
+                face(&numbers, index, vertices, &mut triangles).err()
+            }),
             Err(fault) => {
                 broken.end(fault);
                 break;
@@ -203,7 +213,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The numbers of the next line, which is entry `index` of `list`.
-    fn numbers(&mut self, list: &str, index: usize) -> Result<Vec<f64>, Fault> {
+    fn numbers(&mut self, list: &str, index: usize, options: &ReadOptions) -> Result<Vec<f64>, Fault> {
         let Some(line) = self.next() else {
             return Err(Fault::entry(
                 list,
@@ -211,6 +221,8 @@ impl<'a> Lines<'a> {
                 "the file ends here, but its counts say that there are more: it is truncated, or its header is wrong",
             ));
         };
+        // A digit and a space each, in a list that doubles.
+        options.claim_entries("the numbers of a line", line.len() / 2, 2 * size_of::<f64>())?;
         line.split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty())
             .map(|word| {

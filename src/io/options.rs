@@ -1,4 +1,4 @@
-//! What reading may take, and what it makes of meshes.
+//! Memory that reading may take, and what it makes of meshes.
 
 use super::column_map::ColumnMap;
 use super::format::Format;
@@ -20,6 +20,8 @@ pub struct ReadOptions {
     pub keeps_textures: bool,
     /// Meaning of the columns of text and of files without a header (`.bin`); their names and values decide if `None`.
     pub columns: Option<ColumnMap>,
+    /// Bytes of them that are in memory while the rest is read, such as the file itself.
+    pub(super) held_bytes: u64,
 }
 
 impl ReadOptions {
@@ -82,6 +84,7 @@ impl Default for ReadOptions {
             columns: None,
             mesh_sample_count: None,
             keeps_textures: false,
+            held_bytes: 0,
         }
     }
 }

@@ -9,6 +9,7 @@ use super::column::{Column, Scalar, Values};
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::growing;
+use super::options::ReadOptions;
 use super::xyz::rows::{self, Kind};
 use super::xyz::{self, Dialect};
 use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud};
@@ -49,7 +50,7 @@ pub(super) fn is_ptx(start: &[u8]) -> bool {
     Lines::new(start).header().is_ok()
 }
 
-pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     progress.set(0, bytes.len());
     let mut lines = Lines::new(bytes);
     let mut columns: Vec<Vec<f64>> = Vec::new();
@@ -76,7 +77,9 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             }
         };
         let kinds = [Kind::Required; MAX_WIDTH];
-        let mut rows = rows::parse(text, first_line, &kinds[..width], DIALECT, progress)?;
+        let so_far = columns.iter().map(|values| size_of_val(values.as_slice())).sum();
+        let left = options.holding(so_far);
+        let mut rows = rows::parse(text, first_line, &kinds[..width], DIALECT, &left, progress)?;
         if let Some(fault) = rows.odd_lines.fault() {
             return Err(fault);
         }
@@ -120,7 +123,7 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
             values: Values::Parsed(values),
         })
         .collect();
-    let mut cloud = growing::cloud(&columns, count)?;
+    let mut cloud = growing::cloud(&columns, count, options)?;
     // Several scans were seen from several places, and are several images.
     if let [sensor] = sensors.as_slice() {
         cloud.sensor = sensor.is_finite().then_some(*sensor);

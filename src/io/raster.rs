@@ -7,10 +7,11 @@
 mod arrays;
 mod pixels;
 
+use super::error::mebibytes;
 pub(crate) use arrays::members_of_npz;
-use image::{DynamicImage, ImageReader, Limits};
+use image::{DynamicImage, ImageError, ImageReader, Limits};
+pub(crate) use pixels::{DEPTH_PIXEL_BYTES, Raster, Samples};
 use pixels::{MOST_EDGE_PX, checked_bytes, checked_size};
-pub(crate) use pixels::{Raster, Samples};
 use std::io::Cursor;
 
 /// First bytes of images of PCL.
@@ -79,9 +80,16 @@ fn decode_usual(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MOST_EDGE_PX);
     limits.max_image_height = Some(MOST_EDGE_PX);
-    limits.max_alloc = Some(most_bytes);
+    // Colours of other kinds are there in their own pixels and in those that are handed over.
+    limits.max_alloc = Some(most_bytes / 2);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| error.to_string())?;
+    let image = reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => format!(
+            "its pixels are more than there may be in {} of memory: raise --max-memory if the machine has it",
+            mebibytes(most_bytes)
+        ),
+        error => error.to_string(),
+    })?;
     let size_px = [image.width(), image.height()];
     let samples = match image {
         DynamicImage::ImageLuma8(image) => Samples::Gray8(image.into_raw()),

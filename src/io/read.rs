@@ -53,7 +53,8 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     match part {
         Part::Member(member) => {
             let (name, bytes) = archive::read(path, member, options, progress)?;
-            return read_bytes_with(&name, &bytes, &Part::Whole, options, progress);
+            let options = options.holding(member.shared_bytes());
+            return read_bytes_with(&name, &bytes, &Part::Whole, &options, progress);
         }
         Part::Message(message) => return recording::read(path, message, options),
         Part::Turn(turn) => return packets::read(path, turn, options, progress),
@@ -92,21 +93,21 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
         } else {
             available
         };
-        if needed > options.max_memory_bytes {
-            let what = format!("{} points", rows.count);
-            let fault = Fault::too_large(&what, needed, options);
-            return Err(fault.of(path, format));
-        }
+        let what = format!("{} points", rows.count);
+        let claim = options.claim(&what, needed);
+        claim.map_err(|fault| fault.of(path, format))?;
         if let Some(mut cloud) = rows.read(path, progress).map_err(failed)? {
             cloud.warnings.extend(rows.bytes_behind(available));
             place_warnings(&mut cloud, path, format);
             return Ok(cloud);
         }
     }
-    // Of a file with coarse levels only some points are decoded.
+    // Of a file with coarse levels only some points are read.
     let has_levels = format == las::FORMAT && magic.windows(COPC.len()).any(|bytes| bytes == COPC);
-    let most_bytes = if has_levels { u64::MAX } else { options.max_memory_bytes };
-    let bytes = watched::read_file(path, most_bytes, progress)?;
+    if has_levels && let Some(cloud) = las::windows::read_levels(path, options, progress)? {
+        return finished(Ok(cloud), path, format, options);
+    }
+    let bytes = watched::read_file(path, options.left_bytes(), progress)?;
     read_bytes_with(path, &bytes, part, options, progress)
 }
 
@@ -164,7 +165,7 @@ fn read_bytes_with(
     let unknown = || IoError::unknown(name, bytes);
     let format = Format::detect(name, bytes).ok_or_else(unknown)?;
     let codec = format.codec().ok_or_else(unknown)?;
-    let options = &options.of_format(format);
+    let options = &options.of_format(format).holding(bytes.len());
     let decoded = (codec.decode)(&Encoded {
         format,
         name,
@@ -197,7 +198,8 @@ pub(super) fn finished(
         if let Some(count) = options.sample_count
             && !cloud.faces.is_empty()
         {
-            mesh::sample(&mut cloud, count, options)?;
+            let options = options.holding(cloud.byte_size());
+            mesh::sample(&mut cloud, count, &options)?;
         }
         Ok(cloud)
     };

@@ -57,8 +57,8 @@ impl SharedFile {
         }
         let (format, decoded) = match (self.content(path, options, progress)?, part) {
             (Content::Scene(scene), Part::Moment(time)) => (gltf::FORMAT, scene.frame(time.as_secs_f64())),
-            (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part))),
-            (Content::Table(table), part) => (xyz::FORMAT, table.frame(npy::layer_of(part))),
+            (Content::Arrays(arrays), part) => (npy::ARCHIVE, arrays.frame(npy::layer_of(part), options)),
+            (Content::Table(table), part) => (xyz::FORMAT, table.frame(npy::layer_of(part), options)),
             // The file is another one than that whose frames were listed.
             (Content::Scene(_), _) => return read_part_observed(path, part, options, progress).map_err(Arc::new),
         };
@@ -87,9 +87,10 @@ impl SharedFile {
 }
 
 fn open(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Content, IoError> {
-    let bytes = watched::read_file(path, options.max_memory_bytes, progress)?;
+    let bytes = watched::read_file(path, options.left_bytes(), progress)?;
+    let options = &options.holding(bytes.len());
     if Format::detect(path, &bytes) == Some(npy::FORMAT) {
-        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes, options))));
+        return Ok(Content::Arrays(Arc::new(Arrays::of_one(bytes, options.columns))));
     }
     let format = npy::ARCHIVE;
     if Format::detect(path, &bytes) == Some(format) {

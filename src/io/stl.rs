@@ -8,6 +8,7 @@
 use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::numbers::{Tokens, parse_number, quoted};
+use super::options::ReadOptions;
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use std::collections::HashMap;
 
@@ -25,22 +26,22 @@ const HEADER_BYTES: usize = 80;
 const START_BYTES: usize = HEADER_BYTES + 4;
 const TRIANGLE_BYTES: usize = 50;
 
-pub(super) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     let claimed = bytes
         .get(HEADER_BYTES..START_BYTES)
         .map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize);
     let needed = claimed.map(|count| count.saturating_mul(TRIANGLE_BYTES).saturating_add(START_BYTES));
     if needed.is_some_and(|needed| needed == bytes.len()) {
-        return Ok(binary(bytes));
+        return binary(bytes, options);
     }
     let is_text = bytes
         .trim_ascii_start()
         .get(..5)
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     match (claimed, needed) {
-        _ if is_text => text(bytes),
+        _ if is_text => text(bytes, options),
         // Some writers leave something behind the last triangle.
-        (_, Some(needed)) if needed < bytes.len() => Ok(binary(&bytes[..needed])),
+        (_, Some(needed)) if needed < bytes.len() => binary(&bytes[..needed], options),
         (Some(claimed), _) => Err(Fault::entry(
             "triangle",
             (bytes.len() - START_BYTES) / TRIANGLE_BYTES,
@@ -65,7 +66,18 @@ struct Mesh {
 }
 
 impl Mesh {
-    fn vertex(&mut self, position: [f32; 3], color: [u8; 4]) -> u32 {
+    /// The number of the vertex at `position`, which is a new one where none is there yet.
+    fn vertex(&mut self, position: [f32; 3], color: [u8; 4], options: &ReadOptions) -> Result<u32, Fault> {
+        /// An entry of the index of places, with the room that such tables leave.
+        const INDEX_BYTES: usize = 40;
+        if self.positions.len() == self.positions.capacity() {
+            let faces = size_of_val(self.faces.as_slice());
+            let vertices = 2 * self.positions.len();
+            let point_bytes = size_of::<[f32; 3]>() + size_of::<[u8; 4]>();
+            options
+                .holding(faces)
+                .claim_entries("the vertices", vertices, 2 * (point_bytes + INDEX_BYTES))?;
+        }
         // Minus zero is the same place as zero.
         let position = position.map(|axis| if axis == 0.0 { 0.0 } else { axis });
         let next = self.positions.len() as u32;
@@ -74,7 +86,7 @@ impl Mesh {
             self.positions.push(position);
             self.colors.push(color);
         }
-        index
+        Ok(index)
     }
 
     fn into_cloud(self) -> RawCloud {
@@ -86,9 +98,10 @@ impl Mesh {
 }
 
 /// Precondition: behind the header is a whole number of triangles.
-fn binary(bytes: &[u8]) -> RawCloud {
+fn binary(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     const WHITE: [u8; 4] = [255; 4];
     let mut mesh = Mesh::default();
+    options.reserve(&mut mesh.faces, bytes.len() / TRIANGLE_BYTES, "the triangles")?;
     for triangle in bytes[START_BYTES..].chunks_exact(TRIANGLE_BYTES) {
         let (numbers, rest) = triangle.as_chunks::<4>();
         let number = |index: usize| f32::from_le_bytes(numbers[index]);
@@ -96,10 +109,10 @@ fn binary(bytes: &[u8]) -> RawCloud {
         mesh.has_colors |= color.is_some();
         // The normal comes first; it follows from the corners.
         let corners = [3, 6, 9].map(|first| [number(first), number(first + 1), number(first + 2)]);
-        let face = corners.map(|corner| mesh.vertex(corner, color.unwrap_or(WHITE)));
-        mesh.faces.push(face);
+        let [a, b, c] = corners.map(|corner| mesh.vertex(corner, color.unwrap_or(WHITE), options));
+        mesh.faces.push([a?, b?, c?]);
     }
-    mesh.into_cloud()
+    Ok(mesh.into_cloud())
 }
 
 /// Five bits a channel, blue in the lowest.
@@ -108,7 +121,7 @@ fn color(attribute: u16) -> Option<[u8; 4]> {
     (attribute & 0x8000 != 0).then(|| [channel(10), channel(5), channel(0), 255])
 }
 
-fn text(bytes: &[u8]) -> Result<RawCloud, Fault> {
+fn text(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     let mut mesh = Mesh::default();
     let mut tokens = Tokens::new(bytes, 1);
     let mut corners: Vec<u32> = Vec::new();
@@ -128,7 +141,7 @@ fn text(bytes: &[u8]) -> Result<RawCloud, Fault> {
                 })?;
                 *axis = number as f32;
             }
-            corners.push(mesh.vertex(position, [255; 4]));
+            corners.push(mesh.vertex(position, [255; 4], options)?);
         } else if word.eq_ignore_ascii_case(b"endfacet") {
             let [a, b, c] = corners[..] else {
                 return Err(Fault::new(
@@ -136,6 +149,7 @@ fn text(bytes: &[u8]) -> Result<RawCloud, Fault> {
                     format!("the facet that ends here has {} vertices, expected 3", corners.len()),
                 ));
             };
+            options.reserve(&mut mesh.faces, 1, "the triangles")?;
             mesh.faces.push([a, b, c]);
             corners.clear();
             is_open = false;

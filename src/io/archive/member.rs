@@ -14,6 +14,16 @@ pub struct Member {
     pub(super) place: MemberPlace,
 }
 
+impl Member {
+    /// Bytes of memory that it shares with the other members of an archive which is unpacked as a whole.
+    pub(in crate::io) fn shared_bytes(&self) -> usize {
+        match &self.place {
+            MemberPlace::Memory(unpacked, _) => unpacked.0.capacity(),
+            _ => 0,
+        }
+    }
+}
+
 /// Where a member's bytes are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum MemberPlace {

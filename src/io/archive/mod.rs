@@ -16,7 +16,7 @@ use super::error::IoError;
 use super::error::{Fault, Place};
 use super::format::Format;
 use super::options::ReadOptions;
-use super::unpack::{Packing, reader, unpack, unpack_unknown};
+use super::unpack::{Packing, reader, unpack, unpack_gzip};
 use super::watched::Watched;
 use super::{containers, timestamps, xyz};
 use crate::natural::natural_order;
@@ -59,9 +59,8 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
                 }),
             }]));
         }
-        file.rewind().map_err(failed)?;
-        let bytes = unpack_unknown(Packing::Gzip, file, options)
-            .map_err(|problem| invalid(Fault::header(format!("the archive: {problem}"))))?;
+        let bytes =
+            unpack_gzip(file, options).map_err(|problem| invalid(Fault::header(format!("the archive: {problem}"))))?;
         tar::members_of_memory(&Unpacked(Arc::new(bytes))).map_err(invalid)?
     } else {
         tar::members_of_file(file).map_err(invalid)?
@@ -131,7 +130,12 @@ pub(super) fn read(
             bytes
         }
         MemberPlace::Memory(unpacked, range) => match unpacked.0.get(range.clone()) {
-            Some(bytes) => bytes.to_vec(),
+            Some(bytes) => {
+                let claim = options.holding(unpacked.0.capacity());
+                let claim = claim.claim("the member", bytes.len() as u64);
+                claim.map_err(|fault| invalid(range.start as u64, fault.problem))?;
+                bytes.to_vec()
+            }
             None => {
                 return Err(invalid(
                     range.start as u64,
@@ -147,7 +151,7 @@ pub(super) fn read(
             let file = File::open(path).map_err(failed)?;
             progress.set(0, file.metadata().map_err(failed)?.len() as usize);
             let packed = Watched { reader: file, progress };
-            unpack_unknown(Packing::Gzip, packed, options).map_err(|problem| invalid(0, problem))?
+            unpack_gzip(packed, options).map_err(|problem| invalid(0, problem))?
         }
         MemberPlace::Unreadable(problem) => return Err(invalid(0, problem.clone())),
     };

@@ -69,11 +69,7 @@ pub(super) fn check_claims(scans: &[PointCloud], file_bytes: usize, options: &Re
             ));
         }
     }
-    if memory_bytes > u128::from(options.max_memory_bytes) {
-        let needed = u64::try_from(memory_bytes).unwrap_or(u64::MAX);
-        return Err(Fault::too_large("the scans", needed, options));
-    }
-    Ok(())
+    options.claim("the scans", u64::try_from(memory_bytes).unwrap_or(u64::MAX))
 }
 
 impl Scan {

@@ -42,10 +42,7 @@ impl AccessorSource<'_> {
     pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
         let spent = self.spent_bytes.get().saturating_add(bytes);
         self.spent_bytes.set(spent);
-        if spent > self.options.max_memory_bytes {
-            return Err(Fault::too_large("the model", spent, self.options));
-        }
-        Ok(())
+        self.options.claim("the model", spent)
     }
 
     /// Number of entries that accessor `index` claims.

@@ -23,7 +23,7 @@ impl<'a> Buffers<'a> {
         path: &Path,
         options: &ReadOptions,
     ) -> Result<Self, Fault> {
-        let mut left = options.max_memory_bytes;
+        let mut left = options.left_bytes();
         let mut loaded = Vec::new();
         for (index, buffer) in document.buffers.iter().enumerate() {
             let bytes = Self::bytes(buffer, index, binary, path, left, options)?;
@@ -36,6 +36,15 @@ impl<'a> Buffers<'a> {
     }
 
     /// The same, without the file.
+    /// Memory that they take next to the file.
+    pub(super) fn owned_bytes(&self) -> usize {
+        let owned = self.loaded.iter().map(|bytes| match bytes {
+            Some(Cow::Owned(bytes)) => bytes.len(),
+            _ => 0,
+        });
+        owned.sum()
+    }
+
     pub(super) fn into_owned(self) -> Buffers<'static> {
         let owned = |bytes: Cow<'a, [u8]>| Cow::Owned(bytes.into_owned());
         Buffers {

@@ -150,9 +150,7 @@ pub(super) fn parse<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Docum
         _ => bytes,
     };
     let needed = json.iter().fold(json.len() as u64, sum);
-    if needed > options.max_memory_bytes {
-        return Err(Fault::too_large("the description of the scene", needed, options));
-    }
+    options.claim("the description of the scene", needed)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         Fault::new(
             Place::Line(error.line()),

@@ -12,6 +12,9 @@ use glam::{DAffine3, DMat3, DVec3};
 const VERTEX_BYTES: u64 = 128;
 const FACE_BYTES: u64 = 12;
 
+/// Of a number of a vertex.
+const INDEX_BYTES: u64 = 4;
+
 /// What the scene shows, point by point.
 #[derive(Default)]
 pub(super) struct Geometry {
@@ -116,7 +119,9 @@ impl Geometry {
             .indices
             .map(|accessor| source.read_indices(accessor))
             .transpose()?;
-        // Shapes may share one list of vertices, of which each has its part.
+        // Shapes may share one list of vertices, of which each has its part. The list, sorted, is there with it.
+        let listed = indices.as_ref().map_or(count, Vec::len) as u64;
+        source.spend(listed * INDEX_BYTES)?;
         let mut used: Vec<u32> = indices.clone().unwrap_or_else(|| (0..count as u32).collect());
         if indices.is_some() {
             used.sort_unstable();
@@ -146,7 +151,7 @@ impl Geometry {
             }
             None => (first as u32..(first + count) as u32).collect(),
         };
-        source.spend(corners.len() as u64 * FACE_BYTES)?;
+        source.spend(corners.len() as u64 * (FACE_BYTES + INDEX_BYTES))?;
         let first_face = self.faces.len();
         match primitive.mode.unwrap_or(4) {
             4 => self.faces.extend(corners.as_chunks::<3>().0),

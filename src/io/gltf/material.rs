@@ -145,7 +145,7 @@ fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Resul
         return Ok(None);
     };
     let image = at(&source.document.images, image, "image")?;
-    let most_bytes = source.options.max_memory_bytes.saturating_sub(source.spent_bytes.get());
+    let most_bytes = source.options.left_bytes().saturating_sub(source.spent_bytes.get());
     let owned;
     let bytes = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => match resource(uri, path, most_bytes, source.options) {

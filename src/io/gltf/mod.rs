@@ -50,8 +50,8 @@ const MAX_FRAMES: usize = 100_000;
 
 /// The frames of the file at `path`.
 pub(super) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
-    let bytes = watched::read_file(path, options.max_memory_bytes, &Progress::default())?;
-    list_bytes(path, &bytes, options).map_err(|fault| fault.of(path, FORMAT))
+    let bytes = watched::read_file(path, options.left_bytes(), &Progress::default())?;
+    list_bytes(path, &bytes, &options.holding(bytes.len())).map_err(|fault| fault.of(path, FORMAT))
 }
 
 fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<Entry>, Fault> {
@@ -60,6 +60,7 @@ fn list_bytes(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Vec<En
         return Ok(vec![Entry::whole()]);
     }
     let buffers = Buffers::load(&document, binary, path, options)?;
+    let options = &options.holding(buffers.owned_bytes());
     let source = AccessorSource::new(&document, &buffers, options);
     let (animations, seconds) = animation::played(&source)?;
     // What is damaged fails here, and not in each of many frames.

@@ -42,6 +42,7 @@ impl<'a> Scene<'a> {
     pub(in crate::io) fn open(path: &Path, bytes: &'a [u8], options: &ReadOptions) -> Result<Self, Fault> {
         let (document, binary) = document::parse(bytes, options)?;
         let buffers = Buffers::load(&document, binary, path, options)?;
+        let options = &options.holding(buffers.owned_bytes());
         let source = AccessorSource::new(&document, &buffers, options);
         let (played, _) = animation::played(&source)?;
         // What is damaged fails here, and not in each frame.

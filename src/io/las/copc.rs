@@ -7,7 +7,9 @@
 
 use super::header::{LasHeader, Record, take};
 use super::laz::LazChunk;
+use std::borrow::Cow;
 use std::collections::HashSet;
+use std::ops::Range;
 
 /// Bytes of an entry: level, three indices, where its chunk or page is, how long that is, and how many points.
 const ENTRY_BYTES: usize = 32;
@@ -15,24 +17,30 @@ const ENTRY_BYTES: usize = 32;
 /// Finer voxels than this would have sides of nothing.
 const MAX_LEVEL: i32 = 63;
 
-/// The voxels by level, coarse ones first; `None` if the file has none or they do not fit together.
+/// The voxels by level, coarse ones first; `None` if the file of `file_bytes` has none or they do not fit together.
+/// `page` gives the bytes of a part of the file.
 pub(super) fn levels<'a>(
     header: &LasHeader,
     mut records: impl Iterator<Item = Record<'a>>,
-    bytes: &[u8],
+    file_bytes: usize,
+    page: impl FnMut(Range<usize>) -> Option<Cow<'a, [u8]>>,
 ) -> Option<Vec<Vec<LazChunk>>> {
     let info = records.find(|record| record.is(b"copc", 1))?.data;
     let number = |at: usize| {
         let raw = info.get(at..at + 8)?;
         usize::try_from(u64::from_le_bytes(take(raw, 0))).ok()
     };
-    let levels = walk((number(40)?, number(48)?), bytes)?;
+    let levels = walk((number(40)?, number(48)?), file_bytes, page)?;
     let points: u64 = levels.iter().flatten().map(|chunk| chunk.points as u64).sum();
     (points == header.count).then_some(levels)
 }
 
 /// Follows the pages from the one at `root`, which is its start and length.
-fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<LazChunk>>> {
+fn walk<'a>(
+    root: (usize, usize),
+    file_bytes: usize,
+    mut page: impl FnMut(Range<usize>) -> Option<Cow<'a, [u8]>>,
+) -> Option<Vec<Vec<LazChunk>>> {
     /// In place of a count of points: the entry is a further page.
     const PAGE: i32 = -1;
     let mut levels: Vec<Vec<LazChunk>> = Vec::new();
@@ -40,12 +48,12 @@ fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<LazChunk>>> {
     let mut seen = HashSet::from([root.0]);
     let mut entries = 0;
     while let Some((start, length)) = pages.pop() {
-        let page = bytes.get(start..start.checked_add(length)?)?;
+        let page = page(start..start.checked_add(length)?)?;
         let (page, []) = page.as_chunks::<ENTRY_BYTES>() else {
             return None;
         };
         entries += page.len();
-        if entries > bytes.len() / ENTRY_BYTES {
+        if entries > file_bytes / ENTRY_BYTES {
             return None;
         }
         for entry in page {
@@ -64,7 +72,7 @@ fn walk(root: (usize, usize), bytes: &[u8]) -> Option<Vec<Vec<LazChunk>>> {
             if points == 0 {
                 continue;
             }
-            let end = start.checked_add(length).filter(|&end| end <= bytes.len())?;
+            let end = start.checked_add(length).filter(|&end| end <= file_bytes)?;
             if !(0..=MAX_LEVEL).contains(&level) || !seen.insert(start) {
                 return None;
             }

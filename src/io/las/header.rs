@@ -158,6 +158,21 @@ impl LasHeader {
         bytes.get(self.points_start..end).unwrap_or_default()
     }
 
+    /// Where the records behind the points begin, if there are any.
+    pub(super) fn late_records_start(&self) -> Option<u64> {
+        let (start, count) = self.late_records;
+        (count > 0).then_some(start)
+    }
+
+    /// The same for bytes that have the records behind the points at `start`.
+    pub(super) fn with_late_records_at(self, start: usize) -> Self {
+        let (_, count) = self.late_records;
+        Self {
+            late_records: (start as u64, count),
+            ..self
+        }
+    }
+
     /// Bytes of a point of the format, behind which the extra bytes are.
     pub(super) fn extra_start(&self) -> usize {
         POINT_BYTES[usize::from(self.format)]

@@ -19,6 +19,7 @@ mod scanner_channel;
 #[cfg(test)]
 mod tests;
 mod unit;
+pub(in crate::io) mod windows;
 pub(in crate::io) mod write;
 mod write_fields;
 
@@ -31,6 +32,7 @@ use crate::cloud::{AxisConvention, RawCloud};
 use crate::progress::Progress;
 use header::LasHeader;
 use laz::{Compression, LazChunk};
+use std::borrow::Cow;
 
 /// ASPRS LAS, LAZ and COPC.
 pub(super) const FORMAT: Format = Format::new(&Traits {
@@ -57,7 +59,7 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
     let fits = |points: u64, point_bytes: u64| {
         points
             .checked_mul(point_bytes)
-            .is_some_and(|needed| needed <= options.max_memory_bytes)
+            .is_some_and(|needed| needed <= options.left_bytes())
     };
     let check = |point_bytes: u64| {
         if fits(header.count, point_bytes) {
@@ -86,24 +88,18 @@ pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -
     let compression = Compression::new(&header, record.data)?;
     let extra_bytes = header.point_bytes - header.extra_start();
     let model_bytes = EXTRA_MODEL_BYTES * extra_bytes as u64 * rayon::current_num_threads() as u64;
-    if model_bytes > options.max_memory_bytes {
-        let what = format!("the unpacking of points with {extra_bytes} extra bytes each");
-        return Err(Fault::too_large(&what, model_bytes, options));
-    }
+    let what = format!("the unpacking of points with {extra_bytes} extra bytes each");
+    options.claim(&what, model_bytes)?;
     // Unpacked points and the cloud are there at the same time.
     let point_bytes = cloud_bytes + header.point_bytes as u64;
-    let levels = copc::levels(&header, header.records(bytes), bytes);
+    let page = |range| bytes.get(range).map(Cow::Borrowed);
+    let levels = copc::levels(&header, header.records(bytes), bytes.len(), page);
     let rows = if let Some(levels) = levels {
-        let (chunks, points) = coarse(levels, |points| fits(points, point_bytes));
+        let (chunks, points) = coarse(levels, |points, _| fits(points, point_bytes));
         if points == 0 {
             check(point_bytes)?;
         } else if points < header.count {
-            log::warn!(
-                "read {points} of {} points, the coarse levels of the file: all would take more than the {} of memory \
-                 that they may, raise --max-memory if the machine has it",
-                header.count,
-                mebibytes(options.max_memory_bytes)
-            );
+            warn_of_levels(points, &header, options);
         }
         match compression.unpack(bytes, &chunks, progress) {
             Err(_) if points == header.count => compression.unpack_all(&header, bytes, progress)?,
@@ -162,16 +158,28 @@ fn rows<'a>(header: &LasHeader, bytes: &'a [u8]) -> Result<&'a [u8], Fault> {
         })
 }
 
-/// The chunks of as many levels as `fits` their points, from the coarsest on, and the number of these points.
-fn coarse(levels: Vec<Vec<LazChunk>>, fits: impl Fn(u64) -> bool) -> (Vec<LazChunk>, u64) {
+fn warn_of_levels(points: u64, header: &LasHeader, options: &ReadOptions) {
+    log::warn!(
+        "read {points} of {} points, the coarse levels of the file: all would take more than the {} of memory that \
+         they may, raise --max-memory if the machine has it",
+        header.count,
+        mebibytes(options.max_memory_bytes)
+    );
+}
+
+/// The chunks of as many levels as `fits` their points and their packed bytes, from the coarsest on, and the number of
+/// these points.
+fn coarse(levels: Vec<Vec<LazChunk>>, fits: impl Fn(u64, u64) -> bool) -> (Vec<LazChunk>, u64) {
     let mut chunks = Vec::new();
-    let mut points = 0u64;
+    let (mut points, mut packed) = (0u64, 0u64);
     for level in levels {
         let more: u64 = level.iter().map(|chunk| chunk.points as u64).sum();
-        if !fits(points + more) {
+        let more_packed: u64 = level.iter().map(|chunk| chunk.bytes.len() as u64).sum();
+        if !fits(points + more, packed + more_packed) {
             break;
         }
         points += more;
+        packed += more_packed;
         chunks.extend(level);
     }
     (chunks, points)

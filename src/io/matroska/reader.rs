@@ -45,13 +45,13 @@ impl Matroska {
     /// # Errors
     /// [`MatroskaError`]: the system's, and where it is no Matroska file or has no tracks.
     pub(crate) fn read(path: &Path) -> Result<Self, MatroskaError> {
-        read_file(File::open(path)?)
+        read_file(File::open(path)?, path)
     }
 }
 
-fn read_file(file: File) -> Result<Matroska, MatroskaError> {
+fn read_file(file: File, path: &Path) -> Result<Matroska, MatroskaError> {
     let mut reader = Reader {
-        walk: Walk::new(file)?,
+        walk: Walk::new(file, path)?,
         found: Matroska::default(),
         scale_ns: USUAL_SCALE_NS,
         cluster_time: 0,

@@ -48,6 +48,9 @@ const NORMALS: [&str; 2] = ["normals", "normal"];
 /// Numbers that are kept of a field of records: more than the longest descriptors have.
 const MAX_ENTRIES: usize = 2048;
 
+/// Bytes that deflate makes of one at most.
+pub(super) const MOST_DEFLATED: u64 = 1032;
+
 pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
     let array = Array::parse(bytes)?;
     refuse(&array, options.columns)?;
@@ -64,13 +67,13 @@ pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) ->
     let array = arrays.swap_remove(0).1.without_single_layers();
     let mut meaning = None;
     let (columns, count) = match &array.kind {
-        ArrayLayout::Table(_) => table(&array, "x", options.columns, &mut meaning)?,
+        ArrayLayout::Table(_) => table(&array, "x", options, &mut meaning)?,
         ArrayLayout::Records { .. } => {
             let count = array.shape.iter().product();
-            (records(&array, count)?, count)
+            (records(&array, count, options)?, count)
         }
     };
-    let mut cloud = growing::cloud(&columns, count)?;
+    let mut cloud = growing::cloud(&columns, count, options)?;
     match (image, assumption) {
         (Some([height, width]), Some(_)) => cloud.grid = grid_of(width, height, count),
         (_, assumption) => cloud.assumptions.extend(assumption),
@@ -85,7 +88,7 @@ pub(in crate::io) fn decode(bytes: &[u8], part: &Part, options: &ReadOptions) ->
 
 /// The arrays of an archive that a cloud has a use for.
 pub(in crate::io) fn decode_archive(bytes: &[u8], part: &Part, options: &ReadOptions) -> Result<RawCloud, Fault> {
-    cloud_of_archive(&unpacked(bytes, options)?, layer_of(part), options.columns)
+    cloud_of_archive(&unpacked(bytes, options)?, layer_of(part), options)
 }
 
 /// The array with coordinates: that of a name that is used for them, or the only one.
@@ -121,8 +124,10 @@ pub(super) fn parsed(members: &[(String, Vec<u8>)]) -> Result<Vec<NamedArray<'_>
 pub(super) fn cloud_of_archive(
     members: &[(String, Vec<u8>)],
     layer: usize,
-    columns_given: Option<ColumnMap>,
+    options: &ReadOptions,
 ) -> Result<RawCloud, Fault> {
+    let columns_given = options.columns;
+    let options = &options.holding(members.iter().map(|(_, bytes)| bytes.len()).sum());
     let mut arrays = parsed(members)?;
     let shapes: Vec<String> = arrays
         .iter()
@@ -157,10 +162,10 @@ pub(super) fn cloud_of_archive(
     }
     let (mut columns, count) = match place.map(|place| &arrays[place]) {
         Some((_, array)) => match &array.kind {
-            ArrayLayout::Table(_) => table(array, "x", columns_given, &mut meaning)?,
+            ArrayLayout::Table(_) => table(array, "x", options, &mut meaning)?,
             ArrayLayout::Records { .. } => {
                 let count = array.shape.iter().product();
-                (records(array, count)?, count)
+                (records(array, count, options)?, count)
             }
         },
         // Arrays of their own for x, y and z.
@@ -174,6 +179,7 @@ pub(super) fn cloud_of_archive(
     };
     let has_coordinates = place.is_some() || arrays.iter().any(|(name, _)| name == "x");
     if has_coordinates {
+        options.claim_entries("the arrays", count, parsed_numbers(&arrays) * size_of::<f64>())?;
         add_columns_beside(&mut columns, &arrays, count)?;
     }
     if columns.is_empty() {
@@ -187,8 +193,8 @@ pub(super) fn cloud_of_archive(
         )));
     }
     let positions = place.map(|place| arrays[place].0.as_str());
-    add_fields_beside(&mut columns, &arrays, positions, count);
-    let mut cloud = growing::cloud(&columns, count)?;
+    add_fields_beside(&mut columns, &arrays, positions, count, options);
+    let mut cloud = growing::cloud(&columns, count, options)?;
     let splat_arrays = splat_arrays(&arrays, count);
     let used = splats::apply(&splat_arrays, &mut cloud);
     // Of what may be of splats, the rest are fields as all others.
@@ -252,6 +258,7 @@ fn add_fields_beside<'a>(
     arrays: &[NamedArray<'a>],
     positions: Option<&str>,
     count: usize,
+    options: &ReadOptions,
 ) {
     let is_known = |name: &str| {
         COLORS.contains(&name) || NORMALS.contains(&name) || attributes::is_reserved(name) || splats::is_used(name)
@@ -263,7 +270,7 @@ fn add_fields_beside<'a>(
         match &array.kind {
             ArrayLayout::Table(_) => columns.extend(entries(name, array, count).unwrap_or_default()),
             ArrayLayout::Records { .. } if array.shape[..] == [count] => {
-                columns.extend(records(array, count).unwrap_or_default());
+                columns.extend(records(array, count, options).unwrap_or_default());
             }
             ArrayLayout::Records { .. } => {}
         }
@@ -312,7 +319,7 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
     let damaged = |error: &dyn std::fmt::Display| Fault::header(format!("the archive is damaged ({error})"));
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let mut members = Vec::new();
-    let mut left = options.max_memory_bytes;
+    let mut left = options.left_bytes();
     for index in 0..archive.len() {
         let member = archive.by_index(index).map_err(|error| damaged(&error))?;
         let name = member.name().map_err(|error| damaged(&error))?;
@@ -322,18 +329,20 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         if member.size() > left {
             return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
+        // The size is a claim as well: it is believed as far as packed bytes can unpack to it, and ends what is unpacked.
+        let claimed = member.size();
+        let believed = claimed.min(member.compressed_size().saturating_mul(MOST_DEFLATED));
         let mut unpacked = Vec::new();
-        // The size is a claim as well: what is unpacked beyond the limit ends it.
+        unpacked
+            .try_reserve_exact(believed as usize)
+            .map_err(|error| damaged(&error))?;
         member
-            .take(left.saturating_add(1))
+            .take(claimed.saturating_add(1))
             .read_to_end(&mut unpacked)
             .map_err(|error| damaged(&error))?;
-        if unpacked.len() as u64 > left {
-            return Err(Fault::too_large(
-                &format!("array `{name}`"),
-                unpacked.len() as u64,
-                options,
-            ));
+        if unpacked.len() as u64 > claimed {
+            let problem = format!("array `{name}` unpacks to more than the {claimed} bytes that it claims");
+            return Err(damaged(&problem));
         }
         left -= unpacked.len() as u64;
         members.push((name, unpacked));
@@ -346,9 +355,10 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
 fn table<'a>(
     array: &Array<'a>,
     first: &str,
-    map: Option<ColumnMap>,
+    options: &ReadOptions,
     meaning: &mut Option<Assumption>,
 ) -> Result<(Vec<Column<'a>>, usize), Fault> {
+    let map = options.columns;
     let shape = shape_text(&array.shape);
     let [count, width] = array.shape[..] else {
         let advice = match array.shape.len() {
@@ -373,6 +383,8 @@ fn table<'a>(
              first{advice}"
         )));
     }
+    let numbers = parsed_numbers_of(array, width);
+    options.claim_entries("the columns of the array", count, numbers * size_of::<f64>())?;
     let column = |index: usize| array.column(String::new(), index, width, count);
     // What the columns behind the coordinates are is told by the same rule as for text.
     let told_by: Vec<Vec<f64>> = (0..width)
@@ -426,8 +438,23 @@ fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Numbers of a row that are parsed: those that tell what columns are, and those of half precision.
+fn parsed_numbers_of(array: &Array<'_>, width: usize) -> usize {
+    let told_by = width.min(xyz::MAX_GUESSED_COLUMN).saturating_sub(3);
+    let halves = matches!(array.kind, ArrayLayout::Table(number) if number.scalar.is_none());
+    told_by + if halves { width } else { 0 }
+}
+
+/// Numbers of half precision of a point in all arrays.
+fn parsed_numbers(arrays: &[NamedArray<'_>]) -> usize {
+    let width = |array: &Array<'_>| array.shape.get(1).copied().unwrap_or(1).min(MAX_COLUMNS);
+    let is_half = |array: &Array<'_>| matches!(array.kind, ArrayLayout::Table(number) if number.scalar.is_none());
+    let halves = arrays.iter().filter(|(_, array)| is_half(array));
+    halves.map(|(_, array)| width(array)).sum()
+}
+
 /// The columns of an array of records; fields that are short arrays themselves are several.
-fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault> {
+fn records<'a>(array: &Array<'a>, count: usize, options: &ReadOptions) -> Result<Vec<Column<'a>>, Fault> {
     let ArrayLayout::Records { fields, row_bytes } = &array.kind else {
         return Ok(Vec::new());
     };
@@ -450,6 +477,9 @@ fn records<'a>(array: &Array<'a>, count: usize) -> Result<Vec<Column<'a>>, Fault
         } else {
             known.iter().take(field.length).map(|name| (*name).to_owned()).collect()
         };
+        if number.scalar.is_none() {
+            options.claim_entries("the field", count, names.len() * size_of::<f64>())?;
+        }
         for (index, name) in names.into_iter().enumerate() {
             let start = field.offset + index * number.bytes();
             columns.push(column_of(number, name, array.payload, [start, *row_bytes], count));

@@ -7,11 +7,13 @@ use super::super::column_map::ColumnMap;
 use super::super::contents::{Entry, Part};
 use super::super::error::{Fault, IoError};
 use super::super::options::ReadOptions;
-use super::cloud::{cloud_of_archive, parsed, place_of_positions, unpacked};
+use super::super::watched;
+use super::cloud::{MOST_DEFLATED, cloud_of_archive, parsed, place_of_positions, unpacked};
 use super::header::Array;
 use super::layers::{layer_count, numbered_frames, unroll_images};
 use super::looks::{refuse, take_point_map};
 use crate::cloud::RawCloud;
+use crate::progress::Progress;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -21,9 +23,6 @@ const MAX_HEADER_BYTES: u64 = 1 << 16;
 
 /// No more frames are listed; sequences that anybody plays have fewer.
 const MAX_LAYERS: usize = 1_000_000;
-
-/// Deflate makes no more bytes of one.
-const MOST_DEFLATED: u64 = 1032;
 
 /// The arrays of an NPZ file, unpacked, by their names.
 pub(in crate::io) struct Arrays {
@@ -41,16 +40,16 @@ impl Arrays {
     }
 
     /// The one in the `bytes` of an NPY file.
-    pub(in crate::io) fn of_one(bytes: Vec<u8>, options: &ReadOptions) -> Self {
+    pub(in crate::io) fn of_one(bytes: Vec<u8>, columns: Option<ColumnMap>) -> Self {
         Self {
             members: vec![("points".to_owned(), bytes)],
-            columns: options.columns,
+            columns,
         }
     }
 
     /// The frame of this number, counted from 0; of arrays without layers there is the first alone.
-    pub(in crate::io) fn frame(&self, layer: usize) -> Result<RawCloud, Fault> {
-        cloud_of_archive(&self.members, layer, self.columns)
+    pub(in crate::io) fn frame(&self, layer: usize, options: &ReadOptions) -> Result<RawCloud, Fault> {
+        cloud_of_archive(&self.members, layer, &options.with_columns(self.columns))
     }
 }
 
@@ -68,7 +67,8 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
     let file_bytes = file.metadata().map_err(failed)?.len();
     let layers = layers_of(file, file_bytes);
     let is_one = || {
-        let members = unpacked(&std::fs::read(path).ok()?, options).ok()?;
+        let bytes = watched::read_file(path, options.left_bytes(), &Progress::default()).ok()?;
+        let members = unpacked(&bytes, &options.holding(bytes.len())).ok()?;
         let arrays = parsed(&members).ok()?;
         let place = place_of_positions(&arrays)?;
         Some(is_one_cloud(arrays, place, options))
@@ -91,7 +91,7 @@ pub(in crate::io) fn list_array(path: &Path, options: &ReadOptions) -> Result<Ve
     };
     let layers = layers();
     let is_one = || {
-        let bytes = std::fs::read(path).ok()?;
+        let bytes = watched::read_file(path, options.left_bytes(), &Progress::default()).ok()?;
         let array = Array::parse(&bytes).ok()?;
         Some(is_one_cloud(vec![(String::new(), array)], 0, options))
     };

@@ -35,7 +35,7 @@ impl Materials {
     pub(super) fn load(libraries: &[String], names: &[String], file: &Encoded<'_>) -> Result<Self, Fault> {
         let mut reading = Reading {
             file,
-            left_bytes: file.options.max_memory_bytes,
+            left_bytes: file.options.left_bytes(),
             pictures: Vec::new(),
             numbers: HashMap::new(),
             warnings: Vec::new(),

@@ -4,6 +4,7 @@
 //! file is a cloud, and keep single precision only. Colours stand behind the coordinates of a vertex, or in the
 //! material of a face (`materials.rs`), which may have a picture (`surface.rs`).
 
+mod counts;
 mod materials;
 mod numbering;
 mod surface;
@@ -16,6 +17,7 @@ use super::error::{Fault, Place};
 use super::format::{Format, Traits};
 use super::numbers::{parse_number, quoted};
 use crate::cloud::{Positions, RawCloud};
+use counts::Counts;
 use numbering::resolve;
 use surface::Corners;
 
@@ -34,7 +36,9 @@ pub(super) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
     let Encoded { bytes, progress, .. } = *file;
     progress.set(0, bytes.len());
     let mut done = 0;
-    let mut model = Model::default();
+    let counts = Counts::of(bytes);
+    let options = file.options.holding(counts.claim(file.options)?);
+    let mut model = Model::with_room(&counts);
     // A backslash at the end of a line goes on in the next one.
     let mut joined: Vec<u8> = Vec::new();
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -58,7 +62,10 @@ pub(super) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
         }
     }
     progress.set(bytes.len(), bytes.len());
-    model.into_cloud(file)
+    model.into_cloud(&Encoded {
+        options: &options,
+        ..*file
+    })
 }
 
 #[derive(Default)]
@@ -78,6 +85,18 @@ struct Model {
 }
 
 impl Model {
+    /// An empty model whose lists need not grow.
+    fn with_room(counts: &Counts) -> Self {
+        Self {
+            positions: Vec::with_capacity(counts.vertices),
+            colors: Vec::with_capacity(counts.vertices),
+            normals: Vec::with_capacity(counts.normals),
+            faces: Vec::with_capacity(counts.triangles),
+            corners: Corners::with_room(counts),
+            ..Self::default()
+        }
+    }
+
     fn statement(&mut self, line: &[u8], number: usize) -> Result<(), Fault> {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {

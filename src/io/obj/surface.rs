@@ -1,5 +1,6 @@
 //! What lies on the faces of an OBJ file: which material each has, and where its corners are in the material's picture.
 
+use super::counts::Counts;
 use super::materials::{Materials, Paint};
 use super::numbering::resolve;
 use crate::cloud::{RawCloud, Texturing};
@@ -41,6 +42,14 @@ struct Corner {
 }
 
 impl Corners {
+    /// No corners yet, with room for places.
+    pub(super) fn with_room(counts: &Counts) -> Self {
+        Self {
+            places: Vec::with_capacity(counts.places),
+            ..Self::default()
+        }
+    }
+
     pub(super) fn push_place(&mut self, place: [f64; 2]) {
         self.places.push(place.map(|coordinate| coordinate as f32));
     }
@@ -79,9 +88,14 @@ impl Corners {
 
     /// Gives the vertices of `cloud`, which has all the faces, what the materials of the faces say.
     pub(super) fn put_on(self, cloud: &mut RawCloud, file: &Encoded<'_>) -> Result<(), Fault> {
+        /// A corner, its number, and the place of both in an index.
+        const SPLIT_BYTES: usize = 80;
         if self.libraries.is_empty() || self.uses.is_empty() || cloud.faces.is_empty() {
             return Ok(());
         }
+        let corners = 3 * cloud.faces.len() + cloud.positions.len();
+        file.options
+            .claim_entries("the corners of its faces", corners, SPLIT_BYTES)?;
         let materials = Materials::load(&self.libraries, &self.materials, file)?;
         cloud.warnings.extend(materials.warnings.iter().cloned());
         if materials.paints.iter().all(|&paint| paint == Paint::WHITE) {

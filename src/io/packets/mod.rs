@@ -37,6 +37,7 @@ pub use turn::Turn;
 use super::containers::CAPTURE as FORMAT;
 use super::contents::Contents;
 use super::error::{Fault, IoError, Place};
+use super::long_walk::LongWalk;
 use super::options::ReadOptions;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -74,8 +75,11 @@ pub(super) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> 
     }
     let clock = found.end_probe(beginning.fractions());
     let mut capture = open(clock)?;
+    let file_bytes = path.metadata().map_err(failed)?.len();
+    let mut long = LongWalk::new(path, file_bytes);
     let mut end = None;
     loop {
+        long.step(capture.offset());
         match capture.next() {
             Ok(Some((packet, layout))) => found.add(&packet, layout),
             Ok(None) => break,

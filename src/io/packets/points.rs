@@ -62,10 +62,7 @@ impl Points {
     /// Fails where the points take more memory than `options` allow.
     pub(super) fn check(&self, options: &ReadOptions) -> Result<(), Fault> {
         let needed = self.positions.len() as u64 * Self::POINT_BYTES;
-        if needed > options.max_memory_bytes {
-            return Err(Fault::too_large("the turn", needed, options));
-        }
-        Ok(())
+        options.claim("the turn", needed)
     }
 
     /// The cloud, with times since its first point.

@@ -12,6 +12,7 @@ use super::fixed_rows::{self, FixedRows};
 use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
+use super::options::ReadOptions;
 use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
@@ -44,15 +45,21 @@ fn begins_like_pcd(bytes: &[u8]) -> bool {
         .is_some_and(|line| line.starts_with(b"VERSION ") || line.starts_with(b"FIELDS "))
 }
 
-pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let header = Header::parse(bytes)?;
     let payload = bytes.split_at(header.byte_size);
     let table = Table::new(&header, payload.1)?;
     let mut warnings = Vec::new();
-    let mut cloud = table.with_columns(header.encoding, payload, progress, |columns, rows, odd| {
-        warnings = odd;
-        growing::cloud(columns, rows)
-    })?;
+    let mut cloud = table.with_columns(
+        header.encoding,
+        payload,
+        options,
+        progress,
+        |columns, rows, odd, options| {
+            warnings = odd;
+            growing::cloud(columns, rows, options)
+        },
+    )?;
     cloud.sensor = sensor(&header);
     cloud.grid = grid(&header);
     let rotation = not_kept(&header);
@@ -72,11 +79,11 @@ fn not_kept(header: &Header) -> Option<NotKept> {
 }
 
 /// The normals in a file that may have no points.
-pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
+pub(super) fn normals(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
     let header = Header::parse(bytes)?;
     let payload = bytes.split_at(header.byte_size);
     let table = Table::new(&header, payload.1)?;
-    table.with_columns(header.encoding, payload, progress, |columns, rows, _| {
+    table.with_columns(header.encoding, payload, options, progress, |columns, rows, _, _| {
         attributes::normals(columns, rows)
     })
 }
@@ -254,7 +261,7 @@ impl Table {
         self.numbers().into_iter().map(column).collect()
     }
 
-    fn decompress(&self, payload: &[u8], payload_start: usize) -> Result<Vec<u8>, Fault> {
+    fn decompress(&self, payload: &[u8], payload_start: usize, options: &ReadOptions) -> Result<Vec<u8>, Fault> {
         let fault = |problem: String| Fault::new(Place::Byte(payload_start), problem);
         if self.rows == 0 {
             return Ok(Vec::new());
@@ -276,6 +283,7 @@ impl Table {
         if unpacked > packed.saturating_mul(MAX_LZF_RATIO).min(MAX_LZF_BYTES) {
             return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
         }
+        options.claim("the unpacked points", unpacked as u64)?;
         let block = match lzf::decompress(packed_bytes, unpacked) {
             Ok(block) => block,
             // A block that was not worth compressing may be stored as it is.
@@ -297,11 +305,14 @@ impl Table {
         &self,
         payload: &[u8],
         first_line: usize,
+        options: &ReadOptions,
         progress: &Progress,
     ) -> Result<(Vec<Column<'static>>, Vec<String>), Fault> {
         /// A digit and a separator.
         const LEAST_NUMBER_BYTES: usize = 2;
         self.check_claim(self.row_numbers().saturating_mul(LEAST_NUMBER_BYTES), payload.len() + 1)?;
+        let what = format!("the numbers of {} points", self.rows);
+        options.claim_entries(&what, self.rows, self.row_numbers().saturating_mul(size_of::<f64>()))?;
         let column = |number: Number| Column {
             name: number.name,
             scalar: number.scalar,
@@ -388,22 +399,24 @@ impl Table {
         &self,
         encoding: Encoding,
         (header, payload): (&[u8], &[u8]),
+        options: &ReadOptions,
         progress: &Progress,
-        make: impl FnOnce(&[Column<'_>], usize, Vec<String>) -> Result<T, Fault>,
+        make: impl FnOnce(&[Column<'_>], usize, Vec<String>, &ReadOptions) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
         match encoding {
             Encoding::Ascii => {
                 let first_line = line_endings(header) + 1;
-                let (columns, odd) = self.ascii(payload, first_line, progress)?;
-                make(&columns, self.rows, odd)
+                let (columns, odd) = self.ascii(payload, first_line, options, progress)?;
+                make(&columns, self.rows, odd, options)
             }
             Encoding::Binary => {
                 self.check_claim(self.row_bytes, payload.len())?;
-                make(&self.rows(0).columns(payload), self.rows, Vec::new())
+                make(&self.rows(0).columns(payload), self.rows, Vec::new(), options)
             }
             Encoding::BinaryCompressed => {
-                let block = self.decompress(payload, header.len())?;
-                make(&self.blocks(&block), self.rows, Vec::new())
+                let block = self.decompress(payload, header.len(), options)?;
+                let options = options.holding(block.len());
+                make(&self.blocks(&block), self.rows, Vec::new(), &options)
             }
         }
     }

@@ -6,6 +6,7 @@
 use super::super::column::Column;
 use super::super::error::{Fault, Place};
 use super::super::numbers::{Tokens, note_row, quoted, with_decimal_points};
+use super::super::options::ReadOptions;
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
@@ -19,6 +20,7 @@ const MAX_ODD_ROWS: usize = 16;
 pub(super) fn read(
     bytes: &[u8],
     (header, elements, vertex): (&PlyHeader, &[Element], &Element),
+    options: &ReadOptions,
     progress: &Progress,
 ) -> Result<(Vec<Column<'static>>, Faces, Vec<String>), Fault> {
     let payload = &bytes[header.byte_size..];
@@ -28,13 +30,15 @@ pub(super) fn read(
     if decimal.is_some() {
         warnings.push("numbers have decimal commas: they are read as decimal points".to_owned());
     }
+    let options = &options.holding(decimal.as_ref().map_or(0, Vec::len));
     let payload = decimal.as_deref().unwrap_or(payload);
     let mut tokens = Tokens::new(payload, header.line_count + 1);
     let mut columns = None;
-    let mut faces = Faces::new(vertex.count);
+    let mut faces = Faces::new(vertex.count, options.holding(KeptColumns::bytes(vertex)));
     for (place, element) in elements.iter().enumerate() {
         if element.name == POINTS {
             check_ascii_claim(element, payload)?;
+            KeptColumns::claim(element, options)?;
             let counts = header.elements[place + 1..].iter().map(|element| element.count);
             let rows_behind = counts.fold(0, usize::saturating_add);
             let read = vertices(&mut tokens, element, rows_behind, &mut warnings, progress)?;
@@ -80,7 +84,7 @@ fn others(tokens: &mut Tokens<'_>, element: &Element, faces: &mut Faces, progres
                     ascii_step(tokens, property, &element.name, row, |item| {
                         faces.push(list, element, row, item);
                     })?;
-                    faces.end_list(list);
+                    faces.end_list(list)?;
                 }
                 None => {
                     ascii_step(tokens, property, &element.name, row, |_| ())?;

@@ -6,6 +6,7 @@
 use super::super::column::{Column, Scalar};
 use super::super::error::Fault;
 use super::super::fixed_rows::{FixedRows, RowField};
+use super::super::options::ReadOptions;
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
 use super::kept_columns::{KeptColumns, POINTS};
@@ -15,8 +16,8 @@ use super::kept_columns::{KeptColumns, POINTS};
 pub(super) fn read<'a>(
     payload: &'a [u8],
     big_endian: bool,
-    elements: &[Element],
-    vertex: &Element,
+    (elements, vertex): (&[Element], &Element),
+    options: &ReadOptions,
 ) -> Result<(Vec<Column<'a>>, Faces, usize), Fault> {
     let mut cursor = Cursor {
         bytes: payload,
@@ -24,11 +25,15 @@ pub(super) fn read<'a>(
         big_endian,
     };
     let mut vertices = None;
-    let mut faces = Faces::new(vertex.count);
+    let kept = match rows(vertex, 0, big_endian) {
+        Some(_) => 0,
+        None => KeptColumns::bytes(vertex),
+    };
+    let mut faces = Faces::new(vertex.count, options.holding(kept));
     let mut is_whole = true;
     for element in elements {
         if element.name == POINTS {
-            vertices = Some(columns(&mut cursor, element)?);
+            vertices = Some(columns(&mut cursor, element, options)?);
             continue;
         }
         let read = match FaceList::of(element) {
@@ -50,9 +55,9 @@ pub(super) fn read<'a>(
 }
 
 /// The columns of `vertex`, which begins at the cursor.
-fn columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'a>>, Fault> {
+fn columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element, options: &ReadOptions) -> Result<Vec<Column<'a>>, Fault> {
     let Some(rows) = rows(vertex, 0, cursor.big_endian) else {
-        return walked_columns(cursor, vertex);
+        return walked_columns(cursor, vertex, options);
     };
     vertex.check_claim(rows.row_bytes, cursor.rest().len())?;
     let columns = rows.columns(cursor.rest());
@@ -108,8 +113,13 @@ pub(super) fn fixed_rows(header: &PlyHeader, big_endian: bool) -> Option<FixedRo
 }
 
 /// Points that own lists have rows of different lengths: they are walked one by one.
-fn walked_columns<'a>(cursor: &mut Cursor<'a>, vertex: &Element) -> Result<Vec<Column<'a>>, Fault> {
+fn walked_columns<'a>(
+    cursor: &mut Cursor<'a>,
+    vertex: &Element,
+    options: &ReadOptions,
+) -> Result<Vec<Column<'a>>, Fault> {
     vertex.check_claim(vertex.least_row_bytes(), cursor.rest().len())?;
+    KeptColumns::claim(vertex, options)?;
     let mut kept = KeptColumns::new(vertex);
     for row in 0..vertex.count {
         for (index, property) in vertex.properties.iter().enumerate() {
@@ -166,7 +176,7 @@ impl<'a> Cursor<'a> {
                         for bytes in items.chunks_exact(item.byte_size()) {
                             faces.push(list, element, row, item.read(bytes, big_endian));
                         }
-                        faces.end_list(list);
+                        faces.end_list(list)?;
                     }
                     _ => {
                         self.step(property, &element.name, row)?;

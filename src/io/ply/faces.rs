@@ -9,11 +9,15 @@
 use super::super::broken_faces::{BrokenFaces, no_vertex};
 use super::super::error::Fault;
 use super::super::mesh;
+use super::super::options::ReadOptions;
 use super::header::{Element, PropertyKind};
 use crate::cloud::RawCloud;
 
 /// Names of the list with the vertices of a face.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// What takes memory, in messages.
+const FACES: &str = "the faces";
 
 /// Between two strips in one list.
 const RESTART: f64 = -1.0;
@@ -28,11 +32,14 @@ enum FaceKind {
 #[derive(Debug)]
 pub(super) struct Faces {
     vertex_count: usize,
+    options: ReadOptions,
     triangles: Vec<[u32; 3]>,
     /// The list that is being read.
     list: Vec<u32>,
     /// Why that list cannot be used.
     fault: Option<Fault>,
+    /// There is no memory for that list.
+    lacks_memory: Option<Fault>,
     broken: BrokenFaces,
 }
 
@@ -61,12 +68,14 @@ impl FaceList {
 
 impl Faces {
     /// No triangles of `vertex_count` vertices.
-    pub(super) fn new(vertex_count: usize) -> Self {
+    pub(super) fn new(vertex_count: usize, options: ReadOptions) -> Self {
         Self {
             vertex_count,
+            options,
             triangles: Vec::new(),
             list: Vec::new(),
             fault: None,
+            lacks_memory: None,
             broken: BrokenFaces::default(),
         }
     }
@@ -74,10 +83,11 @@ impl Faces {
     /// The next vertex of the list in row `row` of `element`.
     pub(super) fn push(&mut self, kind: FaceList, element: &Element, row: usize, index: f64) {
         if kind.shape == FaceKind::Strip && index == RESTART {
-            self.end_list(kind);
+            // Memory that is missing is said at the end of the list.
+            self.lacks_memory = self.lacks_memory.take().or(self.end_list(kind).err());
             return;
         }
-        if self.fault.is_some() {
+        if self.fault.is_some() || self.lacks_memory.is_some() {
             return;
         }
         let is_vertex = index >= 0.0 && index < self.vertex_count as f64 && index.fract() == 0.0;
@@ -85,7 +95,11 @@ impl Faces {
             self.fault = Some(no_vertex(&element.name, row, index, self.vertex_count));
             return;
         }
-        self.list.push(index as u32);
+        let room = self.options.reserve(&mut self.list, 1, FACES);
+        self.lacks_memory = room.err();
+        if self.lacks_memory.is_none() {
+            self.list.push(index as u32);
+        }
     }
 
     /// No further faces, for this reason.
@@ -96,9 +110,16 @@ impl Faces {
     }
 
     /// The list is complete.
-    pub(super) fn end_list(&mut self, kind: FaceList) {
+    ///
+    /// # Errors
+    /// There is no memory for its triangles.
+    pub(super) fn end_list(&mut self, kind: FaceList) -> Result<(), Fault> {
+        if let Some(fault) = self.lacks_memory.take() {
+            return Err(fault);
+        }
         let fault = self.fault.take();
         if fault.is_none() {
+            self.options.reserve(&mut self.triangles, self.list.len(), FACES)?;
             match kind.shape {
                 FaceKind::Polygon => mesh::fan(&self.list, &mut self.triangles),
                 FaceKind::Strip => mesh::strip(&self.list, &mut self.triangles),
@@ -106,6 +127,12 @@ impl Faces {
         }
         self.broken.count(fault);
         self.list.clear();
+        Ok(())
+    }
+
+    /// Memory of the triangles.
+    pub(super) fn byte_size(&self) -> usize {
+        size_of_val(self.triangles.as_slice())
     }
 
     /// Gives `cloud` those that can be used, and says in its warnings which cannot.

@@ -1,7 +1,9 @@
 //! The columns that are kept of points: all but lists, and of splats those that nothing is made of.
 
 use super::super::column::{Column, Values};
-use super::header::{Element, PropertyKind};
+use super::super::error::Fault;
+use super::super::options::ReadOptions;
+use super::header::{Element, Property, PropertyKind};
 use super::splats;
 
 /// The element whose rows are points.
@@ -35,6 +37,19 @@ impl KeptColumns {
             }));
         }
         kept
+    }
+
+    /// Bytes that the columns of `vertex` take.
+    pub(super) fn bytes(vertex: &Element) -> usize {
+        let is_number = |property: &&Property| matches!(property.kind, PropertyKind::Scalar(_));
+        let numbers = vertex.properties.iter().filter(is_number).count();
+        vertex.count.saturating_mul(numbers * size_of::<f64>())
+    }
+
+    /// Fails where there is no memory for the columns of `vertex`.
+    pub(super) fn claim(vertex: &Element, options: &ReadOptions) -> Result<(), Fault> {
+        let what = format!("the numbers of {} points", vertex.count);
+        options.claim(&what, Self::bytes(vertex) as u64)
     }
 
     pub(super) fn push(&mut self, property: usize, value: f64) {

@@ -23,6 +23,8 @@ use super::error::Fault;
 use super::fixed_rows::{FixedRows, bytes_behind};
 use super::format::{Format, Magic, Traits};
 use super::growing;
+use super::options::ReadOptions;
+use super::splats::SPLAT_BYTES;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use faces::{FaceList, Faces};
@@ -39,9 +41,9 @@ pub(super) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Fault> {
+pub(super) fn decode(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<RawCloud, Fault> {
     let header = PlyHeader::parse(bytes)?;
-    if let Some(splats) = packed_splats::decode(bytes, &header) {
+    if let Some(splats) = packed_splats::decode(bytes, &header, options) {
         return splats;
     }
     let PlyRows {
@@ -49,16 +51,18 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
         count,
         faces,
         warnings,
-    } = read_rows(bytes, &header, progress)?;
+    } = read_rows(bytes, &header, options, progress)?;
+    let options = &options.holding(faces.byte_size());
     let anchors = splats::drop_anchors(&mut columns);
     let mut cloud = match Splats::take(columns) {
         Ok((splats, columns)) => {
-            let mut cloud = growing::cloud(&columns, count)?;
+            options.claim_entries("the splats", count, SPLAT_BYTES)?;
+            let mut cloud = growing::cloud(&columns, count, options)?;
             splats.put_into(&mut cloud);
             cloud.not_kept.extend(not_kept::not_kept_of_splats(&header));
             cloud
         }
-        Err(columns) => growing::cloud(&columns, count)?,
+        Err(columns) => growing::cloud(&columns, count, options)?,
     };
     cloud.convention = cloud.convention.or_else(|| writer::convention(bytes));
     faces.put_into(&mut cloud);
@@ -70,8 +74,8 @@ pub(super) fn decode(bytes: &[u8], progress: &Progress) -> Result<RawCloud, Faul
 }
 
 /// The normals in a file that may have no points.
-pub(super) fn normals(bytes: &[u8], progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
-    let rows = read_rows(bytes, &PlyHeader::parse(bytes)?, progress)?;
+pub(super) fn normals(bytes: &[u8], options: &ReadOptions, progress: &Progress) -> Result<Vec<[f32; 3]>, Fault> {
+    let rows = read_rows(bytes, &PlyHeader::parse(bytes)?, options, progress)?;
     attributes::normals(&rows.columns, rows.count)
 }
 
@@ -93,7 +97,12 @@ struct PlyRows<'a> {
     warnings: Vec<String>,
 }
 
-fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Result<PlyRows<'a>, Fault> {
+fn read_rows<'a>(
+    bytes: &'a [u8],
+    header: &PlyHeader,
+    options: &ReadOptions,
+    progress: &Progress,
+) -> Result<PlyRows<'a>, Fault> {
     let Some(vertex) = header.elements.iter().find(|element| element.name == POINTS) else {
         return Err(no_points(header));
     };
@@ -104,10 +113,11 @@ fn read_rows<'a>(bytes: &'a [u8], header: &PlyHeader, progress: &Progress) -> Re
     let elements = &header.elements[..last.map_or(0, |last| last + 1)];
     let is_all = elements.len() == header.elements.len();
     let (columns, faces, warnings) = match header.encoding {
-        Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), progress)?,
+        Encoding::Ascii => ascii::read(bytes, (header, elements, vertex), options, progress)?,
         Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
             let big_endian = header.encoding == Encoding::BinaryBigEndian;
-            let (columns, faces, rest) = binary::read(&bytes[header.byte_size..], big_endian, elements, vertex)?;
+            let (columns, faces, rest) =
+                binary::read(&bytes[header.byte_size..], big_endian, (elements, vertex), options)?;
             let warnings = bytes_behind(rest as u64).filter(|_| is_all);
             (columns, faces, warnings.into_iter().collect())
         }

@@ -6,7 +6,8 @@
 //! Harmonics behind the splats are left out.
 
 use super::super::error::Fault;
-use super::super::splats::{LARGEST_OF_OTHERS, SplatShape, byte, put_shapes, with_largest};
+use super::super::options::ReadOptions;
+use super::super::splats::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, byte, put_shapes, with_largest};
 use super::binary::rows;
 use super::header::{Element, PlyHeader};
 use super::kept_columns::POINTS;
@@ -38,7 +39,7 @@ pub(super) fn is_used(name: &str) -> bool {
 }
 
 /// The splats of a file with this header; `None` where they are not packed.
-pub(super) fn decode(bytes: &[u8], header: &PlyHeader) -> Option<Result<RawCloud, Fault>> {
+pub(super) fn decode(bytes: &[u8], header: &PlyHeader, options: &ReadOptions) -> Option<Result<RawCloud, Fault>> {
     let find = |name: &str| header.elements.iter().find(|element| element.name == name);
     let (chunks, splats) = (find(CHUNKS)?, find(POINTS)?);
     let has_words = WORDS
@@ -47,10 +48,15 @@ pub(super) fn decode(bytes: &[u8], header: &PlyHeader) -> Option<Result<RawCloud
     if !has_words || matches!(header.encoding, Encoding::Ascii) {
         return None;
     }
-    Some(unpack(bytes, header, (chunks, splats)))
+    Some(unpack(bytes, header, (chunks, splats), options))
 }
 
-fn unpack(bytes: &[u8], header: &PlyHeader, (chunks, splats): (&Element, &Element)) -> Result<RawCloud, Fault> {
+fn unpack(
+    bytes: &[u8],
+    header: &PlyHeader,
+    (chunks, splats): (&Element, &Element),
+    options: &ReadOptions,
+) -> Result<RawCloud, Fault> {
     if chunks.count < splats.count.div_ceil(CHUNK_SPLATS) {
         return Err(Fault::header(format!(
             "there are {} chunks of {CHUNK_SPLATS} for {} splats: the header is wrong",
@@ -64,6 +70,9 @@ fn unpack(bytes: &[u8], header: &PlyHeader, (chunks, splats): (&Element, &Elemen
         };
         let payload = bytes.get(start..).unwrap_or_default();
         element.check_claim(rows.row_bytes, payload.len())?;
+        // The words of a splat stay next to the cloud.
+        let row_bytes = names.len() * size_of::<f64>() + SPLAT_BYTES;
+        options.claim_entries(&format!("{} splats", element.count), element.count, row_bytes)?;
         let columns = rows.columns(payload);
         let column = |name: &&str| {
             let column = columns.iter().find(|column| column.name == **name)?;

@@ -5,6 +5,10 @@ use super::super::error::mebibytes;
 /// Most pixels along an edge.
 pub(super) const MOST_EDGE_PX: u32 = 1 << 15;
 
+/// Memory of a pixel of depth until it is a point: its number, its depth before and after filters, its ray, place,
+/// normal and colour, and what the filters note.
+pub(crate) const DEPTH_PIXEL_BYTES: u64 = 96;
+
 /// An image, line by line from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Raster {

@@ -196,12 +196,12 @@ impl Messages {
     pub(super) fn read(&self, row: i64, options: &ReadOptions) -> Result<Vec<u8>, String> {
         let read = || -> Result<Vec<u8>, Failure> {
             let mut message = self.0.blob_open("main", "messages", "data", row, true)?;
-            if message.len() as u64 > options.max_memory_bytes {
+            if message.len() as u64 > options.left_bytes() {
                 return Err(Failure::Said(
                     Fault::too_large("the message", message.len() as u64, options).problem,
                 ));
             }
-            let mut bytes = Vec::new();
+            let mut bytes = Vec::with_capacity(message.len());
             message.read_to_end(&mut bytes).map_err(|error| {
                 Failure::Said(format!("the message is not readable ({error}): the file is damaged"))
             })?;

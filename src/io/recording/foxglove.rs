@@ -194,12 +194,8 @@ impl Cloud<'_> {
                  truncated"
             )));
         }
-        let needed = count.saturating_mul(size_of::<[f64; 3]>() as u64);
-        if needed > options.max_memory_bytes {
-            return Err(Fault::too_large("the cloud", needed, options));
-        }
         let columns: Result<Vec<_>, _> = self.fields.iter().map(|field| self.column(field)).collect();
-        let mut cloud = growing::cloud(&columns?, count as usize)?;
+        let mut cloud = growing::cloud(&columns?, count as usize, options)?;
         self.pose.apply(&mut cloud)?;
         Ok(cloud)
     }

@@ -85,10 +85,7 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
             message.len()
         )));
     }
-    let needed = u64::from(count) * POINT_BYTES;
-    if needed > options.max_memory_bytes {
-        return Err(Fault::too_large("the cloud", needed, options));
-    }
+    options.claim("the cloud", u64::from(count) * POINT_BYTES)?;
     let mut columns = Columns::default();
     for index in 0..count {
         columns

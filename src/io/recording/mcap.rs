@@ -149,6 +149,8 @@ impl Finder {
             let mut next = || {
                 let (kind, length) = (records.u8()?, records.u64()?);
                 let start = records.position() as u64;
+                // Zeros are no records.
+                (kind != 0).then_some(())?;
                 Some((kind, start, records.take(usize::try_from(length).ok()?)?))
             };
             let Some((kind, start, body)) = next() else {

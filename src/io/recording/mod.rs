@@ -80,7 +80,7 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
     let found = if format == containers::DB3 {
         db3::find(path, wanted)
     } else {
-        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?).map_err(failed)?;
+        let mut walk = walk::Walk::new(File::open(path).map_err(failed)?, path).map_err(failed)?;
         if format == containers::MCAP {
             mcap::find(&mut walk, wanted, options)
         } else {
@@ -100,7 +100,9 @@ fn find(path: &Path, format: Format, wanted: Wanted, options: &ReadOptions) -> R
 pub(super) fn read(path: &Path, message: &Message, options: &ReadOptions) -> Result<RawCloud, IoError> {
     let bytes = message_bytes(path, message, options)?;
     let (format, place) = place_of(path, message);
-    let cloud = message.encoding.decode(&bytes, options).map_err(|fault| {
+    // Of a message in a chunk the room of the chunk.
+    let options = options.holding(bytes.capacity());
+    let cloud = message.encoding.decode(&bytes, &options).map_err(|fault| {
         let problem = format!("the point cloud: {}", fault.problem);
         Fault::new(place, problem).of(path, format)
     })?;
@@ -118,7 +120,8 @@ pub(crate) fn read_image(
     options: &ReadOptions,
 ) -> Result<Raster, IoError> {
     let bytes = message_bytes(path, message, options)?;
-    camera::image(&bytes, message, kind, options.max_memory_bytes).map_err(|problem| {
+    let most_bytes = options.holding(bytes.capacity()).left_bytes();
+    camera::image(&bytes, message, kind, most_bytes).map_err(|problem| {
         let (format, place) = place_of(path, message);
         Fault::new(place, format!("the image: {problem}")).of(path, format)
     })

@@ -65,16 +65,15 @@ pub(super) fn decode(message: &[u8], serialisation: Serialisation, options: &Rea
     let cloud = parse(message, serialisation)
         .ok_or_else(|| Fault::header("the message ends before its last field: it is truncated or damaged"))?;
     let grid = Grid::of(&cloud)?;
-    let needed = grid.count().saturating_mul(size_of::<[f64; 3]>() as u64);
-    if needed > options.max_memory_bytes {
-        return Err(Fault::too_large("the cloud", needed, options));
-    }
+    let gapless = grid.count().saturating_mul(grid.point_step);
+    options.claim("the cloud", gapless)?;
     let bytes = grid.without_gaps(cloud.data);
+    let options = &options.holding(if let Cow::Owned(bytes) = &bytes { bytes.len() } else { 0 });
     let mut columns = Vec::new();
     for field in &cloud.fields {
         columns.extend(numbers(field, &cloud, &grid, &bytes)?);
     }
-    let mut read = growing::cloud(&columns, grid.count() as usize)?;
+    let mut read = growing::cloud(&columns, grid.count() as usize, options)?;
     read.convention = Some(convention(&cloud));
     read.grid = ImageGrid::of(cloud.width, cloud.height, read.positions.len());
     Ok(read)

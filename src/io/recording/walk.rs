@@ -1,24 +1,28 @@
 //! Steps over the records of a file, reading only what is asked for.
 
+use super::super::long_walk::LongWalk;
 use super::super::options::ReadOptions;
 use super::chunk::MessageChunk;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
 
 /// A place in a file that moves forward.
 pub(in crate::io) struct Walk {
     file: BufReader<File>,
     at: u64,
     end: u64,
+    long: LongWalk,
 }
 
 impl Walk {
-    pub(in crate::io) fn new(file: File) -> io::Result<Self> {
+    pub(in crate::io) fn new(file: File, path: &Path) -> io::Result<Self> {
         let end = file.metadata()?.len();
         Ok(Self {
             file: BufReader::new(file),
             at: 0,
             end,
+            long: LongWalk::new(path, end),
         })
     }
 
@@ -50,6 +54,7 @@ impl Walk {
         let step = i64::try_from(position.checked_sub(self.at)?).ok()?;
         self.file.seek_relative(step).ok()?;
         self.at = position;
+        self.long.step(position);
         Some(())
     }
 

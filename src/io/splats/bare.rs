@@ -3,7 +3,8 @@
 
 use super::super::error::{Fault, Place};
 use super::super::format::{Format, Traits};
-use super::{SplatShape, put_shapes};
+use super::super::options::ReadOptions;
+use super::{SPLAT_BYTES, SplatShape, put_shapes};
 use crate::cloud::{Positions, RawCloud};
 use glam::Quat;
 
@@ -16,7 +17,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
 
 const RECORD_BYTES: usize = 32;
 
-pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
+pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
     let (records, rest) = bytes.as_chunks::<RECORD_BYTES>();
     if !rest.is_empty() {
         return Err(Fault::new(
@@ -28,6 +29,7 @@ pub(in crate::io) fn decode(bytes: &[u8]) -> Result<RawCloud, Fault> {
             ),
         ));
     }
+    options.claim_entries("the splats", records.len(), SPLAT_BYTES)?;
     let float = |record: &[u8; RECORD_BYTES], index: usize| {
         let at = 4 * index;
         f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])

@@ -13,6 +13,9 @@ pub(super) mod spz;
 use crate::cloud::{AxisConvention, Ellipse, RawCloud};
 use glam::{Mat3, Quat, Vec3};
 
+/// What a splat takes in a cloud: position, colour, normal, radius, ellipse; the lists of shapes grow as they are made.
+pub(super) const SPLAT_BYTES: usize = 16 + 2 * 32;
+
 /// Constant term of spherical harmonics: 1 / (2 √π).
 const HARMONIC: f32 = 0.282_094_79;
 

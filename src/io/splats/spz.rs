@@ -11,11 +11,12 @@
 use super::super::error::{Fault, Place};
 use super::super::format::{Format, Magic, Traits};
 use super::super::options::ReadOptions;
-use super::super::unpack::{Packing, unpack, unpack_unknown};
-use super::{LARGEST_OF_OTHERS, SplatShape, channel_of_harmonic, put_shapes, with_largest};
+use super::super::unpack::{Packing, unpack, unpack_gzip};
+use super::{LARGEST_OF_OTHERS, SPLAT_BYTES, SplatShape, channel_of_harmonic, put_shapes, with_largest};
 use crate::binary::half;
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use glam::Quat;
+use std::io::Cursor;
 
 /// Packed splats; other gzip files than those of its name are not.
 pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
@@ -87,7 +88,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
     if bytes.starts_with(MAGIC) {
         return of_streams(bytes, options);
     }
-    let unpacked = unpack_unknown(Packing::Gzip, bytes, options).map_err(Fault::header)?;
+    let unpacked = unpack_gzip(Cursor::new(bytes), options).map_err(Fault::header)?;
     let Some(head) = unpacked.first_chunk() else {
         return Err(Fault::header("it ends within its header: it is truncated"));
     };
@@ -98,6 +99,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
             header.version
         )));
     }
+    let options = options.holding(unpacked.len());
     let mut rest = &unpacked[HEADER_BYTES..];
     let mut arrays = [&[][..]; 5];
     for ((array, name), width) in arrays.iter_mut().zip(ARRAYS).zip(header.widths()) {
@@ -115,6 +117,7 @@ pub(in crate::io) fn decode(bytes: &[u8], options: &ReadOptions) -> Result<RawCl
         };
         (*array, rest) = rest.split_at(length);
     }
+    options.claim_entries(&format!("{} splats", header.count), header.count, SPLAT_BYTES)?;
     Ok(cloud(&header, arrays))
 }
 
@@ -150,11 +153,8 @@ fn of_streams(bytes: &[u8], options: &ReadOptions) -> Result<RawCloud, Fault> {
         ));
     };
     let widths = header.widths();
-    let needed = header.count as u64 * widths.iter().sum::<usize>() as u64;
-    if needed > options.max_memory_bytes {
-        let what = format!("{} splats", header.count);
-        return Err(Fault::too_large(&what, needed, options));
-    }
+    let splat_bytes = widths.iter().sum::<usize>() + SPLAT_BYTES;
+    options.claim_entries(&format!("{} splats", header.count), header.count, splat_bytes)?;
     let rows = bytes[table..].as_chunks::<TABLE_ROW_BYTES>().0;
     let mut arrays: [Vec<u8>; 5] = Default::default();
     for (index, (array, name)) in arrays.iter_mut().zip(ARRAYS).enumerate() {

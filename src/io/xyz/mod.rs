@@ -78,7 +78,7 @@ pub(super) use encoding::utf8;
 pub(super) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {
     let table = Table::open(file.name, file.bytes, file.options, file.progress)?;
     match file.part {
-        Part::Layer(frame) => table.frame(*frame),
-        _ => table.first(),
+        Part::Layer(frame) => table.frame(*frame, file.options),
+        _ => table.first(file.options),
     }
 }

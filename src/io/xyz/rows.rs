@@ -5,10 +5,12 @@
 
 use super::super::error::{Fault, Place};
 use super::super::numbers::quoted;
+use super::super::options::ReadOptions;
 use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Large enough to be worth a task, small enough that the cores share a file evenly.
 const BLOCK_BYTES: usize = 1 << 20;
@@ -264,20 +266,27 @@ pub(in crate::io) fn parse(
     first_line: usize,
     kinds: &[Kind],
     dialect: Dialect,
+    options: &ReadOptions,
     progress: &Progress,
 ) -> Result<ParsedRows, Fault> {
     let width = kinds.len();
+    let taken = AtomicU64::new(0);
     let mut blocks: Vec<LineBlock<'_>> = blocks(text)
         .into_par_iter()
         .map(|block| {
             if progress.is_cancelled() {
-                return LineBlock::default();
+                return Ok(LineBlock::default());
             }
-            let parsed = parse_block(block, kinds, dialect);
+            let mut parsed = parse_block(block, kinds, dialect);
+            parsed.values.shrink_to_fit();
+            // What is parsed is put together in columns, next to the blocks.
+            let more = 2 * parsed.bytes();
+            let bytes = taken.fetch_add(more, Ordering::Relaxed).saturating_add(more);
+            options.claim("the numbers of its lines", bytes)?;
             progress.advance(block.len());
-            parsed
+            Ok(parsed)
         })
-        .collect();
+        .collect::<Result<_, Fault>>()?;
     if progress.is_cancelled() {
         return Err(Fault::cancelled());
     }
@@ -387,6 +396,13 @@ pub(super) fn trimmed(line: &[u8], dialect: Dialect) -> &[u8] {
 }
 
 impl<'a> LineBlock<'a> {
+    /// Memory that it takes.
+    fn bytes(&self) -> u64 {
+        let labels: usize = self.breaks.iter().map(|found| found.label.len()).sum();
+        let breaks = size_of_val(self.breaks.as_slice()) + labels;
+        (size_of_val(self.values.as_slice()) + size_of_val(self.lones.as_slice()) + breaks) as u64
+    }
+
     fn add_line(&mut self, line: &'a [u8], kinds: &[Kind], dialect: Dialect) {
         let width = kinds.len();
         let before = self.values.len();
@@ -496,71 +512,4 @@ impl<'a> LineBlock<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn cells(line: &str, mark: Option<u8>) -> String {
-        let dialect = Dialect { mark, ..Dialect::MIXED };
-        format!("{:?}", Cells::new(dialect, line.as_bytes()).all())
-    }
-
-    #[test]
-    fn empty_cells_are_missing() {
-        for (line, mark, expected) in [
-            ("1,,3", None, "[Number(1.0), Number(NaN), Number(3.0)]"),
-            ("1 , 2 ,3,", None, "[Number(1.0), Number(2.0), Number(3.0)]"),
-            ("1;2;\"3.5\"", None, "[Number(1.0), Number(2.0), Number(3.5)]"),
-            (
-                "1,,3,",
-                Some(b','),
-                "[Number(1.0), Number(NaN), Number(3.0), Number(NaN)]",
-            ),
-            ("1\t\t 2 ", Some(b'\t'), "[Number(1.0), Number(NaN), Number(2.0)]"),
-        ] {
-            assert_eq!(cells(line, mark), expected, "{line}");
-        }
-        let words = Cells::new(
-            Dialect {
-                mark: Some(b','),
-                ..Dialect::MIXED
-            },
-            b"a b,\"c,d\", e",
-        )
-        .words();
-        assert_eq!(words, [b"a b".as_slice(), b"c,d", b"e"]);
-    }
-
-    #[test]
-    fn many_blocks_are_parsed_as_one_and_name_the_line() {
-        let mut text: Vec<String> = (0..200_000).map(|i| format!("{i} {} -{i}.5 7", i * 2)).collect();
-        let progress = Progress::default();
-        let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Number];
-        let rows = parse(text.join("\n").as_bytes(), 1, &kinds, Dialect::MIXED, &progress).unwrap();
-        assert_eq!(progress.done(), text.join("\n").len());
-        assert_eq!(rows.len(), 200_000);
-        assert!((0..200_000).all(|i| rows.columns[2][i] == -(i as f64) - 0.5));
-        assert!(text.join("\n").len() > 2 * BLOCK_BYTES);
-        "1 2 oops 4".clone_into(&mut text[150_000]);
-        "1 2".clone_into(&mut text[170_000]);
-        "1 2 3 oops".clone_into(&mut text[180_000]);
-        let rows = parse(text.join("\r\n").as_bytes(), 11, &kinds, Dialect::MIXED, &progress).unwrap();
-        assert_eq!(rows.len(), 199_998);
-        assert_eq!(rows.odd_lines.count, 2);
-        assert_eq!(rows.odd_lines.fault().unwrap().place, Place::Line(150_011));
-        assert_eq!(
-            (rows.odd_cells.count, rows.odd_cells.first.map(|first| first.0)),
-            (1, Some(180_011))
-        );
-    }
-
-    #[test]
-    fn words_become_their_places_in_order() {
-        let lines = ["1 2 3 car\n", "1 2 3 bus\n", "1 2 3 -\n", "1 2 3 van\n"];
-        let text = lines.concat().repeat(150_000 / 4);
-        let kinds = [Kind::Required, Kind::Required, Kind::Required, Kind::Text];
-        let rows = parse(text.as_bytes(), 1, &kinds, Dialect::MIXED, &Progress::default()).unwrap();
-        assert_eq!(rows.words[3], ["-", "bus", "car", "van"]);
-        assert_eq!(rows.columns[3][..4], [2.0, 1.0, 0.0, 3.0]);
-        assert_eq!(rows.columns[3][149_996..], [2.0, 1.0, 0.0, 3.0]);
-    }
-}
+mod tests;

@@ -39,6 +39,7 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
     if !may_be_sequence && !has_breaks(&plain(&bytes).text) {
         return Ok(vec![Entry::whole()]);
     }
+    let options = &options.holding(bytes.len());
     let table = Table::open(path, &bytes, options, &Progress::default());
     let frames = table.map(|table| table.frames).unwrap_or_default();
     if frames.len() < 2 {

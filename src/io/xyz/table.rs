@@ -23,6 +23,7 @@ use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::io::utm::Zone;
 use crate::progress::Progress;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Scalars per point that are read.
@@ -51,6 +52,12 @@ impl Table {
         let plain = plain(bytes);
         let text = &plain.text;
         let counted = Counted::of(text)?;
+        let copied = match text {
+            Cow::Owned(text) => text.len(),
+            Cow::Borrowed(_) => 0,
+        };
+        let counted_bytes = counted.as_ref().map_or(0, |counted| counted.text.len());
+        let options = &options.holding(copied + counted_bytes);
         let body: &[u8] = counted.as_ref().map_or(text, |counted| &counted.text);
         let mut head = Head::read(body)?;
         let Some(width) = head.width else {
@@ -98,7 +105,7 @@ impl Table {
         }
         progress.set(head.byte_count, body.len());
         let start = head.line_count + 1;
-        let mut parsed = rows::parse(&body[head.byte_count..], start, &kinds, head.dialect, progress)?;
+        let mut parsed = rows::parse(&body[head.byte_count..], start, &kinds, head.dialect, options, progress)?;
         if let Some(counted) = &counted {
             for odd in [&mut parsed.odd_lines, &mut parsed.odd_cells] {
                 odd.first = odd.first.take().map(|(line, problem)| (counted.line_of(line), problem));
@@ -414,7 +421,7 @@ impl Table {
     }
 
     /// One of the frames.
-    pub(in crate::io) fn frame(&self, index: usize) -> Result<RawCloud, Fault> {
+    pub(in crate::io) fn frame(&self, index: usize, options: &ReadOptions) -> Result<RawCloud, Fault> {
         if index >= self.frame_count() {
             return Err(Fault::header(format!(
                 "there is no frame {index}, only {} counted from 0: the file has changed since it was opened",
@@ -444,10 +451,13 @@ impl Table {
                     Rows::Range(range) => range.len(),
                     Rows::List(rows) => rows.len(),
                 };
-                growing::cloud(&gathered(rows), count)?
+                let all = self.columns.iter().map(Column::parsed_bytes).sum();
+                let options = options.holding(all);
+                options.claim_entries("the frame", count, size_of::<f64>() * self.columns.len())?;
+                growing::cloud(&gathered(rows), count, &options)?
             }
             _ if self.columns.is_empty() => RawCloud::from_positions(Positions::F64(Vec::new())),
-            _ => growing::cloud(&self.columns, self.rows)?,
+            _ => growing::cloud(&self.columns, self.rows, options)?,
         };
         cloud.unit = self.unit;
         cloud.assumptions.clone_from(&self.assumptions);
@@ -459,8 +469,8 @@ impl Table {
     }
 
     /// All of the file, or the first frame of several.
-    pub(super) fn first(&self) -> Result<RawCloud, Fault> {
-        let mut cloud = self.frame(0)?;
+    pub(super) fn first(&self, options: &ReadOptions) -> Result<RawCloud, Fault> {
+        let mut cloud = self.frame(0, options)?;
         if self.frames.len() > 1 {
             cloud.warnings.push(format!(
                 "the file holds {} frames, of which this is the first: open it alone to see all",

@@ -5,13 +5,14 @@
 
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
 use super::timeline::Timeline;
+use crate::io::long_walk::LongWalk;
 use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
 use crate::wire::{
-    FRAME_HEAD_BYTES, Frame, FrameHead, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
+    FRAME_HEAD_BYTES, Frame, FrameHead, Kind, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
 };
 use std::fs::File;
@@ -56,7 +57,7 @@ impl RecordedStream {
         let unreadable = |error| failed(format!("it cannot be read ({error}): check its permissions"));
         let file = regular_file::open(path).map_err(unreadable)?;
         let length = file.metadata().map_err(unreadable)?.len();
-        let walked = Walked::over(BufReader::new(file), length).map_err(|error| failed(error.to_string()))?;
+        let walked = Walked::over(BufReader::new(file), length, path).map_err(|error| failed(error.to_string()))?;
         if walked.frames.is_empty() {
             return Err(failed("it has no whole frame: record the stream again".to_owned()));
         }
@@ -94,7 +95,7 @@ struct Walked {
 }
 
 impl Walked {
-    fn over(mut file: BufReader<File>, length: u64) -> Result<Self, WireError> {
+    fn over(mut file: BufReader<File>, length: u64, path: &Path) -> Result<Self, WireError> {
         let head = StreamHead::read(&mut file)?;
         let mut walked = Self {
             head,
@@ -104,7 +105,9 @@ impl Walked {
         let mut timeline = Timeline::default();
         let spacing = Duration::try_from_secs_f64(head.fps.recip()).unwrap_or_default();
         let mut offset = file.stream_position().map_err(WireError::Io)?;
+        let mut long = LongWalk::new(path, length);
         loop {
+            long.step(offset);
             match next(&mut file, offset, length) {
                 Ok(None) => return Ok(walked),
                 Ok(Some((frame, end))) => {
@@ -140,6 +143,13 @@ fn next(file: &mut BufReader<File>, offset: u64, length: u64) -> Result<Option<(
     let Some(header) = MessageHeader::read(file)? else {
         return Ok(None);
     };
+    // Zeros have the right length and checksum, and a sparse file may have terabytes of them.
+    if header.kind == Kind::Other(0) {
+        return Err(WireError::Malformed {
+            what: "the file",
+            reason: "a message is of kind 0, which there is none of".to_owned(),
+        });
+    }
     let begin = offset + MESSAGE_HEADER_BYTES as u64;
     let end = begin + u64::from(header.payload_bytes);
     if end > length {

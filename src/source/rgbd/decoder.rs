@@ -13,7 +13,7 @@ use super::text;
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::RawCloud;
 use crate::io::ReadOptions;
-use crate::io::raster::{Raster, Samples};
+use crate::io::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
 use crate::locks::lock;
 use crate::photos::{DepthFile, DepthKind};
 use crate::progress::Progress;
@@ -55,6 +55,20 @@ struct PreparedRig {
     color_px: Option<[u32; 2]>,
     rig: Arc<Rig>,
     rays: Arc<RayTable>,
+}
+
+/// Fails where an image of this size takes more memory than it may: a few bytes of RVL are as many holes as they like.
+fn check_pixels([width, height]: [u32; 2], path: &Path, options: &ReadOptions) -> Result<(), RgbdError> {
+    let bytes = u64::from(width) * u64::from(height) * DEPTH_PIXEL_BYTES;
+    if bytes > options.max_memory_bytes {
+        return Err(RgbdError::ManyPixels {
+            path: path.to_owned(),
+            size_px: [width, height],
+            bytes,
+            most_bytes: options.max_memory_bytes,
+        });
+    }
+    Ok(())
 }
 
 impl Recorded {
@@ -199,13 +213,15 @@ impl Recorded {
 
     /// The depth image of a frame as it was recorded, in its own units.
     fn depth_raster(&self, frame: &FrameImages) -> Result<Raster, RgbdError> {
-        match &frame.depth {
+        let raster = match &frame.depth {
             StoredImage::File(path) if has_extension(name_of(path), &["depth"]) => {
                 let bytes = text::read_bytes(path, self.read.max_memory_bytes)?;
-                text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))
+                text_raster(path, &bytes, frame.calibration.depth.for_size_px.unwrap_or([640, 480]))?
             }
-            image => image.raster(&self.read),
-        }
+            image => image.raster(&self.read)?,
+        };
+        check_pixels(raster.size_px, frame.depth.path(), &self.read)?;
+        Ok(raster)
     }
 
     /// The depth image of a frame after the filters that look at it alone.
@@ -296,6 +312,7 @@ impl Recorded {
 
     fn color_image(&self, image: &StoredImage) -> Result<ColorImage, RgbdError> {
         let raster = image.raster(&self.read)?;
+        check_pixels(raster.size_px, image.path(), &self.read)?;
         let pixels = match raster.samples {
             Samples::Rgb8(pixels) => pixels,
             Samples::Gray8(samples) => samples.into_iter().map(|gray| [gray; 3]).collect(),

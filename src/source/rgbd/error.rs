@@ -26,6 +26,21 @@ pub enum RgbdError {
         /// What is read at most.
         most_bytes: u64,
     },
+    /// An image of more pixels than there is memory for.
+    #[error(
+        "{} has an image of {} × {} pixels, which would take {bytes} bytes of memory, and may take {most_bytes}: raise \
+         --max-memory if the machine has it", path.display(), size_px[0], size_px[1]
+    )]
+    ManyPixels {
+        /// The file that the image is in.
+        path: PathBuf,
+        /// Width and height.
+        size_px: [u32; 2],
+        /// What they would take.
+        bytes: u64,
+        /// What they may take.
+        most_bytes: u64,
+    },
     /// An image that cannot be decoded.
     #[error(
         "{} is no image that can be read: {reason}. Copy the file again, or remove it to go on without it",

@@ -127,6 +127,38 @@ fn as_many_levels_are_read_as_there_is_memory_for() {
 }
 
 #[test]
+fn levels_of_a_file_beyond_the_limit_are_read_by_windows() {
+    const FILE_BYTES: u64 = 1 << 20;
+    let file = tempfile::Builder::new().suffix(".laz").tempfile().unwrap();
+    std::fs::write(file.path(), octree()).unwrap();
+    let read = |most_bytes: u64| {
+        let options = options().with_max_memory(most_bytes);
+        super::super::windows::read_levels(file.path(), &options, &Progress::default())
+    };
+    assert!(read(FILE_BYTES).unwrap().is_none(), "all of it fits");
+    file.as_file().set_len(FILE_BYTES).unwrap();
+    let mut seen = Vec::new();
+    for bytes in (100..20_000).step_by(97) {
+        match read(bytes) {
+            Ok(Some(cloud)) => {
+                let count = cloud.positions.len();
+                let found = [5, 35, 75].iter().position(|&n| n == count).unwrap();
+                assert_eq!(levels(&cloud), expected(found + 1));
+                if seen.last() != Some(&count) {
+                    seen.push(count);
+                }
+            }
+            Ok(None) => assert!(seen.is_empty(), "{bytes}"),
+            Err(error) => {
+                assert!(seen.is_empty(), "{bytes}");
+                assert!(error.to_string().contains("--max-memory"), "{error}");
+            }
+        }
+    }
+    assert_eq!(seen, [5, 35, 75]);
+}
+
+#[test]
 fn a_damaged_hierarchy_is_not_needed() {
     let file = octree();
     let in_file_order = [vec![0.0; 5], vec![2.0; 40], vec![1.0; 30]].concat();

@@ -5,7 +5,7 @@
 //! and go on over holes. Width and height stand before the words.
 
 use super::super::bytes::Bytes;
-use crate::io::raster::{Raster, Samples};
+use crate::io::raster::{DEPTH_PIXEL_BYTES, Raster, Samples};
 
 /// Nibbles that hold 16 bits, a sign, or the pixels of the largest image.
 const MOST_NIBBLES: u32 = 11;
@@ -19,10 +19,11 @@ pub(crate) fn decode(bytes: &[u8], most_bytes: u64) -> Result<Raster, String> {
     let (width, height) = size.ok_or("it is shorter than its width and height")?;
     let edges = 1..=MOST_EDGE_PX;
     let pixels = u64::from(width) * u64::from(height);
-    if !edges.contains(&width) || !edges.contains(&height) || 2 * pixels > most_bytes {
+    if !edges.contains(&width) || !edges.contains(&height) || DEPTH_PIXEL_BYTES * pixels > most_bytes {
         return Err(format!(
-            "it claims {width} × {height} pixels: 1 to {MOST_EDGE_PX} along an edge are read, and {most_bytes} bytes \
-             of memory are allowed"
+            "it claims {width} × {height} pixels: 1 to {MOST_EDGE_PX} along an edge are read, of {DEPTH_PIXEL_BYTES} \
+             bytes each until they are points, and {most_bytes} bytes of memory are allowed: raise --max-memory if the \
+             machine has it"
         ));
     }
     let mut nibbles = Nibbles {
