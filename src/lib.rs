@@ -6,6 +6,8 @@
 //! |---|---|
 //! | [`memory`] | the allocator of the program, and how long it keeps what is freed |
 //! | `kept` | files that are kept between runs |
+//! | [`deadlines`] | how long other machines are waited for |
+//! | [`waiting`] | what other machines are waited for |
 //! | `locks` | locks that go on after a panic elsewhere |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
 //! | `messages` | which messages are of one kind |
@@ -46,6 +48,7 @@ pub mod check;
 pub mod cli;
 pub mod cloud;
 pub mod convert;
+pub mod deadlines;
 pub mod export;
 pub mod headless;
 pub mod io;
@@ -74,4 +77,5 @@ pub mod source;
 pub mod stereo;
 mod stopwatch;
 pub mod timeline;
+pub mod waiting;
 pub mod wire;

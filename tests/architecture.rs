@@ -32,6 +32,7 @@ const ORDER: &[&[&str]] = &[
     &[
         "binary",
         "assumption",
+        "deadlines",
         "math",
         "memory",
         "kept",
@@ -41,6 +42,7 @@ const ORDER: &[&[&str]] = &[
         "priority",
         "progress",
         "stopwatch",
+        "waiting",
     ],
     &["cloud"],
     &["rgbd"],

@@ -32,6 +32,7 @@ mod values;
 mod video;
 mod video_arguments;
 mod view;
+mod waits;
 mod warnings;
 
 use clap::{Parser, Subcommand};
@@ -90,11 +91,13 @@ pub fn main() -> ExitCode {
     // A wrong usage exits with 2 here.
     let arguments = Arguments::parse();
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
-    warnings::say_them(match (arguments.verbose, has_window) {
+    let runs_on = has_window || matches!(arguments.verb, Some(Verb::Serve(_)));
+    warnings::say_them(match (arguments.verbose, runs_on) {
         (true, _) => When::AllAtOnce,
         (false, true) => When::FirstAtOnce,
         (false, false) => When::AtTheEnd,
     });
+    waits::say_them();
     if has_window || matches!(arguments.verb, Some(Verb::Bench(_))) {
         crate::priority::work_with_this_thread();
     }
