@@ -107,7 +107,7 @@ impl Default for ServerDeadlines {
                 grace: Duration::from_secs(10),
                 bytes_per_s: 16384.0,
             },
-            stuck: Duration::from_secs(1),
+            stuck: Duration::from_millis(750),
             place: Duration::from_secs(2),
         }
     }

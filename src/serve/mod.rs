@@ -92,8 +92,8 @@ impl FileServer {
             shared: Arc::new(Shared {
                 path: path.to_owned(),
                 target: format!("/{}", answer::encoded(&name)),
+                places: Arc::new(Places::new(MOST_CONNECTIONS, options.deadlines.stuck)),
                 options,
-                places: Arc::new(Places::new(MOST_CONNECTIONS)),
                 sent_bytes: AtomicU64::new(0),
                 is_over: AtomicBool::new(false),
             }),

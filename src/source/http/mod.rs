@@ -144,6 +144,9 @@ impl HttpFile {
                     "the server answers {status}"
                 ))));
             }
+            status if status.is_redirection() && self.len > 0 => {
+                return Err(refused("the file is at another address now: open it again".to_owned()));
+            }
             status => return Err(refused(format!("the server answers {status}"))),
         }
         let Some((part, whole)) = content_range(response.headers()) else {
