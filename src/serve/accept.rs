@@ -1,14 +1,20 @@
 //! What becomes of a server that can take no connection: descriptors are used up, or a client has left already.
 //!
 //! **How it works.** The connection that could not be taken stays in the queue of the system, so that the next attempt
-//! fails at once: a loop without a pause has a processor for itself. Pauses double up to a second; it is said once, and
-//! once more when connections are taken again.
+//! fails at once: a loop without a pause has a processor for itself. Pauses double up to a quarter of a second; it is said
+//! once, and once more when connections are taken again.
 
 use std::io::{self, ErrorKind};
 use std::time::Duration;
 
 /// The first pause, and the longest.
-const PAUSES: [Duration; 2] = [Duration::from_millis(10), Duration::from_secs(1)];
+const PAUSES: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
+
+/// Whether an error is that of a process, or a system, that has as many files open as it may: on Unix `EMFILE` and
+/// `ENFILE`.
+pub(super) fn is_out_of_descriptors(error: &io::Error) -> bool {
+    cfg!(unix) && matches!(error.raw_os_error(), Some(23 | 24))
+}
 
 /// How long to wait after connections could not be taken.
 #[derive(Debug, Default)]
@@ -57,7 +63,7 @@ mod tests {
         // EMFILE, on all systems that have it.
         let used_up = io::Error::from_raw_os_error(24);
         let pauses: Vec<u128> = (0..10).map(|_| back_off.failed(&used_up).as_millis()).collect();
-        assert_eq!(pauses, [10, 20, 40, 80, 160, 320, 640, 1000, 1000, 1000]);
+        assert_eq!(pauses, [10, 20, 40, 80, 160, 250, 250, 250, 250, 250]);
         back_off.works();
         assert_eq!(back_off.failed(&used_up).as_millis(), 10);
         let aborted = io::Error::from(ErrorKind::ConnectionAborted);

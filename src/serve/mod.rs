@@ -27,7 +27,7 @@ pub use cors::CorsOrigin;
 
 use crate::deadlines::ServerDeadlines;
 use crate::regular_file;
-use accept::AcceptBackOff;
+use accept::{AcceptBackOff, is_out_of_descriptors};
 use answer::{Answer, Served};
 use places::{Place, Places};
 use request::{Method, Request};
@@ -53,6 +53,10 @@ const PIECE_BYTES: usize = 1 << 16;
 /// How long, and how much, is read of a client that was refused: a connection that is closed with bytes unread is reset,
 /// and the client does not see why.
 const PARTING: (Duration, usize) = (Duration::from_millis(200), 1 << 16);
+
+/// How often the file is opened where descriptors are used up, and the pause between.
+const OPEN_TRIES: u32 = 50;
+const OPEN_PAUSE: Duration = Duration::from_millis(20);
 
 /// How a file is served.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -213,11 +217,24 @@ impl Shared {
         Ok(answer.keeps_open && left.limit() == 0)
     }
 
+    /// The file. Where descriptors are used up, idle connections give theirs.
     fn open(&self) -> io::Result<(File, Metadata)> {
-        let file = regular_file::open(&self.path)?;
-        let metadata = file.metadata()?;
-        Ok((file, metadata))
+        for _ in 1..OPEN_TRIES {
+            match regular_file::open(&self.path) {
+                Err(error) if is_out_of_descriptors(&error) => {
+                    self.places.free_one();
+                    thread::sleep(OPEN_PAUSE);
+                }
+                opened => return with_metadata(opened?),
+            }
+        }
+        with_metadata(regular_file::open(&self.path)?)
     }
+}
+
+fn with_metadata(file: File) -> io::Result<(File, Metadata)> {
+    let metadata = file.metadata()?;
+    Ok((file, metadata))
 }
 
 /// The next request of a connection, of which `read` has what was read beyond the last one; `None` at its end.

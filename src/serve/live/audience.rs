@@ -5,13 +5,16 @@ use super::outgoing::Outgoing;
 use crate::locks::lock;
 use crate::wire::View;
 use std::net::{Shutdown, SocketAddr, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// Clients at once.
 pub(super) const MOST_CLIENTS: usize = 64;
+
+/// Clients that speak at all do so more often: pings come twice per second.
+const SPEAKS_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long clients may take to hear that it is over.
 const PARTING: Duration = Duration::from_millis(500);
@@ -60,8 +63,8 @@ pub(super) struct Client {
     joined: Instant,
     /// While it is sent a message: when it took something last.
     taking: Mutex<Option<Instant>>,
-    /// Whether it has ever said anything, as those who show the stream do.
-    is_heard: AtomicBool,
+    /// When it has said something last, as those who show the stream do all the time.
+    heard: Mutex<Option<Instant>>,
     /// To end what its threads wait for.
     pub(super) stream: TcpStream,
 }
@@ -87,7 +90,7 @@ impl Client {
             view: Mutex::default(),
             joined: Instant::now(),
             taking: Mutex::default(),
-            is_heard: AtomicBool::new(false),
+            heard: Mutex::default(),
             stream,
         }
     }
@@ -113,17 +116,20 @@ impl Client {
 
     /// It has said something.
     pub(super) fn has_spoken(&self) {
-        self.is_heard.store(true, Ordering::Relaxed);
+        *lock(&self.heard) = Some(Instant::now());
     }
 
-    /// For how long it has taken nothing of what it is sent; of one that has never said anything, and whose messages
-    /// may lie in buffers of the network, how long it has been there. Who takes nothing comes before who says nothing.
+    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network: for
+    /// how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
     fn idle_for(&self) -> (bool, Duration) {
-        match *lock(&self.taking) {
-            Some(taken) => (true, taken.elapsed()),
-            None if self.is_heard.load(Ordering::Relaxed) => (false, Duration::ZERO),
-            None => (false, self.joined.elapsed()),
+        if let Some(taken) = *lock(&self.taking) {
+            return (true, taken.elapsed());
         }
+        let silent = match *lock(&self.heard) {
+            Some(heard) => heard.elapsed().saturating_sub(SPEAKS_WITHIN),
+            None => self.joined.elapsed(),
+        };
+        (false, silent)
     }
 
     pub(super) fn hang_up(&self) {

@@ -95,7 +95,7 @@ impl HttpFile {
             deadlines,
             blocks: Mutex::default(),
         };
-        let mut transfer = file.transfer("its size".to_owned());
+        let mut transfer = file.transfer("the size of the file".to_owned());
         let (url, whole, version) = file.again_and_again(&mut transfer, |_| {
             let (response, whole) = file.ask(0..1)?;
             Ok((response.get_uri().to_string(), whole, version_of(response.headers())))

@@ -95,12 +95,12 @@ fn servers_that_never_get_to_an_answer_are_left_with_a_sentence() {
     };
     let closes = |_: &mut TcpStream| ();
     let answers: [(fn(&mut TcpStream), &str); 6] = [
-        (silent, "seconds for its size"),
-        (begins, "seconds for its size"),
-        (fields, "seconds for its size"),
+        (silent, "seconds for the size of the file"),
+        (begins, "seconds for the size of the file"),
+        (fields, "seconds for the size of the file"),
         (interim, ""),
-        (redirected, "seconds for its size"),
-        (closes, "seconds for its size"),
+        (redirected, "seconds for the size of the file"),
+        (closes, "seconds for the size of the file"),
     ];
     thread::scope(|scope| {
         for (answer, expected) in answers {
@@ -184,7 +184,7 @@ fn bytes_that_do_not_come_are_an_error_however_they_do_not() {
         for answer in answers {
             scope.spawn(move || {
                 let error = read(&opened(move |stream, range, _| answer(stream, range))).unwrap_err();
-                assert!(error.contains("seconds for bytes 5 to 90005, of which"), "{error}");
+                assert!(error.contains("seconds for bytes 5 to 90005: "), "{error}");
             });
         }
     });

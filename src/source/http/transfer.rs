@@ -59,7 +59,7 @@ impl<'a> Transfer<'a> {
     /// Why it is not waited for any more; `error` is what went wrong last.
     pub(super) fn too_slow(&self, error: &io::Error) -> io::Error {
         let text = format!(
-            "waited {:.0} seconds for {}, of which {} bytes came, expected at least {:.0} per second ({error}): check \
+            "waited {:.0} seconds for {}: {} bytes came, expected at least {:.0} per second ({error}): check \
              the server and the network",
             self.waited().as_secs_f64(),
             self.what,
@@ -74,6 +74,10 @@ impl fmt::Display for Transfer<'_> {
     /// The end of a sentence that begins with *waiting for*.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seconds = self.least.grace.as_secs();
-        write!(f, "{} of {} (up to {seconds} s without progress)", self.what, self.url)
+        write!(
+            f,
+            "{} from {} (up to {seconds} s without progress)",
+            self.what, self.url
+        )
     }
 }

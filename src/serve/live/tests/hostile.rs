@@ -160,7 +160,12 @@ fn clients_that_say_nothing_keep_nobody_out_though_buffers_hold_their_frames() {
 
 #[test]
 fn where_all_who_are_there_take_part_others_are_told_so() {
-    let server = Running::new(points(2, 10), 20.0, RAW);
+    let deadlines = ServerDeadlines {
+        stuck: Duration::from_hours(1),
+        place: Duration::from_millis(100),
+        ..ServerDeadlines::default()
+    };
+    let server = Running::within(points(2, 10), deadlines);
     let mut crowd = crowd(&server);
     for client in &mut crowd {
         client.write_all(&Ping { client_ns: 1 }.message().encode()).unwrap();
