@@ -1,4 +1,4 @@
-//! What other machines are waited for at this moment, so that a person sees it.
+//! Waits for other machines at this moment, so that a person sees them.
 //!
 //! **How it works.** Whoever waits on a network holds a [`Waiting`]; there are few, as there are few connections. The
 //! command line says what has been waited for longer than a moment, and the window shows it.
@@ -52,7 +52,7 @@ impl Drop for Waiting {
     }
 }
 
-/// What has been waited for at least so long, the longest first.
+/// Waits that last at least so long, the longest first.
 pub fn waits(at_least: Duration) -> Vec<Wait> {
     let all = lock(&ALL);
     let long = all.current.iter().filter(|wait| wait.begun.elapsed() >= at_least);

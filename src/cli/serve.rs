@@ -49,8 +49,8 @@ pub(super) struct ServeArgs {
     #[arg(long, value_name = "CODING", default_value = "jpeg", requires = "live")]
     color_coding: Colors,
 
-    /// Web pages that may read the file: those of an origin such as https://example.org, or * for all; may be repeated
-    /// (default: none)
+    /// Web pages that may read the file: those of an ORIGIN such as `https://example.org`, or `*` for all; may be
+    /// repeated (default: none)
     #[arg(long, value_name = "ORIGIN", conflicts_with = "live")]
     cors: Vec<CorsOrigin>,
 

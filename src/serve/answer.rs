@@ -1,4 +1,4 @@
-//! What is answered to a request.
+//! Answers to requests.
 
 use super::cors::{CorsOrigin, cors_fields};
 use super::http_date::http_date;
@@ -14,7 +14,7 @@ const DATE_IS_STRONG: Duration = Duration::from_secs(2);
 /// The file, as it is now.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Served<'a> {
-    /// What it is called in requests: `/` and its name.
+    /// Its path in requests: `/` and its name.
     pub(super) target: &'a str,
     pub(super) len: u64,
     pub(super) modified: Option<SystemTime>,
@@ -39,7 +39,7 @@ impl Served<'_> {
         Some(format!("\"{:x}-{:x}\"", self.len, age.as_nanos()))
     }
 
-    /// Whether the file is the one that `If-Range` names (RFC 9110 §13.1.5): else it is sent whole.
+    /// True if the file is the one that `If-Range` names (RFC 9110 §13.1.5): else it is sent whole.
     fn is_same(&self, if_range: &str) -> bool {
         if if_range.contains('"') {
             // A weak tag, W/"…", is no tag of ours either.
@@ -112,7 +112,7 @@ impl Served<'_> {
         .with(of_range)
     }
 
-    /// What may be asked; of pages of other origins only where that was asked for.
+    /// The methods that may be asked for; those of pages of other origins only where `--cors` names them.
     fn options(&self, request: &Request, answer: Answer) -> Answer {
         let cors = cors_fields(self.cors, request.origin.as_deref());
         let is_allowed = cors.iter().any(|(name, _)| *name == "Access-Control-Allow-Origin");

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What a `Range` field asks for.
+/// The meaning of a `Range` field.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum ParsedRange {
     Bytes(Range<u64>),

@@ -1,4 +1,4 @@
-//! What is asked for.
+//! Requests.
 //!
 //! **Strictness.** Servers that read the same bytes differently let one request be hidden in another (*smuggling*, RFC
 //! 9112 §11.2). So what the standard lets a server guess at is refused: lines that end in a bare line feed, lines that
@@ -86,7 +86,7 @@ impl Request {
     }
 }
 
-/// Whether a line ends in anything but CR LF, or there is a CR within one.
+/// True if a line ends in anything but CR LF, or there is a CR within one.
 fn has_bare_line_end(head: &[u8]) -> bool {
     let is_bare = |at: usize, byte: u8| match byte {
         b'\n' => at == 0 || head[at - 1] != b'\r',
@@ -124,7 +124,7 @@ impl Fields<'_> {
         std::str::from_utf8(value).ok().map(|value| value.trim().to_owned())
     }
 
-    /// Whether a list has `token`.
+    /// True if a list has `token`.
     fn has_token(&self, name: &str, token: &str) -> bool {
         let mut tokens = self.all(name).flat_map(|value| value.split(|&byte| byte == b','));
         tokens.any(|found| found.trim_ascii().eq_ignore_ascii_case(token.as_bytes()))

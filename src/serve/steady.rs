@@ -30,7 +30,7 @@ impl<'a> SteadyWriter<'a> {
     /// Sends all of `bytes`; `note` hears how many were taken each time.
     ///
     /// # Errors
-    /// Those of the system; [`ErrorKind::TimedOut`] for a client that takes them too slowly.
+    /// The system's; [`ErrorKind::TimedOut`] for a client that takes them too slowly.
     pub(super) fn write(&mut self, mut bytes: &[u8], mut note: impl FnMut(usize)) -> io::Result<()> {
         while !bytes.is_empty() {
             let elapsed = self.begun.elapsed();

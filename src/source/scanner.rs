@@ -5,8 +5,8 @@
 //! points are made of them by whoever wants the frame. The ring has the newest [`RING_LENGTH`] turns and no more than
 //! [`RING_BYTES`] of packets: what is older is gone for good.
 //!
-//! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends; packets
-//! that stray have none (`io/packets/streams.rs`).
+//! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends;
+//! packets that stray have none (`io/packets/streams.rs`).
 //!
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
@@ -217,7 +217,7 @@ impl Ring {
         }
     }
 
-    /// What has come so far.
+    /// A sentence on the packets so far.
     fn came(&self) -> String {
         let turns = lock(&self.turns);
         match turns.last {

@@ -20,7 +20,7 @@ pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f3
     });
 }
 
-/// What other machines are waited for.
+/// Waits for other machines.
 fn waits_ui(ui: &mut Ui) {
     // Work is shown once it has taken longer.
     const MOMENT: Duration = Duration::from_millis(200);

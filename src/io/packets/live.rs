@@ -60,7 +60,7 @@ pub(crate) struct LiveTurns {
     streams: Streams,
     /// The sensor that is shown.
     sensor: Option<Kind>,
-    /// What is to be said of streams.
+    /// Sentences on streams that are to be said.
     notes: Vec<String>,
     /// Over once it is known where the sensor measures.
     learning: Option<Learning>,
@@ -105,12 +105,12 @@ impl LiveTurns {
         }
     }
 
-    /// Whether a sensor is shown.
+    /// True while a sensor is shown.
     pub(crate) fn has_sensor(&self) -> bool {
         self.sensor.is_some()
     }
 
-    /// What is to be said since the last time, a sentence each.
+    /// Sentences that are to be said since the last time.
     pub(crate) fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
     }
@@ -186,7 +186,7 @@ impl LiveTurns {
         }
     }
 
-    /// What has sent a packet, as far as it tells.
+    /// The sender of a packet, as far as it tells.
     fn sort(&self, data: Option<DataPacket<'_>>, bytes: &[u8]) -> Option<Sort> {
         if let Some(data) = data {
             return Some(Model::of(data).map_or_else(Sort::UnknownVelodyne, Sort::Velodyne));

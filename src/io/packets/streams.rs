@@ -23,15 +23,15 @@ const MOST_STREAMS: usize = 256;
 /// Other sensors that are named.
 const MOST_NAMED: usize = 8;
 
-/// What sends packets, as far as one packet tells.
+/// A sender, as far as one packet tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sort {
     Velodyne(Model),
-    /// Of the form of Velodyne, with this byte for the model.
+    /// A packet of the form of Velodyne, with this byte for the model.
     UnknownVelodyne(u8),
-    /// Of so many bytes.
+    /// A packet of so many bytes.
     Ouster(usize),
-    /// Of a maker whose packets are not read.
+    /// A packet of a maker that is not read.
     Unread(&'static str),
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for Sort {
     }
 }
 
-/// What to do with a packet.
+/// The use of a packet.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It is of the sensor that has the place.

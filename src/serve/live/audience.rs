@@ -69,7 +69,7 @@ pub(super) struct Client {
     pub(super) stream: TcpStream,
 }
 
-/// What became of somebody who wants to join.
+/// The answer to somebody who wants to join.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Joining {
     Joined,
@@ -119,8 +119,8 @@ impl Client {
         *lock(&self.heard) = Some(Instant::now());
     }
 
-    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network: for
-    /// how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
+    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network:
+    /// for how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
     fn idle_for(&self) -> (bool, Duration) {
         if let Some(taken) = *lock(&self.taking) {
             return (true, taken.elapsed());

@@ -156,7 +156,7 @@ impl LiveServer {
         }
     }
 
-    /// Whether all clients have said something.
+    /// True once all clients have said something.
     #[cfg(test)]
     pub(super) fn all_have_spoken(&self) -> bool {
         self.shared.audience.all_have_spoken()

@@ -59,7 +59,7 @@ impl Running {
         )
     }
 
-    /// Of raw points, with these deadlines.
+    /// A server of raw points, with these deadlines.
     fn within(source: impl Source + 'static, deadlines: ServerDeadlines) -> Self {
         let address = "127.0.0.1:0".parse().unwrap();
         Self::bound(&(Arc::new(source) as Arc<dyn Source>), 20.0, RAW, address, deadlines)

@@ -1,4 +1,4 @@
-//! What an answer says of the file.
+//! Fields of an answer that tell of the file.
 
 use std::ops::Range;
 use ureq::http::{HeaderMap, header};

@@ -52,7 +52,7 @@ const CHANGED: &str = "the file has changed on the server: open it again";
 /// A file on a web server.
 pub(super) struct HttpFile {
     agent: ureq::Agent,
-    /// Where redirections have led.
+    /// The address that redirections have led to.
     url: String,
     len: u64,
     /// By which the file is known to be the same one.
@@ -270,7 +270,7 @@ fn refused(reason: String) -> Failure {
     Failure::Refused(io::Error::other(reason))
 }
 
-/// What connects to servers. `most` bounds an exchange with its redirections and bodies.
+/// A client of servers. `most` bounds an exchange with its redirections and bodies.
 fn agent(deadlines: &ClientDeadlines, most_redirects: u32, most: Option<Duration>) -> ureq::Agent {
     ureq::Agent::config_builder()
         .http_status_as_error(false)

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Bytes of a file that are waited for.
 pub(super) struct Transfer<'a> {
     url: &'a str,
-    /// What is waited for.
+    /// The thing that is waited for.
     what: String,
     least: LeastRate,
     begun: Instant,
