@@ -1,8 +1,8 @@
 //! How long other machines are waited for: the numbers of all clients and servers.
 //!
-//! **How it works.** A limit of silence alone is no limit: a peer that sends a byte per second is never silent. So every
-//! transfer also has a least rate, which counts from its first moment, after a grace period. What takes longer than both
-//! allow is ended, with a sentence. Tests hand in shorter ones.
+//! **How it works.** A limit of silence alone is no limit: a peer that sends a byte per second is never silent. So
+//! every transfer also has a least rate, which counts from its first moment, after a grace period. What takes longer
+//! than both allow is ended, with a sentence. Tests hand in shorter ones.
 //!
 //! | who waits | for what | at most |
 //! |---|---|---|

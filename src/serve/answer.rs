@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// A date in seconds tells versions of a file apart only where the file is older than it by so much (RFC 9110 §8.8.2.2).
+/// A date in seconds tells versions of a file apart only where the file is older by so much (RFC 9110 §8.8.2.2).
 const DATE_IS_STRONG: Duration = Duration::from_secs(2);
 
 /// The file, as it is now.

@@ -50,8 +50,8 @@ const MOST_HEAD_BYTES: usize = 8 << 10;
 /// Bytes that are read and sent at a time.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// How long, and how much, is read of a client that was refused: a connection that is closed with bytes unread is reset,
-/// and the client does not see why.
+/// How long, and how much, is read of a client that was refused: a connection that is closed with bytes unread is
+/// reset, and the client does not see why.
 const PARTING: (Duration, usize) = (Duration::from_millis(200), 1 << 16);
 
 /// How often the file is opened where descriptors are used up, and the pause between.

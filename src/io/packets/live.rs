@@ -1,8 +1,8 @@
 //! Turns of a sensor as its packets come, from a network instead of a file.
 //!
-//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A turn is handed
-//! over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which packets begin
-//! to come is no whole one, and is skipped.
+//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A turn is
+//! handed over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which
+//! packets begin to come is no whole one, and is skipped.
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;

@@ -196,7 +196,7 @@ impl Audience {
         Joining::Joined
     }
 
-    /// Hangs up on one that has taken or said nothing for longer than `stuck`, if there is one: descriptors are used up.
+    /// Hangs up on one that has taken or said nothing for longer than `stuck`, if there is one.
     pub(super) fn free_one(&self, stuck: Duration) {
         lock(&self.inside).give_way(stuck);
     }

@@ -141,7 +141,8 @@ impl Patient<'_> {
         let silence = self.deadlines.silence;
         let problem = if self.heard.elapsed() >= silence {
             format!(
-                "the server has said nothing for {} seconds: check that it is `pointreel serve --live`, and the network",
+                "the server has said nothing for {} seconds: check that it is `pointreel serve --live`, and the \
+                 network",
                 silence.as_secs_f64()
             )
         } else if let Some((begun, bytes)) = self.message
