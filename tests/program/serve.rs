@@ -445,7 +445,10 @@ fn a_server_without_descriptors_says_so_once_and_goes_on() {
         let before = processor_s();
         let mut good = TcpStream::connect(&address).unwrap();
         good.set_read_timeout(Some(LONG)).unwrap();
-        good.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        // A live stream begins by itself.
+        if live.is_empty() {
+            good.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        }
         // The head of the stream, or of the answer.
         let mut head = [0; 8];
         good.read_exact(&mut head).unwrap();
