@@ -8,6 +8,8 @@
 //! | `temporary` | what is on the disk only until a command ends |
 //! | `signals` | signals that ask the program to end |
 //! | `kept` | files that are kept between runs |
+//! | [`deadlines`] | how long other machines are waited for |
+//! | [`waiting`] | what other machines are waited for |
 //! | `locks` | locks that go on after a panic elsewhere |
 //! | [`progress`] | how much of long work is done, and whether it is still wanted |
 //! | `messages` | which messages are of one kind |
@@ -48,6 +50,7 @@ pub mod check;
 pub mod cli;
 pub mod cloud;
 pub mod convert;
+pub mod deadlines;
 pub mod export;
 pub mod headless;
 pub mod io;
@@ -78,4 +81,5 @@ pub mod stereo;
 mod stopwatch;
 mod temporary;
 pub mod timeline;
+pub mod waiting;
 pub mod wire;

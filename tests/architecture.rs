@@ -32,6 +32,7 @@ const ORDER: &[&[&str]] = &[
     &[
         "binary",
         "assumption",
+        "deadlines",
         "math",
         "memory",
         "kept",
@@ -42,6 +43,7 @@ const ORDER: &[&[&str]] = &[
         "progress",
         "signals",
         "stopwatch",
+        "waiting",
     ],
     &["cloud"],
     &["rgbd"],

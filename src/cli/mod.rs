@@ -33,6 +33,7 @@ mod values;
 mod video;
 mod video_arguments;
 mod view;
+mod waits;
 mod warnings;
 
 use crate::signals;
@@ -109,11 +110,13 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> ExitCode {
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
-    warnings::say_them(match (arguments.verbose, has_window) {
+    let runs_on = has_window || matches!(arguments.verb, Some(Verb::Serve(_)));
+    warnings::say_them(match (arguments.verbose, runs_on) {
         (true, _) => When::AllAtOnce,
         (false, true) => When::FirstAtOnce,
         (false, false) => When::AtTheEnd,
     });
+    waits::say_them();
     if has_window || matches!(arguments.verb, Some(Verb::Bench(_))) {
         crate::priority::work_with_this_thread();
     }

@@ -5,8 +5,8 @@ use super::output::{answer, check_answers, say};
 use crate::reel::MAGIC;
 use crate::regular_file;
 use crate::sequence::{OpenOptions, Sequence};
-use crate::serve::FileServer;
 use crate::serve::live::{ClientReport, LiveEvent, LiveOptions, LiveServer, Schedule};
+use crate::serve::{CorsOrigin, FileServer, FileServerOptions};
 use crate::signals;
 use crate::wire::{ColorCoding, DepthCoding, ImageCoding};
 use anyhow::{Context as _, bail};
@@ -50,6 +50,11 @@ pub(super) struct ServeArgs {
     #[arg(long, value_name = "CODING", default_value = "jpeg", requires = "live")]
     color_coding: Colors,
 
+    /// Web pages that may read the file: those of an ORIGIN such as `https://example.org`, or `*` for all; may be
+    /// repeated (default: none)
+    #[arg(long, value_name = "ORIGIN", conflicts_with = "live")]
+    cors: Vec<CorsOrigin>,
+
     #[command(flatten)]
     read: ReadArgs,
 }
@@ -71,12 +76,12 @@ pub(super) fn run(arguments: &ServeArgs) -> anyhow::Result<()> {
         return run_live(arguments);
     }
     match arguments.inputs.as_slice() {
-        [file] => run_file(file, arguments.listen),
+        [file] => run_file(file, arguments),
         _ => bail!("one sequence file is served by HTTP: name one, or add --live to play all of these as one sequence"),
     }
 }
 
-fn run_file(path: &Path, listen: SocketAddr) -> anyhow::Result<()> {
+fn run_file(path: &Path, arguments: &ServeArgs) -> anyhow::Result<()> {
     let mut begin = [0; MAGIC.len()];
     let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
     read.with_context(|| format!("{} cannot be read", path.display()))?;
@@ -87,8 +92,12 @@ fn run_file(path: &Path, listen: SocketAddr) -> anyhow::Result<()> {
             path.with_extension("reel").display()
         );
     }
-    let server = FileServer::bind(path, listen);
-    let server = server.with_context(|| format!("{listen} cannot be listened at"))?;
+    let options = FileServerOptions {
+        cors: arguments.cors.clone(),
+        ..FileServerOptions::default()
+    };
+    let server = FileServer::bind(path, arguments.listen, options);
+    let server = server.with_context(|| format!("{} cannot be listened at", arguments.listen))?;
     answer(&format!("{} (play it with pointreel, end with Ctrl+C)", server.url()?));
     check_answers()?;
     server.run()?;

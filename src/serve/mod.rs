@@ -4,40 +4,68 @@
 //!
 //! **How it works.** A thread a connection, a few at once; requests are parsed by `httparse`. `GET` and `HEAD` of the
 //! file's name, whole or a range (RFC 9110 §14), are answered, and nothing else: there are no paths to other files.
-//! Connections stay open. Any server of plain files does the same; this one needs no installation.
+//! Connections stay open, and requests that follow each other without waiting are answered in their order. Any server
+//! of plain files does the same; this one needs no installation.
 //!
-//! **Bounds.** A request has 8 KiB of head at most, which come within `HEAD_TIME`, and no body; a connection that says
-//! nothing is closed; of more connections than `MOST_CONNECTIONS` the idle and the slow give way (`places.rs`).
+//! **Bounds.** A request has 8 KiB of head at most and no body; it has to come, and its answer has to be taken, within
+//! [`ServerDeadlines`]. Of more connections than `MOST_CONNECTIONS` the idle and the slow give way (`places.rs`); where
+//! descriptors are used up the server pauses (`accept.rs`).
 
+mod accept;
+mod answer;
+#[cfg(test)]
+mod attacks;
+mod cors;
+mod http_date;
 pub mod live;
 mod places;
+mod range;
 mod request;
+mod steady;
 
+pub use cors::CorsOrigin;
+
+use crate::deadlines::ServerDeadlines;
 use crate::regular_file;
+use accept::{AcceptBackOff, is_out_of_descriptors};
+use answer::{Answer, Served};
 use places::{Place, Places};
-use request::{Answer, Request};
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use request::{Method, Request};
+use std::fs::{File, Metadata};
+use std::io::{self, Read as _, Seek as _, SeekFrom};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
+use steady::SteadyWriter;
 
 /// Connections that are answered at once.
 const MOST_CONNECTIONS: usize = 64;
-
-/// A connection that says nothing for so long is closed.
-const PATIENCE: Duration = Duration::from_secs(30);
-
-/// How long the head of a request may take from its first byte on.
-const HEAD_TIME: Duration = Duration::from_secs(10);
 
 /// Bytes of the head of a request.
 const MOST_HEAD_BYTES: usize = 8 << 10;
 
 /// Bytes that are read and sent at a time.
 const PIECE_BYTES: usize = 1 << 16;
+
+/// How long, and how much, is read of a client that was refused: a connection that is closed with bytes unread is
+/// reset, and the client does not see why.
+const PARTING: (Duration, usize) = (Duration::from_millis(200), 1 << 16);
+
+/// How often the file is opened where descriptors are used up, and the pause between.
+const OPEN_TRIES: u32 = 50;
+const OPEN_PAUSE: Duration = Duration::from_millis(20);
+
+/// How a file is served.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FileServerOptions {
+    /// Pages that may read it: none, unless they are named.
+    pub cors: Vec<CorsOrigin>,
+    /// How long clients are waited for.
+    pub deadlines: ServerDeadlines,
+}
 
 /// Serves one file until it is stopped.
 #[derive(Debug)]
@@ -51,6 +79,7 @@ struct Shared {
     path: PathBuf,
     /// What the file is called in requests: `/` and its name.
     target: String,
+    options: FileServerOptions,
     places: Arc<Places>,
     sent_bytes: AtomicU64,
     is_over: AtomicBool,
@@ -58,7 +87,7 @@ struct Shared {
 
 impl FileServer {
     /// Listens at `address` for requests of the file at `path`; nothing is answered before [`FileServer::run`].
-    pub fn bind(path: &Path, address: SocketAddr) -> io::Result<Self> {
+    pub fn bind(path: &Path, address: SocketAddr, options: FileServerOptions) -> io::Result<Self> {
         // That it can be read is known before anybody asks.
         regular_file::open(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -66,8 +95,9 @@ impl FileServer {
             listener: TcpListener::bind(address)?,
             shared: Arc::new(Shared {
                 path: path.to_owned(),
-                target: format!("/{}", request::encoded(&name)),
-                places: Arc::new(Places::new(MOST_CONNECTIONS)),
+                target: format!("/{}", answer::encoded(&name)),
+                places: Arc::new(Places::new(MOST_CONNECTIONS, options.deadlines.stuck)),
+                options,
                 sent_bytes: AtomicU64::new(0),
                 is_over: AtomicBool::new(false),
             }),
@@ -86,31 +116,40 @@ impl FileServer {
 
     /// Answers requests until [`FileServer::stop`].
     pub fn run(&self) -> io::Result<()> {
+        let mut back_off = AcceptBackOff::default();
         for stream in self.listener.incoming() {
             if self.shared.is_over.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let stream = match stream {
-                Ok(stream) => stream,
+            match stream {
+                Ok(stream) => {
+                    back_off.works();
+                    self.welcome(stream);
+                }
                 Err(error) => {
-                    log::warn!("a connection failed: {error}");
-                    continue;
+                    let pause = back_off.failed(&error);
+                    if !pause.is_zero() {
+                        self.shared.places.free_one();
+                        thread::sleep(pause);
+                    }
                 }
-            };
-            let shared = Arc::clone(&self.shared);
-            let Ok(place) = shared.places.take(&stream) else {
-                continue;
-            };
-            let answered = thread::Builder::new().name("connection".to_owned()).spawn(move || {
-                if let Err(error) = shared.answer_all(stream, &place) {
-                    log::debug!("a connection ended: {error}");
-                }
-            });
-            if let Err(error) = answered {
-                log::warn!("a connection has no thread ({error}): it is closed");
             }
         }
         Ok(())
+    }
+
+    fn welcome(&self, stream: TcpStream) {
+        let shared = Arc::clone(&self.shared);
+        let stream = Arc::new(stream);
+        let place = shared.places.take(&stream);
+        let answered = thread::Builder::new().name("connection".to_owned()).spawn(move || {
+            if let Err(error) = shared.answer_all(&stream, &place) {
+                log::debug!("a connection ended: {error}");
+            }
+        });
+        if let Err(error) = answered {
+            log::warn!("a connection has no thread ({error}): it is closed");
+        }
     }
 
     /// Ends [`FileServer::run`], which another thread is in.
@@ -121,15 +160,16 @@ impl FileServer {
 }
 
 impl Shared {
-    fn answer_all(&self, mut stream: TcpStream, place: &Place) -> io::Result<()> {
-        stream.set_read_timeout(Some(PATIENCE))?;
-        stream.set_write_timeout(Some(PATIENCE))?;
+    fn answer_all(&self, stream: &TcpStream, place: &Place) -> io::Result<()> {
         stream.set_nodelay(true)?;
         let mut read = Vec::new();
-        while let Some(request) = next_request(&mut stream, &mut read)? {
+        while let Some(request) = next_request(stream, &mut read, &self.options.deadlines)? {
             place.is_answered();
-            let keeps_open = self.answer(&mut stream, &request, place)?;
+            let keeps_open = self.answer(stream, &request, place)?;
             place.waits();
+            if request.method == Method::Bad {
+                part(stream)?;
+            }
             if !keeps_open || self.is_over.load(Ordering::Relaxed) {
                 break;
             }
@@ -138,35 +178,71 @@ impl Shared {
     }
 
     /// Answers one request; says whether the connection stays open.
-    fn answer(&self, stream: &mut TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
-        let mut file = regular_file::open(&self.path)?;
-        let metadata = file.metadata()?;
-        let answer = request.answer(&self.target, metadata.len(), metadata.modified().ok());
-        stream.write_all(answer.head().as_bytes())?;
-        if let Answer { body: Some(range), .. } = &answer {
-            file.seek(SeekFrom::Start(range.start))?;
-            let mut left = file.take(range.end - range.start);
-            let mut piece = vec![0; PIECE_BYTES];
-            loop {
-                let count = left.read(&mut piece)?;
-                if count == 0 {
-                    break;
-                }
-                stream.write_all(&piece[..count])?;
-                place.sent(count);
-                self.sent_bytes.fetch_add(count as u64, Ordering::Relaxed);
-            }
-            // A file that was cut meanwhile: who waits for the rest would wait in vain.
-            if left.limit() > 0 {
+    fn answer(&self, stream: &TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
+        let mut writer = SteadyWriter::new(stream, self.options.deadlines.answer);
+        let (mut file, metadata) = match self.open() {
+            Ok(opened) => opened,
+            Err(error) => {
+                log::debug!("{} cannot be opened: {error}", self.path.display());
+                writer.write(Answer::unavailable().head().as_bytes(), |_| ())?;
                 return Ok(false);
             }
+        };
+        let served = Served {
+            target: &self.target,
+            len: metadata.len(),
+            modified: metadata.modified().ok(),
+            now: SystemTime::now(),
+            cors: &self.options.cors,
+        };
+        let answer = served.answer(request);
+        writer.write(answer.head().as_bytes(), |_| ())?;
+        let Some(range) = answer.body else {
+            return Ok(answer.keeps_open);
+        };
+        file.seek(SeekFrom::Start(range.start))?;
+        let mut left = file.take(range.end - range.start);
+        let mut piece = vec![0; PIECE_BYTES];
+        loop {
+            let count = left.read(&mut piece)?;
+            if count == 0 {
+                break;
+            }
+            writer.write(&piece[..count], |sent| {
+                place.sent(sent);
+                self.sent_bytes.fetch_add(sent as u64, Ordering::Relaxed);
+            })?;
         }
-        Ok(answer.keeps_open)
+        // A file that was cut meanwhile: who waits for the rest would wait in vain.
+        Ok(answer.keeps_open && left.limit() == 0)
+    }
+
+    /// The file. Where descriptors are used up, idle connections give theirs.
+    fn open(&self) -> io::Result<(File, Metadata)> {
+        for _ in 1..OPEN_TRIES {
+            match regular_file::open(&self.path) {
+                Err(error) if is_out_of_descriptors(&error) => {
+                    self.places.free_one();
+                    thread::sleep(OPEN_PAUSE);
+                }
+                opened => return with_metadata(opened?),
+            }
+        }
+        with_metadata(regular_file::open(&self.path)?)
     }
 }
 
+fn with_metadata(file: File) -> io::Result<(File, Metadata)> {
+    let metadata = file.metadata()?;
+    Ok((file, metadata))
+}
+
 /// The next request of a connection, of which `read` has what was read beyond the last one; `None` at its end.
-fn next_request(stream: &mut TcpStream, read: &mut Vec<u8>) -> io::Result<Option<Request>> {
+fn next_request(
+    mut stream: &TcpStream,
+    read: &mut Vec<u8>,
+    deadlines: &ServerDeadlines,
+) -> io::Result<Option<Request>> {
     let mut piece = [0; 1024];
     let mut begun = (!read.is_empty()).then(Instant::now);
     loop {
@@ -175,11 +251,10 @@ fn next_request(stream: &mut TcpStream, read: &mut Vec<u8>) -> io::Result<Option
                 read.drain(..end);
                 return Ok(Some(request));
             }
-            Ok(None) if read.len() > MOST_HEAD_BYTES => return Ok(Some(Request::bad())),
-            Ok(None) => {}
-            Err(_) => return Ok(Some(Request::bad())),
+            Ok(None) if read.len() <= MOST_HEAD_BYTES => {}
+            Ok(None) | Err(_) => return Ok(Some(Request::bad())),
         }
-        let left = begun.map_or(PATIENCE, |begun| HEAD_TIME.saturating_sub(begun.elapsed()));
+        let left = begun.map_or(deadlines.idle, |begun| deadlines.head.saturating_sub(begun.elapsed()));
         if left.is_zero() {
             return Ok(None);
         }
@@ -191,4 +266,23 @@ fn next_request(stream: &mut TcpStream, read: &mut Vec<u8>) -> io::Result<Option
         begun = begun.or_else(|| Some(Instant::now()));
         read.extend(&piece[..count]);
     }
+}
+
+/// Lets a client that was refused see the answer.
+fn part(mut stream: &TcpStream) -> io::Result<()> {
+    let (time, most_bytes) = PARTING;
+    stream.shutdown(Shutdown::Write)?;
+    let (begun, mut piece, mut bytes) = (Instant::now(), [0; 1024], 0);
+    while bytes < most_bytes {
+        let left = time.saturating_sub(begun.elapsed());
+        if left.is_zero() {
+            break;
+        }
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(&mut piece)? {
+            0 => break,
+            count => bytes += count,
+        }
+    }
+    Ok(())
 }

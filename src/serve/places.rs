@@ -1,11 +1,11 @@
 //! The places of connections: when all are taken, who holds one for nothing gives way.
 //!
 //! **How it works.** A connection waits for a request or is answered. Of those that wait, the one that has waited
-//! longest is hung up on when another one comes; else the slowest of those that take their answer more slowly than
-//! anybody who wants it. So any number of slow clients keep nobody else out.
+//! longest is hung up on when another one comes; else the one that has taken nothing of its answer for longest, if that
+//! is longer than [`ServerDeadlines::stuck`](crate::deadlines::ServerDeadlines::stuck); else the slowest of those that
+//! take their answer more slowly than anybody who wants it. So any number of slow clients keep nobody else out.
 
 use crate::locks::lock;
-use std::io;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,6 +21,7 @@ const LOOK: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(super) struct Places {
     most: usize,
+    stuck: Duration,
     taken: Mutex<Taken>,
     left: Condvar,
 }
@@ -35,8 +36,10 @@ struct Taken {
 struct Held {
     number: u64,
     /// To hang up.
-    stream: TcpStream,
+    stream: Arc<TcpStream>,
     since: Instant,
+    /// When it took something last.
+    last: Instant,
     /// Bytes of the answer that were sent since then; `None` while it waits for a request.
     sent_bytes: Option<u64>,
     /// Whether it was hung up on.
@@ -51,20 +54,21 @@ pub(super) struct Place {
 }
 
 impl Places {
-    pub(super) fn new(most: usize) -> Self {
+    /// `most` of them, where those give way that take nothing for longer than `stuck`.
+    pub(super) fn new(most: usize, stuck: Duration) -> Self {
         Self {
             most,
+            stuck,
             taken: Mutex::default(),
             left: Condvar::new(),
         }
     }
 
     /// A place for `stream`, once there is one.
-    pub(super) fn take(self: &Arc<Self>, stream: &TcpStream) -> io::Result<Place> {
-        let stream = stream.try_clone()?;
+    pub(super) fn take(self: &Arc<Self>, stream: &Arc<TcpStream>) -> Place {
         let mut taken = lock(&self.taken);
         while taken.places.len() >= self.most {
-            taken.give_way();
+            taken.give_way(self.stuck);
             let waited = self.left.wait_timeout(taken, LOOK);
             taken = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -72,31 +76,45 @@ impl Places {
         taken.next += 1;
         taken.places.push(Held {
             number,
-            stream,
+            stream: Arc::clone(stream),
             since: Instant::now(),
+            last: Instant::now(),
             sent_bytes: None,
             is_over: false,
         });
-        Ok(Place {
+        Place {
             places: Arc::clone(self),
             number,
-        })
+        }
+    }
+
+    /// Places that are taken.
+    #[cfg(test)]
+    pub(super) fn taken(&self) -> usize {
+        lock(&self.taken).places.len()
+    }
+
+    /// Hangs up on one who holds a place for nothing, if anybody does: descriptors are used up.
+    pub(super) fn free_one(&self) {
+        lock(&self.taken).give_way(self.stuck);
     }
 }
 
 impl Taken {
     /// Hangs up on one who holds a place for nothing, unless that was done and has not come to its end.
-    fn give_way(&mut self) {
+    fn give_way(&mut self, stuck: Duration) {
         if self.places.iter().any(|held| held.is_over) {
             return;
         }
-        let waiting = self.places.iter_mut().filter(|held| held.sent_bytes.is_none());
-        let chosen = if let Some(waiting) = waiting.min_by_key(|held| held.since) {
-            Some(waiting)
-        } else {
-            let slow = self.places.iter_mut().filter(|held| held.rate() < LEAST_RATE);
-            slow.min_by(|a, b| a.rate().total_cmp(&b.rate()))
-        };
+        let waiting = self.places.iter().filter(|held| held.sent_bytes.is_none());
+        let stuck = self.places.iter().filter(|held| held.last.elapsed() > stuck);
+        let slow = self.places.iter().filter(|held| held.rate() < LEAST_RATE);
+        let chosen = waiting
+            .min_by_key(|held| held.since)
+            .or_else(|| stuck.min_by_key(|held| held.last))
+            .or_else(|| slow.min_by(|a, b| a.rate().total_cmp(&b.rate())))
+            .map(|held| held.number);
+        let chosen = self.places.iter_mut().find(|held| Some(held.number) == chosen);
         if let Some(held) = chosen {
             held.is_over = true;
             // It may have left already.
@@ -131,12 +149,16 @@ impl Place {
 
     /// From now on it is answered.
     pub(super) fn is_answered(&self) {
-        self.with(|held| (held.since, held.sent_bytes) = (Instant::now(), Some(0)));
+        self.with(|held| {
+            let now = Instant::now();
+            (held.since, held.last, held.sent_bytes) = (now, now, Some(0));
+        });
     }
 
     /// So many bytes more were sent.
     pub(super) fn sent(&self, bytes: usize) {
         self.with(|held| {
+            held.last = Instant::now();
             if let Some(sent) = &mut held.sent_bytes {
                 *sent += bytes as u64;
             }
@@ -150,51 +172,5 @@ impl Drop for Place {
             .places
             .retain(|held| held.number != self.number);
         self.places.left.notify_all();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::serve::{FileServer, MOST_CONNECTIONS};
-    use std::io::{Read as _, Write as _};
-    use std::net::TcpStream;
-    use std::sync::Arc;
-    use std::thread;
-    use std::time::Duration;
-
-    #[test]
-    fn connections_that_ask_for_nothing_keep_nobody_out() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.reel");
-        std::fs::write(&path, b"0123456789").unwrap();
-        let server = Arc::new(FileServer::bind(&path, "127.0.0.1:0".parse().unwrap()).unwrap());
-        let runs = Arc::clone(&server);
-        let thread = thread::Builder::new().name("server".to_owned());
-        let thread = thread.spawn(move || runs.run()).unwrap();
-        let url = server.url().unwrap();
-        let address = url.trim_start_matches("http://").split('/').next().unwrap().to_owned();
-        let slow: Vec<TcpStream> = (0..MOST_CONNECTIONS + 8)
-            .map(|number| {
-                let mut stream = TcpStream::connect(&address).unwrap();
-                // Some say nothing, some begin and never end.
-                if number % 2 == 0 {
-                    let _ = stream.write_all(b"GET /a.reel HTTP/1.1\r\nX: ");
-                }
-                stream
-            })
-            .collect();
-        let mut good = TcpStream::connect(&address).unwrap();
-        good.set_read_timeout(Some(Duration::from_mins(1))).unwrap();
-        good.write_all(b"GET /a.reel HTTP/1.1\r\nConnection: close\r\n\r\n")
-            .unwrap();
-        let mut answer = String::new();
-        good.read_to_string(&mut answer).unwrap();
-        assert!(
-            answer.starts_with("HTTP/1.1 200 OK") && answer.ends_with("0123456789"),
-            "{answer}"
-        );
-        drop(slow);
-        server.stop().unwrap();
-        thread.join().unwrap().unwrap();
     }
 }

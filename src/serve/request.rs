@@ -1,8 +1,9 @@
-//! What is asked for, and what is answered.
-
-use std::fmt::Write as _;
-use std::ops::Range;
-use std::time::{SystemTime, UNIX_EPOCH};
+//! Requests.
+//!
+//! **Strictness.** Servers that read the same bytes differently let one request be hidden in another (*smuggling*, RFC
+//! 9112 §11.2). So what the standard lets a server guess at is refused: lines that end in a bare line feed, lines that
+//! are folded, spaces before a colon, two lengths, a length that is more than digits, a length with a transfer coding.
+//! Requests have no bodies here, and after one that is refused the connection is closed.
 
 /// Headers of a request.
 const MOST_HEADERS: usize = 64;
@@ -10,54 +11,66 @@ const MOST_HEADERS: usize = 64;
 /// A request, as far as it matters here.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Request {
-    method: Method,
-    target: String,
-    range: Option<String>,
-    keeps_open: bool,
+    pub(super) method: Method,
+    pub(super) target: String,
+    pub(super) range: Option<String>,
+    pub(super) if_range: Option<String>,
+    /// The origin of the page that asks.
+    pub(super) origin: Option<String>,
+    pub(super) keeps_open: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Method {
+pub(super) enum Method {
     Get,
     Head,
+    Options,
     Other,
     /// It is no request.
     Bad,
 }
 
+/// Bytes that are no request, or one that could be read in two ways.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct NoRequest;
+
 impl Request {
     /// The request that `bytes` begin with and where it ends; `None` if it has not ended yet.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, httparse::Error> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, NoRequest> {
         let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut parsed = httparse::Request::new(&mut headers);
-        let httparse::Status::Complete(end) = parsed.parse(bytes)? else {
+        let status = parsed.parse(bytes).map_err(|_| NoRequest)?;
+        let head = match status {
+            httparse::Status::Complete(end) => &bytes[..end],
+            httparse::Status::Partial => bytes,
+        };
+        if has_bare_line_end(head) {
+            return Err(NoRequest);
+        }
+        if status.is_partial() {
             return Ok(None);
-        };
-        let header = |name: &str| {
-            let found = parsed
-                .headers
-                .iter()
-                .find(|header| header.name.eq_ignore_ascii_case(name));
-            found
-                .and_then(|header| std::str::from_utf8(header.value).ok())
-                .map(str::trim)
-        };
-        let has_body =
-            header("content-length").is_some_and(|length| length != "0") || header("transfer-encoding").is_some();
-        let closes = header("connection").is_some_and(|value| value.eq_ignore_ascii_case("close"));
+        }
+        let fields = Fields(parsed.headers);
+        fields.check()?;
+        let is_one_one = parsed.version == Some(1);
+        // RFC 9112 §3.2: which site is meant has to be said once.
+        if fields.count("host") > 1 || (is_one_one && fields.count("host") == 0) {
+            return Err(NoRequest);
+        }
         let request = Self {
             method: match parsed.method {
-                // What follows would be taken for a request.
-                _ if has_body => Method::Bad,
                 Some("GET") => Method::Get,
                 Some("HEAD") => Method::Head,
+                Some("OPTIONS") => Method::Options,
                 _ => Method::Other,
             },
-            target: parsed.path.unwrap_or_default().to_owned(),
-            range: header("range").map(str::to_owned),
-            keeps_open: parsed.version == Some(1) && !closes,
+            target: path_of(parsed.path.unwrap_or_default()).to_owned(),
+            range: fields.one("range"),
+            if_range: fields.one("if-range"),
+            origin: fields.one("origin"),
+            keeps_open: is_one_one && !fields.has_token("connection", "close"),
         };
-        Ok(Some((request, end)))
+        Ok(Some((request, head.len())))
     }
 
     /// What cannot be understood.
@@ -66,197 +79,178 @@ impl Request {
             method: Method::Bad,
             target: String::new(),
             range: None,
+            if_range: None,
+            origin: None,
             keeps_open: false,
         }
     }
-
-    /// The answer where there is a file of `len` bytes called `target`.
-    pub(super) fn answer(&self, target: &str, len: u64, modified: Option<SystemTime>) -> Answer {
-        let plain = |status| Answer {
-            status,
-            length: 0,
-            fields: Vec::new(),
-            body: None,
-            keeps_open: self.keeps_open && self.method != Method::Bad,
-        };
-        match self.method {
-            Method::Bad => return plain("400 Bad Request"),
-            Method::Other => {
-                let mut answer = plain("405 Method Not Allowed");
-                answer.fields.push(("Allow", "GET, HEAD".to_owned()));
-                return answer;
-            }
-            Method::Get | Method::Head => {}
-        }
-        let path = self.target.split(['?', '#']).next().unwrap_or_default();
-        if path != target {
-            return plain("404 Not Found");
-        }
-        let (status, range) = match self.range.as_deref().map(|range| parsed_range(range, len)) {
-            // Ranges of another form are answered by the whole.
-            None | Some(ParsedRange::Other) => ("200 OK", 0..len),
-            Some(ParsedRange::Bytes(range)) => ("206 Partial Content", range),
-            Some(ParsedRange::Outside) => {
-                let mut answer = plain("416 Range Not Satisfiable");
-                answer.fields.push(("Content-Range", format!("bytes */{len}")));
-                return answer;
-            }
-        };
-        let mut answer = plain(status);
-        answer.length = range.end - range.start;
-        answer.fields.push(("Accept-Ranges", "bytes".to_owned()));
-        answer
-            .fields
-            .push(("Content-Type", "application/octet-stream".to_owned()));
-        // A picture of points in a page of somebody else's may read it.
-        answer.fields.push(("Access-Control-Allow-Origin", "*".to_owned()));
-        if let Some(age) = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok()) {
-            answer
-                .fields
-                .push(("ETag", format!("\"{len:x}-{:x}\"", age.as_nanos())));
-        }
-        if status.starts_with("206") {
-            let last = range.end - 1;
-            answer
-                .fields
-                .push(("Content-Range", format!("bytes {}-{last}/{len}", range.start)));
-        }
-        answer.body = (self.method == Method::Get).then_some(range);
-        answer
-    }
 }
 
-/// What is sent back.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Answer {
-    status: &'static str,
-    length: u64,
-    fields: Vec<(&'static str, String)>,
-    /// Which bytes of the file follow.
-    pub(super) body: Option<Range<u64>>,
-    pub(super) keeps_open: bool,
-}
-
-impl Answer {
-    pub(super) fn head(&self) -> String {
-        let mut head = format!("HTTP/1.1 {}\r\nContent-Length: {}\r\n", self.status, self.length);
-        for (name, value) in &self.fields {
-            // Writing to a String cannot fail.
-            let _ = write!(head, "{name}: {value}\r\n");
-        }
-        if !self.keeps_open {
-            head.push_str("Connection: close\r\n");
-        }
-        head.push_str("\r\n");
-        head
-    }
-}
-
-enum ParsedRange {
-    Bytes(Range<u64>),
-    /// Beyond the end.
-    Outside,
-    /// Several ranges, or another unit.
-    Other,
-}
-
-/// `bytes=0-99`, `bytes=100-` and `bytes=-100` of a file of `len` bytes.
-fn parsed_range(text: &str, len: u64) -> ParsedRange {
-    let bounds = text.strip_prefix("bytes=").and_then(|range| range.split_once('-'));
-    let Some((first, last)) = bounds.filter(|(_, last)| !last.contains(',')) else {
-        return ParsedRange::Other;
+/// True if a line ends in anything but CR LF, or there is a CR within one.
+fn has_bare_line_end(head: &[u8]) -> bool {
+    let is_bare = |at: usize, byte: u8| match byte {
+        b'\n' => at == 0 || head[at - 1] != b'\r',
+        b'\r' => head.get(at + 1).is_some_and(|&next| next != b'\n'),
+        _ => false,
     };
-    let number = |text: &str| text.trim().parse::<u64>();
-    let range = match (first.trim().is_empty(), number(first), number(last)) {
-        (true, _, Ok(count)) => len.saturating_sub(count)..len,
-        (false, Ok(first), Ok(last)) if last >= first => first..len.min(last.saturating_add(1)),
-        (false, Ok(first), Err(_)) if last.trim().is_empty() => first..len,
-        _ => return ParsedRange::Other,
-    };
-    if range.is_empty() {
-        ParsedRange::Outside
-    } else {
-        ParsedRange::Bytes(range)
-    }
+    head.iter().enumerate().any(|(at, &byte)| is_bare(at, byte))
 }
 
-/// A name as it stands in a URL: all but letters, digits and `-._~` as `%` and two digits (RFC 3986 §2.1).
-pub(super) fn encoded(name: &str) -> String {
-    let mut encoded = String::new();
-    for byte in name.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
-            encoded.push(byte.into());
-        } else {
-            // Writing to a String cannot fail.
-            let _ = write!(encoded, "%{byte:02X}");
-        }
+/// The path of a target: of `http://host/path` what is behind the host (RFC 9112 §3.2.2).
+fn path_of(target: &str) -> &str {
+    let scheme = target.get(..7).filter(|scheme| scheme.eq_ignore_ascii_case("http://"));
+    let Some(rest) = scheme.map(|scheme| &target[scheme.len()..]) else {
+        return target;
+    };
+    rest.find('/').map_or("/", |begin| &rest[begin..])
+}
+
+struct Fields<'a>(&'a [httparse::Header<'a>]);
+
+impl Fields<'_> {
+    fn all(&self, name: &str) -> impl Iterator<Item = &[u8]> {
+        let of_name = move |header: &&httparse::Header<'_>| header.name.eq_ignore_ascii_case(name);
+        self.0.iter().filter(of_name).map(|header| header.value)
     }
-    encoded
+
+    fn count(&self, name: &str) -> usize {
+        self.all(name).count()
+    }
+
+    /// The value of a field that is there once: of several nobody knows which one is meant.
+    fn one(&self, name: &str) -> Option<String> {
+        let mut all = self.all(name);
+        let value = all.next().filter(|_| all.next().is_none())?;
+        std::str::from_utf8(value).ok().map(|value| value.trim().to_owned())
+    }
+
+    /// True if a list has `token`.
+    fn has_token(&self, name: &str, token: &str) -> bool {
+        let mut tokens = self.all(name).flat_map(|value| value.split(|&byte| byte == b','));
+        tokens.any(|found| found.trim_ascii().eq_ignore_ascii_case(token.as_bytes()))
+    }
+
+    /// Refuses a body, and what might be one.
+    fn check(&self) -> Result<(), NoRequest> {
+        let lengths: Vec<&[u8]> = self.all("content-length").collect();
+        let has_body = match lengths.as_slice() {
+            [] => false,
+            [length] => *length != b"0",
+            _ => true,
+        };
+        if has_body || self.count("transfer-encoding") > 0 {
+            return Err(NoRequest);
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    fn answer(request: &str, len: u64) -> Answer {
-        let (request, end) = Request::parse(request.as_bytes()).unwrap().unwrap();
-        assert!(end > 0);
-        request.answer("/a.reel", len, None)
-    }
-
-    fn get(range: &str) -> String {
-        format!("GET /a.reel HTTP/1.1\r\nHost: x\r\nRange: {range}\r\n\r\n")
+    fn parsed(request: &str) -> Result<Option<Request>, NoRequest> {
+        let parsed = Request::parse(request.as_bytes())?;
+        Ok(parsed.map(|(request, _)| request))
     }
 
     #[test]
-    fn ranges_are_those_of_the_standard() {
-        let cases = [
-            ("bytes=0-0", Some(0..1)),
-            ("bytes=10-19", Some(10..20)),
-            ("bytes=10-", Some(10..100)),
-            ("bytes=-10", Some(90..100)),
-            ("bytes=-1000", Some(0..100)),
-            ("bytes=90-1000", Some(90..100)),
-            ("bytes=100-", None),
-            ("bytes=-0", None),
-        ];
-        for (range, expected) in cases {
-            let answer = answer(&get(range), 100);
-            assert_eq!(answer.body, expected, "{range}");
-            let status = if expected.is_some() { "206" } else { "416" };
-            assert!(answer.status.starts_with(status), "{range}: {}", answer.status);
+    fn what_could_be_read_in_two_ways_is_refused() {
+        let with = |field: &str| format!("GET /a.reel HTTP/1.1\r\nHost: x\r\n{field}\r\n\r\n");
+        for field in [
+            "Content-Length: 5",
+            "Content-Length: +5",
+            "Content-Length: 5\r\nContent-Length: 5",
+            "Content-Length: 0\r\nContent-Length: 5",
+            "Content-Length: 0\r\nContent-Length: 0",
+            "Content-Length: 0, 5",
+            "Content-Length: -0",
+            "Content-Length:",
+            "Transfer-Encoding: chunked",
+            "Transfer-Encoding: identity",
+            "Transfer-Encoding: chunked\r\nContent-Length: 0",
+            "Content-Length : 0",
+            "Transfer-Encoding : chunked",
+            "Host: y",
+            "X: a\r\n folded",
+            "X: a\r\n\tfolded",
+            " X: a",
+            "X: a\nContent-Length: 5",
+            "X: a\rContent-Length: 5",
+            "X: a\0b",
+            "X\0: a",
+            "X Y: a",
+            ": a",
+            "X",
+        ] {
+            assert_eq!(parsed(&with(field)), Err(NoRequest), "{field:?}");
         }
-        for other in ["bytes=5-4", "bytes=a-b", "lines=1-2", "bytes=0-1,5-6", "bytes"] {
-            let answer = answer(&get(other), 100);
-            assert_eq!((answer.status, answer.body), ("200 OK", Some(0..100)), "{other}");
+        for request in [
+            "GET /a.reel HTTP/1.1\r\n\r\n",
+            "GET /a.reel HTTP/1.1\nHost: x\n\n",
+            "GET /a.reel HTTP/1.1\r\nHost: x\r\n\n",
+            "GET /a.reel HTTP/2.0\r\nHost: x\r\n\r\n",
+            "GET /a.reel\r\n\r\n",
+            "GET  /a.reel HTTP/1.1\r\nHost: x\r\n\r\n",
+            "GET /a reel HTTP/1.1\r\nHost: x\r\n\r\n",
+            "GET /a\0.reel HTTP/1.1\r\nHost: x\r\n\r\n",
+            "G\0T /a.reel HTTP/1.1\r\nHost: x\r\n\r\n",
+            "\u{16}\u{3}\u{1}\u{2}",
+        ] {
+            assert_eq!(parsed(request), Err(NoRequest), "{request:?}");
         }
-        assert!(answer(&get("bytes=0-"), 0).status.starts_with("416"));
+        assert!(parsed(&with("Content-Length: 0")).unwrap().is_some());
+        assert!(parsed("GET /a.reel HTTP/1.0\r\n\r\n").unwrap().is_some());
     }
 
     #[test]
-    fn nothing_but_the_file_is_served() {
-        for target in ["/", "/b.reel", "/../a.reel", "//a.reel", "/a.reel/", "/etc/passwd", "*"] {
-            let answer = answer(&format!("GET {target} HTTP/1.1\r\n\r\n"), 100);
-            assert_eq!((answer.status, answer.body), ("404 Not Found", None), "{target}");
+    fn a_whole_address_is_its_path() {
+        for (target, path) in [
+            ("/a.reel", "/a.reel"),
+            ("http://x/a.reel", "/a.reel"),
+            ("HTTP://x:80/a.reel?b", "/a.reel?b"),
+            ("http://x", "/"),
+            ("https://x/a.reel", "https://x/a.reel"),
+            ("*", "*"),
+        ] {
+            let request = parsed(&format!("GET {target} HTTP/1.1\r\nHost: x\r\n\r\n"));
+            assert_eq!(request.unwrap().unwrap().target, path);
         }
-        let post = answer("POST /a.reel HTTP/1.1\r\n\r\n", 100);
-        assert!(post.status.starts_with("405"));
-        let body = answer("GET /a.reel HTTP/1.1\r\nContent-Length: 5\r\n\r\n", 100);
-        assert!(body.status.starts_with("400") && !body.keeps_open);
-        let head = answer("HEAD /a.reel HTTP/1.1\r\n\r\n", 100);
-        assert_eq!((head.body, head.length), (None, 100));
     }
 
     #[test]
     fn connections_stay_open_as_long_as_both_want() {
-        assert!(answer("GET /a.reel HTTP/1.1\r\n\r\n", 1).keeps_open);
-        assert!(!answer("GET /a.reel HTTP/1.0\r\n\r\n", 1).keeps_open);
-        assert!(!answer("GET /a.reel HTTP/1.1\r\nConnection: close\r\n\r\n", 1).keeps_open);
+        let keeps_open = |request: &str| parsed(request).unwrap().unwrap().keeps_open;
+        assert!(keeps_open("GET / HTTP/1.1\r\nHost: x\r\n\r\n"));
+        assert!(!keeps_open("GET / HTTP/1.0\r\n\r\n"));
+        for close in ["close", "Close", "keep-alive, close", "x ,close, y"] {
+            assert!(!keeps_open(&format!(
+                "GET / HTTP/1.1\r\nHost: x\r\nConnection: {close}\r\n\r\n"
+            )));
+        }
     }
 
     #[test]
-    fn names_are_encoded() {
-        assert_eq!(encoded("walk 1.reel"), "walk%201.reel");
-        assert_eq!(encoded("ä"), "%C3%A4");
+    fn requests_that_follow_one_another_are_told_apart() {
+        let one = b"GET /a HTTP/1.1\r\nHost: x\r\n\r\n";
+        let bytes = [&one[..], b"HEAD /b HTTP/1.1\r\nHost: x\r\n\r\n"].concat();
+        let (first, end) = Request::parse(&bytes).unwrap().unwrap();
+        assert_eq!((first.target.as_str(), end), ("/a", one.len()));
+        let (second, _) = Request::parse(&bytes[end..]).unwrap().unwrap();
+        assert_eq!((second.method, second.target.as_str()), (Method::Head, "/b"));
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_a_request_or_none(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            let mut request = b"GET / HTTP/1.1\r\n".to_vec();
+            request.extend(&bytes);
+            for bytes in [bytes, request] {
+                if let Ok(Some((_, end))) = Request::parse(&bytes) {
+                    prop_assert!(bytes[..end].ends_with(b"\r\n\r\n"));
+                }
+            }
+        }
     }
 }

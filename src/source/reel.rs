@@ -4,6 +4,7 @@ use super::files::number;
 use super::http::HttpFile;
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
 use super::{SequenceError, Source};
+use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
 use crate::locks::{lock, read, write};
 use crate::printable;
@@ -134,7 +135,7 @@ impl Opened {
         let file = if url.starts_with("https:") {
             Err(std::io::Error::other("https:// is not read, only http:// is"))
         } else {
-            HttpFile::open(url, most_bits_per_s)
+            HttpFile::open(url, most_bits_per_s, ClientDeadlines::default())
         };
         Self::of(Arc::new(file.map_err(open_error(path))?), path)
     }

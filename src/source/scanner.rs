@@ -5,14 +5,19 @@
 //! points are made of them by whoever wants the frame. The ring has the newest [`RING_LENGTH`] turns and no more than
 //! [`RING_BYTES`] of packets: what is older is gone for good.
 //!
+//! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its place to the next one that sends;
+//! packets that stray have none (`io/packets/streams.rs`).
+//!
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
 use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
 use crate::io::packets::{Companion, LiveTurn, LiveTurns};
 use crate::locks::lock;
 use crate::progress::Progress;
+use crate::waiting::Waiting;
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, UdpSocket};
@@ -34,12 +39,6 @@ const RING_BYTES: usize = 512 << 20;
 
 /// A datagram has no more.
 const MOST_DATAGRAM_BYTES: usize = 1 << 16;
-
-/// How long a sensor that is on may take until its first turn is over.
-const PATIENCE: Duration = Duration::from_secs(5);
-
-/// How long other sensors are waited for where the packets of one cannot be read.
-const OTHERS: Duration = Duration::from_secs(1);
 
 /// Between looks at whether anybody listens still.
 const LOOK: Duration = Duration::from_millis(50);
@@ -73,6 +72,9 @@ struct Turns {
     count: usize,
     /// Why some packets cannot be read, or why there will be no more.
     problem: Option<String>,
+    /// Datagrams that have come, and the last of them.
+    datagrams: u64,
+    last: Option<(SocketAddr, usize)>,
 }
 
 impl LiveScanner {
@@ -87,6 +89,19 @@ impl LiveScanner {
     /// # Errors
     /// [`SequenceError::Scanner`], and [`SequenceError::Cancelled`].
     pub fn open(input: &Path, options: &ReadOptions, progress: &Progress) -> Result<Self, SequenceError> {
+        Self::open_within(input, options, progress, ClientDeadlines::default())
+    }
+
+    /// [`LiveScanner::open`] where sensors are waited for as long as `deadlines` say.
+    ///
+    /// # Errors
+    /// As of [`LiveScanner::open`].
+    pub fn open_within(
+        input: &Path,
+        options: &ReadOptions,
+        progress: &Progress,
+        deadlines: ClientDeadlines,
+    ) -> Result<Self, SequenceError> {
         let failed = |problem: String| SequenceError::Scanner {
             input: input.display().to_string(),
             problem,
@@ -105,7 +120,7 @@ impl LiveScanner {
         let listening = Arc::clone(&ring);
         let thread = thread::Builder::new()
             .name("laser scanner".to_owned())
-            .spawn(move || listening.listen(&socket, LiveTurns::new(companion)))
+            .spawn(move || listening.listen(&socket, LiveTurns::new(companion, deadlines.sensor_silence)))
             .map_err(|reason| SequenceError::NoThread { reason })?;
         let scanner = Self {
             input: input.to_owned(),
@@ -115,18 +130,23 @@ impl LiveScanner {
             thread: Some(thread),
         };
         let begun = Instant::now();
+        let seconds = deadlines.first_frame.as_secs_f64();
+        let _waiting = Waiting::for_(format!(
+            "the first turn of a laser scanner at {} (up to {seconds} s)",
+            input.display()
+        ));
         loop {
             scanner.look_again()?;
             let problem = lock(&scanner.ring.turns).problem.clone();
             match problem {
                 _ if !scanner.frames().is_empty() => return Ok(scanner),
-                Some(problem) if begun.elapsed() >= OTHERS => return Err(failed(problem)),
+                Some(problem) if begun.elapsed() >= deadlines.other_sensors => return Err(failed(problem)),
                 _ if progress.is_cancelled() => return Err(SequenceError::Cancelled),
-                _ if begun.elapsed() >= PATIENCE => {
+                _ if begun.elapsed() >= deadlines.first_frame => {
                     return Err(failed(format!(
-                        "no turn of a laser scanner came within {} seconds: check that the sensor is on, that it sends \
-                         to this machine and this port, and that no firewall is between",
-                        PATIENCE.as_secs()
+                        "no turn of a laser scanner came within {seconds} seconds ({}): check that the sensor is on, \
+                         that it sends to this machine and this port, and that no firewall is between",
+                        scanner.ring.came()
                     )));
                 }
                 _ => scanner.ring.wait(0, LOOK),
@@ -165,19 +185,47 @@ impl Ring {
     /// Receives packets until nobody wants them.
     fn listen(&self, socket: &UdpSocket, mut found: LiveTurns) {
         let mut buffer = vec![0; MOST_DATAGRAM_BYTES];
+        // The time of day of the beginning: clocks that are set meanwhile change no order.
+        let (begun, day) = (Instant::now(), SystemTime::now());
+        let day = day.duration_since(UNIX_EPOCH).unwrap_or_default();
         while !self.is_closed.load(Ordering::Relaxed) {
-            let (count, source) = match socket.recv_from(&mut buffer) {
-                Ok(received) => received,
-                Err(error) if is_passing(&error) => continue,
+            let received = socket.recv_from(&mut buffer);
+            let time = day + begun.elapsed();
+            match received {
+                Ok((count, source)) => self.take(&mut found, source, time, &buffer[..count]),
+                Err(error) if is_passing(&error) => found.look(time),
                 Err(error) => return self.end(format!("nothing can be received any more ({error})")),
-            };
-            let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-            match found.add(source.ip(), time, &buffer[..count]) {
-                Ok(None) => {}
-                Ok(Some(turn)) => self.push(turn),
-                // Another sensor may send what can be read.
-                Err(problem) => lock(&self.turns).problem = Some(problem),
             }
+            for note in found.take_notes() {
+                log::warn!("the laser scanner: {note}");
+            }
+        }
+    }
+
+    fn take(&self, found: &mut LiveTurns, source: SocketAddr, time: Duration, bytes: &[u8]) {
+        match found.add(source, time, bytes) {
+            Ok(None) => {}
+            Ok(Some(turn)) => self.push(turn),
+            // Another sensor may send what can be read.
+            Err(problem) => lock(&self.turns).problem = Some(problem),
+        }
+        let mut turns = lock(&self.turns);
+        turns.datagrams += 1;
+        turns.last = Some((source, bytes.len()));
+        if found.has_sensor() {
+            turns.problem = None;
+        }
+    }
+
+    /// A sentence on the packets so far.
+    fn came(&self) -> String {
+        let turns = lock(&self.turns);
+        match turns.last {
+            None => "no packet at all has come".to_owned(),
+            Some((source, bytes)) => format!(
+                "{} packets have come, the last of {bytes} bytes from {source}, and no run of packets of one sensor",
+                turns.datagrams
+            ),
         }
     }
 

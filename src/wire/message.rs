@@ -11,6 +11,9 @@ pub(super) const HEADER_BYTES: usize = 12;
 /// No payload has more, whatever memory there is: 38 million points with colours and normals.
 pub const MOST_PAYLOAD_BYTES: u64 = 1 << 30;
 
+/// Bytes of a payload that are made room for before any has come.
+const FIRST_BYTES: usize = 1 << 16;
+
 /// What a message is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -164,13 +167,21 @@ pub fn read_message(reader: &mut impl Read, most_bytes: u64) -> Result<Message, 
             most,
         });
     }
-    let mut payload = Vec::new();
-    let read = reader.take(claimed).read_to_end(&mut payload).map_err(WireError::Io)?;
-    if (read as u64) < claimed {
-        return Err(WireError::BreaksOff { within: "a message" });
-    }
+    let payload = read_payload(reader, header.payload_bytes as usize)?;
     if crc32fast::hash(&payload) != header.checksum {
         return Err(WireError::Checksum { bytes: payload.len() });
     }
     Ok(Message::new(header.kind, payload))
+}
+
+/// `count` bytes. The first are made room for, then as many again as have come, and never more than there will be.
+fn read_payload(reader: &mut impl Read, count: usize) -> Result<Vec<u8>, WireError> {
+    let mut payload = Vec::new();
+    while payload.len() < count {
+        let (begin, more) = (payload.len(), payload.len().max(FIRST_BYTES).min(count - payload.len()));
+        payload.reserve_exact(more);
+        payload.resize(begin + more, 0);
+        read_exact(reader, &mut payload[begin..], "a message")?;
+    }
+    Ok(payload)
 }

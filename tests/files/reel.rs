@@ -6,7 +6,7 @@ use pointreel::io::WriteFormat;
 use pointreel::progress::Progress;
 use pointreel::reel::{NewFrame, Precision, ReelOptions, ReelWriter};
 use pointreel::sequence::{FrameEntry, OpenOptions, Sequence};
-use pointreel::serve::FileServer;
+use pointreel::serve::{FileServer, FileServerOptions};
 use serde_json::Value;
 use std::fs;
 use std::io::{Read as _, Write as _};
@@ -315,7 +315,7 @@ fn beside<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'stat
 
 /// Serves `path` until the end of the test, and says where.
 fn served(path: &Path) -> String {
-    let server = FileServer::bind(path, "127.0.0.1:0".parse().unwrap()).unwrap();
+    let server = FileServer::bind(path, "127.0.0.1:0".parse().unwrap(), FileServerOptions::default()).unwrap();
     let url = server.url().unwrap();
     beside("server", move || server.run());
     url

@@ -396,10 +396,70 @@ fn servers_that_are_none_or_lie_are_refused_with_a_sentence() {
             let output = asking.join().unwrap();
             let said = stderr(&output);
             assert_eq!(output.status.code(), Some(1), "{what}: {said}");
-            assert!(said.starts_with("error: ") && said.contains(&url), "{what}: {said}");
+            // A wait of seconds is said before.
+            let error = said
+                .lines()
+                .find(|line| !line.starts_with("waiting for the first frame of"));
+            assert!(
+                error.is_some_and(|line| line.starts_with("error: ") && line.contains(&url)),
+                "{what}: {said}"
+            );
             assert!(said.contains(expected), "{what}: {said}");
             assert!(!said.contains("panicked"), "{what}: {said}");
             assert!(output.stdout.is_empty(), "{what}");
         }
     });
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_server_without_descriptors_says_so_once_and_goes_on() {
+    let folder = recording();
+    let file = folder.path().join("a.reel");
+    let converted = pointreel(&["convert", folder.path().to_str().unwrap(), file.to_str().unwrap()]);
+    assert!(converted.status.success(), "{}", stderr(&converted));
+    for live in [&["--live"][..], &[]] {
+        let mut program = Command::new("bash")
+            .args([
+                "-c",
+                "ulimit -n 20; exec \"$@\"",
+                "bash",
+                env!("CARGO_BIN_EXE_pointreel"),
+            ])
+            .args(["serve", file.to_str().unwrap(), "--listen", "127.0.0.1:0"])
+            .args(live)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut answer = String::new();
+        let mut answers = BufReader::new(program.stdout.take().unwrap());
+        answers.read_line(&mut answer).unwrap();
+        let address = answer.split(['/', ' ']).nth(2).unwrap().to_owned();
+        let processor_s = || {
+            let text = fs::read_to_string(format!("/proc/{}/stat", program.id())).unwrap();
+            let fields: Vec<f64> = text.split(' ').map(|field| field.parse().unwrap_or(0.0)).collect();
+            (fields[13] + fields[14]) / 100.0
+        };
+        let crowd: Vec<TcpStream> = (0..40).map_while(|_| TcpStream::connect(&address).ok()).collect();
+        let before = processor_s();
+        let mut good = TcpStream::connect(&address).unwrap();
+        good.set_read_timeout(Some(LONG)).unwrap();
+        // A live stream begins by itself.
+        if live.is_empty() {
+            good.write_all(b"GET /a.reel HTTP/1.1\r\nHost: x\r\n\r\n").unwrap();
+        }
+        // The head of the stream, or of the answer.
+        let mut head = [0; 8];
+        good.read_exact(&mut head).unwrap();
+        thread::sleep(Duration::from_millis(500));
+        let used_s = processor_s() - before;
+        assert!(used_s < 0.4, "{used_s} s of a processor within half a second");
+        drop((good, crowd));
+        program.kill().unwrap();
+        let mut said = String::new();
+        program.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        program.wait().unwrap();
+        assert_eq!(said.matches("no connection can be taken").count(), 1, "{said}");
+    }
 }

@@ -2,6 +2,8 @@
 
 use super::works::{Work, WorkKind};
 use crate::app::work::works::left_text;
+use crate::printable;
+use crate::waiting::waits;
 use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
 use std::time::Duration;
 
@@ -10,9 +12,21 @@ pub(in crate::app) fn work_ui(ui: &mut Ui, work: &Work, now: Duration, width: f3
     Frame::window(ui.style()).show(ui, |ui| {
         ui.set_width(width);
         ui.label(&work.name);
+        if matches!(work.kind, WorkKind::Open | WorkKind::Read) {
+            waits_ui(ui);
+        }
         bar(ui, work, now);
         cancel_button(ui, work);
     });
+}
+
+/// Waits for other machines.
+fn waits_ui(ui: &mut Ui) {
+    // Work is shown once it has taken longer.
+    const MOMENT: Duration = Duration::from_millis(200);
+    for wait in waits(MOMENT).iter().take(2) {
+        ui.weak(printable::text(&format!("Waiting for {}", wait.what)));
+    }
 }
 
 /// How much is done, and the time left.

@@ -1,8 +1,8 @@
 //! Turns of a sensor as its packets come, from a network instead of a file.
 //!
-//! The first sensor whose packets can be read is the one; packets of others are left out. A turn is handed over when
-//! the next one begins, as its packets: whoever shows it makes points of them. The turn in which packets begin to come
-//! is no whole one, and is left out.
+//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A turn is
+//! handed over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which
+//! packets begin to come is no whole one, and is skipped.
 
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
@@ -11,13 +11,14 @@ use super::makers::maker_of;
 use super::ouster::{self, Metadata};
 use super::seam::Coverage;
 use super::sensor::{Kind, LEAST_OUSTER_BYTES, LONGEST_TURN, MOST_PACKETS};
+use super::streams::{Sort, Streams, Verdict};
 use super::turn::{Scanner, TurnPart};
 use super::unpacking::{Position, Unpacking};
-use super::velodyne::{self, Calibration, DataPacket};
+use super::velodyne::{self, Calibration, DataPacket, Model};
 use crate::cloud::RawCloud;
 use std::fs::File;
 use std::io::Read as _;
-use std::net::IpAddr;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -56,7 +57,11 @@ struct Learning {
 /// Finds the turns of a sensor.
 pub(crate) struct LiveTurns {
     companion: Option<Companion>,
-    sensor: Option<(IpAddr, Kind)>,
+    streams: Streams,
+    /// The sensor that is shown.
+    sensor: Option<Kind>,
+    /// Sentences on streams that are to be said.
+    notes: Vec<String>,
     /// Over once it is known where the sensor measures.
     learning: Option<Learning>,
     /// The turn whose packets come now.
@@ -87,46 +92,62 @@ impl Companion {
 }
 
 impl LiveTurns {
-    /// No packets yet, of a sensor with that file.
-    pub(crate) fn new(companion: Option<Companion>) -> Self {
+    /// No packets yet, of a sensor with that file, which loses its place after `silence`.
+    pub(crate) fn new(companion: Option<Companion>, silence: Duration) -> Self {
         Self {
             companion,
+            streams: Streams::new(silence),
             sensor: None,
+            notes: Vec::new(),
             learning: None,
             current: None,
             is_whole: false,
         }
     }
 
-    /// A datagram from `source` that came at `time`; the turn that is over with it, if one is.
+    /// True while a sensor is shown.
+    pub(crate) fn has_sensor(&self) -> bool {
+        self.sensor.is_some()
+    }
+
+    /// Sentences that are to be said since the last time.
+    pub(crate) fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+
+    /// Notes that it is `now`, by the clock of the datagrams.
+    pub(crate) fn look(&mut self, now: Duration) {
+        let Some(note) = self.streams.look(now) else {
+            return;
+        };
+        self.notes.push(note);
+        (self.sensor, self.learning, self.current) = (None, None, None);
+        self.is_whole = false;
+    }
+
+    /// A datagram from `source` that came at `time` of a clock that never goes back; the turn that is over with it, if
+    /// one is.
     ///
     /// # Errors
-    /// Why the packets of a sensor cannot be read: what is missing beside them.
-    pub(crate) fn add(&mut self, source: IpAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
+    /// Why the packets of a sensor cannot be read: what is missing next to them.
+    pub(crate) fn add(&mut self, source: SocketAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
+        self.look(time);
         let data = DataPacket::of(bytes);
-        if self.sensor.is_none() {
-            let kind = match data {
-                Some(data) => Kind::velodyne(data, || self.calibration()),
-                None => match self.ouster(bytes) {
-                    Some(kind) => kind,
-                    None => return refused(bytes),
-                },
-            };
-            if let Kind::Unread(problem) = kind {
-                return Err(problem);
-            }
-            self.sensor = Some((source, kind));
-            self.learning = Some(Learning {
-                begin: time,
-                coverage: Coverage::default(),
-            });
-        }
-        let Some((sensor, kind)) = &mut self.sensor else {
+        let Some(sort) = self.sort(data, bytes) else {
             return Ok(None);
         };
-        if *sensor != source {
-            return Ok(None);
+        match self.streams.add(source, sort, time) {
+            Verdict::Shown => {}
+            Verdict::Free => self.show(source, sort, time, bytes)?,
+            Verdict::Second(note) => {
+                self.notes.push(note);
+                return Ok(None);
+            }
+            Verdict::Skipped => return Ok(None),
         }
+        let Some(kind) = &mut self.sensor else {
+            return Ok(None);
+        };
         if let Some(learning) = &mut self.learning {
             kind.cover(bytes, &mut learning.coverage);
             if time.saturating_sub(learning.begin) < LEARNING {
@@ -165,20 +186,54 @@ impl LiveTurns {
         }
     }
 
-    fn ouster(&self, bytes: &[u8]) -> Option<Kind> {
-        if bytes.len() < LEAST_OUSTER_BYTES {
-            return None;
+    /// The sender of a packet, as far as it tells.
+    fn sort(&self, data: Option<DataPacket<'_>>, bytes: &[u8]) -> Option<Sort> {
+        if let Some(data) = data {
+            return Some(Model::of(data).map_or_else(Sort::UnknownVelodyne, Sort::Velodyne));
         }
-        match &self.companion {
-            Some(Companion(Contents::Metadata(metadata))) if metadata.shape.packet_bytes() == bytes.len() => {
-                Some(Kind::ouster(metadata))
+        let is_known = match &self.companion {
+            Some(Companion(Contents::Metadata(metadata))) => {
+                let shape = metadata.shape;
+                shape.packet_bytes() == bytes.len() && shape.frame_of(bytes, 0).is_some()
             }
-            _ if ouster::may_be(bytes.len()) => Some(Kind::Unread(format!(
-                "it has packets of {} bytes as sensors of Ouster send them: expected the metadata of the sensor behind \
-                 the address, as in udp://:7502?os1.json",
-                bytes.len()
-            ))),
-            _ => None,
+            _ => false,
+        };
+        if bytes.len() >= LEAST_OUSTER_BYTES && (is_known || ouster::may_be(bytes.len())) {
+            return Some(Sort::Ouster(bytes.len()));
+        }
+        // The port of the socket is any that a person chose.
+        let maker = maker_of(0, bytes).filter(|maker| !maker.advice.is_empty());
+        maker.map(|maker| Sort::Unread(maker.name))
+    }
+
+    /// Shows the sensor that sends from `source`, of which a packet is `bytes`.
+    fn show(&mut self, source: SocketAddr, sort: Sort, time: Duration, bytes: &[u8]) -> Result<(), String> {
+        let kind = match (sort, DataPacket::of(bytes)) {
+            (Sort::Velodyne(_) | Sort::UnknownVelodyne(_), Some(data)) => Kind::velodyne(data, || self.calibration()),
+            (Sort::Ouster(bytes), _) => self.ouster(bytes),
+            _ => Kind::Unread(refused(bytes)),
+        };
+        if let Kind::Unread(problem) = kind {
+            return Err(problem);
+        }
+        self.streams.show(source, sort, time);
+        self.sensor = Some(kind);
+        self.learning = Some(Learning {
+            begin: time,
+            coverage: Coverage::default(),
+        });
+        Ok(())
+    }
+
+    fn ouster(&self, byte_count: usize) -> Kind {
+        match &self.companion {
+            Some(Companion(Contents::Metadata(metadata))) if metadata.shape.packet_bytes() == byte_count => {
+                Kind::ouster(metadata)
+            }
+            _ => Kind::Unread(format!(
+                "it has packets of {byte_count} bytes as sensors of Ouster send them: expected the metadata of the \
+                 sensor behind the address, as in udp://:7502?os1.json"
+            )),
         }
     }
 
@@ -254,12 +309,11 @@ impl LiveTurns {
     }
 }
 
-/// The refusal of a packet that no sensor that is read sends, where its maker is known.
-fn refused(bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
-    // The port of the socket is any that a person chose.
-    match maker_of(0, bytes).filter(|maker| !maker.advice.is_empty()) {
-        Some(maker) => Err(format!("it has {}, which are not read: {}", maker.name, maker.advice)),
-        None => Ok(None),
+/// The refusal of packets whose maker is known, and which are not read.
+fn refused(bytes: &[u8]) -> String {
+    match maker_of(0, bytes) {
+        Some(maker) => format!("it has {}, which are not read: {}", maker.name, maker.advice),
+        None => "it has packets that are not read".to_owned(),
     }
 }
 

@@ -25,6 +25,7 @@ mod points;
 mod rows;
 mod seam;
 mod sensor;
+mod streams;
 mod traffic;
 mod turn;
 mod unpacking;

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 /// Clients at once.
 pub(super) const MOST_CLIENTS: usize = 64;
 
-/// A client that has not taken a whole message for so long gives way where all places are taken.
-const STUCK: Duration = Duration::from_millis(2500);
+/// Clients that speak at all do so more often: pings come twice per second.
+const SPEAKS_WITHIN: Duration = Duration::from_secs(2);
 
 /// How long clients may take to hear that it is over.
 const PARTING: Duration = Duration::from_millis(500);
@@ -61,10 +61,22 @@ pub(super) struct Client {
     pub(super) whole_bytes: AtomicU64,
     view: Mutex<Option<View>>,
     joined: Instant,
-    /// When it had taken all that was sent to it so far, ms after it joined.
-    taken_ms: AtomicU64,
+    /// While it is sent a message: when it took something last.
+    taking: Mutex<Option<Instant>>,
+    /// When it has said something last, as those who show the stream do all the time.
+    heard: Mutex<Option<Instant>>,
     /// To end what its threads wait for.
-    stream: TcpStream,
+    pub(super) stream: TcpStream,
+}
+
+/// The answer to somebody who wants to join.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Joining {
+    Joined,
+    /// All places are taken.
+    Full,
+    /// There are no more frames.
+    Over,
 }
 
 impl Client {
@@ -77,7 +89,8 @@ impl Client {
             whole_bytes: AtomicU64::new(0),
             view: Mutex::default(),
             joined: Instant::now(),
-            taken_ms: AtomicU64::new(0),
+            taking: Mutex::default(),
+            heard: Mutex::default(),
             stream,
         }
     }
@@ -91,17 +104,32 @@ impl Client {
         *lock(&self.view) = Some(view);
     }
 
-    /// Notes that it has taken a message to its end.
-    pub(super) fn has_taken(&self) {
-        let now = self.joined.elapsed().as_millis();
-        self.taken_ms
-            .store(u64::try_from(now).unwrap_or(u64::MAX), Ordering::Relaxed);
+    /// It is sent a message from now on.
+    pub(super) fn begins_to_take(&self) {
+        *lock(&self.taking) = Some(Instant::now());
     }
 
-    /// How long ago it had taken a whole message. Heartbeats come every second, so one that listens has.
-    fn stuck_for(&self) -> Duration {
-        let taken = Duration::from_millis(self.taken_ms.load(Ordering::Relaxed));
-        self.joined.elapsed().saturating_sub(taken)
+    /// It has taken the message to its end.
+    pub(super) fn has_taken(&self) {
+        *lock(&self.taking) = None;
+    }
+
+    /// It has said something.
+    pub(super) fn has_spoken(&self) {
+        *lock(&self.heard) = Some(Instant::now());
+    }
+
+    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network:
+    /// for how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
+    fn idle_for(&self) -> (bool, Duration) {
+        if let Some(taken) = *lock(&self.taking) {
+            return (true, taken.elapsed());
+        }
+        let silent = match *lock(&self.heard) {
+            Some(heard) => heard.elapsed().saturating_sub(SPEAKS_WITHIN),
+            None => self.joined.elapsed(),
+        };
+        (false, silent)
     }
 
     pub(super) fn hang_up(&self) {
@@ -135,27 +163,42 @@ struct Inside {
     is_over: bool,
 }
 
+impl Inside {
+    fn give_way(&mut self, stuck: Duration) -> bool {
+        let idle = self.clients.iter().map(|client| (client.idle_for(), client));
+        let idle = idle
+            .filter(|((_, time), _)| *time > stuck)
+            .max_by_key(|(idle, _)| *idle);
+        let Some(chosen) = idle.map(|(_, client)| Arc::clone(client)) else {
+            return false;
+        };
+        chosen.hang_up();
+        self.clients.retain(|other| !Arc::ptr_eq(other, &chosen));
+        true
+    }
+}
+
 impl Audience {
-    /// Takes a client; `false` where there are too many, or it is over. One that has taken nothing for a while gives
+    /// Takes a client. Where all places are taken, one that has taken or said nothing for longer than `stuck` gives
     /// way.
-    pub(super) fn join(&self, client: Arc<Client>) -> bool {
+    pub(super) fn join(&self, client: &Arc<Client>, stuck: Duration) -> Joining {
         let mut inside = lock(&self.inside);
         if inside.is_over {
-            return false;
+            return Joining::Over;
         }
-        if inside.clients.len() >= MOST_CLIENTS {
-            let stuck = inside.clients.iter().max_by_key(|client| client.stuck_for());
-            let Some(stuck) = stuck.filter(|client| client.stuck_for() > STUCK).cloned() else {
-                return false;
-            };
-            stuck.hang_up();
-            inside.clients.retain(|other| !Arc::ptr_eq(other, &stuck));
+        if inside.clients.len() >= MOST_CLIENTS && !inside.give_way(stuck) {
+            return Joining::Full;
         }
         if let Some(newest) = &inside.newest {
             client.mailbox.push(Arc::clone(newest));
         }
-        inside.clients.push(client);
-        true
+        inside.clients.push(Arc::clone(client));
+        Joining::Joined
+    }
+
+    /// Hangs up on one that has taken or said nothing for longer than `stuck`, if there is one.
+    pub(super) fn free_one(&self, stuck: Duration) {
+        lock(&self.inside).give_way(stuck);
     }
 
     pub(super) fn leave(&self, client: &Arc<Client>) {
@@ -186,6 +229,15 @@ impl Audience {
     pub(super) fn has_views(&self) -> bool {
         let inside = lock(&self.inside);
         inside.clients.iter().any(|client| client.view().is_some())
+    }
+
+    #[cfg(test)]
+    pub(super) fn all_have_spoken(&self) -> bool {
+        let inside = lock(&self.inside);
+        inside
+            .clients
+            .iter()
+            .all(|client| client.is_heard.load(Ordering::Relaxed))
     }
 
     /// Bytes that those who are there were sent.

@@ -3,23 +3,25 @@
 use super::audience::Client;
 use super::mailbox::{Next, heartbeat};
 use crate::analysis::screen::ScreenEstimator;
+use crate::deadlines::LeastRate;
 use crate::locks::lock;
-use crate::wire::{Got, Kind, Ping, Pong, StreamHead, View, WireError, read_message};
+use crate::serve::steady::SteadyWriter;
+use crate::wire::{Got, Kind, Message, Ping, Pong, StreamHead, View, WireError, read_message};
 use std::io::{self, BufReader, Write as _};
 use std::net::TcpStream;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Where there is no frame, it is said once in this time that the server is there.
 const HEARTBEAT: Duration = Duration::from_secs(1);
 
-/// A client that takes nothing for so long is left.
-const PATIENCE: Duration = Duration::from_secs(10);
-
 /// Bytes of a message of a client.
 const MOST_SAID_BYTES: u64 = 256;
+
+/// So many messages of a client are heard in so much time: more than there are frames, and no work for a processor.
+const MOST_SAID: (u32, Duration) = (1000, Duration::from_millis(50));
 
 /// Estimators of what views show: as many as there are processors, as each has numbers for every pixel of the largest
 /// view that anybody has sent it.
@@ -49,16 +51,24 @@ impl Estimators {
 /// Sends what is in the mailbox until the client has left, or there is no more; says why it has ended.
 pub(super) fn send(
     client: &Client,
-    mut stream: &TcpStream,
+    least: LeastRate,
     head: &StreamHead,
     estimators: &Estimators,
     clock_ns: impl Fn() -> u64,
     newest: impl Fn() -> Option<u64>,
 ) -> String {
-    let mut sent = || -> io::Result<String> {
-        stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(PATIENCE))?;
-        stream.write_all(&head.encode())?;
+    let deliver = |parts: &[&[u8]]| -> io::Result<()> {
+        let mut writer = SteadyWriter::new(&client.stream, least);
+        client.begins_to_take();
+        for part in parts {
+            writer.write(part, |_| client.begins_to_take())?;
+        }
+        client.has_taken();
+        Ok(())
+    };
+    let sent = || -> io::Result<String> {
+        client.stream.set_nodelay(true)?;
+        deliver(&[&head.encode()])?;
         loop {
             match client.mailbox.next(HEARTBEAT) {
                 Next::Frame(frame) => {
@@ -67,25 +77,18 @@ pub(super) fn send(
                         .view()
                         .and_then(|view| frame.seen_by(&view, &mut lock(estimators.one())));
                     let frame = seen.unwrap_or(frame);
-                    stream.write_all(&frame.head)?;
-                    stream.write_all(&frame.body.bytes)?;
-                    client.has_taken();
+                    deliver(&[&frame.head, &frame.body.bytes])?;
                     client.sent_frames.fetch_add(1, Ordering::Relaxed);
                     client.sent_bytes.fetch_add(frame.byte_size() as u64, Ordering::Relaxed);
                     client.whole_bytes.fetch_add(whole_bytes, Ordering::Relaxed);
                 }
                 Next::Answer(mut answer) => {
                     stamp(&mut answer.payload, answer.kind, clock_ns());
-                    stream.write_all(&answer.encode())?;
-                    client.has_taken();
+                    deliver(&[&answer.encode()])?;
                 }
-                Next::Nothing => {
-                    stream.write_all(&heartbeat(clock_ns(), newest()).encode())?;
-                    client.has_taken();
-                }
+                Next::Nothing => deliver(&[&heartbeat(clock_ns(), newest()).encode()])?,
                 Next::End(reason) => {
-                    let end = crate::wire::Message::new(Kind::End, reason.clone().into_bytes());
-                    stream.write_all(&end.encode())?;
+                    deliver(&[&end(&reason)])?;
                     return Ok(reason);
                 }
             }
@@ -93,11 +96,22 @@ pub(super) fn send(
     };
     match sent() {
         Ok(reason) => reason,
-        Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
-            format!("it has taken nothing for {} seconds", PATIENCE.as_secs())
-        }
+        Err(error) if error.kind() == io::ErrorKind::TimedOut => error.to_string(),
         Err(error) => format!("it has left ({error})"),
     }
+}
+
+/// The message that there will be no more.
+fn end(reason: &str) -> Vec<u8> {
+    Message::new(Kind::End, reason.as_bytes().to_vec()).encode()
+}
+
+/// Tells somebody who has no place why, if it can be told at once.
+pub(super) fn refuse(mut stream: &TcpStream, head: &StreamHead, reason: &str) -> io::Result<()> {
+    // Buffers of a new connection hold as much.
+    stream.set_nonblocking(true)?;
+    stream.write_all(&head.encode())?;
+    stream.write_all(&end(reason))
 }
 
 /// An answer to a ping says when it is sent, not when it was made: it may have waited behind a frame.
@@ -116,7 +130,14 @@ fn stamp(payload: &mut Vec<u8>, kind: Kind, clock_ns: u64) {
 /// Hears what the client says until it says no more.
 pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() -> u64) -> WireError {
     let mut reader = BufReader::with_capacity(1 << 10, stream);
+    let (most, time) = MOST_SAID;
+    let (mut said, mut begun) = (0, Instant::now());
     loop {
+        if said == most {
+            thread::sleep(time.saturating_sub(begun.elapsed()));
+            (said, begun) = (0, Instant::now());
+        }
+        said += 1;
         let heard = read_message(&mut reader, MOST_SAID_BYTES).and_then(|message| {
             match message.kind {
                 Kind::Ping => {
@@ -133,6 +154,7 @@ pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() ->
                 Kind::Got => client.mailbox.got(Got::parse(&message.payload)?.number),
                 _ => {}
             }
+            client.has_spoken();
             Ok(())
         });
         if let Err(error) = heard {

@@ -7,8 +7,9 @@
 //! are sent as its images, before any filter; all others as points. A client that says what it looks at is sent the
 //! points that it sees (`surfels.rs`).
 //!
-//! **Bounds.** So many clients at once, so much of what they say, and a client that takes nothing for ten seconds is
-//! left.
+//! **Bounds.** So many clients at once, so much of what they say and so often, and a client that takes a message more
+//! slowly than [`ServerDeadlines`](crate::deadlines::ServerDeadlines) allow is left. Where all places are taken, those
+//! that take nothing, and then those that say nothing, give way to whoever comes.
 
 mod audience;
 mod client;

@@ -1,16 +1,19 @@
 //! Plays a sequence to all who are connected.
 
-use super::audience::{Audience, Client, LiveEvent};
+use super::audience::{Audience, Client, Joining, LiveEvent};
 use super::client::{self, Estimators};
 use super::feed::Feed;
 use super::outgoing::{Body, Outgoing};
 use super::schedule::Schedule;
 use super::surfels::WholeFrame;
+use crate::deadlines::{LeastRate, ServerDeadlines};
+use crate::serve::accept::AcceptBackOff;
 use crate::source::Source;
 use crate::wire::{FrameHead, ImageCoding, StreamHead};
+use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::io::{self, ErrorKind};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
@@ -18,6 +21,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Between looks at whether it is over, and whether somebody has come.
 const LOOK: Duration = Duration::from_millis(10);
+
+/// Clients that wait for a place; more are left to the queue of the system.
+const MOST_WAITING: usize = 16;
 
 /// How a sequence is served.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +57,7 @@ pub struct LiveServer {
     source: Arc<dyn Source>,
     schedule: Schedule,
     options: LiveOptions,
+    deadlines: ServerDeadlines,
     shared: Arc<Shared>,
 }
 
@@ -108,6 +115,7 @@ impl LiveServer {
             listener,
             source,
             options,
+            deadlines: ServerDeadlines::default(),
             shared: Arc::new(Shared {
                 audience: Audience::default(),
                 estimators: Estimators::default(),
@@ -125,6 +133,12 @@ impl LiveServer {
         })
     }
 
+    /// Waits for clients as long as these say.
+    #[must_use]
+    pub fn with_deadlines(self, deadlines: ServerDeadlines) -> Self {
+        Self { deadlines, ..self }
+    }
+
     /// Where it is: `tcp://127.0.0.1:9000`.
     pub fn url(&self) -> io::Result<String> {
         Ok(format!("tcp://{}", self.listener.local_addr()?))
@@ -140,6 +154,12 @@ impl LiveServer {
             dropped_frames: shared.dropped.load(Ordering::Relaxed),
             sent_bytes: shared.sent_bytes.load(Ordering::Relaxed) + shared.audience.sent_bytes(),
         }
+    }
+
+    /// True once all clients have said something.
+    #[cfg(test)]
+    pub(super) fn all_have_spoken(&self) -> bool {
+        self.shared.audience.all_have_spoken()
     }
 
     /// Ends [`LiveServer::run`], which another thread is in: clients are told.
@@ -264,46 +284,68 @@ impl LiveServer {
 
     /// Takes clients until it is over.
     fn accept(&self) {
+        let mut back_off = AcceptBackOff::default();
+        // Those for whom there is no place yet.
+        let mut waiting = VecDeque::new();
         while !self.shared.is_over() {
+            self.seat(&mut waiting);
+            if waiting.len() >= MOST_WAITING {
+                thread::sleep(LOOK);
+                continue;
+            }
             match self.listener.accept() {
                 Ok((stream, address)) => {
-                    if let Err(error) = self.welcome(stream, address) {
-                        log::debug!("{address}: {error}");
+                    back_off.works();
+                    // Some systems hand over what the listener is set to.
+                    if stream.set_nonblocking(false).is_ok() {
+                        waiting.push_back((Arc::new(Client::new(address, stream)), Instant::now()));
                     }
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => thread::sleep(LOOK),
                 Err(error) => {
-                    log::debug!("a connection failed: {error}");
-                    thread::sleep(LOOK);
+                    let pause = back_off.failed(&error);
+                    if !pause.is_zero() {
+                        self.shared.audience.free_one(self.deadlines.stuck);
+                        thread::sleep(pause);
+                    }
                 }
             }
         }
     }
 
-    fn welcome(&self, stream: TcpStream, address: SocketAddr) -> io::Result<()> {
-        // Some systems hand over what the listener is set to.
-        stream.set_nonblocking(false)?;
-        let shared = Arc::clone(&self.shared);
-        let client = Arc::new(Client::new(address, stream.try_clone()?));
-        if !shared.audience.join(Arc::clone(&client)) {
-            (shared.tell)(LiveEvent::Full(address));
-            return Ok(());
+    /// Gives places to those who wait, in their order, as far as there are any.
+    fn seat(&self, waiting: &mut VecDeque<(Arc<Client>, Instant)>) {
+        let shared = &self.shared;
+        while let Some((client, since)) = waiting.front() {
+            match shared.audience.join(client, self.deadlines.stuck) {
+                Joining::Joined => {
+                    (shared.tell)(LiveEvent::Joined(client.address));
+                    if let Err(error) = attend(shared, client, self.deadlines.message) {
+                        log::warn!("{} has no thread ({error}): it is closed", client.address);
+                        client.hang_up();
+                        shared.audience.leave(client);
+                    }
+                }
+                Joining::Full if since.elapsed() < self.deadlines.place => return,
+                Joining::Full => {
+                    let reason = "there are as many clients as may be: try again later";
+                    if let Err(error) = client::refuse(&client.stream, &shared.head(), reason) {
+                        log::debug!("{}: {error}", client.address);
+                    }
+                    (shared.tell)(LiveEvent::Full(client.address));
+                }
+                Joining::Over => {}
+            }
+            waiting.pop_front();
         }
-        (shared.tell)(LiveEvent::Joined(address));
-        let started = attend(&shared, &client, stream);
-        if started.is_err() {
-            shared.audience.leave(&client);
-        }
-        started
     }
 }
 
 /// Starts the threads of a client.
-fn attend(shared: &Arc<Shared>, client: &Arc<Client>, stream: TcpStream) -> io::Result<()> {
-    let heard = stream.try_clone()?;
+fn attend(shared: &Arc<Shared>, client: &Arc<Client>, least: LeastRate) -> io::Result<()> {
     let (listener, clock) = (Arc::clone(client), Arc::clone(shared));
     thread::Builder::new().name("live listener".to_owned()).spawn(move || {
-        let error = client::listen(&listener, &heard, || clock.clock_ns());
+        let error = client::listen(&listener, &listener.stream, || clock.clock_ns());
         log::debug!("{}: {error}", listener.address);
         // The one that sends need not wait for a frame to find out.
         listener.mailbox.end("it has left");
@@ -315,7 +357,7 @@ fn attend(shared: &Arc<Shared>, client: &Arc<Client>, stream: TcpStream) -> io::
         .spawn(move || {
             let head = shared.head();
             let (clock, newest) = (|| shared.clock_ns(), || shared.audience.newest());
-            let reason = client::send(&client, &stream, &head, &shared.estimators, clock, newest);
+            let reason = client::send(&client, least, &head, &shared.estimators, clock, newest);
             client.hang_up();
             shared.audience.leave(&client);
             let report = client.report(reason);

@@ -6,6 +6,7 @@ mod surfels;
 
 use super::*;
 use crate::cloud::{Positions, RawCloud};
+use crate::deadlines::ServerDeadlines;
 use crate::progress::Progress;
 use crate::source::{
     self, FrameEntry, FrameList, LiveState, LiveStream, OpenOptions, SequenceError, Source, StreamRecording,
@@ -58,7 +59,23 @@ impl Running {
         )
     }
 
+    /// A server of raw points, with these deadlines.
+    fn within(source: impl Source + 'static, deadlines: ServerDeadlines) -> Self {
+        let address = "127.0.0.1:0".parse().unwrap();
+        Self::bound(&(Arc::new(source) as Arc<dyn Source>), 20.0, RAW, address, deadlines)
+    }
+
     fn at(source: &Arc<dyn Source>, fps: f64, coding: ImageCoding, address: SocketAddr) -> Self {
+        Self::bound(source, fps, coding, address, ServerDeadlines::default())
+    }
+
+    fn bound(
+        source: &Arc<dyn Source>,
+        fps: f64,
+        coding: ImageCoding,
+        address: SocketAddr,
+        deadlines: ServerDeadlines,
+    ) -> Self {
         let schedule = Schedule::new(source.frames().len(), fps, |_| 1.0);
         let options = LiveOptions {
             coding,
@@ -83,7 +100,7 @@ impl Running {
             }
         };
         tell.take();
-        let server = Arc::new(server);
+        let server = Arc::new(server.with_deadlines(deadlines));
         let runs = Arc::clone(&server);
         let thread = thread::Builder::new().name("server".to_owned());
         let thread = thread.spawn(move || runs.run().unwrap()).unwrap();

@@ -3,15 +3,24 @@
 //! **How it works.** What is read is asked for by `Range` (RFC 9110 §14), over connections that stay open. Small pieces
 //! come from blocks that are kept, since an index and the directories of groups are read in many. A connection that
 //! breaks is opened again where it broke, with growing pauses; a server that answers wrongly is an error at once. A
-//! file that is another one meanwhile, by its tag or its date, is an error too.
+//! file that is another one meanwhile, by its tag or its date, is an error too. Redirections are followed when the file
+//! is opened, and not again.
 //!
 //! **Bounds.** No more is read than was asked for, whatever the server sends, and no faster than is allowed
-//! ([`pace`]). Blocks take [`MOST_BLOCKS`] times [`BLOCK_BYTES`].
+//! ([`pace`]). Blocks take [`MOST_BLOCKS`] times [`BLOCK_BYTES`]. What comes more slowly than
+//! [`ClientDeadlines::transfer`] allows is an error, however often a server begins again or says a byte.
 
+mod answer;
 mod pace;
+#[cfg(test)]
+mod tests;
+mod transfer;
 
+use crate::deadlines::ClientDeadlines;
 use crate::locks::lock;
 use crate::reel::ReadAt;
+use crate::waiting::Waiting;
+use answer::{content_range, version_of};
 use pace::BytePace;
 use std::collections::VecDeque;
 use std::io::{self, Read as _};
@@ -19,7 +28,9 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
-use ureq::http::{HeaderMap, StatusCode, header};
+use transfer::Transfer;
+use ureq::ResponseExt as _;
+use ureq::http::{Response, StatusCode, header};
 
 /// Pieces up to this size come from blocks.
 const BLOCK_BYTES: u64 = 1 << 16;
@@ -27,26 +38,27 @@ const BLOCK_BYTES: u64 = 1 << 16;
 /// Blocks that are kept.
 const MOST_BLOCKS: usize = 64;
 
-/// How often a read is tried again before it fails, and the first pause, which doubles: twelve seconds in all.
-const TRIES: u32 = 8;
-const FIRST_PAUSE: Duration = Duration::from_millis(50);
-
-/// Nothing at all for so long is a broken connection.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Before a read is tried again: the first pause, which doubles up to the longest.
+const PAUSES: [Duration; 2] = [Duration::from_millis(50), Duration::from_secs(1)];
 
 /// Bytes between two looks at the pace.
 const PIECE_BYTES: usize = 1 << 14;
+
+/// Redirections of one address.
+const MOST_REDIRECTS: u32 = 5;
 
 const CHANGED: &str = "the file has changed on the server: open it again";
 
 /// A file on a web server.
 pub(super) struct HttpFile {
     agent: ureq::Agent,
+    /// The address that redirections have led to.
     url: String,
     len: u64,
     /// By which the file is known to be the same one.
     version: Option<String>,
     pace: BytePace,
+    deadlines: ClientDeadlines,
     blocks: Mutex<VecDeque<(u64, Arc<Vec<u8>>)>>,
 }
 
@@ -68,38 +80,37 @@ enum Failure {
 }
 
 impl HttpFile {
-    /// Asks for the size of the file at `url`, which is read with at most so many bits a second.
+    /// Asks for the size of the file at `url`, which is read with at most so many bits per second.
     ///
     /// # Errors
-    /// No such file, no answer, and servers that do not answer ranges.
-    pub(super) fn open(url: &str, most_bits_per_s: Option<f64>) -> io::Result<Self> {
-        let config = ureq::Agent::config_builder()
-            .http_status_as_error(false)
-            .timeout_connect(Some(PATIENCE))
-            .timeout_recv_response(Some(PATIENCE))
-            .timeout_per_read(Some(PATIENCE))
-            .user_agent(concat!("pointreel/", env!("CARGO_PKG_VERSION")))
-            .build();
+    /// No such file, no answer within `deadlines`, and servers that do not answer ranges.
+    pub(super) fn open(url: &str, most_bits_per_s: Option<f64>, deadlines: ClientDeadlines) -> io::Result<Self> {
         let mut file = Self {
-            agent: config.into(),
+            // The answers that lead elsewhere may have bodies without an end.
+            agent: agent(&deadlines, MOST_REDIRECTS, Some(deadlines.transfer.grace)),
             url: url.to_owned(),
             len: 0,
             version: None,
             pace: BytePace::new(most_bits_per_s.map(|bits| bits / 8.0)),
+            deadlines,
             blocks: Mutex::default(),
         };
-        let (whole, version) = file.again_and_again(|file| {
-            let response = file.ask(0..1)?;
-            let whole = whole_length(response.headers())
-                .ok_or_else(|| Failure::Refused(io::Error::other("the server does not say how long the file is")))?;
-            Ok((whole, version_of(response.headers())))
+        let mut transfer = file.transfer("the size of the file".to_owned());
+        let (url, whole, version) = file.again_and_again(&mut transfer, |_| {
+            let (response, whole) = file.ask(0..1)?;
+            Ok((response.get_uri().to_string(), whole, version_of(response.headers())))
         })?;
-        (file.len, file.version) = (whole, version);
+        file.agent = agent(&deadlines, 0, None);
+        (file.url, file.len, file.version) = (url, whole, version);
         Ok(file)
     }
 
-    /// The answer to a request for a range, unless it is something else.
-    fn ask(&self, range: Range<u64>) -> Result<ureq::http::Response<ureq::Body>, Failure> {
+    fn transfer(&self, what: String) -> Transfer<'_> {
+        Transfer::new(&self.url, what, self.deadlines.transfer)
+    }
+
+    /// The answer to a request for a range, unless it is something else; and how long the file is.
+    fn ask(&self, range: Range<u64>) -> Result<(Response<ureq::Body>, u64), Failure> {
         let wanted = format!("bytes={}-{}", range.start, range.end - 1);
         let response = self.agent.get(&self.url).header(header::RANGE, &wanted).call();
         let response = response.map_err(|error| match error {
@@ -107,13 +118,17 @@ impl HttpFile {
             | ureq::Error::Timeout(_)
             | ureq::Error::ConnectionFailed
             | ureq::Error::HostNotFound => Failure::Broken(io::Error::other(error)),
+            ureq::Error::TooManyRedirects => refused(format!(
+                "the server leads from one address to another, more than {MOST_REDIRECTS} times"
+            )),
             error => Failure::Refused(io::Error::other(error)),
         })?;
-        let refused = |reason: String| Err(Failure::Refused(io::Error::other(reason)));
         match response.status() {
             StatusCode::PARTIAL_CONTENT => {}
             StatusCode::OK => {
-                return refused("the server sends files whole: one that answers ranges is needed".to_owned());
+                return Err(refused(
+                    "the server sends files whole: one that answers ranges is needed".to_owned(),
+                ));
             }
             StatusCode::NOT_FOUND => {
                 return Err(Failure::Refused(io::Error::new(
@@ -121,71 +136,88 @@ impl HttpFile {
                     "the server has no such file",
                 )));
             }
+            StatusCode::RANGE_NOT_SATISFIABLE if self.len == 0 => return Err(refused("the file is empty".to_owned())),
             // No byte beyond the end is ever asked for.
-            StatusCode::RANGE_NOT_SATISFIABLE => return refused(CHANGED.to_owned()),
+            StatusCode::RANGE_NOT_SATISFIABLE => return Err(refused(CHANGED.to_owned())),
             status if status.is_server_error() => {
                 return Err(Failure::Broken(io::Error::other(format!(
                     "the server answers {status}"
                 ))));
             }
-            status => return refused(format!("the server answers {status}")),
+            status if status.is_redirection() && self.len > 0 => {
+                return Err(refused("the file is at another address now: open it again".to_owned()));
+            }
+            status => return Err(refused(format!("the server answers {status}"))),
         }
-        if content_start(response.headers()) != Some(range.start) {
-            return refused(format!("the server sends another part than {wanted}"));
+        let Some((part, whole)) = content_range(response.headers()) else {
+            return Err(refused("the server does not say how long the file is".to_owned()));
+        };
+        if part.start != range.start || part.end > range.end {
+            return Err(refused(format!("the server sends another part than {wanted}")));
         }
-        if self.version.is_some() && version_of(response.headers()) != self.version {
-            return refused(CHANGED.to_owned());
+        let is_known = self.len > 0;
+        let is_same = whole == self.len && (self.version.is_none() || version_of(response.headers()) == self.version);
+        if is_known && !is_same {
+            return Err(refused(CHANGED.to_owned()));
         }
-        Ok(response)
+        Ok((response, whole))
     }
 
-    /// What `attempt` returns, as often as it takes while the connection breaks.
-    fn again_and_again<T>(&self, mut attempt: impl FnMut(&Self) -> Result<T, Failure>) -> io::Result<T> {
-        let mut pause = FIRST_PAUSE;
-        let mut tries = 0;
+    /// What `attempt` returns, as often as it takes while the connection breaks and there is time.
+    fn again_and_again<T>(
+        &self,
+        transfer: &mut Transfer<'_>,
+        mut attempt: impl FnMut(&mut Transfer<'_>) -> Result<T, Failure>,
+    ) -> io::Result<T> {
+        let _waiting = Waiting::for_(transfer.to_string());
+        let [mut pause, longest] = PAUSES;
         loop {
-            match attempt(self) {
+            let error = match attempt(transfer) {
                 Ok(answer) => return Ok(answer),
                 Err(Failure::Refused(error)) => return Err(error),
-                Err(Failure::Broken(error)) if tries == TRIES => return Err(error),
-                Err(Failure::Broken(error)) => log::debug!("{}: {error}, again in {pause:?}", self.url),
-            }
-            tries += 1;
-            thread::sleep(pause);
-            pause *= 2;
+                Err(Failure::Broken(error)) => error,
+            };
+            let Some(left) = transfer.time_left() else {
+                return Err(transfer.too_slow(&error));
+            };
+            log::debug!("{}: {error}, again in {pause:?}", self.url);
+            thread::sleep(pause.min(left));
+            pause = (2 * pause).min(longest);
         }
     }
 
     /// Fills `bytes` with those from `offset` on, from where a broken connection ended.
     fn fetch(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        let end = offset + bytes.len() as u64;
+        let mut transfer = self.transfer(format!("bytes {offset} to {end}"));
         let mut done = 0;
         while done < bytes.len() {
-            let before = done;
-            let outcome = self.again_and_again(|file| {
-                let begin = offset + done as u64;
-                let response = file.ask(begin..offset + bytes.len() as u64)?;
-                let mut body = response.into_body().into_reader();
+            self.again_and_again(&mut transfer, |transfer| {
+                let (response, _) = self.ask(offset + done as u64..end)?;
+                let (mut body, before) = (response.into_body().into_reader(), done);
                 while done < bytes.len() {
-                    let end = bytes.len().min(done + PIECE_BYTES);
-                    match body.read(&mut bytes[done..end]) {
+                    let piece = bytes.len().min(done + PIECE_BYTES);
+                    match body.read(&mut bytes[done..piece]) {
                         Ok(0) => break,
                         Ok(count) => {
                             done += count;
-                            file.pace.note(count);
+                            transfer.came(count, || self.pace.note(count));
                         }
                         Err(error) if done > before => {
-                            log::debug!("{}: {error} after {done} bytes", file.url);
+                            log::debug!("{}: {error} after {done} bytes", self.url);
                             break;
                         }
                         Err(error) => return Err(Failure::Broken(error)),
+                    }
+                    if done < bytes.len() && transfer.time_left().is_none() {
+                        return Err(Failure::Broken(io::Error::other("too little comes")));
                     }
                 }
                 if done == before {
                     return Err(Failure::Broken(io::ErrorKind::UnexpectedEof.into()));
                 }
                 Ok(())
-            });
-            outcome?;
+            })?;
         }
         Ok(())
     }
@@ -234,23 +266,23 @@ impl ReadAt for HttpFile {
     }
 }
 
-/// `bytes 0-99/1234` is 0 and 1234.
-fn content_range(headers: &HeaderMap) -> Option<(u64, u64)> {
-    let range = headers.get(header::CONTENT_RANGE)?.to_str().ok()?;
-    let (part, whole) = range.strip_prefix("bytes ")?.split_once('/')?;
-    let (start, _) = part.split_once('-')?;
-    Some((start.trim().parse().ok()?, whole.trim().parse().ok()?))
+fn refused(reason: String) -> Failure {
+    Failure::Refused(io::Error::other(reason))
 }
 
-fn content_start(headers: &HeaderMap) -> Option<u64> {
-    content_range(headers).map(|(start, _)| start)
-}
-
-fn whole_length(headers: &HeaderMap) -> Option<u64> {
-    content_range(headers).map(|(_, whole)| whole)
-}
-
-fn version_of(headers: &HeaderMap) -> Option<String> {
-    let header = headers.get(header::ETAG).or(headers.get(header::LAST_MODIFIED))?;
-    header.to_str().ok().map(str::to_owned)
+/// A client of servers. `most` bounds an exchange with its redirections and bodies.
+fn agent(deadlines: &ClientDeadlines, most_redirects: u32, most: Option<Duration>) -> ureq::Agent {
+    ureq::Agent::config_builder()
+        .http_status_as_error(false)
+        .max_redirects(most_redirects)
+        .max_redirects_will_error(true)
+        .timeout_global(most)
+        .timeout_resolve(Some(deadlines.silence))
+        .timeout_connect(Some(deadlines.silence))
+        .timeout_send_request(Some(deadlines.silence))
+        .timeout_recv_response(Some(deadlines.silence))
+        .timeout_per_read(Some(deadlines.silence))
+        .user_agent(concat!("pointreel/", env!("CARGO_PKG_VERSION")))
+        .build()
+        .into()
 }

@@ -1,9 +1,11 @@
 //! The thread that is connected: reads what comes, and connects again where nothing comes any more.
 //!
 //! A server that is not there is tried again after a tenth of a second, then after twice as long each time, up to five
-//! seconds. One that says nothing at all for [`PATIENCE`] counts as gone: servers say what time it is once a second.
+//! seconds. One that says nothing for [`ClientDeadlines::silence`] counts as gone, as servers say what time it is once
+//! per second; so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
 
 use super::shared::Shared;
+use crate::deadlines::ClientDeadlines;
 use crate::locks::lock;
 use crate::wire::{Got, Kind, Ping, Pong, StreamHead, WireError, read_message};
 use std::io::{self, BufReader, ErrorKind, Read, Write as _};
@@ -11,12 +13,6 @@ use std::net::{TcpStream, ToSocketAddrs as _};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
-
-/// A server that says nothing for so long is gone.
-pub(super) const PATIENCE: Duration = Duration::from_secs(5);
-
-/// How long a connection may take.
-const CONNECTING: Duration = Duration::from_secs(2);
 
 /// Between looks at whether anybody listens still.
 const LOOK: Duration = Duration::from_millis(50);
@@ -28,14 +24,14 @@ const PING_INTERVAL: Duration = Duration::from_millis(500);
 const BACK_OFF: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(5)];
 
 /// Stays connected to `address` until the source is closed.
-pub(super) fn run(shared: &Arc<Shared>, address: &str, most_bytes: u64) {
+pub(super) fn run(shared: &Arc<Shared>, address: &str, most_bytes: u64, deadlines: &ClientDeadlines) {
     let [shortest, longest] = BACK_OFF;
     let mut back_off = shortest;
     while !shared.is_closed() {
         let received = shared.status().received_frames;
-        let (problem, is_final) = match connect(address) {
+        let (problem, is_final) = match connect(address, deadlines) {
             Ok(stream) => {
-                let Err(error) = follow(shared, &stream, most_bytes);
+                let Err(error) = follow(shared, &stream, most_bytes, deadlines);
                 (error.to_string(), error.is_final())
             }
             Err(problem) => (problem, false),
@@ -53,12 +49,12 @@ pub(super) fn run(shared: &Arc<Shared>, address: &str, most_bytes: u64) {
     }
 }
 
-fn connect(address: &str) -> Result<TcpStream, String> {
+fn connect(address: &str, deadlines: &ClientDeadlines) -> Result<TcpStream, String> {
     let found = address.to_socket_addrs();
     let found = found.map_err(|error| format!("the host cannot be found ({error}): check its name"))?;
     let mut problem = "the host has no address: check its name".to_owned();
     for address in found {
-        match TcpStream::connect_timeout(&address, CONNECTING) {
+        match TcpStream::connect_timeout(&address, deadlines.connect) {
             Ok(stream) => return Ok(stream),
             Err(error) => {
                 problem = format!(
@@ -75,17 +71,24 @@ fn connect(address: &str) -> Result<TcpStream, String> {
 enum Never {}
 
 /// Takes what comes until that is over.
-fn follow(shared: &Shared, stream: &TcpStream, most_bytes: u64) -> Result<Never, WireError> {
+fn follow(
+    shared: &Shared,
+    stream: &TcpStream,
+    most_bytes: u64,
+    deadlines: &ClientDeadlines,
+) -> Result<Never, WireError> {
     let prepared = stream
         .set_nodelay(true)
         .and_then(|()| stream.set_read_timeout(Some(LOOK)))
-        .and_then(|()| stream.set_write_timeout(Some(PATIENCE)));
+        .and_then(|()| stream.set_write_timeout(Some(deadlines.silence)));
     prepared.map_err(WireError::Io)?;
     let now = Instant::now();
     let patient = Patient {
         stream,
         shared,
+        deadlines,
         heard: now,
+        message: None,
         pinged: None,
     };
     let mut reader = BufReader::with_capacity(1 << 16, patient);
@@ -94,6 +97,8 @@ fn follow(shared: &Shared, stream: &TcpStream, most_bytes: u64) -> Result<Never,
     reader.get_mut().pinged = Some(now.checked_sub(PING_INTERVAL).unwrap_or(now));
     shared.connected(head);
     loop {
+        // What is read ahead of it was no wait.
+        reader.get_mut().message = None;
         let message = read_message(&mut reader, most_bytes)?;
         match message.kind {
             Kind::Images | Kind::Points => {
@@ -122,12 +127,39 @@ fn say(mut stream: &TcpStream, bytes: &[u8]) -> Result<(), WireError> {
 struct Patient<'a> {
     stream: &'a TcpStream,
     shared: &'a Shared,
+    deadlines: &'a ClientDeadlines,
     heard: Instant,
+    /// When the first bytes of the message came that is being read, and how many have come.
+    message: Option<(Instant, u64)>,
     /// When it was asked last; `None` while it is not to be asked.
     pinged: Option<Instant>,
 }
 
 impl Patient<'_> {
+    /// A server that is gone, or as good as gone.
+    fn check(&self) -> io::Result<()> {
+        let silence = self.deadlines.silence;
+        let problem = if self.heard.elapsed() >= silence {
+            format!(
+                "the server has said nothing for {} seconds: check that it is `pointreel serve --live`, and the \
+                 network",
+                silence.as_secs_f64()
+            )
+        } else if let Some((begun, bytes)) = self.message
+            && self.deadlines.transfer.time_left(bytes, begun.elapsed()).is_none()
+        {
+            format!(
+                "the server has sent {bytes} bytes of a message in {:.0} seconds, expected at least {:.0} per second: \
+                 check the network",
+                begun.elapsed().as_secs_f64(),
+                self.deadlines.transfer.bytes_per_s
+            )
+        } else {
+            return Ok(());
+        };
+        Err(io::Error::new(ErrorKind::TimedOut, problem))
+    }
+
     fn ping(&mut self) -> io::Result<()> {
         if self.pinged.is_some()
             && let Some(view) = self.shared.view_to_tell()
@@ -152,23 +184,16 @@ impl Read for Patient<'_> {
             if self.shared.is_closed() {
                 return Err(io::Error::other("nobody wants frames any more"));
             }
+            self.check()?;
             self.ping()?;
             let mut stream = self.stream;
             match stream.read(buffer) {
                 Ok(count) => {
                     self.heard = Instant::now();
+                    self.message.get_or_insert((self.heard, 0)).1 += count as u64;
                     return Ok(count);
                 }
-                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                    if self.heard.elapsed() >= PATIENCE {
-                        let seconds = PATIENCE.as_secs();
-                        let problem = format!(
-                            "the server has said nothing for {seconds} seconds: check that it is `pointreel serve \
-                             --live`, and the network"
-                        );
-                        return Err(io::Error::new(ErrorKind::TimedOut, problem));
-                    }
-                }
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 Err(error) => return Err(error),
             }
         }

@@ -3,8 +3,8 @@
 //! **How it works.** One thread is connected, reads messages ([`crate::wire`]) and puts frames into a ring as they
 //! came; images and points are unpacked by whoever wants the frame. The ring has the newest seconds, and no more than
 //! so many bytes: what is older is gone for good. A connection that breaks, or says nothing for
-//! [`connection::PATIENCE`], is made again by itself. What arrives can be written to a file on the way; it has the
-//! bytes of the stream.
+//! [`ClientDeadlines::silence`](crate::deadlines::ClientDeadlines::silence), is made again by itself. What arrives can
+//! be written to a file on the way; it has the bytes of the stream.
 
 mod address;
 mod clock;

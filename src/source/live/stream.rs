@@ -1,17 +1,19 @@
 //! A live stream as a source of frames.
 
 use super::address;
-use super::connection::{self, PATIENCE};
+use super::connection;
 use super::decoder::{StreamDecoder, group, has_images, raw_images, sensor};
 use super::recorder::{Recorder, StreamRecording};
 use super::shared::Shared;
 use super::status::{Live, LiveStatus};
+use crate::deadlines::ClientDeadlines;
 use crate::locks::lock;
 use crate::printable;
 use crate::progress::Progress;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::waiting::Waiting;
 use crate::wire::{RawImages, View};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -57,6 +59,19 @@ impl LiveStream {
     /// # Errors
     /// [`SequenceError::Stream`], and [`SequenceError::Cancelled`].
     pub fn open(input: &Path, options: &OpenOptions, progress: &Progress) -> Result<Self, SequenceError> {
+        Self::open_within(input, options, progress, ClientDeadlines::default())
+    }
+
+    /// [`LiveStream::open`] where the server is waited for as long as `deadlines` say.
+    ///
+    /// # Errors
+    /// As of [`LiveStream::open`].
+    pub fn open_within(
+        input: &Path,
+        options: &OpenOptions,
+        progress: &Progress,
+        deadlines: ClientDeadlines,
+    ) -> Result<Self, SequenceError> {
         let failed = |problem: String| SequenceError::Stream {
             input: input.display().to_string(),
             problem,
@@ -69,7 +84,7 @@ impl LiveStream {
         let most_bytes = options.read.max_memory_bytes;
         thread::Builder::new()
             .name("live stream".to_owned())
-            .spawn(move || connection::run(&connected, &address, most_bytes))
+            .spawn(move || connection::run(&connected, &address, most_bytes, &deadlines))
             .map_err(|reason| SequenceError::NoThread { reason })?;
         let stream = Self {
             input: input.to_owned(),
@@ -83,18 +98,22 @@ impl LiveStream {
             told: Mutex::default(),
         };
         let begun = Instant::now();
+        let ClientDeadlines {
+            first_frame, silence, ..
+        } = deadlines;
+        let seconds = first_frame.as_secs_f64();
+        let _waiting = Waiting::for_(format!("the first frame of {} (up to {seconds} s)", input.display()));
         loop {
             stream.look_again()?;
-            let is_late = begun.elapsed() >= PATIENCE;
+            let is_late = begun.elapsed() >= first_frame;
             match connection::problem(&stream.shared) {
                 _ if !stream.frames().is_empty() => return Ok(stream),
                 Some((problem, is_final)) if is_final || is_late => return Err(failed(problem)),
                 _ if progress.is_cancelled() => return Err(SequenceError::Cancelled),
                 // A connection that has said nothing yet ends about now, and says why.
-                None if begun.elapsed() >= PATIENCE + Duration::from_secs(1) => {
+                None if begun.elapsed() >= first_frame.max(silence) + 20 * LOOK => {
                     return Err(failed(format!(
-                        "no frame came within {} seconds: check that the sequence that is served plays",
-                        PATIENCE.as_secs()
+                        "no frame came within {seconds} seconds: check that the sequence that is served plays"
                     )));
                 }
                 _ => stream.shared.ring.wait(0, LOOK),

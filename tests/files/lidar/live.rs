@@ -3,14 +3,16 @@
 use super::captures::{Files, check};
 use super::ouster;
 use super::velodyne::{MODELS, Scan};
+use pointreel::deadlines::ClientDeadlines;
+use pointreel::io::ReadOptions;
 use pointreel::progress::Progress;
-use pointreel::source::{self, OpenOptions, Source};
+use pointreel::source::{self, LiveScanner, OpenOptions, Source};
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Sends packets to a port of this machine, one after the other, until it is dropped.
 struct Sending {
@@ -153,4 +155,101 @@ fn silence_and_other_inputs_are_explained() {
     let inputs = [PathBuf::from("udp://127.0.0.1:0")];
     let cancelled = source::open(&inputs, &OpenOptions::default(), &progress);
     assert!(matches!(cancelled, Err(source::SequenceError::Cancelled)));
+}
+
+/// A packet of a VLP-16, of 20 a turn.
+fn packet(index: usize) -> Vec<u8> {
+    let scan = Scan {
+        model: &MODELS[0],
+        is_dual: false,
+        step: 150,
+        begin: 0,
+    };
+    scan.packet(index % 20)
+}
+
+/// A sensor that sends to a port of this machine until it is dropped.
+fn sensor(port: u16, is_over: &Arc<AtomicBool>) -> thread::JoinHandle<()> {
+    let ends = Arc::clone(is_over);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let send = move || {
+        for index in 0.. {
+            if ends.load(Ordering::Relaxed) {
+                break;
+            }
+            let _ = socket.send_to(&packet(index), ("127.0.0.1", port));
+            thread::sleep(Duration::from_micros(500));
+        }
+    };
+    thread::Builder::new().name("sensor".to_owned()).spawn(send).unwrap()
+}
+
+fn free_port() -> u16 {
+    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+fn opened(port: u16) -> Result<LiveScanner, String> {
+    let deadlines = ClientDeadlines {
+        sensor_silence: Duration::from_millis(300),
+        ..ClientDeadlines::default()
+    };
+    let input = PathBuf::from(format!("udp://127.0.0.1:{port}"));
+    let opened = LiveScanner::open_within(&input, &ReadOptions::default(), &Progress::default(), deadlines);
+    opened.map_err(|error| error.to_string())
+}
+
+fn wait_for_more(scanner: &LiveScanner) {
+    let begun = Instant::now();
+    let before = scanner.frames().end;
+    while scanner.frames().end < before + 5 {
+        scanner.wait_for_more(Duration::from_millis(50)).unwrap();
+        assert!(begun.elapsed() < Duration::from_mins(1), "nothing more comes");
+    }
+}
+
+#[test]
+fn a_packet_that_strays_takes_no_place_and_a_sensor_that_is_started_again_gets_in() {
+    let port = free_port();
+    let (is_over, first_is_over) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    let ends = Arc::clone(&is_over);
+    // One packet as a sensor sends it from each of many ports, and packets of all other kinds.
+    let straying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
+        let ouster = vec![0; 6464];
+        while !ends.load(Ordering::Relaxed) {
+            let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+            for bytes in [&packet(0)[..], &ouster, b"\x55\xaa\x05\x5a", &[0xff; 1206], b""] {
+                let _ = socket.send_to(bytes, ("127.0.0.1", port));
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    });
+    let first = sensor(port, &first_is_over);
+    let scanner = opened(port).unwrap();
+    wait_for_more(&scanner);
+    first_is_over.store(true, Ordering::Relaxed);
+    first.join().unwrap();
+    // The same from another port.
+    let second = sensor(port, &is_over);
+    wait_for_more(&scanner);
+    is_over.store(true, Ordering::Relaxed);
+    second.join().unwrap();
+    straying.unwrap().join().unwrap();
+}
+
+#[test]
+fn packets_of_no_sensor_are_told_where_none_comes() {
+    let port = free_port();
+    let is_over = Arc::new(AtomicBool::new(false));
+    let ends = Arc::clone(&is_over);
+    let straying = thread::Builder::new().name("straying".to_owned()).spawn(move || {
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        while !ends.load(Ordering::Relaxed) {
+            let _ = socket.send_to(&[7; 33], ("127.0.0.1", port));
+            thread::sleep(Duration::from_millis(1));
+        }
+    });
+    let error = opened(port).err().unwrap();
+    is_over.store(true, Ordering::Relaxed);
+    straying.unwrap().join().unwrap();
+    assert!(error.contains("the last of 33 bytes from 127.0.0.1"), "{error}");
 }

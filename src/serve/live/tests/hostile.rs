@@ -1,7 +1,11 @@
 //! Servers that are none, and clients that talk nonsense.
 
 use super::*;
+use crate::deadlines::{ClientDeadlines, LeastRate, ServerDeadlines};
 use crate::serve::live::audience::MOST_CLIENTS;
+use crate::wire::{Ping, View};
+use glam::{DVec3, Mat3};
+use std::net::Shutdown;
 
 /// Answers each connection by `bytes`, and then keeps silent for as long as it is there.
 fn hostile(bytes: Vec<u8>) -> (PathBuf, SocketAddr) {
@@ -21,9 +25,21 @@ fn hostile(bytes: Vec<u8>) -> (PathBuf, SocketAddr) {
     (format!("tcp://{address}").into(), address)
 }
 
+fn impatient() -> ClientDeadlines {
+    ClientDeadlines {
+        silence: Duration::from_millis(500),
+        transfer: LeastRate {
+            grace: Duration::from_millis(500),
+            bytes_per_s: 1e5,
+        },
+        first_frame: Duration::from_millis(500),
+        ..ClientDeadlines::default()
+    }
+}
+
 fn refused(url: &Path) -> String {
     let begun = Instant::now();
-    let error = LiveStream::open(url, &OpenOptions::default(), &Progress::default())
+    let error = LiveStream::open_within(url, &OpenOptions::default(), &Progress::default(), impatient())
         .err()
         .unwrap();
     assert!(begun.elapsed() < Duration::from_secs(30));
@@ -55,8 +71,8 @@ fn servers_of_other_kinds_are_told_apart() {
             (newer, "version 9"),
             (huge, "claims 4294967295 bytes"),
             (damaged, "the head of a frame"),
-            (Vec::new(), "has said nothing for 5 seconds"),
-            (head.encode(), "has said nothing for 5 seconds"),
+            (Vec::new(), "has said nothing for 0.5 seconds"),
+            (head.encode(), "has said nothing for 0.5 seconds"),
         ];
         let cases = cases.map(|(bytes, expected)| {
             let (url, _) = hostile(bytes);
@@ -109,25 +125,161 @@ fn clients_that_talk_nonsense_are_left() {
     });
 }
 
+/// Connects as a good client does, and gets frames without being sent away.
+fn assert_served_at_once(server: &Running) {
+    let good = LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()).unwrap();
+    let before = good.live().unwrap().status().received_frames;
+    wait_for("frames", || good.live().unwrap().status().received_frames > before + 2);
+    assert_eq!(good.live().unwrap().status().reconnects, 0);
+}
+
+fn crowd(server: &Running) -> Vec<TcpStream> {
+    let crowd: Vec<TcpStream> = (0..MOST_CLIENTS)
+        .map(|_| TcpStream::connect(server.address()).unwrap())
+        .collect();
+    wait_for("clients", || server.server.report().clients == crowd.len());
+    crowd
+}
+
 #[test]
 fn clients_that_never_read_keep_nobody_out() {
     // Larger than what sockets hold, so that a sender waits for its client.
     let server = Running::new(points(2, 400_000), 20.0, RAW);
-    let stuck: Vec<TcpStream> = (0..MOST_CLIENTS)
-        .map(|_| TcpStream::connect(server.address()).unwrap())
-        .collect();
-    wait_for("clients", || server.server.report().clients == stuck.len());
-    let begun = Instant::now();
-    let good = loop {
-        match LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()) {
-            Ok(good) => break good,
-            // There is no place before the others have been stuck for a while.
-            Err(error) => assert!(begun.elapsed() < LONG, "{error}"),
-        }
-        thread::sleep(Duration::from_millis(50));
+    let stuck = crowd(&server);
+    assert_served_at_once(&server);
+    drop(stuck);
+}
+
+#[test]
+fn clients_that_say_nothing_keep_nobody_out_though_buffers_hold_their_frames() {
+    let server = Running::new(points(2, 10), 20.0, RAW);
+    let silent = crowd(&server);
+    assert_served_at_once(&server);
+    drop(silent);
+}
+
+#[test]
+fn where_all_who_are_there_take_part_others_are_told_so() {
+    let deadlines = ServerDeadlines {
+        stuck: Duration::from_hours(1),
+        place: Duration::from_millis(100),
+        ..ServerDeadlines::default()
     };
-    let before = good.live().unwrap().status().received_frames;
-    wait_for("frames", || good.live().unwrap().status().received_frames > before + 2);
+    let server = Running::within(points(2, 10), deadlines);
+    let mut crowd = crowd(&server);
+    for client in &mut crowd {
+        client.write_all(&Ping { client_ns: 1 }.message().encode()).unwrap();
+    }
+    wait_for("pings", || server.server.all_have_spoken());
+    let error = LiveStream::open(&server.url(), &OpenOptions::default(), &Progress::default()).err();
+    assert!(error.unwrap().to_string().contains("as many clients as may be"));
+    assert_eq!(server.server.report().clients, MOST_CLIENTS);
+}
+
+#[test]
+fn a_client_that_takes_a_frame_too_slowly_is_left() {
+    let deadlines = ServerDeadlines {
+        message: LeastRate {
+            grace: Duration::from_millis(200),
+            bytes_per_s: 1e9,
+        },
+        ..ServerDeadlines::default()
+    };
+    let server = Running::within(points(2, 400_000), deadlines);
+    let mut slow = TcpStream::connect(server.address()).unwrap();
+    let dripping = thread::Builder::new().name("dripping".to_owned()).spawn(move || {
+        let begun = Instant::now();
+        while let Ok(1..) = slow.read(&mut [0; 512]) {
+            assert!(begun.elapsed() < LONG, "it may go on for ever");
+            thread::sleep(Duration::from_millis(1));
+        }
+    });
+    wait_for("the slow one to be left", || !server.left().is_empty());
+    let reason = &server.left()[0].reason;
+    assert!(reason.contains("expected 1000000000 per second"), "{reason}");
+    drop(server);
+    dripping.unwrap().join().unwrap();
+}
+
+#[test]
+fn floods_resets_and_half_closed_clients_leave_the_server_as_it_was() {
+    let server = Running::new(points(3, 10), 100.0, RAW);
+    let view = View {
+        eye: DVec3::ZERO,
+        rotation: Mat3::IDENTITY,
+        near: 0.1,
+        size_px: [64, 48],
+        px_per_slope: [50.0, 50.0],
+        middle_px: [32.0, 24.0],
+    };
+    let mut nan = view;
+    nan.eye.x = f64::NAN;
+    let mut infinite = view;
+    infinite.middle_px[0] = f32::INFINITY;
+    let mut far = view;
+    far.eye = DVec3::splat(1e300);
+    let mut huge = view;
+    huge.size_px = [u32::MAX, u32::MAX];
+    let mut claims = vec![18, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0];
+    claims.extend([7; 64]);
+    let whole = view.message().encode();
+    let mut damaged = whole.clone();
+    damaged[20] ^= 1;
+    let said: Vec<Vec<u8>> = vec![
+        nan.message().encode(),
+        infinite.message().encode(),
+        far.message().encode(),
+        huge.message().encode(),
+        claims,
+        whole[..whole.len() - 9].to_vec(),
+        damaged,
+        Ping { client_ns: u64::MAX }.message().encode().repeat(2000),
+        Got { number: u64::MAX }.message().encode().repeat(2000),
+        (0..4000_u32)
+            .flat_map(|at| at.wrapping_mul(2_654_435_761).to_le_bytes())
+            .collect(),
+        Vec::new(),
+    ];
+    for round in 0..8 * said.len() {
+        let mut client = TcpStream::connect(server.address()).unwrap();
+        // It may have been left before the end.
+        let _ = client.write_all(&said[round % said.len()]);
+        if round % 2 == 0 {
+            let _ = client.shutdown(Shutdown::Write);
+            // What is unread then is a reset.
+            let _ = client.read(&mut [0; 64]);
+        }
+    }
+    wait_for("their end", || server.server.report().clients == 0);
+    assert_served_at_once(&server);
+}
+
+#[test]
+fn a_server_that_drips_is_left_however_often_it_says_a_byte() {
+    let head = StreamHead {
+        session: 1,
+        clock_ns: 0,
+        fps: 30.0,
+        wall_ns: 0,
+    };
+    let claims = [head.encode(), vec![2, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]].concat();
+    let cases = [(head.encode()[..12].to_vec(), ""), (claims, "")];
+    for (begin, expected) in cases {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let url = format!("tcp://{}", listener.local_addr().unwrap());
+        let dripping = thread::Builder::new().name("dripping".to_owned()).spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            let begun = Instant::now();
+            let _ = stream.write_all(&begin);
+            while stream.write_all(&[0]).is_ok() {
+                assert!(begun.elapsed() < LONG, "it may go on for ever");
+                thread::sleep(Duration::from_millis(10));
+            }
+        });
+        let error = refused(Path::new(&url));
+        assert!(error.contains(expected), "{error}");
+        dripping.unwrap().join().unwrap();
+    }
 }
 
 /// A source whose second frame is a defect of the program.

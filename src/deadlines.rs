@@ -1,0 +1,140 @@
+//! How long other machines are waited for: the numbers of all clients and servers.
+//!
+//! **How it works.** A limit of silence alone is no limit: a peer that sends a byte per second is never silent. So
+//! every transfer also has a least rate, which counts from its first moment, after a grace period. What takes longer
+//! than both allow is ended, with a sentence. Tests hand in shorter ones.
+//!
+//! | who waits | for what | at most |
+//! |---|---|---|
+//! | `http://`, `tcp://` | a connection | [`ClientDeadlines::connect`] |
+//! | `http://`, `tcp://` | the next byte | [`ClientDeadlines::silence`] |
+//! | `http://`, `tcp://` | an answer, a message | [`ClientDeadlines::transfer`] |
+//! | `tcp://`, `udp://` | the first frame | [`ClientDeadlines::first_frame`] |
+//! | `udp://` | a sensor that was there | [`ClientDeadlines::sensor_silence`] |
+//! | `serve` | a request | [`ServerDeadlines::idle`], [`ServerDeadlines::head`] |
+//! | `serve` | a client that takes an answer | [`ServerDeadlines::answer`] |
+//! | `serve --live` | a client that takes a message | [`ServerDeadlines::message`] |
+
+use std::time::Duration;
+
+/// The least rate of a transfer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastRate {
+    /// For so long any rate will do.
+    pub grace: Duration,
+    /// Bytes per second since the beginning, afterwards.
+    pub bytes_per_s: f64,
+}
+
+impl LeastRate {
+    /// How long may be waited for more than `bytes`, since the beginning.
+    pub fn time_for(&self, bytes: u64) -> Duration {
+        let seconds = bytes as f64 / self.bytes_per_s;
+        Duration::try_from_secs_f64(seconds)
+            .unwrap_or(Duration::MAX)
+            .max(self.grace)
+    }
+
+    /// How long may be waited for more than `bytes` yet, `elapsed` after the beginning; `None` where it is too late.
+    pub fn time_left(&self, bytes: u64, elapsed: Duration) -> Option<Duration> {
+        let left = self.time_for(bytes).saturating_sub(elapsed);
+        (!left.is_zero()).then_some(left)
+    }
+}
+
+/// How long clients wait.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClientDeadlines {
+    /// For a connection.
+    pub connect: Duration,
+    /// For anything at all on a connection: servers of streams say what time it is once per second.
+    pub silence: Duration,
+    /// For an answer over HTTP with all its attempts, and for a message of a stream.
+    pub transfer: LeastRate,
+    /// For the first frame of what is live.
+    pub first_frame: Duration,
+    /// For a sensor, before another one may have its place.
+    pub sensor_silence: Duration,
+    /// For another sensor, where the packets of one cannot be read.
+    pub other_sensors: Duration,
+}
+
+impl Default for ClientDeadlines {
+    fn default() -> Self {
+        Self {
+            connect: Duration::from_secs(2),
+            silence: Duration::from_secs(5),
+            // The slowest modem: what is slower shows no frame.
+            transfer: LeastRate {
+                grace: Duration::from_secs(10),
+                bytes_per_s: 1024.0,
+            },
+            first_frame: Duration::from_secs(5),
+            sensor_silence: Duration::from_secs(3),
+            other_sensors: Duration::from_secs(1),
+        }
+    }
+}
+
+/// How long servers wait.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServerDeadlines {
+    /// For a request, on a connection that is open.
+    pub idle: Duration,
+    /// For the end of a request, since its first byte.
+    pub head: Duration,
+    /// For a client that takes an answer over HTTP. `--bandwidth` of a client may be as low.
+    pub answer: LeastRate,
+    /// For a client that takes a message of a live stream.
+    pub message: LeastRate,
+    /// A client that is sent something and has taken nothing of it for so long gives way where all places are taken.
+    pub stuck: Duration,
+    /// How long a client waits for a place before it is sent away.
+    pub place: Duration,
+}
+
+impl Default for ServerDeadlines {
+    fn default() -> Self {
+        Self {
+            idle: Duration::from_secs(30),
+            head: Duration::from_secs(10),
+            answer: LeastRate {
+                grace: Duration::from_secs(10),
+                bytes_per_s: 1024.0,
+            },
+            // A frame that is on the way is in memory.
+            message: LeastRate {
+                grace: Duration::from_secs(10),
+                bytes_per_s: 16384.0,
+            },
+            stuck: Duration::from_millis(750),
+            place: Duration::from_secs(2),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_byte_per_second_is_too_slow_after_the_grace_and_never_before() {
+        let least = LeastRate {
+            grace: Duration::from_secs(10),
+            bytes_per_s: 1024.0,
+        };
+        assert_eq!(least.time_left(0, Duration::from_secs(4)), Some(Duration::from_secs(6)));
+        assert_eq!(least.time_left(10, Duration::from_secs(10)), None);
+        assert_eq!(
+            least.time_left(20 * 1024, Duration::from_secs(19)),
+            Some(Duration::from_secs(1))
+        );
+        assert_eq!(least.time_left(20 * 1024, Duration::from_secs(21)), None);
+        assert!(least.time_for(u64::MAX) > Duration::from_hours(1000));
+        let none = LeastRate {
+            bytes_per_s: 0.0,
+            ..least
+        };
+        assert_eq!(none.time_for(1), Duration::MAX);
+    }
+}

@@ -1,0 +1,240 @@
+//! Streams of packets that come to one port: which of them is the sensor that is shown.
+//!
+//! **How it works.** A stream is an address and port that packets come from, all of one kind. The first stream that has
+//! sent a run of [`RUN_PACKETS`] within [`RUN_TIME`] has the place: sensors send hundreds per second, and what strays
+//! or is sent to do harm is mostly single. Another one is named once and skipped. A sensor that sends nothing for a
+//! while loses its place, so that one that was started again, which sends from another port, gets in.
+//!
+//! **Bounds.** [`MOST_STREAMS`] are remembered; of more, those that have sent least are forgotten.
+
+use super::velodyne::Model;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// Packets of a run, and how long they may take: sensors send 300 per second and more, one that measures in a narrow
+/// window of azimuths a tenth of these.
+const RUN_PACKETS: u32 = 16;
+const RUN_TIME: Duration = Duration::from_secs(2);
+
+const MOST_STREAMS: usize = 256;
+
+/// Other sensors that are named.
+const MOST_NAMED: usize = 8;
+
+/// A sender, as far as one packet tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sort {
+    Velodyne(Model),
+    /// A packet of the form of Velodyne, with this byte for the model.
+    UnknownVelodyne(u8),
+    /// A packet of so many bytes.
+    Ouster(usize),
+    /// A packet of a maker that is not read.
+    Unread(&'static str),
+}
+
+impl fmt::Display for Sort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Velodyne(model) => write!(f, "a Velodyne {model:?}"),
+            Self::UnknownVelodyne(byte) => write!(f, "an unknown model of Velodyne ({byte:#04x})"),
+            Self::Ouster(bytes) => write!(f, "an Ouster (packets of {bytes} bytes)"),
+            Self::Unread(maker) => write!(f, "what sends {maker}"),
+        }
+    }
+}
+
+/// The use of a packet.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It is of the sensor that has the place.
+    Shown,
+    /// Its stream can have the place.
+    Free,
+    /// Another sensor is shown, which has to be said.
+    Second(String),
+    Skipped,
+}
+
+/// A stream that may be that of a sensor.
+#[derive(Debug)]
+struct Run {
+    sort: Sort,
+    begun: Duration,
+    packets: u32,
+}
+
+/// The sensor that is shown.
+#[derive(Debug)]
+struct Shown {
+    address: SocketAddr,
+    sort: Sort,
+    last: Duration,
+}
+
+/// All streams.
+#[derive(Debug)]
+pub(super) struct Streams {
+    shown: Option<Shown>,
+    runs: BTreeMap<SocketAddr, Run>,
+    named: Vec<SocketAddr>,
+    /// A sensor that sends nothing for so long loses its place.
+    silence: Duration,
+}
+
+impl Streams {
+    pub(super) fn new(silence: Duration) -> Self {
+        Self {
+            shown: None,
+            runs: BTreeMap::new(),
+            named: Vec::new(),
+            silence,
+        }
+    }
+
+    /// Notes that time has gone on; a sentence where the sensor has lost its place.
+    pub(super) fn look(&mut self, now: Duration) -> Option<String> {
+        let silent = |shown: &&mut Shown| now.saturating_sub(shown.last) >= self.silence;
+        let shown = self.shown.as_mut().filter(silent)?;
+        let said = format!(
+            "{} at {} has sent nothing for {} s: its place is free for the next sensor that sends",
+            shown.sort,
+            shown.address,
+            self.silence.as_secs_f64()
+        );
+        self.shown = None;
+        self.named.clear();
+        Some(said)
+    }
+
+    /// A packet came.
+    pub(super) fn add(&mut self, address: SocketAddr, sort: Sort, now: Duration) -> Verdict {
+        if let Some(shown) = &mut self.shown
+            && (shown.address, shown.sort) == (address, sort)
+        {
+            shown.last = now;
+            return Verdict::Shown;
+        }
+        self.forget(address, now);
+        let run = self.runs.entry(address).or_insert(Run {
+            sort,
+            begun: now,
+            packets: 0,
+        });
+        if run.sort != sort || now.saturating_sub(run.begun) > RUN_TIME {
+            (run.sort, run.begun, run.packets) = (sort, now, 0);
+        }
+        run.packets += 1;
+        if run.packets < RUN_PACKETS {
+            return Verdict::Skipped;
+        }
+        self.runs.remove(&address);
+        match &self.shown {
+            None => Verdict::Free,
+            Some(shown) if self.named.len() < MOST_NAMED && !self.named.contains(&address) => {
+                self.named.push(address);
+                Verdict::Second(format!(
+                    "{sort} at {address} sends to the same port and is skipped: {} at {} is shown. Give each sensor a \
+                     port of its own",
+                    shown.sort, shown.address
+                ))
+            }
+            Some(_) => Verdict::Skipped,
+        }
+    }
+
+    /// The stream from `address` has the place.
+    pub(super) fn show(&mut self, address: SocketAddr, sort: Sort, now: Duration) {
+        self.shown = Some(Shown {
+            address,
+            sort,
+            last: now,
+        });
+    }
+
+    /// Makes room for a stream from `address`.
+    fn forget(&mut self, address: SocketAddr, now: Duration) {
+        if self.runs.len() < MOST_STREAMS || self.runs.contains_key(&address) {
+            return;
+        }
+        self.runs.retain(|_, run| now.saturating_sub(run.begun) <= RUN_TIME);
+        if self.runs.len() >= MOST_STREAMS {
+            let least = self.runs.iter().min_by_key(|(_, run)| (run.packets, run.begun));
+            if let Some(address) = least.map(|(address, _)| *address) {
+                self.runs.remove(&address);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VLP: Sort = Sort::Velodyne(Model::Vlp16);
+
+    fn address(port: u16) -> SocketAddr {
+        SocketAddr::from(([10, 0, 0, 1], port))
+    }
+
+    fn ms(millis: u64) -> Duration {
+        Duration::from_millis(millis)
+    }
+
+    /// Sends a run, a millisecond each; says what becomes of its last packet.
+    fn run(streams: &mut Streams, address: SocketAddr, sort: Sort, begin: u64) -> Verdict {
+        let verdicts = (0..u64::from(RUN_PACKETS)).map(|at| streams.add(address, sort, ms(begin + at)));
+        verdicts.last().unwrap()
+    }
+
+    #[test]
+    fn a_run_of_packets_has_the_place_and_one_that_strays_has_not() {
+        let mut streams = Streams::new(ms(3000));
+        assert_eq!(streams.add(address(1), VLP, ms(0)), Verdict::Skipped);
+        // Packets of several kinds are no stream of a sensor, nor are those that come once in a while.
+        for at in 0..200 {
+            let sort = if at % 2 == 0 { VLP } else { Sort::Ouster(6464) };
+            assert_eq!(streams.add(address(2), sort, ms(at)), Verdict::Skipped);
+            assert_eq!(streams.add(address(3), VLP, ms(200 * at)), Verdict::Skipped);
+        }
+        assert_eq!(run(&mut streams, address(4), VLP, 50_000), Verdict::Free);
+        streams.show(address(4), VLP, ms(50_100));
+        assert_eq!(streams.add(address(4), VLP, ms(50_101)), Verdict::Shown);
+        assert_eq!(streams.add(address(4), Sort::Ouster(1), ms(50_102)), Verdict::Skipped);
+    }
+
+    #[test]
+    fn a_second_sensor_is_named_once_and_gets_in_after_silence() {
+        let mut streams = Streams::new(ms(3000));
+        streams.show(address(1), VLP, ms(0));
+        let Verdict::Second(said) = run(&mut streams, address(2), VLP, 0) else {
+            panic!("it is not named");
+        };
+        assert!(
+            said.contains("10.0.0.1:2") && said.contains("10.0.0.1:1 is shown"),
+            "{said}"
+        );
+        assert_eq!(run(&mut streams, address(2), VLP, 100), Verdict::Skipped);
+        assert_eq!(streams.look(ms(2999)), None);
+        let said = streams.look(ms(3000)).unwrap();
+        assert!(said.contains("10.0.0.1:1 has sent nothing for 3 s"), "{said}");
+        assert_eq!(streams.look(ms(9000)), None);
+        assert_eq!(run(&mut streams, address(2), VLP, 3000), Verdict::Free);
+    }
+
+    #[test]
+    fn a_flood_of_addresses_takes_no_memory_and_keeps_no_sensor_out() {
+        let mut streams = Streams::new(ms(3000));
+        let mut verdict = Verdict::Skipped;
+        for at in 0..100 * u64::from(RUN_PACKETS) {
+            streams.add(address(1000 + at as u16), VLP, ms(at / 100));
+            if at % 100 == 0 && verdict != Verdict::Free {
+                verdict = streams.add(address(1), VLP, ms(at / 100));
+            }
+        }
+        assert!(streams.runs.len() <= MOST_STREAMS);
+        assert_eq!(verdict, Verdict::Free);
+    }
+}

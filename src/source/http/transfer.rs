@@ -1,0 +1,83 @@
+//! How long is waited for some bytes of a file, whatever becomes of connections.
+
+use crate::deadlines::LeastRate;
+use std::fmt;
+use std::io::{self, ErrorKind};
+use std::time::{Duration, Instant};
+
+/// Bytes of a file that are waited for.
+pub(super) struct Transfer<'a> {
+    url: &'a str,
+    /// The thing that is waited for.
+    what: String,
+    least: LeastRate,
+    begun: Instant,
+    /// How long we did not want any more, as the pace was limited.
+    paused: Duration,
+    /// Bytes that have come.
+    came: u64,
+    /// When the last of them did, without pauses.
+    last: Duration,
+}
+
+impl<'a> Transfer<'a> {
+    /// From now on `what` of the file at `url` is waited for.
+    pub(super) fn new(url: &'a str, what: String, least: LeastRate) -> Self {
+        Self {
+            url,
+            what,
+            least,
+            begun: Instant::now(),
+            paused: Duration::ZERO,
+            came: 0,
+            last: Duration::ZERO,
+        }
+    }
+
+    /// So many bytes more have come; `pause` waits until more are wanted.
+    pub(super) fn came(&mut self, count: usize, pause: impl FnOnce()) {
+        self.came += count as u64;
+        self.last = self.waited();
+        let begun = Instant::now();
+        pause();
+        self.paused += begun.elapsed();
+    }
+
+    fn waited(&self) -> Duration {
+        self.begun.elapsed().saturating_sub(self.paused)
+    }
+
+    /// How long may be waited yet; `None` where all comes too slowly, or nothing has come for too long.
+    pub(super) fn time_left(&self) -> Option<Duration> {
+        let waited = self.waited();
+        let of_all = self.least.time_left(self.came, waited)?;
+        let silent = waited.saturating_sub(self.last);
+        let of_next = self.least.grace.checked_sub(silent).filter(|left| !left.is_zero())?;
+        Some(of_all.min(of_next))
+    }
+
+    /// Why it is not waited for any more; `error` is what went wrong last.
+    pub(super) fn too_slow(&self, error: &io::Error) -> io::Error {
+        let text = format!(
+            "waited {:.0} seconds for {}: {} bytes came, expected at least {:.0} per second ({error}): check \
+             the server and the network",
+            self.waited().as_secs_f64(),
+            self.what,
+            self.came,
+            self.least.bytes_per_s
+        );
+        io::Error::new(ErrorKind::TimedOut, text)
+    }
+}
+
+impl fmt::Display for Transfer<'_> {
+    /// The end of a sentence that begins with *waiting for*.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = self.least.grace.as_secs();
+        write!(
+            f,
+            "{} from {} (up to {seconds} s without progress)",
+            self.what, self.url
+        )
+    }
+}
