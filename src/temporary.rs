@@ -186,7 +186,8 @@ mod tests {
     #[test]
     fn what_is_dropped_is_removed_and_what_is_named_or_kept_stays() {
         let folder = tempfile::tempdir().unwrap();
-        let [dropped, hidden, named, kept] = ["dropped", ".hidden", "named", "kept"].map(|name| folder.path().join(name));
+        let [dropped, hidden, named, kept] =
+            ["dropped", ".hidden", "named", "kept"].map(|name| folder.path().join(name));
         let temporaries = [&dropped, &hidden, &kept].map(|path| {
             let temporary = Temporary::file(path);
             fs::write(path, "bytes").unwrap();

@@ -35,9 +35,9 @@ mod video_arguments;
 mod view;
 mod warnings;
 
-use clap::{Parser, Subcommand};
 use crate::signals;
 use crate::temporary;
+use clap::{Parser, Subcommand};
 use output::{check_answers, say};
 use std::io::Write as _;
 use std::process::ExitCode;
