@@ -15,4 +15,7 @@ mod hostile;
 mod outputs;
 mod serve;
 mod session_files;
+mod stdout;
+#[cfg(unix)]
+mod stopped;
 mod trust;

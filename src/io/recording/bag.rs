@@ -41,8 +41,9 @@ struct RecordHeader {
     count: Option<u32>,
     /// Where the index of the whole bag begins; 0 until it is closed.
     index_at: Option<u64>,
-    /// Chunks of the whole bag.
+    /// Chunks of the whole bag, and connections in its index.
     chunks: Option<u32>,
+    connections: Option<u32>,
 }
 
 impl RecordHeader {
@@ -69,6 +70,7 @@ impl RecordHeader {
                 b"compression" => header.compression = text(),
                 b"count" => header.count = number.u32(),
                 b"index_pos" => header.index_at = number.u64(),
+                b"conn_count" => header.connections = number.u32(),
                 b"chunk_count" => header.chunks = number.u32(),
                 b"size" => header.unpacked_bytes = number.u32(),
                 _ => {}
@@ -131,6 +133,8 @@ struct Closing {
     /// Where the index begins, and the number of chunks.
     claimed: Option<(u64, u32)>,
     chunks: u32,
+    /// Connections in the index that are claimed, and those that were met.
+    connections: [u32; 2],
     /// The last record is cut, which is said already.
     is_cut: bool,
 }
@@ -142,9 +146,12 @@ impl Closing {
                 "the bag was not closed (it has no index): its messages up to byte {end} are read, later ones were not \
                  written; `rosbag reindex` repairs it"
             )),
-            (index_at, chunks) if index_at > end || self.chunks < chunks => Some(format!(
+            (index_at, chunks) if index_at >= end || self.chunks < chunks => Some(format!(
                 "the bag ends at byte {end} before its index: {} of {chunks} chunks are missing, with their messages",
                 chunks.saturating_sub(self.chunks)
+            )),
+            _ if self.connections[1] < self.connections[0] => Some(format!(
+                "the bag ends at byte {end} within its index: it was cut, and all of its messages are read"
             )),
             _ => None,
         }
@@ -172,9 +179,13 @@ fn record(
         return None;
     }
     match header.op {
-        BAG => closing.claimed = header.index_at.zip(header.chunks),
+        BAG => {
+            closing.claimed = header.index_at.zip(header.chunks);
+            closing.connections[0] = header.connections.unwrap_or(0);
+        }
         CONNECTION if data_bytes <= MOST_TEXT_BYTES => {
             let data = walk.take(data_bytes)?;
+            closing.connections[1] += 1;
             connection(&header, &data, found);
         }
         MESSAGE => {

@@ -30,8 +30,9 @@ const MAX_NAMED_TABLES: usize = 6;
 
 /// What is wanted of the database at `path`.
 pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> {
-    find_rows(path, wanted).map_err(|error| match error {
-        Failure::Sql(error) => match table_names(path).unwrap_or_default() {
+    find_rows(path, wanted).map_err(|error| match (error, journal_of(path)) {
+        (Failure::Sql(error), Some(journal)) => Fault::header(format!("{journal} ({error})")),
+        (Failure::Sql(error), None) => match table_names(path).unwrap_or_default() {
             names if names.is_empty() => Fault::header(format!(
                 "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, \
                  or is another database"
@@ -46,7 +47,7 @@ pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> 
                 listed(&names)
             )),
         },
-        Failure::Said(problem) => Fault::header(problem),
+        (Failure::Said(problem), _) => Fault::header(problem),
     })
 }
 
@@ -129,8 +130,8 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
     };
     let database = open(path)?;
     let mut found = FoundMessages::new(wanted);
-    for damage in [cut_of(path, file_bytes), journal_of(path)] {
-        damage.into_iter().for_each(|damage| found.skip(damage));
+    for damage in [cut_of(path, file_bytes), journal_of(path)].into_iter().flatten() {
+        found.skip(damage);
     }
     let mut statement = database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let mut rows = statement.query([])?;
