@@ -2,8 +2,12 @@
 //! written.
 
 mod lenient;
+mod update;
 
-pub(crate) use lenient::{Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently};
+pub(crate) use lenient::{
+    Fields, Lenient, copy_beside, entries, fields, note_later_version, read_leniently, retain_readable,
+};
+pub(crate) use update::{merge, readable_entries, update};
 
 use crate::regular_file;
 use crate::temporary::Temporary;

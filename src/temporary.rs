@@ -148,7 +148,8 @@ impl Drop for Temporary {
     }
 }
 
-/// Another program that writes for this one. It is killed when this is dropped, and when this process is ended.
+/// Another program that writes for this one. It is killed when this is dropped, and when this process is ended. It
+/// inherits that signals are blocked (`signals.rs`): Ctrl+C reaches it through this process alone.
 #[derive(Debug)]
 pub(crate) struct Helper {
     number: u64,

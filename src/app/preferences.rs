@@ -5,7 +5,7 @@
 //! be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as it is.
 //! Where something could not be read, a copy is made before the file is written anew (`kept/lenient.rs`). It is written
 //! a moment after something was changed, so that a program that is killed has lost nothing, and never by a run in which
-//! nothing was changed.
+//! nothing was changed. Several windows share the file: each writes what was changed in it alone (`kept/update.rs`).
 
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
@@ -21,6 +21,9 @@ use std::time::Duration;
 
 /// Changes where the same word would mean something else. Further fields and further words need no other version.
 const VERSION: u32 = 6;
+
+/// What messages call the contents of the file.
+const WHAT: &str = "the settings";
 
 /// A slider that is being dragged is not written at each of its steps.
 const WRITE_DELAY: Duration = Duration::from_secs(1);
@@ -86,15 +89,6 @@ enum Theme {
     System,
 }
 
-#[derive(Serialize)]
-struct StoredPreferences<'a> {
-    version: u32,
-    #[serde(flatten)]
-    preferences: Preferences,
-    #[serde(flatten)]
-    unknown: &'a Fields,
-}
-
 impl Preferences {
     /// Within what the window offers: the command line lets more through, people write files by hand, and a window can
     /// be squeezed to nothing.
@@ -116,13 +110,13 @@ impl Preferences {
         }
     }
 
-    /// The text of the file, with fields that are not this program's.
-    fn to_json(self, unknown: &Fields) -> serde_json::Result<Vec<u8>> {
-        serde_json::to_vec_pretty(&StoredPreferences {
-            version: VERSION,
-            preferences: self,
-            unknown,
-        })
+    /// The fields of the file.
+    fn to_fields(self) -> Fields {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(fields)) => fields,
+            // They are an object of words and numbers.
+            Ok(_) | Err(_) => Fields::new(),
+        }
     }
 
     /// Reads the fields of a file.
@@ -132,22 +126,10 @@ impl Preferences {
     }
 }
 
-/// The fields that are not this program's: a later one wants to find them again.
-fn unknown_fields(stored: &Fields) -> Fields {
-    let known = serde_json::to_value(Preferences::default()).unwrap_or_default();
-    let is_known = |name: &str| name == "version" || known.get(name).is_some();
-    let unknown = stored.iter().filter(|(name, _)| !is_known(name));
-    unknown
-        .map(|(name, value): (&String, &Value)| (name.clone(), value.clone()))
-        .collect()
-}
-
 /// The file of the preferences, and when it is to be written next.
 #[derive(Debug, Clone, Default)]
 pub struct PreferencesFile {
     file: Option<PathBuf>,
-    /// What is in it beside preferences.
-    unknown: Fields,
     problem: Option<String>,
     /// What the window began with or was last written: nothing to do while it stays.
     settled: Option<Preferences>,
@@ -163,14 +145,10 @@ impl PreferencesFile {
 
     /// What is in `file`, which need not be there yet.
     pub fn load_from(file: &Path) -> (Self, Preferences) {
-        let read = kept::read_leniently(file, "the settings", |stored, unread| {
-            let preferences = Preferences::of(stored, unread);
-            (preferences, unknown_fields(stored))
-        });
-        let (preferences, unknown) = read.value;
+        let read = kept::read_leniently(file, WHAT, Preferences::of);
+        let preferences = read.value;
         let this = Self {
             file: read.file,
-            unknown,
             problem: read.problem,
             ..Self::default()
         };
@@ -211,12 +189,15 @@ impl PreferencesFile {
         let (Some(file), Some((preferences, _))) = (&self.file, self.changed.take()) else {
             return;
         };
+        let now = preferences.to_fields();
         // Also after a failure: it would be the same each second.
-        self.settled = Some(preferences);
-        let written = preferences
-            .to_json(&self.unknown)
-            .map_err(std::io::Error::other)
-            .and_then(|bytes| kept::replace(file, &bytes));
+        let before = self.settled.replace(preferences).map(Preferences::to_fields);
+        let written = kept::update(file, WHAT, |stored, unread| {
+            kept::note_later_version(stored, VERSION, unread);
+            kept::retain_readable::<Preferences>(stored, unread);
+            kept::merge(stored, &before.unwrap_or_default(), &now);
+            stored.insert("version".to_owned(), VERSION.into());
+        });
         if let Err(reason) = written {
             log::warn!("the settings could not be written to {} ({reason})", file.display());
         }

@@ -1,9 +1,9 @@
 //! Settings under a name, kept between runs in a small JSON file.
 //!
 //! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by
-//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program. What a
-//! later one wrote beside what is known here goes when the list is written anew; a file of which something could not be
-//! read is copied first (`kept/lenient.rs`).
+//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program; a file of
+//! which something could not be read is copied before it is written (`kept/lenient.rs`). Several windows share it: one
+//! that saves or deletes a preset changes that one alone, in the file as it is then (`kept/update.rs`).
 
 use crate::kept::{self, Fields};
 use crate::levels::Lod;
@@ -39,11 +39,11 @@ pub struct Presets {
     problem: Option<String>,
 }
 
-#[derive(Serialize)]
-struct StoredPresets<'a> {
-    version: u32,
-    presets: &'a [Preset],
-}
+/// What messages call the contents of the file.
+const WHAT: &str = "the presets";
+
+/// The name of the list in the file.
+const LIST: &str = "presets";
 
 /// Ways to draw that every window offers: name, what it is, and how it draws. Colours and background are not theirs.
 pub(super) fn built_in() -> [(&'static str, &'static str, Style); 4] {
@@ -94,7 +94,7 @@ impl Presets {
 
     /// Those in `file`, which need not be there yet.
     pub fn load_from(file: &Path) -> Self {
-        let read = kept::read_leniently(file, "the presets", presets_of);
+        let read = kept::read_leniently(file, WHAT, presets_of);
         Self {
             list: read.value,
             file: read.file,
@@ -118,37 +118,47 @@ impl Presets {
         if name.is_empty() {
             return Err("A preset needs a name".to_owned());
         }
-        let settings = settings.nearest();
-        match self.list.binary_search_by(|preset| preset.name.cmp(&name)) {
-            Ok(place) => self.list[place].settings = settings,
-            Err(_) if self.list.len() >= MAX_PRESETS => {
-                return Err(format!("There are {MAX_PRESETS} presets: delete one first"));
-            }
-            Err(place) => self.list.insert(place, Preset { name, settings }),
+        let is_known = self.list.iter().any(|preset| preset.name == name);
+        if !is_known && self.list.len() >= MAX_PRESETS {
+            return Err(format!("There are {MAX_PRESETS} presets: delete one first"));
         }
-        self.write()
+        let preset = Preset {
+            name,
+            settings: settings.nearest(),
+        };
+        let stored = serde_json::to_value(&preset).map_err(|reason| reason.to_string())?;
+        self.change(&preset.name.clone(), Some((preset, stored)))
     }
 
     /// Forgets those under `name`. `Err` is a text for a notice.
     pub fn delete(&mut self, name: &str) -> Result<(), String> {
-        self.list.retain(|preset| preset.name != name);
-        self.write()
+        self.change(name, None)
     }
 
-    fn write(&self) -> Result<(), String> {
+    /// Puts `preset` in the place of the one called `name`, here and in the file as it is now.
+    fn change(&mut self, name: &str, preset: Option<(Preset, Value)>) -> Result<(), String> {
+        let (preset, value) = preset.unzip();
+        let list = &mut self.list;
         let Some(file) = &self.file else {
+            list.retain(|preset| preset.name != name);
+            list.extend(preset);
+            list.sort_by(|a, b| a.name.cmp(&b.name));
             return Ok(());
         };
-        let stored = StoredPresets {
-            version: VERSION,
-            presets: &self.list,
-        };
-        let written = serde_json::to_vec_pretty(&stored)
-            .map_err(std::io::Error::other)
-            .and_then(|bytes| kept::replace(file, &bytes));
+        let written = kept::update(file, WHAT, |stored, unread| {
+            kept::note_later_version(stored, VERSION, unread);
+            let mut entries = kept::readable_entries(stored, LIST, unread, is_readable);
+            entries.retain(|entry| name_of(entry) != name);
+            entries.extend(value);
+            entries.sort_by_key(name_of);
+            stored.insert(LIST.to_owned(), Value::Array(entries));
+            stored.insert("version".to_owned(), VERSION.into());
+            // What cannot be read of the others was said when they were read first.
+            *list = presets_of(stored, &mut Vec::new());
+        });
         written.map_err(|reason| {
             let file = file.display();
-            format!("the presets could not be written to {file} ({reason}): make room")
+            format!("{WHAT} could not be written to {file} ({reason}): make room")
         })
     }
 }
@@ -158,12 +168,22 @@ fn as_name(text: &str) -> String {
     text.trim().chars().take(MAX_NAME_CHARS).collect()
 }
 
+/// The name of a preset as a file holds it.
+fn name_of(entry: &Value) -> String {
+    as_name(entry["name"].as_str().unwrap_or_default())
+}
+
+/// Whether something can be read of an entry of the list.
+fn is_readable(entry: &Value) -> bool {
+    entry["settings"].is_object() && !name_of(entry).is_empty()
+}
+
 /// The presets in the object of a file, by name.
 fn presets_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Preset> {
     kept::note_later_version(stored, VERSION, unread);
     let mut presets: Vec<Preset> = Vec::new();
-    for entry in kept::entries(stored, "presets", unread) {
-        let name = as_name(entry["name"].as_str().unwrap_or_default());
+    for entry in kept::entries(stored, LIST, unread) {
+        let name = name_of(entry);
         let Value::Object(settings) = &entry["settings"] else {
             unread.push(format!("the preset `{name}` has no settings"));
             continue;

@@ -7,6 +7,7 @@ use crate::rgbd::Filters;
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::Reading;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Changes where the same word would mean something else. Further fields need no other version.
@@ -31,11 +32,11 @@ struct Entry {
     reading: Reading,
 }
 
-#[derive(Serialize)]
-struct ChoicesFile<'a> {
-    version: u32,
-    choices: &'a [Entry],
-}
+/// What messages call the contents of the file.
+const WHAT: &str = "the choices of reading";
+
+/// The name of the list in the file.
+const LIST: &str = "choices";
 
 impl ReadingChoices {
     /// The choices of this user, and what could not be read of them: a text for a notice.
@@ -48,7 +49,7 @@ impl ReadingChoices {
 
     /// The choices in `file`, which need not exist yet.
     pub fn load_from(file: &Path) -> (Self, Option<String>) {
-        let read = kept::read_leniently(file, "the choices of reading", entries_of);
+        let read = kept::read_leniently(file, WHAT, entries_of);
         let choices = Self {
             entries: read.value,
             file: read.file,
@@ -74,28 +75,33 @@ impl ReadingChoices {
         let mut open = self.of(inputs).map_or(usual.clone(), |reading| reading.over(&usual));
         change(&mut open);
         let (inputs, reading) = (absolute(inputs), Reading::of(&open));
-        self.entries.retain(|entry| entry.inputs != inputs);
-        if reading != Reading::default() {
-            self.entries.insert(0, Entry { inputs, reading });
-            self.entries.truncate(MAX_ENTRIES);
-        }
-        self.write()
-    }
-
-    fn write(&self) -> Result<(), String> {
+        let entry = (reading != Reading::default()).then_some(Entry {
+            inputs: inputs.clone(),
+            reading,
+        });
         let Some(file) = &self.file else {
+            self.entries.retain(|entry| entry.inputs != inputs);
+            self.entries.splice(0..0, entry);
+            self.entries.truncate(MAX_ENTRIES);
             return Ok(());
         };
-        let stored = ChoicesFile {
-            version: VERSION,
-            choices: &self.entries,
-        };
-        let written = serde_json::to_vec_pretty(&stored)
-            .map_err(std::io::Error::other)
-            .and_then(|bytes| kept::replace(file, &bytes));
+        let stored_entry = entry.map(serde_json::to_value).transpose();
+        let stored_entry = stored_entry.map_err(|reason| reason.to_string())?;
+        let entries = &mut self.entries;
+        // Other windows may have chosen for other inputs meanwhile.
+        let written = kept::update(file, WHAT, |stored, unread| {
+            kept::note_later_version(stored, VERSION, unread);
+            let mut listed = kept::readable_entries(stored, LIST, unread, |entry| Entry::deserialize(entry).is_ok());
+            listed.retain(|entry| !Entry::deserialize(entry).is_ok_and(|entry| entry.inputs == inputs));
+            listed.splice(0..0, stored_entry);
+            listed.truncate(MAX_ENTRIES);
+            stored.insert(LIST.to_owned(), Value::Array(listed));
+            stored.insert("version".to_owned(), VERSION.into());
+            *entries = entries_of(stored, unread);
+        });
         written.map_err(|reason| {
             let file = file.display();
-            format!("the choices of reading could not be written to {file} ({reason})")
+            format!("{WHAT} could not be written to {file} ({reason})")
         })
     }
 }
@@ -103,7 +109,7 @@ impl ReadingChoices {
 fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Entry> {
     kept::note_later_version(stored, VERSION, unread);
     let mut entries = Vec::new();
-    for entry in kept::entries(stored, "choices", unread) {
+    for entry in kept::entries(stored, LIST, unread) {
         match Entry::deserialize(entry) {
             Ok(entry) => entries.push(entry),
             Err(reason) => unread.push(reason.to_string()),

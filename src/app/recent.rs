@@ -1,7 +1,9 @@
-//! What was opened lately, kept between runs in a small JSON file.
+//! What was opened lately, kept between runs in a small JSON file. Several windows share it: each puts what it opens
+//! first in the list as it is then.
 
 use crate::kept::{self, Fields};
-use serde::{Deserialize as _, Serialize};
+use serde::Deserialize as _;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Entries that are kept.
@@ -17,10 +19,11 @@ pub struct Recent {
     file: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
-struct RecentFile<'a> {
-    recent: &'a [Vec<PathBuf>],
-}
+/// The name of the list in the file.
+const LIST: &str = "recent";
+
+/// What messages call it.
+const WHAT: &str = "the list of recent files";
 
 impl Recent {
     /// The list of this person, and what could not be read of it: a text for a notice.
@@ -33,7 +36,7 @@ impl Recent {
 
     /// The list in `file`, which need not be there yet.
     pub fn load_from(file: &Path) -> (Self, Option<String>) {
-        let read = kept::read_leniently(file, "the list of recent files", entries_of);
+        let read = kept::read_leniently(file, WHAT, entries_of);
         let recent = Self {
             entries: read.value,
             file: read.file,
@@ -52,20 +55,16 @@ impl Recent {
             return Ok(());
         }
         let inputs = absolute(inputs);
-        self.entries.retain(|entry| *entry != inputs);
-        self.entries.insert(0, inputs);
-        for entry in self.entries.split_off(MAX_ENTRIES.min(self.entries.len())) {
-            self.forget_picture(&entry);
-        }
-        self.write()
+        self.change(|entries| {
+            entries.retain(|entry| *entry != inputs);
+            entries.insert(0, inputs);
+            entries.truncate(MAX_ENTRIES);
+        })
     }
 
     /// Empties the list. `Err` is a text for a notice.
     pub fn clear(&mut self) -> Result<(), String> {
-        for entry in std::mem::take(&mut self.entries) {
-            self.forget_picture(&entry);
-        }
-        self.write()
+        self.change(Vec::clear)
     }
 
     /// Where a small picture of these inputs is kept, whether it is there or not; `None` if nothing is kept, or they
@@ -85,20 +84,28 @@ impl Recent {
         }
     }
 
-    fn write(&self) -> Result<(), String> {
-        let Some(file) = &self.file else {
+    /// Changes the list as it is in the file now, and writes it.
+    fn change(&mut self, change: impl FnOnce(&mut Vec<Vec<PathBuf>>)) -> Result<(), String> {
+        let before = self.entries.clone();
+        let Some(file) = self.file.clone() else {
+            change(&mut self.entries);
             return Ok(());
         };
-        let stored = RecentFile { recent: &self.entries };
-        let written = serde_json::to_vec_pretty(&stored)
-            .map_err(std::io::Error::other)
-            .and_then(|bytes| kept::replace(file, &bytes));
-        written.map_err(|reason| {
-            format!(
-                "the list of recent files could not be written to {} ({reason})",
-                file.display()
-            )
-        })
+        let mut in_file = Vec::new();
+        let (entries, read) = (&mut self.entries, &mut in_file);
+        let written = kept::update(&file, WHAT, |stored, unread| {
+            *entries = entries_of(stored, unread);
+            read.clone_from(entries);
+            change(entries);
+            let listed = serde_json::to_value(&*entries).unwrap_or_else(|_| Value::Array(Vec::new()));
+            stored.insert(LIST.to_owned(), listed);
+        });
+        for entry in before.iter().chain(&in_file) {
+            if !self.entries.contains(entry) {
+                self.forget_picture(entry);
+            }
+        }
+        written.map_err(|reason| format!("{WHAT} could not be written to {} ({reason})", file.display()))
     }
 }
 
@@ -121,7 +128,7 @@ fn hash(inputs: &[PathBuf]) -> u64 {
 
 fn entries_of(stored: &Fields, unread: &mut Vec<String>) -> Vec<Vec<PathBuf>> {
     let mut entries = Vec::new();
-    for entry in kept::entries(stored, "recent", unread) {
+    for entry in kept::entries(stored, LIST, unread) {
         match Vec::<PathBuf>::deserialize(entry) {
             Ok(entry) => entries.push(entry),
             Err(reason) => unread.push(reason.to_string()),
@@ -164,6 +171,25 @@ mod tests {
         assert_eq!(again.entries().len(), MAX_ENTRIES);
         assert_eq!(again.entries()[0], [PathBuf::from("/scans/9")]);
         assert_eq!(again.entries()[1], [PathBuf::from("/scans/14")]);
+    }
+
+    #[test]
+    fn two_windows_have_one_list() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("recent.json");
+        fs::write(&file, r#"{"recent": [["/a"]], "of later": 1}"#).unwrap();
+        let [mut first, mut second] = [(); 2].map(|()| Recent::load_from(&file).0);
+        first.add(&["/b".into()]).unwrap();
+        second.add(&["/c".into()]).unwrap();
+        first.add(&["/a".into()]).unwrap();
+        let expected = ["/a", "/c", "/b"].map(|path| vec![PathBuf::from(path)]);
+        assert_eq!(first.entries(), expected);
+        assert_eq!(Recent::load_from(&file).0, first);
+        let stored: Fields = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+        assert_eq!(stored["of later"], 1);
+        second.clear().unwrap();
+        first.add(&["/d".into()]).unwrap();
+        assert_eq!(first.entries(), [[PathBuf::from("/d")]]);
     }
 
     #[test]

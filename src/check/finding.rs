@@ -17,7 +17,7 @@ pub enum FindingKind {
     UnreadablePart,
     /// Something that the file has and nothing is made of.
     UnreadProperties,
-    /// A sequence file that ends early or is damaged.
+    /// A sequence file, recording, capture or archive that ends early or is damaged.
     DamagedFile,
     /// A frame without a point.
     EmptyFrame,

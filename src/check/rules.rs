@@ -42,6 +42,7 @@ pub(super) fn findings(sequence: &Sequence, facts: &Facts) -> Vec<Finding> {
     findings.extend(unreadable(facts));
     findings.extend(unreadable_parts(facts));
     findings.extend(damaged_file(sequence));
+    findings.extend(damaged_inputs(sequence));
     findings.extend(unread_properties(facts));
     let attributes = facts.iter().enumerate();
     findings.extend(changed_attributes(attributes.filter_map(|(index, facts)| {
@@ -323,6 +324,19 @@ fn damaged_file(sequence: &Sequence) -> Option<Finding> {
         ),
         frames: Vec::new(),
     })
+}
+
+/// Where recordings, captures and archives are cut.
+fn damaged_inputs(sequence: &Sequence) -> Vec<Finding> {
+    let damage = sequence.source().damage().iter();
+    damage
+        .map(|damage| Finding {
+            kind: FindingKind::DamagedFile,
+            severity: FindingKind::DamagedFile.severity(),
+            message: damage.clone(),
+            frames: Vec::new(),
+        })
+        .collect()
 }
 
 /// What files have and nothing is made of, once for all frames.

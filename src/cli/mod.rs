@@ -89,12 +89,14 @@ const WRONG_USAGE: u8 = 2;
 /// Parses the command line, runs the verb and says what went wrong. To be called once, as the last thing that a
 /// process does.
 pub fn main() -> ExitCode {
+    // Dropped last.
+    let _removes_all = RemovesAll;
     signals::watch();
     crate::memory::keep_freed_pages();
     crate::memory::before_the_end(temporary::remove_all_without_memory);
     device_select::leave_out_without_session();
     start_log();
-    let code = match Arguments::try_parse() {
+    match Arguments::try_parse() {
         Ok(arguments) => run(arguments),
         // A wrong usage exits with 2 here.
         Err(refused) if refused.use_stderr() => refused.exit(),
@@ -102,10 +104,16 @@ pub fn main() -> ExitCode {
             output::note(help.print().and_then(|()| std::io::stdout().flush()));
             ended_with(check_answers().map(done))
         }
-    };
-    // What threads that still run are writing.
-    temporary::remove_all();
-    code
+    }
+}
+
+/// Removes what threads that still run are writing, after a panic too.
+struct RemovesAll;
+
+impl Drop for RemovesAll {
+    fn drop(&mut self) {
+        temporary::remove_all();
+    }
 }
 
 fn run(arguments: Arguments) -> ExitCode {

@@ -31,6 +31,21 @@ pub(super) fn note(written: io::Result<()>) {
     }
 }
 
+/// Where an answer of bytes goes: stdout, whose failures are told as those of [`answer`].
+pub(super) struct BytesAnswer;
+
+impl io::Write for BytesAnswer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        note(io::stdout().lock().write_all(bytes));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        note(io::stdout().lock().flush());
+        Ok(())
+    }
+}
+
 /// Fails if an answer could not be written.
 pub(super) fn check_answers() -> anyhow::Result<()> {
     match lock(&FAILED).take() {

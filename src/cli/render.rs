@@ -3,6 +3,7 @@
 use super::arguments::FrameRange;
 use super::assumptions;
 use super::colors::check_source;
+use super::output::{BytesAnswer, note};
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
 use super::sources::{OutputKind, check_outputs, write_text};
@@ -19,7 +20,7 @@ use crate::session::Session;
 use crate::temporary::Temporary;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -224,8 +225,10 @@ fn render_frames(
         let path = numbered(output, index, count);
         let size = arguments.picture_size();
         if output.as_os_str() == STDOUT {
-            let stdout = (std::io::stdout().lock(), Path::new("stdout"));
+            let stdout = (BytesAnswer, Path::new("stdout"));
             write_png(headless, &frame, camera, style, size, stdout)?;
+            // What the encoder has left in the buffer of stdout.
+            note(std::io::stdout().lock().flush());
         } else {
             write_picture(headless, &frame, camera, style, size, &path)?;
         }

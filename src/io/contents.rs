@@ -71,6 +71,8 @@ pub struct Contents {
     pub topics: Vec<Topic>,
     /// Parts of the file that are skipped or assumed, a sentence each.
     pub notes: Vec<String>,
+    /// Where the file is cut or damaged, and what is lost by that, a sentence each; not among the notes.
+    pub damage: Vec<String>,
     /// The content of a file without frames, and what to do, as the end of a sentence; else empty.
     pub without_frames: String,
 }

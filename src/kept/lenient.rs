@@ -81,7 +81,16 @@ fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
 /// must take defaults for what is missing (`#[serde(default)]`).
 pub(crate) fn fields<T: DeserializeOwned + Default>(stored: &Fields, unread: &mut Vec<String>) -> T {
     let mut readable = stored.clone();
-    readable.retain(|name, value| {
+    retain_readable::<T>(&mut readable, unread);
+    serde_json::from_value(Value::Object(readable)).unwrap_or_else(|reason| {
+        unread.push(reason.to_string());
+        T::default()
+    })
+}
+
+/// Removes fields of `stored` that `T` cannot be read of, and notes them in `unread`. Those that `T` does not know stay.
+pub(crate) fn retain_readable<T: DeserializeOwned>(stored: &mut Fields, unread: &mut Vec<String>) {
+    stored.retain(|name, value| {
         let alone = Fields::from_iter([(name.clone(), value.clone())]);
         let read = serde_json::from_value::<T>(Value::Object(alone));
         if let Err(reason) = &read {
@@ -89,10 +98,6 @@ pub(crate) fn fields<T: DeserializeOwned + Default>(stored: &Fields, unread: &mu
         }
         read.is_ok()
     });
-    serde_json::from_value(Value::Object(readable)).unwrap_or_else(|reason| {
-        unread.push(reason.to_string());
-        T::default()
-    })
 }
 
 /// The entries of the list `name` in `stored`; none, which is noted, if it is no list. A list that is not there has

@@ -194,6 +194,12 @@ pub trait Source: Send + Sync {
     fn notes(&self) -> &[String] {
         &[]
     }
+
+    /// Where the inputs are cut or damaged, and what is lost by that, a sentence each; all of them are among the notes.
+    /// Sequence files tell it of themselves ([`Source::reel`]).
+    fn damage(&self) -> &[String] {
+        &[]
+    }
 }
 
 /// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but

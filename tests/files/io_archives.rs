@@ -237,3 +237,22 @@ fn ten_thousand_members_are_listed_at_once() {
         assert_eq!(entries[9_999].name, "f9999.xyz");
     }
 }
+
+#[test]
+fn tar_archives_that_are_cut_are_found_at_any_byte() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scans.tar");
+    let files: Vec<(String, &str)> = (0..4)
+        .map(|index| (format!("f{index}.xyz"), "1 2 3\n4 5 6\n"))
+        .collect();
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), *text)).collect();
+    let whole = tarred(&files);
+    // Four heads and four contents of a block each, then the end mark.
+    let mark = 8 * 512;
+    for cut in (513..whole.len()).step_by(128).chain([mark - 1, mark, mark + 511]) {
+        std::fs::write(&path, &whole[..cut]).unwrap();
+        let damage = io::contents(&path, None, &ReadOptions::default()).map(|contents| contents.damage);
+        let is_found = damage.as_ref().map_or(true, |damage| !damage.is_empty());
+        assert_eq!(is_found, cut < mark + 512, "{cut} of {}: {damage:?}", whole.len());
+    }
+}

@@ -1,5 +1,6 @@
 //! Recordings written here, with clouds whose points are known, in every container, packing and byte order.
 
+mod cut;
 mod foxglove;
 mod livox;
 mod topics;

@@ -16,5 +16,8 @@ mod memory_limits;
 mod outputs;
 mod serve;
 mod session_files;
+mod stdout;
+#[cfg(unix)]
+mod stopped;
 mod trust;
 mod without_proc;

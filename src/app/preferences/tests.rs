@@ -169,8 +169,7 @@ fn of_text(text: &str) -> (Preferences, bool) {
 
 /// What is read again of what is written.
 fn again(preferences: Preferences) -> (Preferences, bool) {
-    let json = preferences.to_json(&Fields::default()).unwrap();
-    of_text(std::str::from_utf8(&json).unwrap())
+    of_text(&Value::Object(preferences.to_fields()).to_string())
 }
 
 fn at(seconds: u64) -> Duration {
@@ -390,6 +389,52 @@ fn what_a_later_program_added_is_still_there_when_it_comes_back() {
     assert_eq!(PreferencesFile::load_from(&file).1, unusual());
     let written: Fields = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
     assert_eq!(written["of later"], serde_json::json!({ "a": [1, 2.5] }));
+}
+
+#[test]
+fn two_windows_undo_nothing_of_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("settings.json");
+    fs::write(&file, r#"{"version": 6, "speed": 2.0, "of later": 1}"#).unwrap();
+    let mut windows = [(); 2].map(|()| PreferencesFile::load_from(&file));
+    for (kept, begun) in &mut windows {
+        kept.note(*begun, at(0));
+    }
+    let [(first, mut in_first), (second, mut in_second)] = &mut windows;
+    in_first.settings.levels.stop = StopCriterion::Loss(0.25);
+    in_first.scale_bar = false;
+    in_second.loop_mode = unusual().loop_mode;
+    in_second.settings.drawing.resolution = 0.5;
+    first.note(in_first, at(1));
+    second.note(in_second, at(1));
+    first.write();
+    second.write();
+    // What a window has written once it changes again, and only that.
+    in_first.speed = 0.5;
+    first.note(in_first, at(5));
+    first.write();
+    let (_, read) = PreferencesFile::load_from(&file);
+    let mut expected = in_first;
+    expected.loop_mode = in_second.loop_mode;
+    expected.settings.drawing.resolution = 0.5;
+    assert_eq!(read, expected);
+    let written: Fields = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    assert_eq!(written["of later"], 1);
+}
+
+#[test]
+fn a_file_that_was_broken_meanwhile_is_copied_before_it_is_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("settings.json");
+    let (mut kept, begun) = PreferencesFile::load_from(&file);
+    kept.note(begun, at(0));
+    let later = r#"{"version": 99, "speed": "of later"}"#;
+    fs::write(&file, later).unwrap();
+    kept.note(unusual(), at(1));
+    kept.write();
+    assert_eq!(PreferencesFile::load_from(&file).1, unusual());
+    let copy = folder.path().join("settings.json.unreadable");
+    assert_eq!(fs::read_to_string(copy).unwrap(), later);
 }
 
 #[test]

@@ -26,6 +26,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tar::Listed;
 
 /// The frames in the archive at `path`, in natural order of their names.
 pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result<Contents, IoError> {
@@ -36,8 +37,11 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
     let mut magic = [0; 2];
     let is_gzip = file.read(&mut magic).map_err(failed)? == 2 && magic == *b"\x1f\x8b";
     file.rewind().map_err(failed)?;
-    let mut members = if format == containers::ZIP {
-        zip::members(file).map_err(invalid)?
+    let Listed { mut members, damage } = if format == containers::ZIP {
+        Listed {
+            members: zip::members(file).map_err(invalid)?,
+            damage: None,
+        }
     } else if is_gzip {
         // What is in it is told by what comes out first.
         let mut start = Vec::with_capacity(tar::BLOCK_BYTES);
@@ -77,6 +81,7 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
     if members.is_empty() {
         return Ok(Contents {
             without_frames: refusal::describe(&all),
+            damage: damage.into_iter().collect(),
             ..Contents::default()
         });
     }
@@ -88,7 +93,10 @@ pub(super) fn list(path: &Path, format: Format, options: &ReadOptions) -> Result
         time,
         part: Part::Member(member),
     });
-    Ok(Contents::of_entries(entries.collect()))
+    Ok(Contents {
+        damage: damage.into_iter().collect(),
+        ..Contents::of_entries(entries.collect())
+    })
 }
 
 /// Name (the archive's path and the member's within it) and bytes of a member; `progress` is told of the packed ones.

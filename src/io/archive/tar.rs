@@ -4,13 +4,22 @@ use super::super::error::Fault;
 use super::super::unpack::Packing;
 use super::member::{Member, MemberPlace, Unpacked, clean};
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read, Seek};
+use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 
 /// Size of a header.
 pub(super) const BLOCK_BYTES: usize = 512;
 
+/// What an archive has.
+#[derive(Debug)]
+pub(super) struct Listed {
+    /// All files.
+    pub(super) members: Vec<Member>,
+    /// Where it is cut, if it is.
+    pub(super) damage: Option<String>,
+}
+
 /// All files in an archive that is not compressed.
-pub(super) fn members_of_file(file: File) -> Result<Vec<Member>, Fault> {
+pub(super) fn members_of_file(file: File) -> Result<Listed, Fault> {
     members(BufReader::new(file), |offset, size| MemberPlace::Packed {
         offset,
         packed_bytes: size,
@@ -21,18 +30,25 @@ pub(super) fn members_of_file(file: File) -> Result<Vec<Member>, Fault> {
 }
 
 /// All files in an archive that was.
-pub(super) fn members_of_memory(unpacked: &Unpacked) -> Result<Vec<Member>, Fault> {
+pub(super) fn members_of_memory(unpacked: &Unpacked) -> Result<Listed, Fault> {
     members(Cursor::new(unpacked.0.as_slice()), |offset, size| {
         let end = offset.saturating_add(size);
         MemberPlace::Memory(unpacked.clone(), offset as usize..end as usize)
     })
 }
 
-fn members(reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace) -> Result<Vec<Member>, Fault> {
+fn members(mut reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace) -> Result<Listed, Fault> {
     let broken =
         |error: &std::io::Error| format!("the archive is not understood ({error}): it is truncated or damaged");
+    let length = reader
+        .seek(SeekFrom::End(0))
+        .and_then(|length| reader.rewind().map(|()| length));
+    let length = length.map_err(|error| Fault::header(broken(&error)))?;
     let mut archive = tar::Archive::new(reader);
     let mut members = Vec::new();
+    // Where the last member ends, with what fills its last block.
+    let mut end = 0;
+    let mut damage = None;
     let entries = archive
         .entries_with_seek()
         .map_err(|error| Fault::header(broken(&error)))?;
@@ -41,11 +57,17 @@ fn members(reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace) ->
             Ok(entry) => entry,
             // What came before the damage can be read.
             Err(error) if !members.is_empty() => {
-                log::warn!("{}; what lies before is read", broken(&error));
+                damage = Some(format!(
+                    "{}; the {} files before that are read",
+                    broken(&error),
+                    members.len()
+                ));
                 break;
             }
             Err(error) => return Err(Fault::header(broken(&error))),
         };
+        let begin = entry.raw_file_position();
+        end = begin.saturating_add(entry.size().next_multiple_of(BLOCK_BYTES as u64));
         let kind = entry.header().entry_type();
         let place = if kind.is_file() || kind.is_contiguous() {
             place(entry.raw_file_position(), entry.size())
@@ -59,7 +81,13 @@ fn members(reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace) ->
             place,
         });
     }
-    Ok(members)
+    if damage.is_none() && end.saturating_add(BLOCK_BYTES as u64) > length {
+        damage = Some(format!(
+            "the archive ends at byte {length} without its end mark: it was cut, and the {} files before that are read",
+            members.len()
+        ));
+    }
+    Ok(Listed { members, damage })
 }
 
 /// True when `block` is the header of a member: of this format for sure, or by the sum of its bytes as before 1988.

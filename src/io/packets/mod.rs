@@ -100,7 +100,7 @@ pub(super) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> 
             contents.without_frames.push_str("; ");
             contents.without_frames.push_str(&end);
         }
-        contents.notes.push(end);
+        contents.damage.push(end);
     }
     Ok(contents)
 }

@@ -22,6 +22,7 @@ const MOST_TEXT_BYTES: u64 = 16 << 20;
 const START_BYTES: u64 = 16;
 
 const MESSAGE: u8 = 0x02;
+const BAG: u8 = 0x03;
 const INDEX: u8 = 0x04;
 const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;
@@ -38,6 +39,11 @@ struct RecordHeader {
     unpacked_bytes: Option<u32>,
     /// Messages of a connection in a chunk.
     count: Option<u32>,
+    /// Where the index of the whole bag begins; 0 until it is closed.
+    index_at: Option<u64>,
+    /// Chunks of the whole bag, and connections in its index.
+    chunks: Option<u32>,
+    connections: Option<u32>,
 }
 
 impl RecordHeader {
@@ -63,6 +69,9 @@ impl RecordHeader {
                 b"type" => header.kind = text(),
                 b"compression" => header.compression = text(),
                 b"count" => header.count = number.u32(),
+                b"index_pos" => header.index_at = number.u64(),
+                b"conn_count" => header.connections = number.u32(),
+                b"chunk_count" => header.chunks = number.u32(),
                 b"size" => header.unpacked_bytes = number.u32(),
                 _ => {}
             }
@@ -86,14 +95,19 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     }
     let mut found = FoundMessages::new(wanted);
     let mut chunks: Vec<(MessageChunk, Vec<u32>)> = Vec::new();
+    let mut closing = Closing::default();
     while walk.left() > 0 {
         let start = walk.position();
-        if record(walk, &mut found, &mut chunks).is_none() {
+        if record(walk, &mut found, &mut chunks, &mut closing).is_none() {
+            closing.is_cut = true;
             found.skip(format!(
                 "the bag ends early, in the record at byte {start}: the messages before it are read"
             ));
             break;
         }
+    }
+    if let Some(damage) = closing.damage(walk.position()) {
+        found.skip(damage);
     }
     for (chunk, connections) in chunks {
         if found.is_complete() {
@@ -113,8 +127,44 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
     Ok(found)
 }
 
+/// What the header of a bag claims, which is written anew when it is closed, against what was met.
+#[derive(Debug, Default)]
+struct Closing {
+    /// Where the index begins, and the number of chunks.
+    claimed: Option<(u64, u32)>,
+    chunks: u32,
+    /// Connections in the index that are claimed, and those that were met.
+    connections: [u32; 2],
+    /// The last record is cut, which is said already.
+    is_cut: bool,
+}
+
+impl Closing {
+    fn damage(&self, end: u64) -> Option<String> {
+        match self.claimed.filter(|_| !self.is_cut)? {
+            (0, _) => Some(format!(
+                "the bag was not closed (it has no index): its messages up to byte {end} are read, later ones were not \
+                 written; `rosbag reindex` repairs it"
+            )),
+            (index_at, chunks) if index_at >= end || self.chunks < chunks => Some(format!(
+                "the bag ends at byte {end} before its index: {} of {chunks} chunks are missing, with their messages",
+                chunks.saturating_sub(self.chunks)
+            )),
+            _ if self.connections[1] < self.connections[0] => Some(format!(
+                "the bag ends at byte {end} within its index: it was cut, and all of its messages are read"
+            )),
+            _ => None,
+        }
+    }
+}
+
 /// Reads the record that `walk` is at and goes to the next one; `None` where it is cut.
-fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageChunk, Vec<u32>)>) -> Option<()> {
+fn record(
+    walk: &mut Walk,
+    found: &mut FoundMessages,
+    chunks: &mut Vec<(MessageChunk, Vec<u32>)>,
+    closing: &mut Closing,
+) -> Option<()> {
     let mut length = |most: u64| {
         let length = u64::from(Bytes::new(&walk.take(4)?).u32()?);
         (length <= most).then_some(length)
@@ -129,8 +179,13 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
         return None;
     }
     match header.op {
+        BAG => {
+            closing.claimed = header.index_at.zip(header.chunks);
+            closing.connections[0] = header.connections.unwrap_or(0);
+        }
         CONNECTION if data_bytes <= MOST_TEXT_BYTES => {
             let data = walk.take(data_bytes)?;
+            closing.connections[1] += 1;
             connection(&header, &data, found);
         }
         MESSAGE => {
@@ -143,6 +198,7 @@ fn record(walk: &mut Walk, found: &mut FoundMessages, chunks: &mut Vec<(MessageC
             message(&header, &start, place, found);
         }
         CHUNK => {
+            closing.chunks += 1;
             let packing = match header.compression.as_deref() {
                 Some("none") => Some(Packing::Stored),
                 Some("lz4") => Some(Packing::Lz4),

@@ -12,6 +12,7 @@ use super::super::options::ReadOptions;
 use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
 use rusqlite::{Connection, OpenFlags};
+use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::time::Duration;
@@ -29,8 +30,9 @@ const MAX_NAMED_TABLES: usize = 6;
 
 /// What is wanted of the database at `path`.
 pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> {
-    find_rows(path, wanted).map_err(|error| match error {
-        Failure::Sql(error) => match table_names(path).unwrap_or_default() {
+    find_rows(path, wanted).map_err(|error| match (error, journal_of(path)) {
+        (Failure::Sql(error), Some(journal)) => Fault::header(format!("{journal} ({error})")),
+        (Failure::Sql(error), None) => match table_names(path).unwrap_or_default() {
             names if names.is_empty() => Fault::header(format!(
                 "the tables `topics` and `messages` of a ROS 2 bag are not readable ({error}): the file is damaged, \
                  or is another database"
@@ -45,7 +47,7 @@ pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> 
                 listed(&names)
             )),
         },
-        Failure::Said(problem) => Fault::header(problem),
+        (Failure::Said(problem), _) => Fault::header(problem),
     })
 }
 
@@ -128,6 +130,9 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
     };
     let database = open(path)?;
     let mut found = FoundMessages::new(wanted);
+    for damage in [cut_of(path, file_bytes), journal_of(path)].into_iter().flatten() {
+        found.skip(damage);
+    }
     let mut statement = database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let mut rows = statement.query([])?;
     while let Some(row) = rows.next()? {
@@ -171,6 +176,37 @@ fn find_rows(path: &Path, wanted: Wanted) -> Result<FoundMessages, Failure> {
         found.add(topic, log_time, &start, MessagePlace::Row(id));
     }
     Ok(found)
+}
+
+/// What of the pages that the header counts is missing. (<https://www.sqlite.org/fileformat2.html>)
+fn cut_of(path: &Path, file_bytes: u64) -> Option<String> {
+    const HEADER_BYTES: usize = 100;
+    let mut header = [0; HEADER_BYTES];
+    File::open(path).ok()?.read_exact(&mut header).ok()?;
+    let number = |at: usize| u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+    let page_bytes = match u16::from_be_bytes([header[16], header[17]]) {
+        1 => 1 << 16,
+        bytes => u64::from(bytes),
+    };
+    // Old programs do not count; then the two numbers of changes differ.
+    let is_counted = number(24) == number(92);
+    let claimed = page_bytes * u64::from(number(28));
+    (is_counted && claimed > file_bytes)
+        .then(|| format!("the file has {file_bytes} of {claimed} bytes: it was cut, and messages in the rest are lost"))
+}
+
+/// A journal next to the database: whoever wrote it has not ended well.
+fn journal_of(path: &Path) -> Option<String> {
+    let mut journal = path.as_os_str().to_owned();
+    journal.push("-journal");
+    let is_there = std::fs::metadata(&journal).is_ok_and(|there| there.is_file() && there.len() > 0);
+    is_there.then(|| {
+        format!(
+            "{} is next to it: the recording was not closed, and its last messages may be missing; open both once with \
+             `sqlite3` on a disk that can be written",
+            Path::new(&journal).display()
+        )
+    })
 }
 
 /// The first bytes of message `id` alone, not all that a query would read of it.

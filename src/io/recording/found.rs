@@ -81,7 +81,7 @@ impl FoundMessages {
     }
 
     /// Parts of the recording that are skipped, a sentence each.
-    pub(super) fn notes(&self) -> Vec<String> {
+    pub(super) fn damage(&self) -> Vec<String> {
         let Skipped { count, first } = &self.skipped;
         match count {
             0 => Vec::new(),
@@ -101,7 +101,7 @@ impl FoundMessages {
             kind: kind.to_owned(),
             count,
         });
-        let skipped = self.notes().join("; ");
+        let skipped = self.damage().join("; ");
         let described = unread::describe(&mut topics.collect::<Vec<_>>());
         if skipped.is_empty() {
             described
@@ -165,6 +165,7 @@ impl FoundMessages {
 
     /// What cameras publish, each topic in the order of time.
     pub(super) fn cameras(self) -> CameraTopics {
+        let damage = self.damage();
         let mut by_name: BTreeMap<&str, CameraTopic> = BTreeMap::new();
         for topic in self.topics.values().flatten() {
             if let Some(kind) = topic.camera {
@@ -183,13 +184,13 @@ impl FoundMessages {
         for topic in &mut topics {
             topic.messages.sort_by_key(|(time, _)| *time);
         }
-        CameraTopics(topics)
+        CameraTopics { topics, damage }
     }
 
     /// All topics with point clouds, and the messages of `wanted` in the order of time; of the topic that has the most
     /// if `None`.
     pub(super) fn contents(self, wanted: Option<&str>) -> Contents {
-        let notes = self.notes();
+        let damage = self.damage();
         let described = self.describe();
         // The same topic may have several numbers, one for each of its publishers.
         let mut by_name: BTreeMap<&str, Vec<(Duration, Message)>> = BTreeMap::new();
@@ -228,7 +229,8 @@ impl FoundMessages {
         Contents {
             entries,
             topics,
-            notes,
+            notes: Vec::new(),
+            damage,
             without_frames,
         }
     }

@@ -58,7 +58,16 @@ pub(super) fn find(walk: &mut Walk, wanted: Wanted, options: &ReadOptions) -> Re
         let start = walk.position();
         let read = finder.record(walk, &mut chunks);
         match read {
-            Some(FOOTER) => break,
+            Some(FOOTER) => {
+                if walk.take(MAGIC.len() as u64).as_deref() != Some(MAGIC) {
+                    finder.found.skip(format!(
+                        "the file ends at byte {}, within its closing bytes: it was cut, and all of its messages are \
+                         read",
+                        walk.position() + walk.left()
+                    ));
+                }
+                break;
+            }
             Some(_) => {}
             None => {
                 finder.found.skip(format!(

@@ -66,9 +66,6 @@ pub(super) fn cameras(
     if found.is_complete() {
         return Ok(CameraTopics::default());
     }
-    for note in found.notes() {
-        log::warn!("{}: {note}", path.display());
-    }
     Ok(found.cameras())
 }
 

@@ -479,6 +479,11 @@ fn what_arrives_is_recorded_and_opened_again() {
         "{:?}",
         broken.notes()
     );
+    assert_eq!(broken.damage(), broken.notes(), "check tells of it");
+    // A stream that sends nothing more takes the place of no recording.
+    live.start_recording(&cut).unwrap();
+    drop(live.stop_recording().unwrap());
+    assert!(open(&cut).is_ok_and(|cut| !cut.frames().is_empty()));
     // Bytes that were changed are one lost frame.
     let mut changed = whole.clone();
     let at = changed.len() - 50;

@@ -50,6 +50,8 @@ pub(super) struct Discovered {
     pub(super) recordings: Vec<Recording>,
     /// What of the inputs is skipped, a sentence each.
     pub(super) notes: Vec<String>,
+    /// Where files are cut or damaged, a sentence each: also among the notes.
+    pub(super) damage: Vec<String>,
     pub(super) assumptions: Vec<Assumption>,
 }
 
@@ -285,9 +287,12 @@ impl Discovered {
                 self.entries.push(FrameEntry::file(path));
             }
             Some(Ok(contents)) => {
-                let notes = contents.notes.iter();
-                self.notes
-                    .extend(notes.map(|note| format!("{}: {note}", path.display())));
+                let of_file = |note: &String| format!("{}: {note}", path.display());
+                let damage = contents.damage.iter().map(of_file);
+                let first = self.damage.len();
+                self.damage.extend(damage);
+                self.notes.extend(contents.notes.iter().map(of_file));
+                self.notes.extend_from_slice(&self.damage[first..]);
                 let frames = contents.entries.into_iter();
                 self.entries.extend(frames.map(|entry| FrameEntry::entry(&path, entry)));
                 if !contents.topics.is_empty() {

@@ -50,6 +50,7 @@ pub struct Files {
     options: OpenOptions,
     recordings: Vec<Recording>,
     notes: Vec<String>,
+    damage: Vec<String>,
     assumptions: Vec<Assumption>,
     /// What was found out about files beside the frames.
     known: Mutex<Known>,
@@ -87,6 +88,7 @@ impl Files {
             entries,
             recordings,
             notes,
+            damage,
             assumptions,
         } = found;
         if options.topic.is_none() {
@@ -107,6 +109,7 @@ impl Files {
             options: options.clone(),
             recordings,
             notes,
+            damage,
             assumptions,
             known: Mutex::new(known),
             looks: Mutex::new(looks),
@@ -225,6 +228,10 @@ impl Source for Files {
 
     fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    fn damage(&self) -> &[String] {
+        &self.damage
     }
 
     fn assumptions(&self) -> &[Assumption] {

@@ -217,6 +217,11 @@ impl Source for RecordedStream {
         &self.notes
     }
 
+    /// It has no other notes.
+    fn damage(&self) -> &[String] {
+        &self.notes
+    }
+
     fn sensor(&self, index: usize) -> Option<Sensor> {
         sensor(&self.recorded.frame(index).ok()?)
     }

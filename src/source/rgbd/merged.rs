@@ -118,6 +118,10 @@ impl Source for MergedFrames {
         &self.notes
     }
 
+    fn damage(&self) -> &[String] {
+        self.recording.damage()
+    }
+
     fn filters(&self) -> Option<Filters> {
         self.recording.filters()
     }

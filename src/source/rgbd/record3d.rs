@@ -87,6 +87,7 @@ pub(super) fn find(path: &Path, options: &ReadOptions) -> Result<FoundRecording,
         units: Units::Certain,
         assumptions: Vec::new(),
         notes: Vec::new(),
+        damage: Vec::new(),
     })
 }
 

@@ -36,6 +36,8 @@ pub struct RgbdRecording {
     pub(super) entries: Vec<Arc<FrameEntry>>,
     inputs: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
+    /// Where the input is cut or damaged: also among the notes.
+    damage: Vec<String>,
     pub(super) assumptions: Vec<Assumption>,
     layout: &'static str,
 }
@@ -95,7 +97,9 @@ impl RgbdRecording {
             })
             .collect();
         number(&mut entries);
-        let notes = std::mem::take(&mut found.notes);
+        let damage = std::mem::take(&mut found.damage);
+        let mut notes = std::mem::take(&mut found.notes);
+        notes.extend(damage.iter().cloned());
         let mut assumptions = std::mem::take(&mut found.assumptions);
         let calibration = Arc::clone(&found.frames[0].calibration);
         let mut recorded = Recorded::new(found, sizes, options);
@@ -124,6 +128,7 @@ impl RgbdRecording {
             entries: entries.into_iter().map(Arc::new).collect(),
             inputs: inputs.to_vec(),
             notes,
+            damage,
             assumptions,
             recorded: Arc::new(recorded),
             layout,
@@ -137,6 +142,7 @@ impl RgbdRecording {
             entries: self.entries.clone(),
             inputs: self.inputs.clone(),
             notes: Vec::new(),
+            damage: Vec::new(),
             assumptions: self
                 .assumptions
                 .iter()
@@ -336,6 +342,10 @@ impl Source for RgbdRecording {
 
     fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    fn damage(&self) -> &[String] {
+        &self.damage
     }
 
     fn images(&self) -> Vec<PathBuf> {

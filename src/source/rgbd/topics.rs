@@ -133,7 +133,7 @@ struct RosRecording<'a> {
 
 impl RosRecording<'_> {
     fn of_kind(&self, kind: CameraMessage) -> impl Iterator<Item = &CameraTopic> {
-        self.all.0.iter().filter(move |topic| topic.kind == kind)
+        self.all.topics.iter().filter(move |topic| topic.kind == kind)
     }
 
     /// What `parse` makes of the first message of `topic` that is sound.
@@ -148,7 +148,7 @@ impl RosRecording<'_> {
     fn streams(&self) -> Vec<Stream<'_>> {
         let images = self
             .all
-            .0
+            .topics
             .iter()
             .filter(|topic| matches!(topic.kind, CameraMessage::Image | CameraMessage::CompressedImage));
         images
@@ -296,6 +296,12 @@ impl RosRecording<'_> {
             units: Units::Certain,
             assumptions: Vec::new(),
             notes,
+            damage: self
+                .all
+                .damage
+                .iter()
+                .map(|damage| format!("{}: {damage}", self.path.display()))
+                .collect(),
         })
     }
 

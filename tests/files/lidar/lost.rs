@@ -153,3 +153,29 @@ fn the_capture_of_a_bug_report_is_joined() {
     assert!((3..8).contains(&clouds.len()), "{}", clouds.len());
     assert!(clouds.iter().all(|cloud| cloud.positions.len() > 10_000));
 }
+
+#[test]
+fn a_capture_that_is_cut_within_a_record_is_found() {
+    for container in [Container::Pcap, Container::PcapNg] {
+        let mut writer = Writer::new(container, Link::Ethernet);
+        let mut ends = Vec::new();
+        for index in 0..160 {
+            writer.datagram(index * 1327, SENDER, &scan().packet(index as usize));
+            ends.push(writer.bytes.len());
+        }
+        let files = Files::new();
+        let damage = |bytes: &[u8]| {
+            let path = files.write("cut.pcap", bytes);
+            io::contents(&path, None, &ReadOptions::default()).unwrap().damage
+        };
+        assert_eq!(damage(&writer.bytes), [""; 0], "{container:?}");
+        for end in [ends[120], ends[159]] {
+            for cut in [1, 7, 100, 1000] {
+                let [damage] = &damage(&writer.bytes[..end - cut])[..] else {
+                    panic!("{container:?}: {cut} bytes before byte {end} are missing unseen");
+                };
+                assert!(damage.contains("the record of a packet is cut there"), "{damage}");
+            }
+        }
+    }
+}

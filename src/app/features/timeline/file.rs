@@ -1,8 +1,8 @@
 //! Range and markers of a sequence, kept between runs in a small JSON file a sequence.
 //!
 //! **How it works.** Range and markers are each read by themselves, so that they outlive versions of this program. What
-//! a later one wrote beside what is known here goes when a mark is changed; a file of which something could not be read
-//! is copied first (`kept/lenient.rs`).
+//! a later one wrote next to what is known here stays; a file of which something could not be read is copied before a
+//! mark is changed (`kept/lenient.rs`). Of two windows with the same sequence the marks of the later change stay.
 
 use super::Markers;
 use crate::app::first_look::Chosen;
@@ -20,6 +20,12 @@ use std::str::FromStr;
 
 /// Changes where the same word would mean something else. Further fields need no other version.
 const VERSION: u32 = 1;
+
+/// What messages call it.
+const WHAT: &str = "the markers";
+
+/// The fields of [`TimelineFile`].
+const FIELDS: [&str; 5] = ["version", "range", "markers", "up", "primitive"];
 
 #[derive(Serialize)]
 struct TimelineFile<'a> {
@@ -56,7 +62,7 @@ pub(super) fn file_of(folder: &Path, sequence: &Sequence) -> Option<PathBuf> {
 
 /// What was kept in `file`, which need not be there.
 pub(super) fn read(file: &Path) -> Lenient<(PlayRange, Markers, Chosen)> {
-    kept::read_leniently(file, "the markers", |stored, unread| {
+    kept::read_leniently(file, WHAT, |stored, unread| {
         kept::note_later_version(stored, VERSION, unread);
         let markers = kept::entries(stored, "markers", unread);
         let markers = markers.iter().filter_map(|stored| marker(stored, unread));
@@ -121,13 +127,20 @@ pub(super) fn write(file: &Path, range: PlayRange, markers: &Markers, chosen: Ch
         up: chosen.up.map(UpAxis::name),
         primitive: chosen.primitive.map(Primitive::name),
     };
-    serde_json::to_vec_pretty(&stored)
-        .map_err(std::io::Error::other)
-        .and_then(|bytes| kept::replace(file, &bytes))
-        .map_err(|reason| {
-            let file = file.display();
-            format!("the markers could not be written to {file} ({reason}): make room")
-        })
+    let written = match serde_json::to_value(&stored) {
+        Ok(Value::Object(now)) => kept::update(file, WHAT, |stored, unread| {
+            kept::note_later_version(stored, VERSION, unread);
+            stored.retain(|name, _| !FIELDS.contains(&name.as_str()));
+            stored.extend(now);
+        }),
+        // It is an object of numbers and words.
+        Ok(_) => Ok(()),
+        Err(reason) => Err(std::io::Error::other(reason)),
+    };
+    written.map_err(|reason| {
+        let file = file.display();
+        format!("{WHAT} could not be written to {file} ({reason}): make room")
+    })
 }
 
 #[cfg(test)]

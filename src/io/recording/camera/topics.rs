@@ -67,6 +67,11 @@ impl CameraTopic {
     }
 }
 
-/// All of them, in the order of their names.
+/// What cameras publish in a recording.
 #[derive(Debug, Default)]
-pub(crate) struct CameraTopics(pub(crate) Vec<CameraTopic>);
+pub(crate) struct CameraTopics {
+    /// All topics, in the order of their names.
+    pub(crate) topics: Vec<CameraTopic>,
+    /// Where the recording is cut or damaged, a sentence each.
+    pub(crate) damage: Vec<String>,
+}

@@ -75,10 +75,14 @@ pub(super) fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Re
             )
         }
     };
+    let mut found = recording.found(depth, color.as_ref(), calibration, notes);
     if file.breaks_off {
-        notes.push("the recording breaks off: what is before its end is read".to_owned());
+        found.damage.push(format!(
+            "{}: the recording breaks off: what is before its end is read",
+            path.display()
+        ));
     }
-    Ok(recording.found(depth, color.as_ref(), calibration, notes))
+    Ok(found)
 }
 
 /// The track with the colours, and what its frames are.
@@ -232,6 +236,7 @@ impl KinectRecording<'_> {
             units: Units::Certain,
             assumptions: Vec::new(),
             notes,
+            damage: Vec::new(),
         }
     }
 }

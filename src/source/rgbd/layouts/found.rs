@@ -35,6 +35,8 @@ pub(in crate::source::rgbd) struct FoundRecording {
     pub(in crate::source::rgbd) assumptions: Vec<Assumption>,
     /// What is left out, a sentence each.
     pub(in crate::source::rgbd) notes: Vec<String>,
+    /// Where a file is cut or damaged, a sentence each; not among the notes.
+    pub(in crate::source::rgbd) damage: Vec<String>,
 }
 
 /// Images of a frame, and what is known of it.
@@ -81,6 +83,7 @@ impl FoundRecording {
             units: Units::Certain,
             assumptions: Vec::new(),
             notes: pairs.notes,
+            damage: Vec::new(),
         }
     }
 
