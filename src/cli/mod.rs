@@ -36,6 +36,7 @@ mod warnings;
 
 use clap::{Parser, Subcommand};
 use output::say;
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 use warnings::When;
@@ -82,13 +83,25 @@ enum Verb {
 /// Exit code of wrong usage, as of what the parser of the command line refuses.
 const WRONG_USAGE: u8 = 2;
 
-/// Parses the command line, runs the verb and says what went wrong.
+/// Runs the verb of this process's command line and says what went wrong.
 pub fn main() -> ExitCode {
     crate::memory::keep_freed_pages();
     device_select::leave_out_without_session();
     start_log();
-    // A wrong usage exits with 2 here.
-    let arguments = Arguments::parse();
+    run(std::env::args_os())
+}
+
+/// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process may
+/// do so many times: tests that try thousands of files start no program for each.
+pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(line) {
+        Ok(arguments) => arguments,
+        Err(usage) => {
+            // Nobody is left to be told where this fails. `--help` comes here too.
+            let _ = usage.print();
+            return ExitCode::from(if usage.use_stderr() { WRONG_USAGE } else { 0 });
+        }
+    };
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
     warnings::say_them(match (arguments.verbose, has_window) {
         (true, _) => When::AllAtOnce,
