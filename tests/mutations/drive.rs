@@ -1,12 +1,14 @@
 //! The ways that a file of a stranger goes: the verbs of the command line, and the window with its background loader.
 
-use crate::kinds::SETTINGS;
+use crate::kinds::{FAULTS, SETTINGS, STREAMS};
 use pointreel::app::{Preferences, PreferencesFile, Presets, Recent, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
 use pointreel::io::ReadOptions;
 use pointreel::scene::CameraPath;
 use pointreel::sequence::{FrameEntry, OpenOptions, Sequence};
 use std::ffi::OsString;
+use std::io::Write as _;
+use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -29,6 +31,10 @@ pub(crate) enum Way {
     Convert,
     Window,
     Settings,
+    /// From a server on this machine, as a live stream.
+    Connect,
+    /// Does what is wrong, to be found.
+    Fault,
 }
 
 impl Way {
@@ -36,6 +42,17 @@ impl Way {
     pub(crate) fn of_set(set: &str) -> &'static [Self] {
         if set == SETTINGS {
             &[Self::Settings]
+        } else if set == FAULTS {
+            &[Self::Fault]
+        } else if set == STREAMS {
+            &[
+                Self::Info,
+                Self::Check,
+                Self::Render,
+                Self::Convert,
+                Self::Window,
+                Self::Connect,
+            ]
         } else {
             &[Self::Info, Self::Check, Self::Render, Self::Convert, Self::Window]
         }
@@ -49,6 +66,8 @@ impl Way {
             Self::Convert => "convert",
             Self::Window => "window",
             Self::Settings => "settings",
+            Self::Connect => "connect",
+            Self::Fault => "fault",
         }
     }
 
@@ -69,6 +88,8 @@ impl Way {
             Self::Convert => verb("convert", input, &[&output, Path::new("--overwrite")]),
             Self::Window => window(input),
             Self::Settings => settings(input),
+            Self::Connect => connect(input),
+            Self::Fault => fault(input),
         }
     }
 }
@@ -119,6 +140,47 @@ fn play(state: &mut State, mut now: Duration) {
         std::thread::sleep(Duration::from_millis(1));
         now += Duration::from_millis(40);
         state.update(now);
+    }
+}
+
+/// Sends `input` to a client, which shows the frames that came.
+fn connect(input: &Path) {
+    let bytes = std::fs::read(input).unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap();
+    let serve = move || {
+        if let Ok((mut client, _)) = listener.accept() {
+            // It may have left.
+            let _ = client.write_all(&bytes);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let server = std::thread::Builder::new()
+        .name("server".to_owned())
+        .spawn(serve)
+        .unwrap();
+    let mut state = State::new(options(Preferences::default()));
+    state.open_paths(vec![format!("tcp://{address}").into()]);
+    let begin = Instant::now();
+    let mut now = Duration::ZERO;
+    while !(server.is_finished() || has_settled(&state)) && begin.elapsed() < LOOK {
+        std::thread::sleep(Duration::from_millis(1));
+        now += Duration::from_millis(5);
+        state.update(now);
+    }
+    play(&mut state, now);
+    // A client that never came would be waited for.
+    let _ = TcpStream::connect(address);
+    server.join().unwrap();
+}
+
+/// Does what the name of `input` says.
+fn fault(input: &Path) {
+    match input.file_stem().unwrap().to_str().unwrap() {
+        "panics" => panic!("as asked for"),
+        "aborts" => std::process::abort(),
+        "fills" => drop(std::hint::black_box(vec![1u8; 2 * MAX_MEMORY_BYTES as usize])),
+        other => assert_eq!(other, "is_fine"),
     }
 }
 

@@ -25,7 +25,7 @@ const fn kind(set: &'static str, extension: &'static str, shape: Shape, repair: 
 /// What is read as a file. Settings are read by the window alone (`drive.rs`).
 pub(crate) const KINDS: &[Kind] = &[
     kind("reel", "reel", Binary, Repair::Reel),
-    kind("streams", "pointreel-stream", Binary, Repair::Stream),
+    kind(STREAMS, "pointreel-stream", Binary, Repair::Stream),
     kind("sessions", "pointreel", Json, Repair::Nothing),
     kind(SETTINGS, "json", Json, Repair::Nothing),
     kind("ply", "ply", TextHead, Repair::Nothing),
@@ -61,6 +61,12 @@ pub(crate) const KINDS: &[Kind] = &[
     kind("archives", "gz", Binary, Repair::Gzip),
     kind("depth", "mkv", Binary, Repair::Nothing),
 ];
+
+/// Recordings of live streams, which are sent to a client too.
+pub(crate) const STREAMS: &str = "streams";
+
+/// No files, but faults that the watching of processes is tried with.
+pub(crate) const FAULTS: &str = "faults";
 
 /// Files that the window keeps.
 pub(crate) const SETTINGS: &str = "settings";

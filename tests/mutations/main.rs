@@ -71,6 +71,35 @@ fn what_was_found_before_is_refused_or_shown() {
     assert_nothing_is_found(&order, count);
 }
 
+/// Without it the other tests would pass with a watch that sees nothing.
+#[test]
+fn faults_are_found_and_the_cases_behind_them_tried() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path().join("kept");
+    std::fs::create_dir_all(folder.join(kinds::FAULTS)).unwrap();
+    let names = ["aborts", "fills", "is_fine", "panics"];
+    for name in names {
+        std::fs::write(folder.join(kinds::FAULTS).join(name), "").unwrap();
+    }
+    let order = Order {
+        folder,
+        sets: Vec::new(),
+        run: 0,
+        numbers: 0..names.len() as u64,
+        scratch: scratch.path().to_owned(),
+    };
+    let outcome = runner::carry_out(&order);
+    let found = outcome.findings.iter().map(|finding| {
+        let kind = finding.reason.split([':', ' ']).next().unwrap();
+        (names[finding.number as usize], kind)
+    });
+    let mut expected = vec![("aborts", "died"), ("panics", "panic")];
+    if machine::peak_bytes().is_some() {
+        expected.insert(1, ("fills", "memory"));
+    }
+    assert_eq!(found.collect::<Vec<_>>(), expected, "{:?}", outcome.findings);
+}
+
 #[test]
 fn new_mutations_of_every_set_are_refused_or_shown() {
     let scratch = tempfile::tempdir().unwrap();

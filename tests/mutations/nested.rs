@@ -19,12 +19,11 @@ pub(crate) fn mutate_file(kind: Kind, bytes: &mut Vec<u8>, other: &[u8], random:
         Repair::Gltf if is_nested => in_glb(bytes, random),
         _ => None,
     };
-    match changed {
-        Some(changed) => *bytes = changed,
-        None => {
-            mutate(kind.shape, bytes, other, random);
-            repair(kind.repair, bytes, random);
-        }
+    if let Some(changed) = changed {
+        *bytes = changed;
+    } else {
+        mutate(kind.shape, bytes, other, random);
+        repair(kind.repair, bytes, random);
     }
 }
 

@@ -82,7 +82,8 @@ fn change_here(value: &mut Value, random: &mut Random) {
                 return;
             }
             let place = random.below(parts.len());
-            parts[place] = (*random.pick(&["", "nan", "1e999", "-1", "..", "/", "\u{1b}[31m", "é", "0"])).to_owned();
+            let part = *random.pick(&["", "nan", "1e999", "-1", "..", "/", "\u{1b}[31m", "é", "0"]);
+            part.clone_into(&mut parts[place]);
             *text = parts.concat();
         }
         _ => *value = other(random),

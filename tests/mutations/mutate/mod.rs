@@ -24,10 +24,9 @@ pub(crate) fn mutate(shape: Shape, bytes: &mut Vec<u8>, other: &[u8], random: &m
     let changes = [1, 1, 1, 2, 3, 6][random.below(6)];
     for _ in 0..changes {
         match shape {
-            Shape::Binary => binary::mutate(bytes, other, random),
             Shape::Text => text::mutate(bytes, other, random),
             Shape::TextHead if random.one_in(2) => text::mutate_head(bytes, random),
-            Shape::TextHead => binary::mutate(bytes, other, random),
+            Shape::TextHead | Shape::Binary => binary::mutate(bytes, other, random),
             Shape::Json if random.one_in(5) => text::mutate(bytes, other, random),
             Shape::Json => json::mutate(bytes, random),
         }

@@ -38,7 +38,7 @@ pub(crate) fn repair(kind: Repair, bytes: &mut Vec<u8>, random: &mut Random) {
 }
 
 /// Makes all of `bytes` right again.
-pub(crate) fn repair_all(kind: Repair, bytes: &mut Vec<u8>) {
+pub(crate) fn repair_all(kind: Repair, bytes: &mut [u8]) {
     match kind {
         Repair::Nothing => {}
         Repair::Reel => reel::repair(bytes),
