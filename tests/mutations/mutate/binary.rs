@@ -51,9 +51,9 @@ const FLOATS: [f64; 12] = [
 /// A place in `bytes`: often at the beginning or the end, where heads and directories are.
 fn place(bytes: &[u8], random: &mut Random) -> usize {
     let count = bytes.len();
-    match random.below(4) {
+    match random.below(6) {
         0 | 1 => random.below(count.min(HEAD_BYTES)),
-        2 => random.below(count),
+        2..=4 => random.below(count),
         _ => count - 1 - random.below(count.min(HEAD_BYTES)).min(count - 1),
     }
 }

@@ -22,13 +22,15 @@ fn project() -> &'static Path {
 
 /// Writes `case` into `folder` as `cases::kept_in` reads it.
 pub(crate) fn keep(case: &Case, folder: &Path) -> PathBuf {
-    let place = folder.join(&case.set).join(&case.name);
+    let of_set = folder.join(&case.set);
+    let is_alone = case.files.len() == 1;
+    let place = match case.files.as_slice() {
+        // It is known by its extension.
+        [(file, _)] if *file != case.name => of_set.join(format!("{}-{file}", case.name)),
+        _ => of_set.join(&case.name),
+    };
     for (name, bytes) in &case.files {
-        let path = if case.files.len() == 1 {
-            place.clone()
-        } else {
-            place.join(name)
-        };
+        let path = if is_alone { place.clone() } else { place.join(name) };
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, bytes).unwrap();
     }
