@@ -61,8 +61,8 @@ slurm-test: ## the Slurm job file on a slurmctld with two slurmd (root; packages
 	scripts/slurm-test.sh target/debug/pointreel
 
 .PHONY: fuzz
-fuzz: ## fuzz the readers, a minute a target (SECONDS=600 for longer, SEEDS=folders of files to begin with)
-	scripts/fuzz.sh $(or $(SECONDS),60) $(SEEDS)
+fuzz: ## fuzz readers, verbs and window for ten minutes (SECONDS=3600 for longer, SEEDS=folders of files to begin with)
+	scripts/fuzz.sh $(or $(SECONDS),600) $(SEEDS)
 
 # In `make test` a dozen calls of each kind fail per command; all of them take most of an hour.
 .PHONY: faults

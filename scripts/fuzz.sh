@@ -1,20 +1,25 @@
 #!/usr/bin/env bash
-# Fuzzes the readers for a bounded time.
+# Fuzzes for a bounded time, in rounds: each target of cargo-fuzz for a while, then mutations with right checksums of all
+# sets through the verbs and the window (tests/mutations) for as long as all targets together.
 #
-#     scripts/fuzz.sh [SECONDS_A_TARGET] [FOLDER_OF_SEED_FILES…]
+#     scripts/fuzz.sh [SECONDS] [FOLDER_OF_SEED_FILES…]
 #
-# Seeds are the project's own fixtures and the files in the folders given; what is found is kept in fuzz/corpus and
-# fuzz/artifacts. Needs cargo-fuzz, which it installs, and a C++ compiler. Sanitizers are a matter of nightly compilers;
-# RUSTC_BOOTSTRAP lets the stable one do it.
+# SECONDS is for everything, after it is built (default: 600); SLICE_S is what a target has in a round (default: 30, less
+# where a round would not fit). Seeds are the project's own fixtures and the files in the folders given. Findings are
+# kept in fuzz/artifacts and fuzz/found, and the last lines are a table: executions, coverage (edges), new findings. The
+# exit code is 1 if there are any.
+#
+# Needs cargo-fuzz, which it installs, and a C++ compiler. Sanitizers are a matter of nightly compilers; RUSTC_BOOTSTRAP
+# lets the stable one do it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-seconds=${1:-60}
+seconds=${1:-600}
 shift || true
-export RUSTC_BOOTSTRAP=1
 # SQLite and another C library have a table of the same name each.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_odr_violation=0}
 
-cargo fuzz --version >/dev/null 2>&1 || cargo install --locked --quiet cargo-fuzz
+cargo_fuzz() { RUSTC_BOOTSTRAP=1 cargo fuzz "$@"; }
+cargo_fuzz --version >/dev/null 2>&1 || RUSTC_BOOTSTRAP=1 cargo install --locked --quiet cargo-fuzz
 
 # The extensions in the order of `Format`'s table: the first byte of a seed chooses among them.
 extensions=(ply pcd las laz e57 drc xyz txt csv asc pts ptx obj off stl gltf glb npy npz bin mcap bag db3 pcap pcapng zip tar tgz gz)
@@ -52,8 +57,75 @@ while IFS= read -r -d '' file; do
     place=$(place_of "$extension" "${cameras[@]}")
     [[ -n $place ]] && seed cameras "$place" "$file"
 # Large files make slow seeds; what is in them is in small ones too.
-done < <(find tests/data "$@" -type f -size -64k -print0)
+done < <(find tests/data fuzz/seeds/mutations "$@" -type f -size -64k -print0)
 
-for target in read list cameras reel packets photos matroska wire; do
-    cargo fuzz run "$target" -- -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536
+targets=(read list cameras reel packets photos matroska wire)
+declare -A executions spent_s edges found
+for target in "${targets[@]}"; do
+    executions[$target]=0 spent_s[$target]=0 edges[$target]=- found[$target]=0
 done
+most_slice_s=$((seconds / (2 * ${#targets[@]})))
+slice_s=${SLICE_S:-30}
+((slice_s <= most_slice_s)) || slice_s=$((most_slice_s > 0 ? most_slice_s : 1))
+
+artifacts() { find "fuzz/artifacts/$1" -type f 2>/dev/null | wc -l; }
+
+# One slice of a target of cargo-fuzz. A finding ends it early; the next one goes on with the corpus as it is then.
+run_target() {
+    local target=$1 before log
+    before=$(artifacts "$target")
+    log=$(mktemp)
+    cargo_fuzz run "$target" -- -max_total_time="$slice_s" -timeout=20 -rss_limit_mb=4096 -max_len=65536 \
+        -print_final_stats=1 >"$log" 2>&1 || true
+    local count cov
+    count=$(awk '/stat::number_of_executed_units/ { print $2 }' "$log" | tail -n 1)
+    cov=$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -d ' ' -f 2 || true)
+    if [[ -z $count && -z $cov ]]; then
+        echo "$target did not run:" >&2
+        tail -n 20 "$log" >&2
+        exit 1
+    fi
+    executions[$target]=$((executions[$target] + ${count:-0}))
+    spent_s[$target]=$((spent_s[$target] + slice_s))
+    edges[$target]=${cov:-${edges[$target]}}
+    found[$target]=$((found[$target] + $(artifacts "$target") - before))
+    rm "$log"
+}
+
+# Mutations of all sets; adds up what each line of its table says.
+mutated=()
+run_mutations() {
+    local spent=$((slice_s * ${#targets[@]})) set cases count rate ms mb all new
+    MUTATIONS_SECONDS=$spent MUTATIONS_SEEDS=$(IFS=:; echo "$*") \
+        cargo test --quiet --locked --test mutations -- --ignored --exact rounds --nocapture
+    while read -r set cases count rate ms mb all new; do
+        [[ -n ${executions[$set-mutated]:-} ]] || mutated+=("$set-mutated")
+        executions[$set-mutated]=$((${executions[$set-mutated]:-0} + count))
+        spent_s[$set-mutated]=$((${spent_s[$set-mutated]:-0} + spent))
+        edges[$set-mutated]=-
+        found[$set-mutated]=$((${found[$set-mutated]:-0} + new))
+    done < <(sed '1,/^set /d' fuzz/found/table.txt)
+}
+
+# Building is not fuzzing.
+cargo_fuzz build
+cargo test --quiet --locked --test mutations --no-run
+end_s=$((SECONDS + seconds))
+while ((SECONDS < end_s)); do
+    for target in "${targets[@]}"; do
+        run_target "$target"
+    done
+    run_mutations "$@"
+done
+
+all_found=0
+printf '\n%-24s%14s%10s%10s%14s\n' set executions 'per s' edges 'new findings'
+for name in "${targets[@]}" "${mutated[@]}"; do
+    printf '%-24s%14d%10d%10s%14d\n' "$name" "${executions[$name]}" \
+        $((executions[$name] / (spent_s[$name] > 0 ? spent_s[$name] : 1))) "${edges[$name]}" "${found[$name]}"
+    all_found=$((all_found + found[$name]))
+done
+if ((all_found > 0)); then
+    echo "$all_found findings are in fuzz/artifacts and fuzz/found" >&2
+    exit 1
+fi

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 #[path = "../../src/analysis/mod.rs"]
 pub mod analysis;
 
+#[path = "../../src/assumption.rs"]
+pub mod assumption;
+
 #[path = "../../src/binary/mod.rs"]
 pub mod binary;
 
@@ -23,14 +26,23 @@ pub mod locks;
 #[path = "../../src/math/mod.rs"]
 pub mod math;
 
+#[path = "../../src/natural.rs"]
+pub mod natural;
+
 #[path = "../../src/photos/mod.rs"]
 pub mod photos;
+
+#[path = "../../src/printable.rs"]
+pub mod printable;
 
 #[path = "../../src/progress.rs"]
 pub mod progress;
 
 #[path = "../../src/reel/mod.rs"]
 pub mod reel;
+
+#[path = "../../src/regular_file.rs"]
+pub mod regular_file;
 
 #[path = "../../src/rgbd/mod.rs"]
 pub mod rgbd;

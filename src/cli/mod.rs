@@ -40,6 +40,7 @@ use crate::signals;
 use crate::temporary;
 use clap::{Parser, Subcommand};
 use output::{check_answers, say};
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 use warnings::When;
@@ -86,7 +87,7 @@ enum Verb {
 /// Exit code of wrong usage, as of what the parser of the command line refuses.
 const WRONG_USAGE: u8 = 2;
 
-/// Parses the command line, runs the verb and says what went wrong. To be called once, as the last thing that a
+/// Runs the verb of this process's command line and says what went wrong. To be called once, as the last thing that a
 /// process does.
 pub fn main() -> ExitCode {
     // Dropped last.
@@ -96,15 +97,7 @@ pub fn main() -> ExitCode {
     crate::memory::before_the_end(temporary::remove_all_without_memory);
     device_select::leave_out_without_session();
     start_log();
-    match Arguments::try_parse() {
-        Ok(arguments) => run(arguments),
-        // A wrong usage exits with 2 here.
-        Err(refused) if refused.use_stderr() => refused.exit(),
-        Err(help) => {
-            output::note(help.print().and_then(|()| std::io::stdout().flush()));
-            ended_with(check_answers().map(done))
-        }
-    }
+    run(std::env::args_os())
 }
 
 /// Removes what threads that still run are writing, after a panic too.
@@ -116,7 +109,24 @@ impl Drop for RemovesAll {
     }
 }
 
-fn run(arguments: Arguments) -> ExitCode {
+/// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process may
+/// do so many times: tests that try thousands of files start no program for each.
+pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
+    match Arguments::try_parse_from(line) {
+        Ok(arguments) => run_verb(arguments),
+        Err(usage) if usage.use_stderr() => {
+            // Nobody is left to be told where this fails.
+            let _ = usage.print();
+            ExitCode::from(WRONG_USAGE)
+        }
+        Err(help) => {
+            output::note(help.print().and_then(|()| std::io::stdout().flush()));
+            ended_with(check_answers().map(done))
+        }
+    }
+}
+
+fn run_verb(arguments: Arguments) -> ExitCode {
     let has_window = matches!(arguments.verb, None | Some(Verb::View(_)));
     let runs_on = has_window || matches!(arguments.verb, Some(Verb::Serve(_)));
     warnings::say_them(match (arguments.verbose, runs_on) {

@@ -64,6 +64,16 @@ pub enum SessionError {
         /// How many there may be.
         most: usize,
     },
+    /// It names a frame that no sequence has.
+    #[error("the session {} names frame {frame}, counted from 0: expected at most {most}", file.display())]
+    Frame {
+        /// The file.
+        file: PathBuf,
+        /// Its index.
+        frame: usize,
+        /// The largest index that a session can name.
+        most: usize,
+    },
     /// It names nothing to open.
     #[error("the session {} has no `files`: expected at least one, such as \"scans\"", file.display())]
     NoFiles {

@@ -23,6 +23,9 @@ const MAX_FILE_BYTES: u64 = 64 << 20;
 /// Most labels, and most measurements.
 const MAX_MARKS: usize = 1000;
 
+/// Index of the last frame that can be named: no sequence has as many.
+const LAST_FRAME: usize = u32::MAX as usize;
+
 /// Names of values that a warning has room for.
 const MAX_REASONS: usize = 20;
 
@@ -110,6 +113,7 @@ impl ReadSession {
             });
         }
         check_counts(file, &written)?;
+        check_frames(file, &written)?;
         let mut notes = Notes::default();
         let (settings, unknown_settings) = settings_of(&written.settings, &mut notes);
         let labels = written.labels.into_iter().map(|written::WrittenLabel(label, unknown)| {
@@ -163,6 +167,27 @@ fn check_counts(file: &Path, written: &Written) -> Result<(), SessionError> {
             what,
             count,
             most: MAX_MARKS,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Frames are counted on from, and shown counted from 1.
+fn check_frames(file: &Path, written: &Written) -> Result<(), SessionError> {
+    let of_range = |range: PlayRange| [range.first(), range.last()];
+    let named = [Some(written.frame)].into_iter().chain(of_range(written.range));
+    let markers = written.markers.iter().map(|marker| Some(marker.frame));
+    let labels = written.labels.iter().map(|written::WrittenLabel(label, _)| label);
+    let labels = labels.flat_map(|label| of_range(label.frames).into_iter().chain([Some(label.frame)]));
+    let measured = written.measurements.iter();
+    let measured = measured.flat_map(|written::WrittenMeasured(measured, _)| &measured.points);
+    let measured = measured.map(|point| Some(point.frame));
+    let mut frames = named.chain(markers).chain(labels).chain(measured).flatten();
+    match frames.find(|&frame| frame > LAST_FRAME) {
+        Some(frame) => Err(SessionError::Frame {
+            file: file.to_owned(),
+            frame,
+            most: LAST_FRAME,
         }),
         None => Ok(()),
     }

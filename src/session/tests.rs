@@ -147,6 +147,28 @@ fn compared() -> impl Strategy<Value = Compared> {
 }
 
 #[test]
+fn frames_that_no_sequence_has_are_refused() {
+    let most = usize::MAX;
+    for field in [
+        format!(r#""frame": {most}"#),
+        format!(r#""range": {{"first": {most}}}"#),
+        format!(r#""range": {{"last": {most}}}"#),
+        format!(r#""markers": [{{"frame": {most}}}]"#),
+        format!(r#""labels": [{{"text": "x", "frame": {most}, "at": [0, 0, 0]}}]"#),
+        format!(r#""labels": [{{"text": "x", "to": {most}, "at": [0, 0, 0]}}]"#),
+        format!(
+            r#""measurements": [{{"gauge": "distance", "points": [
+                {{"frame": 0, "point": 1, "of": 9, "at": [0, 0, 0]}},
+                {{"frame": {most}, "point": 1, "of": 9, "at": [1, 0, 0]}}]}}]"#
+        ),
+    ] {
+        let text = format!(r#"{{"pointreel_session": 1, "files": ["scans"], {field}}}"#);
+        let problem = read(&text).unwrap_err().to_string();
+        assert!(problem.contains("expected at most 4294967295"), "{field}: {problem}");
+    }
+}
+
+#[test]
 fn what_is_beside_is_read_as_a_person_writes_it_and_damage_is_told() {
     let with = |compare: &str| {
         let compare = format!("\"compare\": {compare},\n  \"frame\"");
