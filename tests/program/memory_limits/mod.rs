@@ -2,8 +2,8 @@
 //! limit and unpacks to more, and on the bomb of its format.
 //!
 //! Each case is a row of one of the tables in `memory_limits/`. The peak of the process is watched while it runs
-//! (`VmHWM`); whoever goes beyond the limit and [`OF_PROGRAM_BYTES`] is killed and listed. `POINTREEL_SHOW_PEAKS=1` prints
-//! the peak of each, `POINTREEL_ONLY_CASE=NAME` runs those with this in their name.
+//! (`VmHWM`); whoever goes beyond the limit and [`OF_PROGRAM_BYTES`] is killed and listed. `POINTREEL_SHOW_PEAKS=1`
+//! prints the peak of each, `POINTREEL_ONLY_CASE=NAME` runs those with this in their name.
 
 #![cfg(target_os = "linux")]
 
