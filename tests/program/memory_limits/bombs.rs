@@ -25,8 +25,10 @@ pub(super) fn cases() -> Vec<Case> {
 pub(super) fn made_by_program(extension: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("a.xyz");
-    let rows = (0..2000).map(|index| format!("{} {} {}\n", index % 13, index % 7, index));
-    std::fs::write(&input, rows.collect::<String>()).unwrap();
+    let rows: Vec<String> = (0..2000)
+        .map(|index| format!("{} {} {index}\n", index % 13, index % 7))
+        .collect();
+    std::fs::write(&input, rows.concat()).unwrap();
     let output = folder.path().join("a").with_extension(extension);
     let mut program = Command::new(env!("CARGO_BIN_EXE_pointreel"));
     let made = program.arg("convert").arg(&input).arg(&output).output().unwrap();

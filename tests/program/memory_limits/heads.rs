@@ -61,7 +61,7 @@ pub(super) fn laszip(chunk_points: u32) -> Vec<u8> {
 
 pub(super) fn npy(descr: &str, shape: &str) -> Vec<u8> {
     let mut header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': ({shape}), }}");
-    while (header.len() + 11) % 64 != 0 {
+    while !(header.len() + 11).is_multiple_of(64) {
         header.push(' ');
     }
     header.push('\n');
@@ -71,7 +71,7 @@ pub(super) fn npy(descr: &str, shape: &str) -> Vec<u8> {
     bytes
 }
 
-/// Points that LZ4 or deflate make little of.
+/// Pieces, each as often as it says, by gzip.
 pub(super) fn gzip(pieces: &[(&[u8], u64)]) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
