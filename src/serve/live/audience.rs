@@ -234,10 +234,7 @@ impl Audience {
     #[cfg(test)]
     pub(super) fn all_have_spoken(&self) -> bool {
         let inside = lock(&self.inside);
-        inside
-            .clients
-            .iter()
-            .all(|client| client.is_heard.load(Ordering::Relaxed))
+        inside.clients.iter().all(|client| lock(&client.heard).is_some())
     }
 
     /// Bytes that those who are there were sent.
