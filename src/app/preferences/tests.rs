@@ -400,7 +400,7 @@ fn two_windows_undo_nothing_of_each_other() {
     for (kept, begun) in &mut windows {
         kept.note(*begun, at(0));
     }
-    let [(first, mut in_first), (second, mut in_second)] = &mut windows;
+    let [(mut first, mut in_first), (mut second, mut in_second)] = windows;
     in_first.settings.levels.stop = StopCriterion::Loss(0.25);
     in_first.scale_bar = false;
     in_second.loop_mode = unusual().loop_mode;
