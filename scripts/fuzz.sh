@@ -68,7 +68,10 @@ most_slice_s=$((seconds / (2 * ${#targets[@]})))
 slice_s=${SLICE_S:-30}
 ((slice_s <= most_slice_s)) || slice_s=$((most_slice_s > 0 ? most_slice_s : 1))
 
-artifacts() { find "fuzz/artifacts/$1" -type f 2>/dev/null | wc -l; }
+artifacts() {
+    mkdir -p "fuzz/artifacts/$1"
+    find "fuzz/artifacts/$1" -type f | wc -l
+}
 
 # One slice of a target of cargo-fuzz. A finding ends it early; the next one goes on with the corpus as it is then.
 run_target() {
@@ -99,6 +102,7 @@ run_mutations() {
     MUTATIONS_SECONDS=$spent MUTATIONS_SEEDS=$(IFS=:; echo "$*") \
         cargo test --quiet --locked --test mutations -- --ignored --exact rounds --nocapture
     while read -r set cases count rate ms mb all new; do
+        [[ -n $set ]] || continue
         [[ -n ${executions[$set-mutated]:-} ]] || mutated+=("$set-mutated")
         executions[$set-mutated]=$((${executions[$set-mutated]:-0} + count))
         spent_s[$set-mutated]=$((${spent_s[$set-mutated]:-0} + spent))
