@@ -142,7 +142,9 @@ fn pcd_compressed() -> Vec<u8> {
         }
     }
     let block = columns.concat();
-    let packed = lzf::compress(&block).expect("rounded numbers repeat");
+    let mut packed = vec![0; lzf_rust::max_compressed_size(block.len())];
+    let count = lzf_rust::compress(&block, &mut packed).expect("there is room for it");
+    packed.truncate(count);
     let mut file = pcd_header("binary_compressed");
     file.extend((packed.len() as u32).to_le_bytes());
     file.extend((block.len() as u32).to_le_bytes());

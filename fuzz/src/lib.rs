@@ -70,6 +70,12 @@ pub fn unpacked_size_px(image: &wire::PackedImage, most_bytes: u64) -> Option<[u
 }
 
 mod memory {
+    use std::collections::TryReserveError;
+
+    pub(crate) fn try_reserve<T>(vector: &mut Vec<T>, count: usize) -> Result<(), TryReserveError> {
+        vector.try_reserve_exact(count)
+    }
+
     /// The same on every machine, so that a finding is one everywhere.
     pub(crate) fn machine_bytes() -> Option<u64> {
         Some(1 << 30)

@@ -8,6 +8,7 @@ mod arrays;
 mod pixels;
 
 use super::error::mebibytes;
+use super::unpack::unpack_lzf;
 pub(crate) use arrays::members_of_npz;
 use image::{DynamicImage, ImageError, ImageReader, Limits};
 pub(crate) use pixels::{DEPTH_PIXEL_BYTES, Raster, Samples};
@@ -187,7 +188,7 @@ fn decode_pclzf(file: &[u8], most_bytes: u64) -> Result<Raster, String> {
         return Err(format!("it claims {} bytes for {pixels} pixels", header.bytes));
     }
     checked_bytes(header.bytes, most_bytes)?;
-    let bytes = lzf::decompress(packed, header.bytes as usize)
+    let bytes = unpack_lzf(packed, header.bytes as usize)
         .ok()
         .filter(|bytes| bytes.len() as u64 == header.bytes)
         .ok_or("its packed bytes are damaged")?;
@@ -236,7 +237,9 @@ mod tests {
     }
 
     fn pclzf(kind: &str, size: [u32; 2], unpacked: &[u8]) -> Vec<u8> {
-        let packed = lzf::compress(unpacked).unwrap();
+        let mut packed = vec![0; lzf_rust::max_compressed_size(unpacked.len())];
+        let count = lzf_rust::compress(unpacked, &mut packed).unwrap();
+        packed.truncate(count);
         let mut bytes = PCLZF.to_vec();
         bytes.extend(size.into_iter().flat_map(u32::to_le_bytes));
         bytes.extend(format!("{kind:16}").into_bytes());

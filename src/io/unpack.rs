@@ -4,6 +4,7 @@
 //! that double as bytes come would take up to three times as much. A bomb ends at the byte behind its claim.
 
 use super::options::ReadOptions;
+use crate::memory;
 use std::io::{self, Read, Seek, SeekFrom};
 
 /// How bytes are packed.
@@ -115,9 +116,7 @@ fn drain(packing: Packing, packed: impl Read, expected_bytes: u64) -> Result<Dra
     let mut bytes = Vec::new();
     let expected = usize::try_from(expected_bytes).unwrap_or(usize::MAX);
     // Memory that nothing is written to is none yet.
-    bytes
-        .try_reserve_exact(expected)
-        .map_err(|error| failed(io::Error::other(error)))?;
+    memory::try_reserve(&mut bytes, expected).map_err(|error| failed(io::Error::other(error)))?;
     let mut unpacked = reader(packing, packed).map_err(failed)?;
     let read = unpacked.by_ref().take(expected_bytes).read_to_end(&mut bytes);
     read.map_err(failed)?;
@@ -138,6 +137,16 @@ fn read_some(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
 #[expect(clippy::needless_pass_by_value, reason = "it is what errors are mapped by")]
 fn failed(error: io::Error) -> String {
     format!("it cannot be unpacked ({error}): it is damaged")
+}
+
+/// The bytes of an LZF block that claims to have `claimed_bytes` of them. Precondition: there is memory for them.
+pub(super) fn unpack_lzf(packed: &[u8], claimed_bytes: usize) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    memory::try_reserve(&mut bytes, claimed_bytes).map_err(|error| error.to_string())?;
+    bytes.resize(claimed_bytes, 0);
+    let count = lzf_rust::decompress(packed, &mut bytes).map_err(|error| error.to_string())?;
+    bytes.truncate(count);
+    Ok(bytes)
 }
 
 fn too_large(needed: u64, options: &ReadOptions) -> String {

@@ -1,7 +1,6 @@
 //! Answers to requests.
 
 use super::cors::{CorsOrigin, cors_fields};
-use super::http_date::http_date;
 use super::range::{ParsedRange, parsed_range};
 use super::request::{Method, Request};
 use std::fmt::Write as _;
@@ -10,6 +9,11 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// A date in seconds tells versions of a file apart only where the file is older by so much (RFC 9110 §8.8.2.2).
 const DATE_IS_STRONG: Duration = Duration::from_secs(2);
+
+/// A moment as HTTP writes it (RFC 9110 §5.6.7); `None` before 1970, which it cannot write.
+fn http_date(time: SystemTime) -> Option<String> {
+    (time >= UNIX_EPOCH).then(|| httpdate::fmt_http_date(time))
+}
 
 /// The file, as it is now.
 #[derive(Debug, Clone, Copy)]

@@ -16,7 +16,6 @@ mod answer;
 #[cfg(test)]
 mod attacks;
 mod cors;
-mod http_date;
 pub mod live;
 mod places;
 mod range;

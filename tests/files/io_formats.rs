@@ -247,7 +247,7 @@ fn pcd_in_all_encodings() {
         }
     }
     let block = columns.concat();
-    let packed = lzf::compress(&block).unwrap_or_else(|_| lzf_literals(&block));
+    let packed = crate::rgbd::lzf(&block);
     let mut compressed = header("binary_compressed");
     compressed.extend((packed.len() as u32).to_le_bytes());
     compressed.extend((block.len() as u32).to_le_bytes());
@@ -264,14 +264,6 @@ fn pcd_in_all_encodings() {
         assert_eq!(cloud.attributes.normals, Some(normals.to_vec()), "{encoding}");
         assert_eq!(cloud.sensor, None, "{encoding}: the default viewpoint says nothing");
     }
-}
-
-/// LZF without a back reference: runs of at most 32 bytes.
-fn lzf_literals(bytes: &[u8]) -> Vec<u8> {
-    bytes
-        .chunks(32)
-        .flat_map(|run| std::iter::once(run.len() as u8 - 1).chain(run.iter().copied()))
-        .collect()
 }
 
 #[test]

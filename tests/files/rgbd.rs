@@ -16,6 +16,8 @@ mod ros;
 mod streams;
 mod temporal;
 
+pub(crate) use recording::lzf;
+
 use glam::DVec3;
 use pointreel::cloud::RawCloud;
 use pointreel::sequence::{OpenOptions, Sequence, SequenceError};

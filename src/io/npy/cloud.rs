@@ -333,9 +333,7 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         let claimed = member.size();
         let believed = claimed.min(member.compressed_size().saturating_mul(MOST_DEFLATED));
         let mut unpacked = Vec::new();
-        unpacked
-            .try_reserve_exact(believed as usize)
-            .map_err(|error| damaged(&error))?;
+        crate::memory::try_reserve(&mut unpacked, believed as usize).map_err(|error| damaged(&error))?;
         member
             .take(claimed.saturating_add(1))
             .read_to_end(&mut unpacked)

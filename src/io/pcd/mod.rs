@@ -1,7 +1,7 @@
 //! PCD of the Point Cloud Library, versions 0.5 to 0.7: ascii, binary, and binary compressed with LZF, column by
 //! column.
 //!
-//! Blocks are decompressed by `lzf`.
+//! Blocks are decompressed by `lzf-rust`.
 
 mod header;
 
@@ -13,6 +13,7 @@ use super::format::{Format, Traits};
 use super::growing;
 use super::numbers::{Tokens, line_endings, note_row, quoted, with_decimal_points};
 use super::options::ReadOptions;
+use super::unpack::unpack_lzf;
 use crate::cloud::{AxisConvention, ImageGrid, NotKept, RawCloud};
 use crate::progress::Progress;
 use glam::DVec3;
@@ -284,7 +285,7 @@ impl Table {
             return Err(fault(format!("{packed} bytes cannot unpack to the claimed {unpacked}")));
         }
         options.claim("the unpacked points", unpacked as u64)?;
-        let block = match lzf::decompress(packed_bytes, unpacked) {
+        let block = match unpack_lzf(packed_bytes, unpacked) {
             Ok(block) => block,
             // A block that was not worth compressing may be stored as it is.
             Err(_) if packed == unpacked => packed_bytes.to_vec(),

@@ -352,8 +352,15 @@ fn pcl_tiff(recording: &Recording, folder: &Path) -> RgbdOptions {
     RgbdOptions::default()
 }
 
+pub(crate) fn lzf(unpacked: &[u8]) -> Vec<u8> {
+    let mut packed = vec![0; lzf_rust::max_compressed_size(unpacked.len())];
+    let count = lzf_rust::compress(unpacked, &mut packed).unwrap();
+    packed.truncate(count);
+    packed
+}
+
 pub(crate) fn pclzf(kind: &str, unpacked: &[u8]) -> Vec<u8> {
-    let packed = lzf::compress(unpacked).unwrap();
+    let packed = lzf(unpacked);
     let mut bytes = b"PCLZF".to_vec();
     bytes.extend([WIDTH, HEIGHT].into_iter().flat_map(u32::to_le_bytes));
     bytes.extend(format!("{kind:16}").into_bytes());
