@@ -128,8 +128,17 @@ fn what_a_command_was_writing_goes_and_what_was_there_stays() {
     for (signal, output, arguments) in [
         (
             Signal::SIGTERM,
-            "out.ply",
-            &["convert", "scan/f0.xyz", "out.ply", "--overwrite"][..],
+            "out.png",
+            &[
+                "render",
+                "scan/f0.xyz",
+                "-o",
+                "out.png",
+                "--size",
+                "2000x2000",
+                "--renderer",
+                "cpu",
+            ][..],
         ),
         (
             Signal::SIGHUP,
@@ -172,10 +181,10 @@ fn what_a_command_was_writing_goes_and_what_was_there_stays() {
         let folder = tempfile::tempdir().unwrap();
         recording(folder.path(), 4);
         // What may be replaced by each.
-        let old = if output.ends_with("webp") {
-            &b"RIFF old"[..]
-        } else {
-            b"old"
+        let old = match output {
+            "out.webp" => &b"RIFF old"[..],
+            "out.png" => b"\x89PNG\r\n\x1a\nold",
+            _ => b"old",
         };
         fs::write(folder.path().join(output), old).unwrap();
         stopped(folder.path(), arguments, signal);

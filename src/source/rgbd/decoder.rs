@@ -135,7 +135,10 @@ impl Recorded {
     pub(super) fn sensor(&self, index: usize) -> Option<Sensor> {
         let frame = self.frames.get(index)?;
         let Sizes { depth_px, color_px } = self.sizes;
-        let prepared = self.prepared(&frame.calibration, depth_px?, color_px).ok()?;
+        let depth_px = depth_px?;
+        // What is worked out for each pixel would be as large as an image that is refused.
+        check_pixels(depth_px, frame.depth.path(), &self.read).ok()?;
+        let prepared = self.prepared(&frame.calibration, depth_px, color_px).ok()?;
         Some(Sensor {
             rig: Arc::clone(&prepared.rig),
             world_from_camera: frame.world_from_camera,
