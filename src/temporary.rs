@@ -4,8 +4,8 @@
 //! **How it works.** One list of the process names them all. Each is removed by whoever made it ([`Temporary`] is
 //! dropped), by a signal that ends the process, and at the end of the program, whichever comes first ([`remove_all`]).
 //! A file gets its final name while the list is locked, so a signal finds either the hidden file or the finished one.
-//! After [`remove_all`] the list stays locked: nothing new comes to the disk while the process ends. What a process that
-//! is killed outright (SIGKILL, power) leaves is not removed.
+//! After [`remove_all`] the list stays locked: nothing new comes to the disk while the process ends. What a process
+//! that is killed outright (SIGKILL, power) leaves is not removed.
 
 use std::collections::BTreeMap;
 use std::fs;

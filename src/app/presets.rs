@@ -1,9 +1,9 @@
 //! Settings under a name, kept between runs in a small JSON file.
 //!
 //! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by
-//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program; a file of
-//! which something could not be read is copied before it is written (`kept/lenient.rs`). Several windows share it: one
-//! that saves or deletes a preset changes that one alone, in the file as it is then (`kept/update.rs`).
+//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program; a file
+//! of which something could not be read is copied before it is written (`kept/lenient.rs`). Several windows share it:
+//! one that saves or deletes a preset changes that one alone, in the file as it is then (`kept/update.rs`).
 
 use crate::kept::{self, Fields};
 use crate::levels::Lod;

@@ -109,8 +109,8 @@ impl Drop for RemovesAll {
     }
 }
 
-/// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process may
-/// do so many times: tests that try thousands of files start no program for each.
+/// Runs the verb of a command line, whose first word is the name of the program, and says what went wrong. A process
+/// may do so many times: tests that try thousands of files start no program for each.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     match Arguments::try_parse_from(line) {
         Ok(arguments) => run_verb(arguments),

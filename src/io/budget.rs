@@ -1,8 +1,8 @@
 //! The memory of reading a file, held against the limit before it is taken.
 //!
 //! [`ReadOptions::max_memory_bytes`] is the limit of the peak, not of the file. Whoever reads says what is in memory
-//! already ([`ReadOptions::holding`]: the file, what it was unpacked to, parsed columns) and asks before anything else is
-//! allocated ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused in a sentence.
+//! already ([`ReadOptions::holding`]: the file, what it was unpacked to, parsed columns) and asks before anything else
+//! is allocated ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused in a sentence.
 
 use super::error::Fault;
 use super::options::ReadOptions;

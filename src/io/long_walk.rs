@@ -1,5 +1,5 @@
-//! A word now and then about a walk over a file that takes long: recordings may have terabytes, and nothing is to be seen
-//! of them before their last record was met.
+//! A word now and then about a walk over a file that takes long: recordings may have terabytes, and nothing is to be
+//! seen of them before their last record was met.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -88,7 +88,8 @@ pub(crate) fn fields<T: DeserializeOwned + Default>(stored: &Fields, unread: &mu
     })
 }
 
-/// Removes fields of `stored` that `T` cannot be read of, and notes them in `unread`. Those that `T` does not know stay.
+/// Removes fields of `stored` that `T` cannot be read of, and notes them in `unread`. Those that `T` does not know
+/// stay.
 pub(crate) fn retain_readable<T: DeserializeOwned>(stored: &mut Fields, unread: &mut Vec<String>) {
     stored.retain(|name, value| {
         let alone = Fields::from_iter([(name.clone(), value.clone())]);

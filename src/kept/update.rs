@@ -19,8 +19,8 @@ const PATIENCE: Duration = Duration::from_millis(500);
 const LOOK_INTERVAL: Duration = Duration::from_millis(5);
 
 /// Reads the object in `file`, has `change` change it, and writes it. `change` notes in the list what it could not read
-/// of it: then, and if it is no object at all, the file is first copied to a name next to it, and the log names that. An
-/// empty object is changed where no file is.
+/// of it: then, and if it is no object at all, the file is first copied to a name next to it, and the log names that.
+/// An empty object is changed where no file is.
 ///
 /// # Errors
 /// What cannot be copied or written: the file stays as it is.

@@ -1,8 +1,8 @@
 //! Files of strangers, through `info`, `check`, `render`, `convert` and the window: files of every format are changed,
 //! and their checksums made right again. A panic, more than ten seconds or more memory than was allowed is a finding.
 //!
-//! `make test` tries what was found before (`tests/data/hostile`) and a few new cases; `make fuzz` goes on for as long as
-//! it is told (`rounds`).
+//! `make test` tries what was found before (`tests/data/hostile`) and a few new cases; `make fuzz` goes on for as long
+//! as it is told (`rounds`).
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 

@@ -1,8 +1,8 @@
 //! Long runs, in rounds over all sets: what is found is made small and kept, and a table says what was done.
 //!
-//! Told by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas between;
-//! default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a number that other cases come of;
-//! default: the time), `MUTATIONS_FOUND` (the folder that findings are kept in; default: `fuzz/found`).
+//! Told by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas
+//! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a number that other cases
+//! come of; default: the time), `MUTATIONS_FOUND` (the folder that findings are kept in; default: `fuzz/found`).
 
 use crate::cases::{Case, kept_in};
 use crate::child::Order;

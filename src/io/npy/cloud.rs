@@ -329,7 +329,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         if member.size() > left {
             return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
-        // The size is a claim as well: it is believed as far as packed bytes can unpack to it, and ends what is unpacked.
+        // The size is a claim as well: it is believed as far as packed bytes can unpack to it, and ends what is
+        // unpacked.
         let claimed = member.size();
         let believed = claimed.min(member.compressed_size().saturating_mul(MOST_DEFLATED));
         let mut unpacked = Vec::new();

@@ -1,8 +1,8 @@
 //! Writes what arrives to a file.
 //!
 //! The file gets its name with its first frame, so that a recording which is there already is not lost to a stream that
-//! sends nothing. From then on it is a recording at any moment: each frame is handed to the system at once, and whatever
-//! ends the program leaves the frames before.
+//! sends nothing. From then on it is a recording at any moment: each frame is handed to the system at once, and
+//! whatever ends the program leaves the frames before.
 //!
 //! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
 //! lost on the way, filters can be chosen later, and a recording that breaks off is read up to there. A sequence file

@@ -182,7 +182,8 @@ mod tests {
         assert_eq!(read(&file).value, Default::default());
         let (range, markers, nothing) = of_version_1();
         write(&file, range, &markers, nothing).unwrap();
-        assert_eq!(std::fs::read_to_string(&file).unwrap(), OF_VERSION_1);
+        let written: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+        assert_eq!(written, serde_json::from_str::<Value>(OF_VERSION_1).unwrap());
         let kept = read(&file);
         assert_eq!((kept.value, kept.problem), (of_version_1(), None));
         let chosen = Chosen {
