@@ -149,19 +149,19 @@ pub(super) fn convert(
     }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
-    let (writer, ledger) = match known.and_then(|ledger| Some((unfinished.reopened(options)?, ledger))) {
-        Some(both) => both,
-        None => {
-            let ledger = Ledger {
-                record,
-                part: [part.index, part.count],
-                group: group_length(sequence, frames, options),
-                left_out: Vec::new(),
-            };
-            // Before the file: of whatever is left behind it is known what it is.
-            unfinished.keep(&ledger)?;
-            (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
-        }
+    let reopened = known.and_then(|ledger| Some((unfinished.reopened(options)?, ledger)));
+    let (writer, ledger) = if let Some(both) = reopened {
+        both
+    } else {
+        let ledger = Ledger {
+            record,
+            part: [part.index, part.count],
+            group: group_length(sequence, frames, options),
+            left_out: Vec::new(),
+        };
+        // Before the file: of whatever is left behind it is known what it is.
+        unfinished.keep(&ledger)?;
+        (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
     converted.left = writer.frame_count();
     write_frames(

@@ -143,7 +143,7 @@ fn what_a_command_was_writing_goes_and_what_was_there_stays() {
         (
             Signal::SIGHUP,
             "out.reel",
-            &["convert", "scan", "out.reel", "--overwrite"],
+            &["convert", "scan", "out.reel", "--overwrite", "--keyframes", "1"],
         ),
         (
             Signal::SIGINT,

@@ -8,6 +8,9 @@ use std::net::{TcpListener, TcpStream};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// What a server does with a connection.
+type AnswerOf = fn(&mut TcpStream);
+
 const LONG: Duration = Duration::from_secs(30);
 
 fn deadlines() -> ClientDeadlines {
@@ -94,7 +97,7 @@ fn servers_that_never_get_to_an_answer_are_left_with_a_sentence() {
         drip(stream);
     };
     let closes = |_: &mut TcpStream| ();
-    let answers: [(fn(&mut TcpStream), &str); 6] = [
+    let answers: [(AnswerOf, &str); 6] = [
         (silent, "seconds for the size of the file"),
         (begins, "seconds for the size of the file"),
         (fields, "seconds for the size of the file"),
@@ -202,7 +205,7 @@ fn another_file_is_noticed_and_a_broken_connection_is_not() {
     let breaking = opened(|stream, range, _| {
         let (first, last) = range.split_once('-').unwrap();
         let (first, last): (u64, u64) = (first.parse().unwrap(), last.parse().unwrap());
-        let bytes: Vec<u8> = (first..first + (last - first) / 3 + 1).map(|at| at as u8).collect();
+        let bytes: Vec<u8> = (first..=first + (last - first) / 3).map(|at| at as u8).collect();
         let _ = stream.write_all(head(range, 100_000).as_bytes());
         let _ = stream.write_all(&bytes);
     });

@@ -48,7 +48,7 @@ pub(super) fn las(points: u64, is_compressed: bool, records: &[(&str, u16, Vec<u
     head
 }
 
-/// The record of LASzip: chunks of points of 20 bytes.
+/// The record of `LASzip`: chunks of points of 20 bytes.
 pub(super) fn laszip(chunk_points: u32) -> Vec<u8> {
     let mut record = vec![2, 0, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0];
     record.extend(chunk_points.to_le_bytes());
