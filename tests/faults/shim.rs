@@ -4,11 +4,10 @@
 //! in place of the library's: the whole program and its libraries go through them, and the program that is shipped
 //! knows nothing of it. Only files in one folder count, so that drivers and settings of the machine are left alone.
 
-use libc::{c_char, c_int, c_void, mode_t, off64_t, size_t, ssize_t};
 use mimalloc::MiMalloc;
 use pointreel::memory::Allocator;
 use std::alloc::{GlobalAlloc, Layout};
-use std::ffi::{CStr, CString};
+use std::ffi::CString;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
@@ -147,7 +146,10 @@ unsafe impl GlobalAlloc for Failing {
     reason = "functions of C can be replaced by functions of C only; they forward to the system"
 )]
 mod calls {
-    use super::*;
+    use super::{COUNTED, How, IS_ARMED, Kind, PATHS, fails, how};
+    use libc::{c_char, c_int, c_void, mode_t, off64_t, size_t, ssize_t};
+    use std::ffi::CStr;
+    use std::sync::atomic::Ordering::Relaxed;
 
     /// Leaves the report's file, by calls that do not count.
     pub(super) fn tell() {
