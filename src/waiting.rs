@@ -1,6 +1,6 @@
 //! Waits for other machines at this moment, so that a person sees them.
 //!
-//! **How it works.** Whoever waits on a network holds a [`Waiting`]; there are few, as there are few connections. The
+//! **How it works.** Whoever waits on a network holds a `Waiting`; there are few, as there are few connections. The
 //! command line says what has been waited for longer than a moment, and the window shows it.
 
 use crate::locks::lock;
