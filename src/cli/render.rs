@@ -6,7 +6,7 @@ use super::colors::check_source;
 use super::output::{BytesAnswer, note};
 use super::render_arguments::RenderArgs;
 use super::session::{OpenedInputs, open_inputs_and_tell};
-use super::sources::{OutputKind, check_outputs, write_text};
+use super::sources::{OutputKind, check_outputs, check_replaced, write_text};
 use super::video::render_video;
 use super::warnings;
 use crate::assumption::Subject;
@@ -117,6 +117,8 @@ pub(super) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
         (failed, sequence.len())
     };
     if let Some(path) = &arguments.stats {
+        // It may have become the picture or video, by whatever name.
+        check_replaced(path, OutputKind::Json)?;
         let json = serde_json::to_string_pretty(&stats).context("the statistics cannot be written as JSON")?;
         write_text(path, &json)?;
     }

@@ -3,8 +3,9 @@
 use super::conversion::{Conversion, Converted};
 use super::error::ConvertError;
 use super::frame::{WrittenFrame, write_frame};
+use super::lock;
 use super::names::FileNames;
-use super::record::{FrameState, Ledger, Record, StateBefore};
+use super::record::{self, FrameState, Ledger, Record, StateBefore};
 use crate::progress::Progress;
 use crate::sequence::Sequence;
 use rayon::prelude::*;
@@ -21,6 +22,15 @@ pub(super) fn convert(
 ) -> Result<Converted, ConvertError> {
     let names = FileNames::of(sequence, conversion.format.extension());
     let record = Record::of(conversion, sequence);
+    if !conversion.overwrites {
+        record.check(folder)?;
+    }
+    fs::create_dir_all(folder).map_err(|reason| ConvertError::Write {
+        path: folder.to_owned(),
+        reason,
+    })?;
+    let _lock = lock::lock(&record::lock_of(folder, conversion.shard), folder)?;
+    // Another process may have written to it before this one got the lock.
     let mut ledger = Ledger::read(folder, &record);
     let left = if conversion.overwrites {
         Vec::new()
@@ -28,10 +38,6 @@ pub(super) fn convert(
         record.check(folder)?;
         finished_frames(sequence, &ledger, &names, folder, frames)?
     };
-    fs::create_dir_all(folder).map_err(|reason| ConvertError::Write {
-        path: folder.to_owned(),
-        reason,
-    })?;
     record.keep_in(folder)?;
     ledger.open(conversion.shard)?;
     progress.set(left.len(), frames.len());

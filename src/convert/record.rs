@@ -28,6 +28,15 @@ const FILE_NAME: &str = ".pointreel-convert.json";
 /// What the names of ledgers begin and end with.
 const LEDGER_NAME: [&str; 2] = [".pointreel-convert.", ".jsonl"];
 
+/// The file that whoever writes the frames of `shard` to `folder` locks.
+pub(super) fn lock_of(folder: &Path, shard: Shard) -> PathBuf {
+    folder.join(format!(
+        ".pointreel-convert.{}-of-{}.lock",
+        shard.index + 1,
+        shard.count
+    ))
+}
+
 /// Inputs that are named one by one; of more, the number counts.
 const MOST_INPUTS: usize = 16;
 

@@ -14,7 +14,9 @@ use crate::cloud::RawCloud;
 use crate::io::{Loss, Losses};
 use crate::progress::Progress;
 use crate::reel::{EncodedGroup, FilePart, NewFrame, ReelFile, ReelOptions, ReelWriter, encode_group};
+use crate::regular_file;
 use crate::sequence::{FrameEntry, Sequence};
+use crate::temporary::Temporary;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -138,6 +140,10 @@ pub(super) fn convert(
             return Ok(converted);
         }
     }
+    if was_there {
+        // Pipes and devices are not replaced by a file.
+        regular_file::check(output).map_err(write_error(output))?;
+    }
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
     // Another process may have finished it before this one got the lock.
@@ -149,6 +155,8 @@ pub(super) fn convert(
     }
     let known = unfinished.ledger(&record, &entries);
     let known = known.filter(|ledger| !conversion.overwrites && ledger.part == [part.index, part.count]);
+    // Nobody can go on with a file without a group.
+    let mut until_a_group = Vec::new();
     let reopened = known.and_then(|ledger| Some((unfinished.reopened(options)?, ledger)));
     let (writer, ledger) = if let Some(both) = reopened {
         both
@@ -159,6 +167,7 @@ pub(super) fn convert(
             group: group_length(sequence, frames, options),
             left_out: Vec::new(),
         };
+        until_a_group.extend([&unfinished.file, &unfinished.ledger].map(|path| Temporary::file(path)));
         // Before the file: of whatever is left behind it is known what it is.
         unfinished.keep(&ledger)?;
         (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
@@ -167,7 +176,7 @@ pub(super) fn convert(
     write_frames(
         (sequence, conversion, options),
         (frames, output),
-        (writer, ledger, &unfinished),
+        (writer, ledger, &unfinished, until_a_group),
         (&mut converted, progress),
     )?;
     Ok(converted)
@@ -177,7 +186,7 @@ pub(super) fn convert(
 fn write_frames(
     (sequence, conversion, options): (&Sequence, &Conversion, &ReelOptions),
     (frames, output): (&[usize], &Path),
-    (mut writer, mut ledger, unfinished): (Writer, Ledger, &Unfinished),
+    (mut writer, mut ledger, unfinished, mut until_a_group): (Writer, Ledger, &Unfinished, Vec<Temporary>),
     (converted, progress): (&mut Converted, &Progress),
 ) -> Result<(), ConvertError> {
     let readable = |frame: &usize| !ledger.left_out.contains(frame);
@@ -207,6 +216,7 @@ fn write_frames(
             if let Some(group) = made.group {
                 converted.written += group.frame_count();
                 writer.write_encoded(&group)?;
+                until_a_group.drain(..).for_each(Temporary::keep);
             }
         }
     }

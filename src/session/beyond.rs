@@ -3,7 +3,8 @@
 //! **How it works.** Inputs, what is beside them, poses, intrinsics and the picture around the scene are looked at
 //! before any of them is opened. A word with `://` is an address. Of other paths the longest part that is there is
 //! followed through all links, and compared with the folder of the session as it really is; what is behind that part (a
-//! pattern, a file that is not there) must not lead up. Words such as `demo:` are no files.
+//! pattern, a file that is not there) must not lead up. So are all files of a pattern, and all links in or below a
+//! folder. Words such as `demo:` are no files.
 
 use super::file::ReadSession;
 use super::paths::is_word;
@@ -60,13 +61,59 @@ fn beyond(session: &Session, file: &Path, reach: SessionReach) -> Beyond {
             }
             Some(text) if is_word(text) => {}
             _ => {
-                if !reach.outside && !is_inside(&path, folder) && !beyond.outside.contains(&path) {
+                if !reach.outside && !stays_inside(&path, folder) && !beyond.outside.contains(&path) {
                     beyond.outside.push(path);
                 }
             }
         }
     }
     beyond
+}
+
+/// Folders below one another in which links are looked for: more than frames are looked for.
+const MOST_DEPTH: usize = 16;
+
+/// Entries of folders that are looked through. A folder of more is asked about, as if it were elsewhere.
+const MOST_ENTRIES: usize = 500_000;
+
+/// Whether all that is read for `path`, a file, folder or pattern, is in or below `folder`.
+fn stays_inside(path: &Path, folder: &Path) -> bool {
+    let mut left = MOST_ENTRIES;
+    let mut is_all_inside =
+        |path: &Path| is_inside(path, folder) && has_no_way_out(path, folder, MOST_DEPTH, &mut left);
+    if !is_all_inside(path) {
+        return false;
+    }
+    let is_pattern = |text: &&str| !path.exists() && text.contains(['*', '?', '[']);
+    match path.to_str().filter(is_pattern).map(glob::glob) {
+        // A path that cannot be read is none that is opened.
+        Some(Ok(matches)) => matches.flatten().all(|path| is_all_inside(&path)),
+        // No pattern, or none that means anything.
+        None | Some(Err(_)) => true,
+    }
+}
+
+/// Whether no link in or below `path` leads out of `folder`; `left` counts the entries that may be looked at.
+fn has_no_way_out(path: &Path, folder: &Path, depth: usize, left: &mut usize) -> bool {
+    let Ok(entries) = path.read_dir() else {
+        return true;
+    };
+    for entry in entries.flatten() {
+        let Some(fewer) = left.checked_sub(1) else {
+            return false;
+        };
+        *left = fewer;
+        let (path, kind) = (entry.path(), entry.file_type());
+        let is_link = kind.as_ref().is_ok_and(std::fs::FileType::is_symlink);
+        if is_link && !is_inside(&path, folder) {
+            return false;
+        }
+        let is_folder = kind.is_ok_and(|kind| kind.is_dir());
+        if is_folder && depth > 0 && !has_no_way_out(&path, folder, depth - 1, left) {
+            return false;
+        }
+    }
+    true
 }
 
 /// Whether `path` is in or below `folder`, through all links.
@@ -186,9 +233,30 @@ mod tests {
         fs::create_dir(&folder).unwrap();
         std::os::unix::fs::symlink(above.path(), folder.join("link")).unwrap();
         std::os::unix::fs::symlink("/nowhere/at/all", folder.join("dead.ply")).unwrap();
-        for input in ["link", "link/x.ply", "dead.ply"] {
+        fs::write(above.path().join("secret.ply"), "").unwrap();
+        fs::create_dir_all(folder.join("below/deeper")).unwrap();
+        fs::create_dir_all(folder.join("fine")).unwrap();
+        fs::write(folder.join("fine/a.ply"), "").unwrap();
+        std::os::unix::fs::symlink("a.ply", folder.join("fine/b.ply")).unwrap();
+        std::os::unix::fs::symlink(above.path().join("secret.ply"), folder.join("below/deeper/f_0.ply")).unwrap();
+        for input in [
+            "link",
+            "link/x.ply",
+            "dead.ply",
+            "*/secret.ply",
+            "**/secret.ply",
+            "lin?/secret.ply",
+            "[l]ink/secret.ply",
+            "below",
+            "below/deeper/*.ply",
+            ".",
+        ] {
             let session = read(&folder, &format!("[\"{input}\"]"), "");
             assert_eq!(session.beyond(SessionReach::default()).outside.len(), 1, "{input}");
+        }
+        for input in ["fine", "fine/*.ply", "f*/b.ply"] {
+            let session = read(&folder, &format!("[\"{input}\"]"), "");
+            assert!(session.beyond(SessionReach::default()).is_empty(), "{input}");
         }
     }
 }

@@ -257,3 +257,33 @@ fn a_sequence_file_has_one_writer() {
         .collect();
     assert!(left.is_empty(), "{left:?}");
 }
+
+#[test]
+fn a_folder_of_frames_has_one_writer() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    fs::write(root.join("cube.xyz"), CUBE).unwrap();
+    fs::create_dir(root.join("out")).unwrap();
+    let lock = fs::File::create(root.join("out/.pointreel-convert.1-of-1.lock")).unwrap();
+    lock.lock().unwrap();
+    let arguments = ["convert", "cube.xyz", "out/", "--overwrite"];
+    refused(root, &arguments, &["out", "is being written by another process"]);
+    drop(lock);
+    let output = run_in(root, &arguments);
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(root.join("out/cube.ply").is_file());
+    assert!(!root.join("out/.pointreel-convert.1-of-1.lock").exists());
+}
+
+#[test]
+fn statistics_do_not_replace_the_picture_they_are_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    fs::write(root.join("cube.xyz"), CUBE).unwrap();
+    for stats in ["a.png", "./a.png"] {
+        let render = [&["render", "cube.xyz", "-o", "a.png", "--stats", stats], &SMALL[..]].concat();
+        refused(root, &render, &["a.png", "is no JSON text"]);
+        assert!(fs::read(root.join("a.png")).unwrap().starts_with(b"\x89PNG"), "{stats}");
+        fs::remove_file(root.join("a.png")).unwrap();
+    }
+}
