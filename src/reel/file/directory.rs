@@ -162,6 +162,13 @@ impl Directory {
     }
 }
 
+/// A time as it is written: nanoseconds and 1, since zero stands for no time. A foreign time may be the last number
+/// there is, or beyond.
+pub(super) fn time_number(time: Option<Duration>) -> u64 {
+    let number = |time: Duration| u64::try_from(time.as_nanos()).map_or(u64::MAX, |nanos| nanos.saturating_add(1));
+    time.map_or(0, number)
+}
+
 impl FrameRecord {
     /// Whether points that are kept one by one are there.
     pub(in crate::reel) fn has_points(&self) -> bool {
@@ -185,8 +192,7 @@ impl FrameRecord {
 
     fn write(&self, writer: &mut ByteWriter) {
         writer.text(&self.name);
-        let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX - 1) + 1;
-        writer.number(self.time.map_or(0, nanos));
+        writer.number(time_number(self.time));
         let sensor = if self.sensor.is_some() { SENSOR } else { 0 };
         let image = if self.image.is_some() { IMAGE } else { 0 };
         let moved = if self.is_moved { MOVED } else { 0 };

@@ -1,7 +1,7 @@
 //! Where groups and frames are, at the end of the file: what is listed and drawn before any directory is read.
 
 use super::bytes::{ByteReader, ByteWriter};
-use super::directory::Directory;
+use super::directory::{Directory, time_number};
 use crate::reel::error::Fault;
 use crate::reel::frame::StreamKind;
 use std::ops::Range;
@@ -104,8 +104,7 @@ impl Index {
         }
         for frame in &self.frames {
             writer.text(&frame.name);
-            let nanos = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX - 1) + 1;
-            writer.number(frame.time.map_or(0, nanos));
+            writer.number(time_number(frame.time));
             writer.number(frame.points_written);
             writer.number(frame.level_points.len() as u64);
             for &points in &frame.level_points {
