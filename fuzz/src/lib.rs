@@ -107,7 +107,7 @@ pub fn read_cameras(path: &Path) {
     let Ok(topics) = io::cameras(path, true, &options) else {
         return;
     };
-    for topic in &topics.0 {
+    for topic in &topics.topics {
         for (_, message) in topic.messages.iter().take(READ) {
             match topic.kind {
                 CameraMessage::Image | CameraMessage::CompressedImage => {
