@@ -82,7 +82,7 @@ pub(crate) fn write_to(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// Whether it keeps nothing of what is written to it.
 pub(crate) fn is_pipe_or_device(path: &Path) -> bool {
-    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+    regular_file::check_replaceable(path).is_err()
 }
 
 /// A file under a hidden name until it is whole. What is dropped before is removed.
@@ -107,10 +107,7 @@ impl Partial {
 
     /// Creates the hidden file that is to become `file`.
     pub(crate) fn create(file: &Path) -> std::io::Result<(Self, File)> {
-        // Pipes and devices are not replaced by a file.
-        if file.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
-            regular_file::check(file)?;
-        }
+        regular_file::check_replaceable(file)?;
         let partial = Self::of(file);
         // A link of this name was put there by somebody else.
         let new = regular_file::create(partial.hidden())?;

@@ -26,6 +26,14 @@ pub(crate) fn read_to_string(path: &Path) -> Result<String> {
     Ok(text)
 }
 
+/// Fails for a pipe, socket or device: no file may take the place of one. Links that lead nowhere pass.
+pub(crate) fn check_replaceable(path: &Path) -> Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if !there.is_file() && !there.is_dir() => check(path),
+        _ => Ok(()),
+    }
+}
+
 /// Fails for what is there and is no file.
 pub(crate) fn check(path: &Path) -> Result<()> {
     let metadata = fs::metadata(path)?;

@@ -61,21 +61,41 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn register(entry: Entry) -> u64 {
-    let mut list = locked(&LISTED);
-    let number = list.next;
-    list.next += 1;
-    list.entries.insert(number, entry);
-    number
+impl List {
+    fn add(&mut self, entry: Entry) -> Listed {
+        let number = self.next;
+        self.next += 1;
+        self.entries.insert(number, entry);
+        Listed(number)
+    }
+
+    /// Removes everything, the latest first; allocates nothing.
+    fn remove_all(&mut self) {
+        for entry in self.entries.values().rev() {
+            entry.remove();
+        }
+        self.entries.clear();
+    }
+}
+
+/// Number of an entry, which is removed with it.
+#[derive(Debug)]
+struct Listed(u64);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        let mut list = locked(&LISTED);
+        if let Some(entry) = list.entries.remove(&self.0) {
+            entry.remove();
+        }
+    }
 }
 
 /// Removes everything that is listed, the latest first. From then on every thread that makes, names or removes a
 /// temporary waits: call it only before the process ends.
 pub(crate) fn remove_all() {
     let mut list = locked(&LISTED);
-    for (_, entry) in std::mem::take(&mut list.entries).into_iter().rev() {
-        entry.remove();
-    }
+    list.remove_all();
     std::mem::forget(list);
 }
 
@@ -83,10 +103,7 @@ pub(crate) fn remove_all() {
 /// itself may be at it.
 pub(crate) fn remove_all_without_memory() {
     if let Ok(mut list) = LISTED.try_lock() {
-        for entry in list.entries.values().rev() {
-            entry.remove();
-        }
-        list.entries.clear();
+        list.remove_all();
         std::mem::forget(list);
     }
 }
@@ -94,7 +111,7 @@ pub(crate) fn remove_all_without_memory() {
 /// A file or folder that is removed when this is dropped.
 #[derive(Debug)]
 pub(crate) struct Temporary {
-    number: u64,
+    listed: Listed,
     path: PathBuf,
 }
 
@@ -116,7 +133,7 @@ impl Temporary {
 
     fn of(path: &Path, entry: fn(PathBuf) -> Entry) -> Self {
         Self {
-            number: register(entry(path.to_owned())),
+            listed: locked(&LISTED).add(entry(path.to_owned())),
             path: path.to_owned(),
         }
     }
@@ -129,22 +146,13 @@ impl Temporary {
     pub(crate) fn rename(&self, target: &Path) -> io::Result<()> {
         let mut list = locked(&LISTED);
         fs::rename(&self.path, target)?;
-        list.entries.remove(&self.number);
+        list.entries.remove(&self.listed.0);
         Ok(())
     }
 
     /// Leaves it where it is.
     pub(crate) fn keep(self) {
-        locked(&LISTED).entries.remove(&self.number);
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let mut list = locked(&LISTED);
-        if let Some(entry) = list.entries.remove(&self.number) {
-            entry.remove();
-        }
+        locked(&LISTED).entries.remove(&self.listed.0);
     }
 }
 
@@ -152,7 +160,7 @@ impl Drop for Temporary {
 /// inherits that signals are blocked (`signals.rs`): Ctrl+C reaches it through this process alone.
 #[derive(Debug)]
 pub(crate) struct Helper {
-    number: u64,
+    _listed: Listed,
     child: Arc<Mutex<Child>>,
 }
 
@@ -161,10 +169,8 @@ impl Helper {
     pub(crate) fn spawn(command: &mut Command) -> io::Result<Self> {
         let mut list = locked(&LISTED);
         let child = Arc::new(Mutex::new(command.spawn()?));
-        let number = list.next;
-        list.next += 1;
-        list.entries.insert(number, Entry::Helper(Arc::clone(&child)));
-        Ok(Self { number, child })
+        let listed = list.add(Entry::Helper(Arc::clone(&child)));
+        Ok(Self { _listed: listed, child })
     }
 
     /// The process, for its pipes. It must not be waited for under this lock.
@@ -179,15 +185,6 @@ impl Helper {
                 return Ok(status);
             }
             thread::sleep(LOOK_INTERVAL);
-        }
-    }
-}
-
-impl Drop for Helper {
-    fn drop(&mut self) {
-        let mut list = locked(&LISTED);
-        if let Some(entry) = list.entries.remove(&self.number) {
-            entry.remove();
         }
     }
 }

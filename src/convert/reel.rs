@@ -140,10 +140,7 @@ pub(super) fn convert(
             return Ok(converted);
         }
     }
-    if was_there {
-        // Pipes and devices are not replaced by a file.
-        regular_file::check(output).map_err(write_error(output))?;
-    }
+    regular_file::check_replaceable(output).map_err(write_error(output))?;
     let unfinished = Unfinished::of(output);
     let _lock = unfinished.lock(output)?;
     // Another process may have finished it before this one got the lock.
