@@ -60,7 +60,7 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
     }
     let mut drafts = Drafts::new(path, folders(path));
     let mut views = HashMap::new();
-    let mut unplaced = 0_usize;
+    let (mut unplaced, mut unnamed) = (0_usize, 0_usize);
     for view in array_at(&scene, "views") {
         let placed = key_at(view, "poseId").and_then(|pose| poses.get(&pose));
         let (Some(&(axes, center)), false) = (placed, is_of_rig(view)) else {
@@ -69,11 +69,14 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         };
         let lens = key_at(view, "intrinsicId").and_then(|intrinsic| lenses.get(&intrinsic).cloned());
         let lens = lens.unwrap_or_else(|| Err("its intrinsicId is not among the intrinsics".into()));
-        let name = view.get("path").and_then(Value::as_str).unwrap_or_default().to_owned();
+        let Some(name) = view.get("path").and_then(Value::as_str).filter(|name| !name.is_empty()) else {
+            unnamed += 1;
+            continue;
+        };
         if let Some(id) = key_at(view, "viewId") {
             views.insert(id, drafts.photos.len() as u32);
         }
-        drafts.photos.push(Draft::at(name, lens, axes, center));
+        drafts.photos.push(Draft::at(name.to_owned(), lens, axes, center));
     }
     if unplaced > 0 {
         drafts.notes.push(if unplaced == 1 {
@@ -81,6 +84,14 @@ pub(super) fn read(path: &Path) -> Result<Drafts, PhotosError> {
         } else {
             format!("{unplaced} photographs have no pose of their own: they were left out")
         });
+    }
+    if unnamed > 0 {
+        let views = if unnamed == 1 {
+            "1 view has"
+        } else {
+            &format!("{unnamed} views have")
+        };
+        drafts.notes.push(format!("{views} no `path` to a photograph: skipped"));
     }
     for landmark in array_at(&scene, "structure") {
         let Some(position) = landmark.get("X") else {
