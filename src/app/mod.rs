@@ -30,6 +30,7 @@ mod notices;
 mod open_panels;
 mod pacing;
 pub mod paint;
+mod panel_row;
 pub mod panels;
 mod preferences;
 mod present;
@@ -48,6 +49,7 @@ mod work;
 
 pub use appearance::Appearance;
 pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
+pub use features::Features;
 pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat, SoFar};
 pub use features::beside::{Beside, FrameDistances, Layout, OneWay};
 pub use features::camera_path::{Draft, PathEditor, PathFile};
@@ -76,11 +78,12 @@ pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
 pub use side::Side;
 pub use state::{
-    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Outcome, SavedSession,
-    SessionQuestion, State, StateOptions, Viewport, VisibleChange, WindowRequest,
+    Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Kept, OpeningFacts, SavedSession,
+    SessionQuestion, Shared, State, StateOptions, Viewport, VisibleChange, WindowRequest,
 };
 pub use theme::apply_theme;
 pub use window::{AppError, Options, bench_window, run};
 pub use work::files::SavedFile;
+pub use work::outcome::{Message, Outcome};
 pub use work::tasks::{TaskFailed, TaskOutcome, Tasks, Wake};
 pub use work::works::{Progress, Work, WorkKind, Works};

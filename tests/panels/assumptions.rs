@@ -226,7 +226,7 @@ fn a_choice_that_no_frame_can_be_read_with_changes_nothing() {
     until(&mut harness, "it is said", |state| !state.notices.list().is_empty());
     assert!(harness.state().notices.list()[0].text.contains("odd.bin"));
     assert_eq!(source_of(harness.state()), before);
-    assert_eq!(harness.state().reading_choices.of(&inputs), None);
+    assert_eq!(harness.state().kept.reading_choices.of(&inputs), None);
 
     // A file that was written again does not fit the choice that was made for it before: it is opened all the same.
     click_and_reopen(&mut harness, "columns: 4 values per point");

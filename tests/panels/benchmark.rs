@@ -33,7 +33,7 @@ fn start(harness: &mut Harness<'_, State>, job: BenchmarkJob) {
 /// Updates until the benchmark is no longer running.
 fn finish(harness: &mut Harness<'_, State>) {
     let begin = Instant::now();
-    while matches!(harness.state().benchmark, Benchmark::Running(_)) {
+    while matches!(harness.state().features.benchmark, Benchmark::Running(_)) {
         assert!(begin.elapsed() < Duration::from_secs(20), "the benchmark does not end");
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(2));
@@ -102,7 +102,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     start(&mut harness, patient);
     click(&mut harness, "Cancel");
     finish(&mut harness);
-    assert!(matches!(harness.state().benchmark, Benchmark::Cancelled(_)));
+    assert!(matches!(harness.state().features.benchmark, Benchmark::Cancelled(_)));
     assert!(harness.query_by_label("The benchmark was cancelled.").is_some());
 
     start(
@@ -235,7 +235,7 @@ fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
     assert!(place.right() <= picture.center().x + 10.0, "the other half is seen");
     click(&mut harness, "Cancel");
     finish(&mut harness);
-    assert!(matches!(harness.state().benchmark, Benchmark::Cancelled(_)));
+    assert!(matches!(harness.state().features.benchmark, Benchmark::Cancelled(_)));
     assert!(
         harness.query_by_label("8.00 ms, FLIP 0.2000: way of 8 ms").is_some(),
         "it stays"
@@ -309,7 +309,7 @@ fn a_slider_leads_from_fast_to_exact() {
     let mut harness = window();
     assert!(harness.query_by_label("Measure…").is_some());
     let points: Vec<LabPoint> = points().iter().map(|point| (**point).clone()).collect();
-    harness.state_mut().quality.known = Quality::of(&points);
+    harness.state_mut().features.quality.known = Quality::of(&points);
     harness.run();
     assert!(harness.query_by_label("Drawn in a way of your own").is_some());
     // The slider's arrow keys, as a person without a mouse has them.
@@ -386,6 +386,7 @@ fn rates_appear_while_they_are_measured_and_a_click_shows_the_frame_beside_the_o
     let begin = Instant::now();
     while harness
         .state()
+        .features
         .beside
         .as_ref()
         .is_none_or(|beside| beside.companion.shown().is_none())
@@ -394,7 +395,7 @@ fn rates_appear_while_they_are_measured_and_a_click_shows_the_frame_beside_the_o
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(2));
     }
-    let beside = harness.state().beside.as_ref().unwrap();
+    let beside = harness.state().features.beside.as_ref().unwrap();
     assert!(beside.name.ends_with(", 2 bits"), "{}", beside.name);
     assert_eq!(
         beside.companion.shown().unwrap().frame.len(),

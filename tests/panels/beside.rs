@@ -69,7 +69,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     let now = harness.state().now();
     harness.state_mut().update(now);
     let state = harness.state();
-    let loader = state.beside.as_ref().unwrap().companion.loader();
+    let loader = state.features.beside.as_ref().unwrap().companion.loader();
     for index in 0..loader.sequence().len() {
         // A broken frame is an answer as well.
         let _ = loader.wait(index, &Scene::needs(&state.style));
@@ -95,7 +95,7 @@ fn go_to(harness: &mut Harness<'_, State>, frame: usize) {
 }
 
 fn companion_frame(harness: &Harness<'_, State>) -> Option<usize> {
-    let companion = &harness.state().beside.as_ref().unwrap().companion;
+    let companion = &harness.state().features.beside.as_ref().unwrap().companion;
     assert_eq!(companion.shown().map(|frame| frame.index), companion.frame());
     companion.frame()
 }
@@ -103,7 +103,7 @@ fn companion_frame(harness: &Harness<'_, State>) -> Option<usize> {
 fn budgets(harness: &Harness<'_, State>) -> [usize; 2] {
     let state = harness.state();
     let of_a = state.player.as_ref().unwrap().loader().stats().budget_bytes;
-    let beside = state.beside.as_ref();
+    let beside = state.features.beside.as_ref();
     let of_b = beside.map_or(0, |beside| beside.companion.loader().stats().budget_bytes);
     [of_a, of_b]
 }
@@ -125,7 +125,7 @@ fn a_second_sequence_is_found_shown_and_closed() {
     assert_eq!(budgets(&harness), [budget_bytes, 0]);
     harness.state_mut().compare_paths(vec![folder.path().to_owned()]);
     let begin = Instant::now();
-    while harness.state().beside.is_none() {
+    while harness.state().features.beside.is_none() {
         assert!(begin.elapsed() < Duration::from_secs(20), "no answer");
         harness.state_mut().update(Duration::ZERO);
         std::thread::sleep(Duration::from_millis(5));
@@ -154,9 +154,9 @@ fn a_second_sequence_is_found_shown_and_closed() {
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
     // C is for two ways to draw, and does not throw the sequence away.
     press(&mut harness, Modifiers::NONE, Key::C);
-    assert!(harness.state().beside.is_some() && harness.state().comparison.is_none());
+    assert!(harness.state().features.beside.is_some() && harness.state().features.comparison.is_none());
     click(&mut harness, "Close comparison");
-    assert!(harness.state().beside.is_none());
+    assert!(harness.state().features.beside.is_none());
     assert_eq!(budgets(&harness), [32 << 20, 0]);
     assert!(harness.query_by_label("Offset").is_none());
 }
@@ -173,7 +173,7 @@ fn what_cannot_be_compared_is_said() {
     }
     let text = &harness.state().notices.list()[0].text;
     assert!(text.contains("/nowhere/at/all"), "{text}");
-    assert!(harness.state().beside.is_none());
+    assert!(harness.state().features.beside.is_none());
 }
 
 #[test]
@@ -199,14 +199,17 @@ fn menus_and_keys_lead_there() {
         assert!(harness.query_by_label_contains(text).is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().beside.as_ref().unwrap().layout, Layout::SideBySide);
+    assert_eq!(
+        harness.state().features.beside.as_ref().unwrap().layout,
+        Layout::SideBySide
+    );
     for layout in [Layout::Wipe, Layout::SideBySide] {
         press(&mut harness, Modifiers::SHIFT, Key::C);
-        assert_eq!(harness.state().beside.as_ref().unwrap().layout, layout);
+        assert_eq!(harness.state().features.beside.as_ref().unwrap().layout, layout);
     }
     harness.state_mut().run(Command::CloseComparison);
     harness.run();
-    assert!(harness.state().beside.is_none());
+    assert!(harness.state().features.beside.is_none());
 }
 
 #[test]
@@ -257,7 +260,7 @@ fn frames_belong_together_by_time_by_index_and_with_an_offset() {
     // Half the rate of A, and six of its frames long.
     let b = cubes("right", DVec3::ZERO, 3, Some(80), &[]);
     let mut harness = beside(&b);
-    let by = |harness: &Harness<'_, State>| harness.state().beside.as_ref().unwrap().companion.paired_by();
+    let by = |harness: &Harness<'_, State>| harness.state().features.beside.as_ref().unwrap().companion.paired_by();
     assert_eq!(by(&harness), PairBy::Time);
     go_to(&mut harness, 4);
     assert_eq!(companion_frame(&harness), Some(2));
@@ -345,7 +348,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
         let up = if side == Side::B { 2.0 } else { 0.0 };
         DVec3::new(0.5, 0.5 + up, 0.5)
     };
-    harness.state_mut().inspection.toggle(Tool::Point);
+    harness.state_mut().features.inspection.toggle(Tool::Point);
     for layout in [Layout::SideBySide, Layout::Wipe] {
         let is_wipe = layout == Layout::Wipe;
         for side in [Side::A, Side::B] {
@@ -355,27 +358,27 @@ fn clicks_tell_which_sequence_a_point_is_of() {
                 }
                 // All of the picture is on one side of the line.
                 let split = if side == Side::A { 1.0 } else { 0.0 };
-                harness.state_mut().beside.as_mut().unwrap().pictures.split = split;
+                harness.state_mut().features.beside.as_mut().unwrap().pictures.split = split;
                 harness.run();
                 draw(&mut harness);
             }
             let at = place(&harness, side, corner(side));
             click_on(&mut harness, at, 1);
-            let point = harness.state().inspection.point.clone().unwrap();
+            let point = harness.state().features.inspection.point.clone().unwrap();
             assert_eq!((point.anchor.side, point.anchor.index_in_file), (side, 7));
             assert_eq!(point.values.position, corner(side));
             let name = if side == Side::A { "A left" } else { "B right" };
             assert!(harness.query_by_label(name).is_some(), "{name}");
             // The other one has nothing there.
             let nothing = place(&harness, side, corner(if side == Side::A { Side::B } else { Side::A }));
-            harness.state_mut().inspection.point = None;
+            harness.state_mut().features.inspection.point = None;
             click_on(&mut harness, nothing, 1);
-            assert!(harness.state().inspection.point.is_none());
+            assert!(harness.state().features.inspection.point.is_none());
         }
     }
     press(&mut harness, Modifiers::SHIFT, Key::C);
     draw(&mut harness);
-    harness.state_mut().inspection.toggle(Tool::Point);
+    harness.state_mut().features.inspection.toggle(Tool::Point);
     // A double click in B's half comes closer to its point.
     let at = place(&harness, Side::B, corner(Side::B));
     click_on(&mut harness, at, 2);
@@ -385,12 +388,12 @@ fn clicks_tell_which_sequence_a_point_is_of() {
     // Points of B go with it.
     harness.run();
     draw(&mut harness);
-    harness.state_mut().inspection.toggle(Tool::Point);
+    harness.state_mut().features.inspection.toggle(Tool::Point);
     let at = place(&harness, Side::B, corner(Side::B));
     click_on(&mut harness, at, 1);
-    assert!(harness.state().inspection.point.is_some());
+    assert!(harness.state().features.inspection.point.is_some());
     harness.state_mut().run(Command::CloseComparison);
-    assert!(harness.state().inspection.point.is_none());
+    assert!(harness.state().features.inspection.point.is_none());
 }
 
 #[test]
@@ -464,7 +467,12 @@ fn a_drop_opens_and_with_shift_compares() {
     std::fs::write(&path, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
     let mut harness = window_on(cubes("left", DVec3::ZERO, FRAMES, None, &[]), options());
     let drop_with = |harness: &mut Harness<'_, State>, modifiers: Modifiers| {
-        let name = |state: &State| [state.sequence_name(), state.beside.as_ref().map(|b| b.name.clone())];
+        let name = |state: &State| {
+            [
+                state.sequence_name(),
+                state.features.beside.as_ref().map(|b| b.name.clone()),
+            ]
+        };
         let before = name(harness.state());
         let input = harness.input_mut();
         let changed = egui::Event::ModifiersChanged;
@@ -495,7 +503,7 @@ fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
     let far = DVec3::new(5e5, 0.0, 0.0);
     let b = cubes("right", far + DVec3::X, FRAMES, Some(40), &[]);
     let mut harness = beside(&b);
-    let beside_now = harness.state_mut().beside.as_mut().unwrap();
+    let beside_now = harness.state_mut().features.beside.as_mut().unwrap();
     beside_now.companion.pair_by(PairBy::Index);
     beside_now.companion.set_offset_frames(2);
     beside_now.pictures.split = 0.3;
@@ -507,7 +515,7 @@ fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
     load_all(harness.state_mut());
     load_both(&mut harness);
     assert_eq!(harness.state().sequence_name().as_deref(), Some("other"));
-    let beside_now = harness.state().beside.as_ref().unwrap();
+    let beside_now = harness.state().features.beside.as_ref().unwrap();
     assert_eq!(beside_now.name, "right");
     assert_eq!(beside_now.layout, Layout::Wipe);
     assert_eq!(beside_now.pictures.split, 0.3);
@@ -518,6 +526,6 @@ fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
     let state = harness.state();
     let origin = state.player.as_ref().unwrap().sequence().origin();
     assert_ne!(origin, DVec3::ZERO);
-    let companion = &state.beside.as_ref().unwrap().companion;
+    let companion = &state.features.beside.as_ref().unwrap().companion;
     assert_eq!(companion.sequence().origin(), origin);
 }

@@ -34,7 +34,7 @@ fn choose_after(harness: &mut Harness<'_, State>, number: usize, entry: &str) {
 
 /// Times in seconds and frames, counted from 0.
 fn keys(harness: &Harness<'_, State>) -> Vec<(f64, f64)> {
-    let draft = &harness.state().path.draft;
+    let draft = &harness.state().features.path.draft;
     let keys = draft.keyframes().iter();
     keys.map(|key| (key.time_s, key.frame)).collect()
 }
@@ -75,7 +75,7 @@ fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
     );
     assert_eq!(value(&harness, "Time"), 6.0);
     let turned = |number: usize| {
-        let keys = harness.state().path.draft.keyframes();
+        let keys = harness.state().features.path.draft.keyframes();
         keys[number].camera.azimuth_deg - keys[0].camera.azimuth_deg
     };
     assert!((turned(1) - 40.0).abs() < 1e-9 && (turned(2) - 80.0).abs() < 1e-9);
@@ -85,7 +85,10 @@ fn k_sets_keyframes_of_what_is_shown_and_the_time_moves_on() {
     assert_eq!(value(&harness, "Time"), 2.0);
     assert_eq!(frame(&harness), 5);
     assert!(
-        (harness.state().camera.azimuth_deg - { harness.state().path.draft.keyframes()[1].camera.azimuth_deg }).abs()
+        (harness.state().camera.azimuth_deg - {
+            harness.state().features.path.draft.keyframes()[1].camera.azimuth_deg
+        })
+        .abs()
             < 1e-9
     );
     press(&mut harness, NONE, Key::Home);
@@ -119,7 +122,7 @@ fn times_frames_and_paces_are_set_in_the_list() {
     assert_eq!(keys(&harness), [(0.0, 2.0), (2.5, 2.0), (4.5, 0.0)]);
     harness.get_by_role_and_label(Role::CheckBox, "Ease in and out").click();
     harness.run();
-    assert!(harness.state().path.draft.path().unwrap().eases());
+    assert!(harness.state().features.path.draft.path().unwrap().eases());
 }
 
 #[test]
@@ -144,7 +147,7 @@ fn every_change_can_be_undone_in_order_with_those_of_settings() {
 fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     let mut harness = with_path();
     click(&mut harness, "Go to keyframe 1");
-    let path = harness.state().path.draft.path().unwrap().clone();
+    let path = harness.state().features.path.draft.path().unwrap().clone();
     click(&mut harness, "Preview");
     for seconds in [0.5, 1.0, 1.9] {
         let begin = Duration::from_secs_f64(seconds);
@@ -158,7 +161,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     }
     assert!((value(&harness, "Time") - 1.9).abs() < 1e-9);
     press(&mut harness, NONE, Key::Escape);
-    assert!(!harness.state().path.is_playing());
+    assert!(!harness.state().features.path.is_playing());
     let stopped = harness.state().camera;
     harness.state_mut().update(Duration::from_secs(3));
     assert_eq!(harness.state().camera, stopped);
@@ -166,11 +169,11 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     // It goes on from there to the end.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(4));
-    assert!(harness.state().path.is_playing());
+    assert!(harness.state().features.path.is_playing());
     harness.run();
     assert_eq!(harness.state().camera, path.at(2.9).0);
     harness.state_mut().update(Duration::from_secs(40));
-    assert!(!harness.state().path.is_playing());
+    assert!(!harness.state().features.path.is_playing());
     assert_eq!(harness.state().camera, path.at(4.0).0);
 
     // Whoever takes the camera has it.
@@ -211,14 +214,14 @@ fn a_path_is_saved_as_the_command_line_reads_it_and_opened_again() {
     let mut harness = with_path();
     assert!(harness.query_by_label("not saved").is_some());
     harness.state_mut().save_path_to(file.clone());
-    until(&mut harness, |state| !state.path.is_unsaved());
+    until(&mut harness, |state| !state.features.path.is_unsaved());
     assert!(harness.query_by_label("not saved").is_none());
     let written = CameraPath::read(&file).unwrap();
-    assert_eq!(Some(&written), harness.state().path.draft.path());
+    assert_eq!(Some(&written), harness.state().features.path.draft.path());
 
     click(&mut harness, "Delete keyframe 1");
     harness.state_mut().open_path(file);
-    until(&mut harness, |state| !state.path.is_unsaved());
+    until(&mut harness, |state| !state.features.path.is_unsaved());
     assert_eq!(keys(&harness).len(), 3);
 
     let broken = folder.path().join("broken.json");

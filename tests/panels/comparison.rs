@@ -25,13 +25,20 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     );
     click(&mut harness, "A (left)");
     assert_eq!(harness.state().style.primitive, Primitive::Surfel);
-    let comparison = harness.state().comparison.as_ref().unwrap();
+    let comparison = harness.state().features.comparison.as_ref().unwrap();
     assert_eq!(
         (comparison.edited, comparison.other.primitive),
         (Side::A, Primitive::Point)
     );
     // What one side needs of the frame is there for it alone.
-    harness.state_mut().comparison.as_mut().unwrap().other.primitive = Primitive::Voxel;
+    harness
+        .state_mut()
+        .features
+        .comparison
+        .as_mut()
+        .unwrap()
+        .other
+        .primitive = Primitive::Voxel;
     let packet = harness.state_mut().next_other_packet().unwrap();
     assert!(!packet.content.voxels().unwrap().records.is_empty());
     // Both are seen from one camera.
@@ -43,7 +50,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     let [view, other_view] = packets.map(|packet| packet.unwrap().view);
     assert_eq!(view, other_view);
     click(&mut harness, "Close");
-    assert!(harness.state().comparison.is_none());
+    assert!(harness.state().features.comparison.is_none());
 }
 
 #[test]

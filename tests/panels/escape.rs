@@ -16,7 +16,7 @@ fn escape(harness: &mut Harness<'_, State>) {
 fn menus_lists_and_colour_pickers_go_before_the_tool() {
     let mut harness = window();
     press(&mut harness, Modifiers::NONE, Key::M);
-    let tool = |harness: &Harness<'_, State>| harness.state().inspection.tool;
+    let tool = |harness: &Harness<'_, State>| harness.state().features.inspection.tool;
     click(&mut harness, "Help");
     assert!(harness.query_by_label_contains("Keys and mouse").is_some());
     escape(&mut harness);

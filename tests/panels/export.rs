@@ -29,7 +29,7 @@ fn exporting_of(sequence: Arc<Sequence>, folder: &Path) -> Harness<'static, Stat
     let mut harness = window_on(sequence, options());
     harness.state_mut().style.drawing.renderer = RendererChoice::Cpu;
     press(&mut harness, Modifiers::SHIFT, Key::P);
-    let export = &mut harness.state_mut().export;
+    let export = &mut harness.state_mut().features.export;
     export.folder = folder.display().to_string();
     export.size_px = Some([48, 32]);
     export.has_ffmpeg = false;
@@ -52,7 +52,7 @@ fn is_offered(harness: &Harness<'_, State>, role: Role, label: &str) -> bool {
 /// Updates until the export is over and what it came to is said.
 fn finish(harness: &mut Harness<'_, State>) -> String {
     let patience = Instant::now();
-    while harness.state().works.has(WorkKind::Export) || harness.state().notices.list().is_empty() {
+    while harness.state().shared.works.has(WorkKind::Export) || harness.state().notices.list().is_empty() {
         assert!(patience.elapsed() < Duration::from_mins(1));
         let now = harness.state().now();
         harness.state_mut().update(now);
@@ -108,11 +108,11 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
         state.run(command);
     }
     choose(&mut harness, "What", "Sequence");
-    assert_eq!(harness.state().export.per_second, 24.0);
+    assert_eq!(harness.state().features.export.per_second, 24.0);
     choose(&mut harness, "Format", "PNG files");
     harness.get_by_role_and_label(Role::CheckBox, "Background").click();
     harness.run();
-    harness.state_mut().export.name = Some("walk".to_owned());
+    harness.state_mut().features.export.name = Some("walk".to_owned());
     harness.run();
     click(&mut harness, "Export");
     finish(&mut harness);
@@ -153,10 +153,10 @@ fn what_a_format_has_not_is_not_offered() {
     harness.get_by_role_and_label(Role::ComboBox, "Format").click();
     harness.run();
     assert!(!is_offered(&harness, Role::Button, "MP4"), "without ffmpeg");
-    harness.state_mut().export.has_ffmpeg = true;
+    harness.state_mut().features.export.has_ffmpeg = true;
     harness.run();
     click(&mut harness, "MP4");
-    assert_eq!(harness.state().export.format, VideoFormat::Mp4);
+    assert_eq!(harness.state().features.export.format, VideoFormat::Mp4);
     assert!(!is_offered(&harness, Role::CheckBox, "Background"));
     assert!(is_offered(&harness, Role::Button, "Export"));
     set(&mut harness, "Width", 49.0);
@@ -167,7 +167,7 @@ fn what_a_format_has_not_is_not_offered() {
     choose(&mut harness, "What", "Picture");
     set(&mut harness, "Height", 1e9);
     assert_eq!(harness.state().export_size_px(), [1280, 65_536]);
-    harness.state_mut().export.name = Some("a/b".to_owned());
+    harness.state_mut().features.export.name = Some("a/b".to_owned());
     harness.run();
     assert!(!is_offered(&harness, Role::Button, "Export"));
 }
@@ -176,7 +176,7 @@ fn what_a_format_has_not_is_not_offered() {
 fn a_picture_is_what_is_on_the_screen() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = exporting(folder.path());
-    assert_eq!(harness.state().export.subject, ExportSubject::Picture);
+    assert_eq!(harness.state().features.export.subject, ExportSubject::Picture);
     click(&mut harness, "Export");
     let said = finish(&mut harness);
     let file = folder.path().join("pointreel-walk-picture.png");
@@ -218,7 +218,7 @@ fn a_cancelled_export_leaves_nothing() {
     click(&mut harness, "Export");
     // Three pictures are drawn, the fourth waits for its frame.
     let patience = Instant::now();
-    while harness.state().works.list()[0].progress().done() < 3 {
+    while harness.state().shared.works.list()[0].progress().done() < 3 {
         assert!(patience.elapsed() < Duration::from_mins(1));
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -298,13 +298,13 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
         state.player.as_mut().unwrap().seek(frame, now);
         state.run(command);
     }
-    state.export.format = VideoFormat::PngFiles;
+    state.features.export.format = VideoFormat::PngFiles;
     let mut export = |subject: ExportSubject, name: &str, is_on: bool| {
         let state = harness.state_mut();
-        state.temporal.onion.is_on = is_on;
-        state.temporal.change.is_on = is_on;
+        state.features.temporal.onion.is_on = is_on;
+        state.features.temporal.change.is_on = is_on;
         state.choose_export(subject);
-        state.export.name = Some(name.to_owned());
+        state.features.export.name = Some(name.to_owned());
         state.start_export();
         let said = finish(&mut harness);
         assert!(said.starts_with("Exported"), "{said}");

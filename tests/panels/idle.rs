@@ -83,7 +83,7 @@ impl Driven {
     }
 
     fn pictures(&self) -> u64 {
-        self.harness.state().counters.pictures
+        self.harness.state().shared.counters.pictures
     }
 
     /// Redraws and pictures of five seconds.

@@ -26,7 +26,7 @@ fn labelled(text: &str) -> Harness<'static, State> {
 }
 
 fn texts(harness: &Harness<'_, State>) -> Vec<String> {
-    let labels = harness.state().labels.list.iter();
+    let labels = harness.state().features.labels.list.iter();
     labels.map(|label| label.text.clone()).collect()
 }
 
@@ -51,7 +51,7 @@ fn painted(harness: &Harness<'_, State>, text: &str) -> Option<Pos2> {
 fn a_click_puts_a_label_whose_text_is_written_at_once() {
     let mut harness = in_squares(window());
     press(&mut harness, NONE, Key::N);
-    assert_eq!(harness.state().inspection.tool, Tool::Label);
+    assert_eq!(harness.state().features.inspection.tool, Tool::Label);
     assert!(
         harness
             .query_by_label_contains("Click on a point of the picture")
@@ -61,7 +61,7 @@ fn a_click_puts_a_label_whose_text_is_written_at_once() {
 
     let mut harness = labelled("left knee");
     assert_eq!(texts(&harness), ["left knee"]);
-    let label = harness.state().labels.list[0].clone();
+    let label = harness.state().features.labels.list[0].clone();
     let point = label.point.unwrap();
     assert_eq!(
         (point.index_in_file, point.points_in_file, label.frame),
@@ -73,7 +73,7 @@ fn a_click_puts_a_label_whose_text_is_written_at_once() {
     for _ in 0..3 {
         press(&mut harness, NONE, Key::Escape);
     }
-    assert_eq!(harness.state().inspection.tool, Tool::Camera);
+    assert_eq!(harness.state().features.inspection.tool, Tool::Camera);
     assert_eq!(texts(&harness), ["left knee"], "it stays");
 }
 
@@ -132,7 +132,7 @@ fn labels_have_times_and_are_gone_to_deleted_and_undone() {
     };
     set(&mut harness, "First frame of label 1", 5.0);
     set(&mut harness, "Last frame of label 1", 9.0);
-    let range = harness.state().labels.list[0].frames;
+    let range = harness.state().features.labels.list[0].frames;
     assert_eq!((range.first(), range.last()), (Some(4), Some(8)));
     assert_eq!(painted(&harness, "knee"), None, "the first frame does not show it");
     click(&mut harness, "Go to label 1");
@@ -144,7 +144,7 @@ fn labels_have_times_and_are_gone_to_deleted_and_undone() {
     assert!((target - corner(6)).length() < 0.1, "{target}");
     set(&mut harness, "Last frame of label 1", FRAMES as f64);
     assert_eq!(
-        harness.state().labels.list[0].frames.last(),
+        harness.state().features.labels.list[0].frames.last(),
         None,
         "the sequence may grow"
     );

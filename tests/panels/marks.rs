@@ -63,7 +63,7 @@ fn markers_are_set_named_jumped_to_and_kept() {
     click(&mut harness, "Marker turn");
 
     let next = window_on(sequence(&[]), kept());
-    let markers = next.state().timeline.markers.list();
+    let markers = next.state().features.timeline.markers.list();
     let known: Vec<_> = markers
         .iter()
         .map(|marker| (marker.frame, marker.name.as_str()))
@@ -81,12 +81,12 @@ fn a_curve_is_chosen_and_tells_a_value() {
     let mut harness = window();
     assert!(harness.query_by_label("Curve: Points").is_none());
     for quantity in Quantity::ALL {
-        harness.state_mut().timeline.quantity = Some(quantity);
+        harness.state_mut().features.timeline.quantity = Some(quantity);
         harness.run();
         let label = format!("Curve: {}", quantity.name());
         assert!(harness.query_by_label(&label).is_some(), "{label}");
     }
-    harness.state_mut().timeline.quantity = Some(Quantity::Points);
+    harness.state_mut().features.timeline.quantity = Some(Quantity::Points);
     harness.run();
     let curve = harness.get_by_role_and_label(Role::Image, "Curve: Points");
     harness.hover_at(curve.rect().center());

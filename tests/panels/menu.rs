@@ -184,7 +184,7 @@ fn another_topic_of_a_recording_is_chosen_in_the_menu() {
     let begin = Instant::now();
     let wait_for_b = |harness: &mut Harness<'_, State>, count: usize| {
         let count_of_b = |state: &State| {
-            let beside = state.beside.as_ref();
+            let beside = state.features.beside.as_ref();
             beside.map(|beside| beside.companion.sequence().len())
         };
         while count_of_b(harness.state()) != Some(count) {

@@ -31,18 +31,18 @@ fn a_single_broken_file_leaves_the_welcome_view_with_its_error() {
     let mut harness = window();
     harness.state_mut().open_paths(vec![broken.clone()]);
     until(&mut harness, "it cannot be shown", |state| state.player.is_none());
-    let failed = harness.state().failed.clone().unwrap();
+    let failed = harness.state().opening.failed.clone().unwrap();
     assert_eq!(failed.name, "broken.ply");
     assert!(failed.reason.contains("broken.ply"), "{failed:?}");
     assert!(harness.query_by_label(&failed.reason).is_some());
-    assert!(harness.state().recent.entries().is_empty(), "it was never shown");
+    assert!(harness.state().kept.recent.entries().is_empty(), "it was never shown");
     assert!(harness.state().notices.list().is_empty(), "said once");
     for button in ["Open files", "Open folder"] {
         assert!(harness.query_by_label_contains(button).is_some(), "{button}");
     }
     choose_item(&mut harness, "Play the demo");
     assert_eq!(harness.state().sequence_name().as_deref(), Some("demo"));
-    assert!(harness.state().failed.is_none());
+    assert!(harness.state().opening.failed.is_none());
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn a_sequence_of_broken_files_is_one_as_well_and_one_good_frame_is_enough() {
     let all: Vec<u64> = (0..FRAMES as u64).collect();
     let mut harness = window_on(sequence(Vec::leak(all)), options());
     until(&mut harness, "all are broken", |state| state.player.is_none());
-    assert!(harness.state().failed.is_some());
+    assert!(harness.state().opening.failed.is_some());
 
     let but_one: Vec<u64> = (0..FRAMES as u64).filter(|&number| number != 7).collect();
     let mut harness = window_on(sequence(Vec::leak(but_one)), options());
@@ -70,7 +70,9 @@ fn a_single_frame_has_its_name_and_nothing_to_play_with() {
         assert!(harness.query_by_label(control).is_some(), "{control}");
     }
     harness.state_mut().open_paths(vec![file]);
-    until(&mut harness, "it is shown", |state| !state.recent.entries().is_empty());
+    until(&mut harness, "it is shown", |state| {
+        !state.kept.recent.entries().is_empty()
+    });
     let is_below = |name: &str| {
         let mut nodes = harness.query_all_by_label(name);
         nodes.any(|node| node.rect().top() > 700.0)
@@ -88,8 +90,10 @@ fn what_was_shown_is_listed_as_opened_lately() {
     std::fs::write(&whole, "0 0 0\n1 0 0\n0 1 0\n").unwrap();
     let mut harness = window();
     harness.state_mut().open_paths(vec![whole.clone()]);
-    until(&mut harness, "it is shown", |state| !state.recent.entries().is_empty());
-    assert_eq!(harness.state().recent.entries(), [vec![whole]]);
+    until(&mut harness, "it is shown", |state| {
+        !state.kept.recent.entries().is_empty()
+    });
+    assert_eq!(harness.state().kept.recent.entries(), [vec![whole]]);
     // Beside it, one that is not there, and one that is broken.
     let broken = folder.path().join("broken.ply");
     std::fs::write(&broken, "ply\n").unwrap();
@@ -100,7 +104,7 @@ fn what_was_shown_is_listed_as_opened_lately() {
         harness.state_mut().update(now);
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert_eq!(harness.state().recent.entries().len(), 1);
+    assert_eq!(harness.state().kept.recent.entries().len(), 1);
 }
 
 #[test]
@@ -115,7 +119,7 @@ fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
         );
     assert!(harness.query_by_label("No sequence is open").is_some());
     harness.state_mut().open_paths(vec![PathBuf::from("/nowhere/at/all")]);
-    until(&mut harness, "it is missing", |state| state.failed.is_some());
+    until(&mut harness, "it is missing", |state| state.opening.failed.is_some());
     assert!(
         harness
             .query_by_label_contains("/nowhere/at/all cannot be shown")
@@ -125,7 +129,7 @@ fn without_a_sequence_a_path_that_is_missing_is_said_in_the_middle() {
     let decoder = |_: &FrameEntry| Err("never".into());
     let one = Sequence::with_decoder(vec![FrameEntry::file("a.ply")], decoder);
     harness.state_mut().open(Arc::new(one));
-    assert!(harness.state().failed.is_none());
+    assert!(harness.state().opening.failed.is_none());
 }
 
 #[test]
@@ -183,7 +187,7 @@ fn examples_are_opened_by_a_click_and_can_be_in_a_session() {
         });
         let state = harness.state();
         assert_eq!(state.sequence_name(), Some(example.input()));
-        assert!(state.recent.entries().is_empty(), "it is in the menu");
+        assert!(state.kept.recent.entries().is_empty(), "it is in the menu");
         assert_eq!(state.session().unwrap().inputs, [PathBuf::from(example.input())]);
     }
 }

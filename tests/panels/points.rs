@@ -73,13 +73,13 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     let mut harness = cube();
     let place = in_window(&harness, corner(7));
     click_on(&mut harness, place, 1);
-    assert!(harness.state().inspection.point.is_none(), "no tool is chosen");
+    assert!(harness.state().features.inspection.point.is_none(), "no tool is chosen");
 
     press(&mut harness, Modifiers::NONE, Key::I);
     assert!(harness.query_by_label_contains("Click on a point").is_some());
     // Some pixels beside the corner.
     click_on(&mut harness, place + egui::vec2(7.0, -3.0), 1);
-    let values = harness.state().inspection.point.clone().unwrap().values;
+    let values = harness.state().features.inspection.point.clone().unwrap().values;
     assert_eq!((values.index_in_file, values.frame), (7, 0));
     assert_eq!(values.position, corner(7));
     for name in ["Index", "x", "y", "z", "Drawn as", "Distance to camera"] {
@@ -95,12 +95,15 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     // Beside the cube nothing is picked, and what is shown stays.
     let aside = harness.state().viewport.rect.left_bottom() + egui::vec2(30.0, -30.0);
     click_on(&mut harness, aside, 1);
-    assert_eq!(harness.state().inspection.point.clone().unwrap().values, values);
+    assert_eq!(
+        harness.state().features.inspection.point.clone().unwrap().values,
+        values
+    );
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().inspection.point.is_none());
-    assert_eq!(harness.state().inspection.tool, Tool::Point);
+    assert!(harness.state().features.inspection.point.is_none());
+    assert_eq!(harness.state().features.inspection.tool, Tool::Point);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().inspection.tool, Tool::Camera);
+    assert_eq!(harness.state().features.inspection.tool, Tool::Camera);
     assert!(harness.query_by_label_contains("Click on a point").is_none());
 }
 
@@ -114,7 +117,7 @@ fn a_point_is_followed_through_the_frames() {
     harness.state_mut().update(Duration::ZERO);
     harness.run();
     assert_eq!(frame(&harness), 10);
-    let values = harness.state().inspection.point.clone().unwrap().values;
+    let values = harness.state().features.inspection.point.clone().unwrap().values;
     assert_eq!((values.index_in_file, values.frame), (3, 10));
     assert!((values.position - 1.1 * corner(3)).length() < 1e-6);
     assert!(harness.query_all_by_value("11 of 24").next().is_some());
@@ -142,7 +145,7 @@ fn distances_angles_and_heights_are_measured() {
     assert!(harness.query_by_label("90.000°").is_some());
     click(&mut harness, "Height");
     take(&mut harness, &[5, 7]);
-    let measurements = &harness.state().inspection.measurements;
+    let measurements = &harness.state().features.inspection.measurements;
     let gauges: Vec<Gauge> = measurements.iter().map(|measured| measured.gauge).collect();
     assert_eq!(gauges, [Gauge::Distance, Gauge::Angle, Gauge::Height]);
     assert_eq!(measurements[2].value(DVec3::Y), Some(1.0));
@@ -156,7 +159,7 @@ fn distances_angles_and_heights_are_measured() {
         "height\t1\tframe 1 point 5 at 0.5 -0.5 0.5\tframe 1 point 7 at 0.5 0.5 0.5"
     );
     click(&mut harness, "Delete measurement 2");
-    let measurements = &harness.state().inspection.measurements;
+    let measurements = &harness.state().features.inspection.measurements;
     assert_eq!(measurements.len(), 2);
     assert_eq!(measurements[1].gauge, Gauge::Height);
     // They grow with the cube.
@@ -165,11 +168,11 @@ fn distances_angles_and_heights_are_measured() {
     harness.run();
     assert!(harness.query_by_label("1.556").is_some());
     click(&mut harness, "Delete all");
-    assert_eq!(harness.state().inspection.measurements, []);
+    assert_eq!(harness.state().features.inspection.measurements, []);
     // What was begun goes first.
     take(&mut harness, &[]);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().inspection.tool, Tool::Camera);
+    assert_eq!(harness.state().features.inspection.tool, Tool::Camera);
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn bar(harness: &Harness<'_, State>, label: &str) -> bool {
 fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
     let (sequence, gate) = sequence(3, &[0, 1, 2]);
     let mut harness = window_on(sequence);
-    until(&mut harness, |state| !state.works.list().is_empty());
+    until(&mut harness, |state| !state.shared.works.list().is_empty());
     show(&mut harness, &gate, 2, 0.5);
     assert!(
         harness.query_by_label("Reading frame_0.ply").is_none(),
@@ -113,7 +113,7 @@ fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
     until(&mut harness, |state| state.player.is_none());
     harness.get_by_label("No sequence is open");
     harness.get_by_label("Opening walk was cancelled");
-    until(&mut harness, |state| state.works.list().is_empty());
+    until(&mut harness, |state| state.shared.works.list().is_empty());
     assert_eq!(gate.ended.load(Ordering::Relaxed), 1, "no other is begun");
 
     harness.state_mut().run(Command::OpenDemo);
@@ -134,7 +134,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
     };
     until(&mut harness, |state| shown(state) == Some(0));
     harness.state_mut().run(Command::Step(1));
-    until(&mut harness, |state| !state.works.list().is_empty());
+    until(&mut harness, |state| !state.shared.works.list().is_empty());
     show(&mut harness, &gate, 4, 2.0);
     assert!(bar(&harness, "40 %, …"), "no pace was seen yet");
     click(&mut harness, "Cancel");
@@ -150,7 +150,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
 fn a_sequence_that_is_replaced_is_read_no_further() {
     let (slow, gate) = sequence(1, &[0]);
     let mut harness = window_on(slow);
-    until(&mut harness, |state| !state.works.list().is_empty());
+    until(&mut harness, |state| !state.shared.works.list().is_empty());
     harness.state_mut().run(Command::OpenDemo);
     until(&mut harness, |_| gate.ended.load(Ordering::Relaxed) == 1);
     assert!(harness.state().notices.list().is_empty());

@@ -63,7 +63,7 @@ fn visited_waves(count: u64, broken: &'static [u64], visit: impl Fn(u64) + Send 
 /// The dialog is open, and what is written goes to `folder`.
 fn saving_of(sequence: Arc<Sequence>, folder: &Path) -> Harness<'static, State> {
     let mut harness = window_on(sequence, options());
-    harness.state_mut().save.folder = folder.display().to_string();
+    harness.state_mut().features.save.folder = folder.display().to_string();
     press(&mut harness, SAVE, Key::S);
     assert!(harness.state().panels.has(PanelId::SAVE));
     harness
@@ -83,16 +83,16 @@ fn wait(harness: &mut Harness<'_, State>, what: &str, is_done: impl Fn(&State) -
 
 fn wait_for_estimate(harness: &mut Harness<'_, State>, frames: usize) {
     wait(harness, "an estimate", |state| {
-        let estimate = state.estimates.estimate();
+        let estimate = state.features.estimates.estimate();
         let has_all = estimate.is_some_and(|(estimate, is_old)| !is_old && estimate.frames == frames);
-        has_all && !state.estimates.is_busy()
+        has_all && !state.features.estimates.is_busy()
     });
 }
 
 /// What is said once it is over; nothing was said before.
 fn finish(harness: &mut Harness<'_, State>) -> String {
     wait(harness, "the end of saving", |state| {
-        !state.works.has(WorkKind::Save) && !state.notices.list().is_empty()
+        !state.shared.works.has(WorkKind::Save) && !state.notices.list().is_empty()
     });
     let said = harness.state().notices.list()[0].text.clone();
     dismiss_all(harness);
@@ -118,7 +118,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
     assert!(harness.query_by_label("Estimate by 5 frames of 24").is_some());
-    let (estimate, _) = harness.state().estimates.estimate().unwrap();
+    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
     let rough = estimate.errors.unwrap();
     assert!(rough.largest > 0.0 && rough.normals_deg.is_some() && rough.color_psnr_db.is_some());
     for told in ["about ", ", RMS 0.", "geometry ", "mean "] {
@@ -144,7 +144,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
     assert!(harness.query_by_label_contains("it is replaced").is_some());
     choose(&mut harness, "Positions", "Lossless");
     wait_for_estimate(&mut harness, 5);
-    let (lossless, _) = harness.state().estimates.estimate().unwrap();
+    let (lossless, _) = harness.state().features.estimates.estimate().unwrap();
     assert_eq!(lossless.errors.unwrap().largest, 0.0);
     assert!(lossless.bits_per_point() > 2.0 * estimate.bits_per_point());
     // Neither positions nor normals.
@@ -160,13 +160,13 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
-    let (before, _) = harness.state().estimates.estimate().unwrap();
-    harness.state_mut().save.choose_precision(PrecisionKind::Bits);
-    harness.state_mut().save.bits = 4;
+    let (before, _) = harness.state().features.estimates.estimate().unwrap();
+    harness.state_mut().features.save.choose_precision(PrecisionKind::Bits);
+    harness.state_mut().features.save.bits = 4;
     let now = harness.state().now();
     harness.state_mut().update(now);
     // Nothing begins before the choices have rested.
-    assert_eq!(harness.state().estimates.estimate(), Some((before, true)));
+    assert_eq!(harness.state().features.estimates.estimate(), Some((before, true)));
     assert!(
         harness
             .state()
@@ -174,13 +174,13 @@ fn a_change_of_the_choices_cancels_the_estimate_and_shows_the_one_before() {
             .is_some_and(|due| due > now && due < now + Duration::from_secs(1))
     );
     wait_for_estimate(&mut harness, 5);
-    let (coarse, _) = harness.state().estimates.estimate().unwrap();
+    let (coarse, _) = harness.state().features.estimates.estimate().unwrap();
     assert!(coarse.kept_points < 500.0, "{coarse:?}");
     // Frames that were decoded for the choices before are not decoded again.
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(!harness.state().panels.has(PanelId::SAVE));
     harness.state_mut().update(now);
-    assert_eq!(harness.state().estimates.estimate(), None);
+    assert_eq!(harness.state().features.estimates.estimate(), None);
 }
 
 #[test]
@@ -188,18 +188,21 @@ fn frames_become_files_of_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[2]), folder.path());
     choose(&mut harness, "Format", "Files: ply");
-    assert_eq!(harness.state().save.format, SaveFormat::Files("ply".parse().unwrap()));
+    assert_eq!(
+        harness.state().features.save.format,
+        SaveFormat::Files("ply".parse().unwrap())
+    );
     assert!(harness.query_by_label("Colour error").is_none(), "files keep all");
     wait_for_estimate(&mut harness, 4);
     assert!(
         harness.query_by_label_contains("could not be judged").is_some(),
         "frame 2 is broken"
     );
-    let (estimate, _) = harness.state().estimates.estimate().unwrap();
+    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
     assert_eq!(estimate.errors.unwrap().largest, 0.0);
     click(&mut harness, "Save");
     wait(&mut harness, "the end of saving", |state| {
-        !state.works.has(WorkKind::Save) && state.notices.list().len() >= 2
+        !state.shared.works.has(WorkKind::Save) && state.notices.list().len() >= 2
     });
     let notices = harness.state().notices.list();
     let texts: Vec<&str> = notices.iter().map(|notice| notice.text.as_str()).collect();
@@ -242,7 +245,7 @@ fn a_cancelled_file_goes_on_from_where_it_was() {
     click(&mut harness, "Save");
     let done = whole as usize + 2;
     wait(&mut harness, "frames before the gate", |state| {
-        state.works.list()[0].progress().done() >= done
+        state.shared.works.list()[0].progress().done() >= done
     });
     assert!(!harness.state_mut().may_close(), "closing would interrupt it");
     press(&mut harness, Modifiers::NONE, Key::Escape);
@@ -271,7 +274,7 @@ fn what_cannot_be_saved_says_why() {
     let live = Arc::new(Sequence::of(Spin::new(Shape::Torus, 500)));
     let mut state = State::new(options());
     state.open(live);
-    state.save.folder = folder.path().display().to_string();
+    state.features.save.folder = folder.path().display().to_string();
     state.run(pointreel::app::Command::ToggleSave);
     state.start_save();
     assert!(
@@ -279,7 +282,7 @@ fn what_cannot_be_saved_says_why() {
         "{:?}",
         state.notices.list()[0]
     );
-    assert!(!state.works.has(WorkKind::Save));
+    assert!(!state.shared.works.has(WorkKind::Save));
 
     let mut harness = saving_of(sequence(&[]), &folder.path().join("missing"));
     assert!(harness.query_by_label_contains("There is no folder").is_some());
@@ -296,7 +299,7 @@ fn a_file_that_came_meanwhile_is_not_replaced() {
     fs::write(&file, "mine").unwrap();
     click(&mut harness, "Save");
     assert_eq!(harness.state().notices.list()[0].severity, Severity::Error);
-    assert!(!harness.state().works.has(WorkKind::Save));
+    assert!(!harness.state().shared.works.has(WorkKind::Save));
     assert_eq!(fs::read(&file).unwrap(), b"mine");
     // Now it is said.
     dismiss_all(&mut harness);
@@ -312,15 +315,16 @@ fn what_would_be_written_is_shown_beside_what_is_open() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     choose(&mut harness, "Positions", "Bits");
-    harness.state_mut().save.bits = 4;
+    harness.state_mut().features.save.bits = 4;
     click(&mut harness, "Compare");
     wait(&mut harness, "the frame of B", |state| {
         state
+            .features
             .beside
             .as_ref()
             .is_some_and(|beside| beside.companion.shown().is_some())
     });
-    let beside = harness.state().beside.as_ref().unwrap();
+    let beside = harness.state().features.beside.as_ref().unwrap();
     assert_eq!(beside.name, "walk, as it would be saved");
     let points = beside.companion.shown().unwrap().frame.len();
     assert!(points > 20 && points < 500, "{points}");
@@ -331,8 +335,8 @@ fn merging_is_a_choice_that_says_its_price_before() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saving_of(waves(&[]), folder.path());
     wait_for_estimate(&mut harness, 5);
-    assert_eq!(harness.state().save.precision, PrecisionKind::PointSpacing);
-    let (every, _) = harness.state().estimates.estimate().unwrap();
+    assert_eq!(harness.state().features.save.precision, PrecisionKind::PointSpacing);
+    let (every, _) = harness.state().features.estimates.estimate().unwrap();
     assert_eq!(every.kept_points, every.points);
     let merged = every.other_way.unwrap();
     let price = format!(
@@ -348,8 +352,8 @@ fn merging_is_a_choice_that_says_its_price_before() {
     let now = harness.state().now() + Duration::from_millis(10);
     harness.state_mut().update(now);
     wait_for_estimate(&mut harness, 5);
-    assert_eq!(harness.state().save.precision, PrecisionKind::SamplingDensity);
-    let (estimate, _) = harness.state().estimates.estimate().unwrap();
+    assert_eq!(harness.state().features.save.precision, PrecisionKind::SamplingDensity);
+    let (estimate, _) = harness.state().features.estimates.estimate().unwrap();
     assert_eq!(estimate.kept_points, merged.points);
     assert!(harness.query_by_label_contains(&price).is_some(), "{price}");
 }

@@ -88,7 +88,7 @@ fn worked_on(folder: &Path) -> Harness<'static, State> {
         place: Some(DVec3::splat(3.0)),
         frames: PlayRange::default(),
     };
-    state.labels.list = Arc::new(vec![label]);
+    state.features.labels.list = Arc::new(vec![label]);
     harness.run();
     harness
 }
@@ -107,7 +107,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     left.state_mut().run(Command::Escape);
     save(&mut left, &file);
     assert!(left.state_mut().may_close(), "it is in the session");
-    assert_eq!(left.state().recent.entries()[0], std::slice::from_ref(&file));
+    assert_eq!(left.state().kept.recent.entries()[0], std::slice::from_ref(&file));
 
     let mut taken = window();
     let usual = taken.state().style;
@@ -115,9 +115,9 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     let (left, state) = (left.state(), taken.state());
     assert_eq!(state.style, left.style);
     assert_eq!(state.camera, left.camera);
-    assert_eq!(state.labels.list, left.labels.list);
-    assert_eq!(state.path.draft, left.path.draft);
-    assert_eq!(state.timeline.markers, left.timeline.markers);
+    assert_eq!(state.features.labels.list, left.labels.list);
+    assert_eq!(state.features.path.draft, left.path.draft);
+    assert_eq!(state.features.timeline.markers, left.timeline.markers);
     let of = |state: &State| {
         let player = state.player.as_ref().unwrap();
         (player.clock().frame(), player.clock().range(), player.is_playing())
@@ -139,7 +139,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
         (style.points.size_px, style.of_sequence.clip),
         (usual.points.size_px, None)
     );
-    assert!(taken.state().labels.list.is_empty() && taken.state().session_file().is_none());
+    assert!(taken.state().features.labels.list.is_empty() && taken.state().session_file().is_none());
 }
 
 #[test]
@@ -149,9 +149,11 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     let mut left = worked_on(folder.path());
     scans(&folder.path().join("smooth"));
     left.state_mut().compare_paths(vec![folder.path().join("smooth")]);
-    until(&mut left, "nothing is beside it", |state| state.beside.is_some());
+    until(&mut left, "nothing is beside it", |state| {
+        state.features.beside.is_some()
+    });
     left.state_mut().run(Command::NextLayout);
-    let beside = left.state_mut().beside.as_mut().unwrap();
+    let beside = left.state_mut().features.beside.as_mut().unwrap();
     beside.companion.pair_by(PairBy::Index);
     beside.companion.set_offset_frames(1);
     beside.pictures.split = 0.25;
@@ -160,9 +162,11 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
 
     let mut taken = window();
     open(&mut taken, &file);
-    until(&mut taken, "nothing is beside it", |state| state.beside.is_some());
+    until(&mut taken, "nothing is beside it", |state| {
+        state.features.beside.is_some()
+    });
     let of = |state: &State| {
-        let beside = state.beside.as_ref().unwrap();
+        let beside = state.features.beside.as_ref().unwrap();
         let companion = &beside.companion;
         let paired = (companion.paired_by(), companion.offset_frames());
         (beside.name.clone(), beside.layout, paired, beside.pictures.split)
@@ -184,13 +188,13 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
         !state.notices.list().is_empty()
     });
     assert!(without.state().notices.list()[0].text.contains("smooth"));
-    assert!(without.state().beside.is_none());
+    assert!(without.state().features.beside.is_none());
     assert!(without.state().session().unwrap().compare.is_some());
     // A session without anything beside closes what was.
     let other = folder.path().join("alone.pointreel");
     fs::write(&other, r#"{"pointreel_session": 1, "files": ["scans"]}"#).unwrap();
     open(&mut left, &other);
-    assert!(left.state().beside.is_none());
+    assert!(left.state().features.beside.is_none());
 }
 
 #[test]
@@ -215,12 +219,12 @@ fn measurements_and_the_demo_are_in_sessions() {
             taken += 1;
         }
     }
-    assert_eq!(harness.state().inspection.measurements.len(), 1);
+    assert_eq!(harness.state().features.inspection.measurements.len(), 1);
     save(&mut harness, &file);
     let mut again = window();
     open(&mut again, &file);
     assert_eq!(again.state().sequence_name().as_deref(), Some("demo"));
-    let value = |harness: &Harness<'_, State>| harness.state().inspection.measurements[0].value(DVec3::Y);
+    let value = |harness: &Harness<'_, State>| harness.state().features.inspection.measurements[0].value(DVec3::Y);
     assert!(value(&harness).is_some());
     assert_eq!(value(&again), value(&harness));
 }
@@ -273,18 +277,22 @@ fn a_session_asks_before_it_leaves_its_folder() {
     fs::write(&file, r#"{"pointreel_session": 1, "files": ["../scans"]}"#).unwrap();
     let mut harness = window();
     harness.state_mut().open_paths(vec![file.clone()]);
-    until(&mut harness, "nobody asks", |state| state.session_question.is_some());
+    until(&mut harness, "nobody asks", |state| {
+        state.opening.session_question.is_some()
+    });
     let opened = |state: &State| state.player.as_ref().map(|player| Arc::as_ptr(player.sequence()));
     let before = opened(harness.state());
-    let beyond = &harness.state().session_question.as_ref().unwrap().beyond;
+    let beyond = &harness.state().opening.session_question.as_ref().unwrap().beyond;
     assert!(beyond.addresses.is_empty() && beyond.outside.len() == 1, "{beyond:?}");
     harness.get_by_label("Cancel").click();
     harness.run();
-    assert!(harness.state().session_question.is_none());
+    assert!(harness.state().opening.session_question.is_none());
     assert_eq!(opened(harness.state()), before);
 
     harness.state_mut().open_paths(vec![file]);
-    until(&mut harness, "nobody asks", |state| state.session_question.is_some());
+    until(&mut harness, "nobody asks", |state| {
+        state.opening.session_question.is_some()
+    });
     harness.get_by_label("Open").click();
     harness.run();
     until(&mut harness, "it is not opened", |state| {

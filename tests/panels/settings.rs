@@ -269,8 +269,8 @@ fn rows_that_come_do_not_widen_the_panel() {
     let mut harness = window();
     harness.run();
     let width = harness.state().viewport.rect.width();
-    harness.state_mut().trails.field.is_on = true;
-    harness.state_mut().temporal.onion.is_on = true;
+    harness.state_mut().features.trails.field.is_on = true;
+    harness.state_mut().features.temporal.onion.is_on = true;
     harness.run_steps(5);
     assert_eq!(harness.state().viewport.rect.width(), width);
 }

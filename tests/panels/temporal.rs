@@ -67,7 +67,7 @@ fn the_change_is_measured_shown_and_can_be_copied() {
     let moved = |frames: f64| f64::from(3f32.sqrt()) * 0.005 * frames;
     let pose = harness.state().player.as_ref().unwrap().shown().unwrap().clone();
     let (mean, share) = {
-        let (change, range) = harness.state().temporal.measured(&pose).unwrap();
+        let (change, range) = harness.state().features.temporal.measured(&pose).unwrap();
         assert!((range - moved(1.0)).abs() < 1e-6);
         (change.mean, change.share_above(0.0))
     };
@@ -80,14 +80,14 @@ fn the_change_is_measured_shown_and_can_be_copied() {
 
     set(&mut harness, "Compared with", 4.0);
     until_measured(&mut harness);
-    let (change, _) = harness.state().temporal.measured(&pose).unwrap();
+    let (change, _) = harness.state().features.temporal.measured(&pose).unwrap();
     assert!((change.mean - moved(4.0)).abs() < 1e-6);
     set(&mut harness, "Compared with", -1.0);
     assert!(harness.query_by_label("The sequence has no such frame").is_some());
     set(&mut harness, "Compared with", 1.0);
     check(&mut harness, "Range");
     set(&mut harness, "Largest", 2.0);
-    assert_eq!(harness.state().temporal.change.range, Some(2.0));
+    assert_eq!(harness.state().features.temporal.change.range, Some(2.0));
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn ghosts_are_a_share_of_the_poses_around() {
     ] {
         slide(&mut harness, label, value);
     }
-    let onion = harness.state().temporal.onion;
+    let onion = harness.state().features.temporal.onion;
     assert_eq!((onion.before, onion.after, onion.step, onion.strength), (3, 1, 2, 1.0));
     // At the first frame there is nothing before.
     until_points(&mut harness, 8 + 8);
@@ -139,14 +139,14 @@ fn a_frame_that_cannot_be_read_is_no_change() {
     let mut harness = window_on(sequence(&[1]), options());
     check(&mut harness, "Change map");
     let patience = Instant::now();
-    while harness.state().temporal.problem().is_none() {
+    while harness.state().features.temporal.problem().is_none() {
         let now = harness.state().now();
         harness.state_mut().update(now);
         assert!(patience.elapsed() < Duration::from_mins(1));
         std::thread::sleep(Duration::from_millis(5));
     }
     harness.run();
-    let problem = harness.state().temporal.problem().unwrap().to_owned();
+    let problem = harness.state().features.temporal.problem().unwrap().to_owned();
     assert!(problem.contains("expected an element"), "{problem}");
     assert!(harness.query_by_label_contains("expected an element").is_some());
 }

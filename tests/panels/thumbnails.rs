@@ -25,7 +25,7 @@ fn until_made(harness: &mut Harness<'_, State>) -> usize {
         let now = harness.state().now();
         harness.state_mut().update(now);
         harness.run();
-        let [made, all] = harness.state().thumbnails.progress();
+        let [made, all] = harness.state().features.thumbnails.progress();
         if made == all && all > 0 {
             return all;
         }
@@ -56,7 +56,7 @@ fn the_strip_shows_frames_where_they_are_and_a_click_goes_there() {
     // Frame 8, the broken one, may lie between two cells.
     let broken = harness.query_by_label("Frame 8 cannot be read");
     assert_eq!(pictures + usize::from(broken.is_some()), cells);
-    assert!(harness.state().thumbnails.byte_size() <= 16 << 20);
+    assert!(harness.state().features.thumbnails.byte_size() <= 16 << 20);
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
@@ -76,7 +76,7 @@ fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
     let mut harness = window_on(sequence(&[]), with_thumbnails());
     until_made(&mut harness);
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
-    let bytes = harness.state().thumbnails.byte_size();
+    let bytes = harness.state().features.thumbnails.byte_size();
     // Each frame in turn, those that are not on the strip too.
     for number in 0..super::FRAMES {
         let x = bar.left() + bar.width() * (number as f32 + 0.5) / super::FRAMES as f32;
@@ -87,7 +87,7 @@ fn a_larger_picture_is_in_the_tooltip_of_the_bar() {
     }
     until_made(&mut harness);
     assert!(
-        harness.state().thumbnails.byte_size() > bytes,
+        harness.state().features.thumbnails.byte_size() > bytes,
         "frames between those of the strip have pictures too"
     );
     for _ in 0..60 {
@@ -136,10 +136,10 @@ fn another_up_axis_and_a_command_make_them_anew() {
     let cells = until_made(&mut harness);
     harness.state_mut().camera.up = UpAxis::Z;
     harness.run();
-    assert!(harness.state().thumbnails.progress()[0] < cells);
+    assert!(harness.state().features.thumbnails.progress()[0] < cells);
     assert_eq!(until_made(&mut harness), cells);
     harness.state_mut().run(Command::RedoThumbnails);
-    assert_eq!(harness.state().thumbnails.progress(), [0, cells]);
+    assert_eq!(harness.state().features.thumbnails.progress(), [0, cells]);
     assert_eq!(until_made(&mut harness), cells);
 }
 
@@ -173,12 +173,12 @@ fn they_are_switched_off_in_the_settings_and_by_name_and_stay_off() {
 fn nothing_is_made_while_playing_falls_behind() {
     let mut harness = window();
     click(&mut harness, "Play");
-    harness.state_mut().thumbnails.is_on = true;
+    harness.state_mut().features.thumbnails.is_on = true;
     // 24 frames a second are asked for, twelve are shown.
     let play = |harness: &mut Harness<'_, State>, seconds: f64| {
         harness.state_mut().update(Duration::from_secs_f64(seconds));
         harness.run();
-        harness.state().thumbnails.progress()[0]
+        harness.state().features.thumbnails.progress()[0]
     };
     for step in 1..=12 {
         play(&mut harness, f64::from(step) / 12.0);

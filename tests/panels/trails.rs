@@ -25,7 +25,7 @@ fn pick(harness: &mut Harness<'_, State>, index: u32) {
     click_on(harness, at, 1);
     // Two clicks within a moment would be a double click.
     harness.run_steps(10);
-    let picked = harness.state().inspection.point.clone().unwrap();
+    let picked = harness.state().features.inspection.point.clone().unwrap();
     assert_eq!(picked.values.index_in_file, index);
 }
 
@@ -36,7 +36,7 @@ fn until_found(harness: &mut Harness<'_, State>) {
         let now = harness.state().now();
         harness.state_mut().update(now);
         harness.run();
-        let trails = &harness.state().trails;
+        let trails = &harness.state().features.trails;
         if trails.found().is_some() && trails.progress().is_none() {
             return;
         }
@@ -52,7 +52,7 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
     assert!(harness.query_by_label("Travelled").is_none());
     click(&mut harness, "Trail");
     until_found(&mut harness);
-    let trails = harness.state().trails.found().unwrap();
+    let trails = harness.state().features.trails.found().unwrap();
     assert_eq!((trails.frames(), trails.trail_count()), (0..FRAMES, 1));
     // The cube grows by a hundredth a frame: its corners move by half of that along three axes, 24 frames a second.
     let step = 0.005 * 3f64.sqrt();
@@ -62,7 +62,7 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
         assert!((place - half * glam::Vec3::new(-1.0, 1.0, 1.0)).length() < 1e-6);
     }
     let player = harness.state().player.as_ref().unwrap();
-    let measure = harness.state().trails.measure(6, |frame| player.time_s(frame));
+    let measure = harness.state().features.trails.measure(6, |frame| player.time_s(frame));
     let measure = measure.unwrap();
     assert!((measure.length - 23.0 * step).abs() < 1e-6);
     assert!((measure.mean_speed - 24.0 * step).abs() < 1e-5);
@@ -78,9 +78,9 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
     harness.state_mut().run(Command::SetOut);
     harness.run();
     until_found(&mut harness);
-    assert_eq!(harness.state().trails.found().unwrap().frames(), 3..6);
+    assert_eq!(harness.state().features.trails.found().unwrap().frames(), 3..6);
     press(&mut harness, Modifiers::SHIFT, Key::T);
-    assert!(harness.state().trails.found().is_none());
+    assert!(harness.state().features.trails.found().is_none());
     assert!(harness.query_by_label("Travelled").is_none());
 }
 
@@ -93,9 +93,9 @@ fn trails_of_several_points_are_shown_together() {
     click(&mut harness, "Keep trail");
     pick(&mut harness, 7);
     until_found(&mut harness);
-    assert_eq!(harness.state().trails.found().unwrap().trail_count(), 2);
+    assert_eq!(harness.state().features.trails.found().unwrap().trail_count(), 2);
     let measured = |harness: &Harness<'_, State>, index| {
-        let trails = &harness.state().trails;
+        let trails = &harness.state().features.trails;
         trails.measure(index, |frame| frame as f64).is_some()
     };
     assert!(measured(&harness, 6) && measured(&harness, 7) && !measured(&harness, 5));
@@ -105,16 +105,16 @@ fn trails_of_several_points_are_shown_together() {
     click(&mut harness, "Keep trail");
     pick(&mut harness, 5);
     // Those of points that are spread over the file are none of them.
-    harness.state_mut().trails.field.is_on = true;
-    harness.state_mut().trails.field.points = 4;
+    harness.state_mut().features.trails.field.is_on = true;
+    harness.state_mut().features.trails.field.points = 4;
     harness.run();
     until_found(&mut harness);
-    assert_eq!(harness.state().trails.found().unwrap().trail_count(), 6);
+    assert_eq!(harness.state().features.trails.found().unwrap().trail_count(), 6);
     assert!(measured(&harness, 5) && !measured(&harness, 3));
     press(&mut harness, Modifiers::NONE, Key::Escape);
     until_found(&mut harness);
     assert_eq!(
-        harness.state().trails.found().unwrap().trail_count(),
+        harness.state().features.trails.found().unwrap().trail_count(),
         5,
         "the kept one and four others"
     );
@@ -142,7 +142,7 @@ fn where_indices_do_not_stay_with_the_points_the_panel_says_so() {
     until_found(&mut harness);
     let text = "Frame 7 has 10 points, frame 6 has 8: indices do not stay with the points";
     assert!(harness.query_by_label(text).is_some());
-    let trails = harness.state().trails.found().unwrap();
+    let trails = harness.state().features.trails.found().unwrap();
     let places: Vec<usize> = (0..FRAMES).filter(|&frame| trails.place(0, frame).is_none()).collect();
     assert_eq!(places, [6]);
 }
@@ -158,7 +158,7 @@ fn trails_of_a_field_are_chosen_in_the_settings_and_can_be_cancelled() {
     harness.get_by_role_and_label(Role::CheckBox, "Trails").click();
     harness.run();
     until_found(&mut harness);
-    assert_eq!(harness.state().trails.found().unwrap().trail_count(), 8);
+    assert_eq!(harness.state().features.trails.found().unwrap().trail_count(), 8);
     harness
         .get_by_role_and_label(Role::Slider, "Trail points")
         .scroll_to_me();
@@ -166,8 +166,8 @@ fn trails_of_a_field_are_chosen_in_the_settings_and_can_be_cancelled() {
     super::settings::slide(&mut harness, "Trail points", 3.0);
     super::settings::slide(&mut harness, "Trail length", 5.0);
     until_found(&mut harness);
-    assert_eq!(harness.state().trails.found().unwrap().trail_count(), 3);
-    assert_eq!(harness.state().trails.field.length, 5);
+    assert_eq!(harness.state().features.trails.found().unwrap().trail_count(), 3);
+    assert_eq!(harness.state().features.trails.field.length, 5);
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 }
 
@@ -196,13 +196,13 @@ fn finding_trails_can_be_cancelled() {
         assert!(patience.elapsed() < Duration::from_mins(1));
         std::thread::sleep(Duration::from_millis(2));
     }
-    state.trails.field.is_on = true;
+    state.features.trails.field.is_on = true;
     state.update(Duration::ZERO);
-    assert_eq!(state.trails.progress().map(|(_, all)| all), Some(FRAMES));
-    state.trails.cancel();
-    assert_eq!(state.trails.progress(), None);
+    assert_eq!(state.features.trails.progress().map(|(_, all)| all), Some(FRAMES));
+    state.features.trails.cancel();
+    assert_eq!(state.features.trails.progress(), None);
     drop(guard);
     std::thread::sleep(Duration::from_millis(50));
     state.update(Duration::ZERO);
-    assert!(state.trails.found().is_none());
+    assert!(state.features.trails.found().is_none());
 }

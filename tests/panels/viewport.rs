@@ -34,14 +34,14 @@ fn the_picture_follows_the_scale_factor() {
 fn a_window_without_room_draws_nothing() {
     let mut harness = window();
     assert!(harness.state_mut().next_packet().is_some());
-    let pictures = harness.state().counters.pictures;
+    let pictures = harness.state().shared.counters.pictures;
     for size in [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(300.0, 0.0)] {
         harness.set_size(size);
         harness.run_ok();
         let has_room = !harness.state().viewport.size_px.contains(&0);
         assert_eq!(harness.state_mut().next_packet().is_some(), has_room, "{size}");
     }
-    assert!(harness.state().counters.pictures <= pictures + 1);
+    assert!(harness.state().shared.counters.pictures <= pictures + 1);
     harness.set_size(vec2(1280.0, 800.0));
     harness.run();
     assert!(!harness.state().viewport.size_px.contains(&0));
@@ -54,7 +54,7 @@ fn a_paused_untouched_window_does_nothing() {
     load_all(harness.state_mut());
     harness.run();
     assert!(harness.state_mut().next_packet().is_some());
-    let (counters, scene) = (harness.state().counters, harness.state().scene_stats());
+    let (counters, scene) = (harness.state().shared.counters, harness.state().scene_stats());
     assert_eq!(scene.traversals, 1);
     for second in 1..100 {
         let state = harness.state_mut();
@@ -63,7 +63,7 @@ fn a_paused_untouched_window_does_nothing() {
         assert!(state.next_packet().is_none());
     }
     assert_eq!(
-        (harness.state().counters, harness.state().scene_stats()),
+        (harness.state().shared.counters, harness.state().scene_stats()),
         (counters, scene)
     );
     assert!(!harness.ctx.has_requested_repaint());

@@ -54,7 +54,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     let needs = Scene::needs(&state.style);
     for index in 0..a.len() {
         state.player.as_ref().unwrap().loader().wait(index, &needs).unwrap();
-        let companion = &state.beside.as_ref().unwrap().companion;
+        let companion = &state.features.beside.as_ref().unwrap().companion;
         companion.loader().wait(index, &needs).unwrap();
     }
     state.update(Duration::ZERO);
@@ -79,7 +79,7 @@ fn a_sequence_beside_itself_has_equal_halves_and_no_error() {
     for primitive in [Primitive::Surfel, Primitive::Voxel, Primitive::Point] {
         let (a, b) = (tori(HERE), tori(HERE));
         let mut state = window(&a, &b, primitive, 0);
-        state.beside.as_mut().unwrap().layout = Layout::Wipe;
+        state.features.beside.as_mut().unwrap().layout = Layout::Wipe;
         let packets = packets(&mut state);
         assert_eq!(packets[0].view, packets[1].view);
         for [left, right] in drawn_by_each(&packets) {
@@ -161,7 +161,7 @@ fn what_is_saved_is_what_is_seen() {
     let joined = state.joined(picture(3, red), Some(picture(5, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
     assert_eq!((joined.get_pixel(2, 3), joined.get_pixel(3, 0)), (&red, &blue));
-    let beside = state.beside.as_mut().unwrap();
+    let beside = state.features.beside.as_mut().unwrap();
     beside.layout = Layout::Wipe;
     beside.pictures.split = 0.25;
     let joined = state.joined(picture(8, red), Some(picture(8, blue)));

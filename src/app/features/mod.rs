@@ -12,13 +12,17 @@ pub(super) mod camera_path;
 pub(super) mod clipping;
 pub(super) mod comparison;
 pub(super) mod export;
+pub(super) mod feature;
 pub(super) mod inspection;
 pub(super) mod labels;
 pub(super) mod palette;
 pub(super) mod photos;
 pub(super) mod quality;
 pub(super) mod save;
+mod table;
 pub(super) mod temporal;
 pub(super) mod thumbnails;
 pub(super) mod timeline;
 pub(super) mod trails;
+
+pub use table::Features;

@@ -1,11 +1,8 @@
-//! What features paint over the picture: the camera path, trails, points that were clicked on, labels.
+//! What features paint over the picture.
 
-use crate::app::features::camera_path::marks::paint_path;
-use crate::app::features::inspection::marks::paint_inspection;
-use crate::app::features::labels::marks::paint_labels;
-use crate::app::features::trails::panel::paint_trails;
+use crate::app::State;
+use crate::app::features::Features;
 use crate::app::widgets::overlay::PictureOverlay;
-use crate::app::{PanelId, State};
 use crate::playback::Player;
 use egui::{Rect, Ui};
 
@@ -27,18 +24,8 @@ pub(super) fn marks_ui(ui: &Ui, state: &mut State) {
 fn marks(ui: &Ui, state: &State, rect: Rect, size_px: [u32; 2]) {
     let painter = ui.painter_at(rect);
     let canvas = PictureOverlay::new(&painter, rect, size_px, &state.camera);
-    if let Some(path) = state.path.draft.path()
-        && state.panels.has(PanelId::CAMERA_PATH)
-        && !state.path.is_playing()
-    {
-        paint_path(&canvas, path);
-    }
-    if let Some(player) = &state.player {
-        paint_trails(&canvas, &state.trails, player);
-    }
-    paint_inspection(&canvas, &state.inspection, state.length_unit());
-    // Of two sequences they are those of the first.
-    if state.beside.is_none() || rect == state.viewport.rect {
-        paint_labels(&canvas, &state.labels);
+    let is_first = state.features.beside.is_none() || rect == state.viewport.rect;
+    for feature in Features::rows::<State>() {
+        (feature.paint)(state, &canvas, is_first);
     }
 }

@@ -1,9 +1,9 @@
 //! The menu bar.
 
-use super::bound;
 use super::presets::presets_menu;
 use super::table::menu_items;
 use crate::app::command::{Command, keys_of};
+use crate::app::features::assumptions::assumptions_chip;
 use crate::app::features::assumptions::panel::CHIP_WIDTH;
 use crate::app::recent::entry_name;
 use crate::app::{Benchmark, PanelId, Side, State, Tool};
@@ -36,7 +36,7 @@ pub(super) fn menu_ui(ui: &mut Ui, state: &mut State) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.available_width() > CHIP_WIDTH {
-                bound::assumptions_chip(ui, state);
+                assumptions_chip(ui, state);
             }
             let name = state.sequence_name();
             if let Some(name) = name.filter(|_| ui.available_width() > LEAST_NAME_WIDTH) {
@@ -157,7 +157,7 @@ fn compare_menu(ui: &mut Ui, state: &mut State) {
 /// Which of a recording's topics is the sequence, or the one beside it, where there are several.
 fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
     let player = state.player.as_ref();
-    let beside = state.beside.as_ref();
+    let beside = state.features.beside.as_ref();
     let (name, sequence) = match side {
         Side::A => ("Topic", player.map(Player::sequence)),
         Side::B => ("Topic of B", beside.map(|beside| beside.companion.sequence())),
@@ -186,14 +186,14 @@ fn topic_menu(ui: &mut Ui, state: &mut State, side: Side) {
 }
 
 fn recent_menu(ui: &mut Ui, state: &mut State) {
-    if state.recent.entries().is_empty() {
+    if state.kept.recent.entries().is_empty() {
         ui.weak("Nothing yet");
         return;
     }
     let chosen = recent_items(ui, state);
     ui.separator();
     if ui.button("Clear the list").clicked() {
-        if let Err(problem) = state.recent.clear() {
+        if let Err(problem) = state.kept.recent.clear() {
             state.notices.warn(problem);
         }
         ui.close();
@@ -206,7 +206,7 @@ fn recent_menu(ui: &mut Ui, state: &mut State) {
 /// What was opened lately; what was chosen of it.
 fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
     let mut chosen = None;
-    for inputs in state.recent.entries() {
+    for inputs in state.kept.recent.entries() {
         if ui.button(entry_name(inputs)).clicked() {
             chosen = Some(inputs.clone());
             ui.close();
@@ -275,7 +275,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         ("Turntable", state.motion.turntable.is_on, Command::ToggleTurntable),
         ("Grid", state.style.backdrop.grid, Command::ToggleGrid),
         ("Scale bar", state.appearance.shows_scale_bar, Command::ToggleScaleBar),
-        ("Thumbnails", state.thumbnails.is_on, Command::ToggleThumbnails),
+        ("Thumbnails", state.features.thumbnails.is_on, Command::ToggleThumbnails),
         ("Legend", has_legend, legend),
     ] {
         choice(ui, state, (text, is_on), command);
@@ -284,7 +284,7 @@ fn view_menu(ui: &mut Ui, state: &mut State) {
         let is_open = state.panels.has(panel);
         choice(ui, state, (text, is_open), Command::TogglePanel(panel));
     }
-    let is_compared = state.comparison.is_some();
+    let is_compared = state.features.comparison.is_some();
     let compares = ("Compare A/B", is_compared);
     choice(ui, state, compares, Command::ToggleComparison);
     let fills_screen = ("Full screen", state.appearance.full_screen);
@@ -334,14 +334,14 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
             "Clicks put texts at points, in the window, in pictures and in videos",
         ),
     ] {
-        let button = Button::selectable(state.inspection.tool == tool, text);
+        let button = Button::selectable(state.features.inspection.tool == tool, text);
         run_by(ui, state, button, Command::ToggleTool(tool), tooltip);
     }
 }
 
 fn benchmark_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(200.0);
-    let can_start = state.player.is_some() && !matches!(state.benchmark, Benchmark::Running(_));
+    let can_start = state.player.is_some() && !matches!(state.features.benchmark, Benchmark::Running(_));
     for suite in suites::all() {
         let button = ui
             .add_enabled(can_start, Button::new(suite.title))
@@ -352,7 +352,7 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
         }
     }
     ui.separator();
-    let has_result = !matches!(state.benchmark, Benchmark::Idle);
+    let has_result = !matches!(state.features.benchmark, Benchmark::Idle);
     let show = Button::new("Show the last result");
     if ui.add_enabled(has_result, show).clicked() {
         state.panels.set(PanelId::BENCHMARK, true);

@@ -23,10 +23,12 @@ mod viewport;
 mod welcome;
 
 use super::{PanelId, State};
+use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::widgets::tool_window::{note_room, room, tool_window};
 use egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, ThemePreference, Ui};
 use menu::menu_ui;
-use table::{Dock, PANELS, PanelRow, without_keys};
+use table::panels;
+pub(in crate::app) use table::without_keys;
 use viewport::viewport_ui;
 
 /// The picture is never narrower because of a panel beside it, points.
@@ -34,49 +36,50 @@ const LEAST_VIEW_WIDTH: f32 = 160.0;
 
 /// Everything in the window, keys included.
 pub fn window_ui(ui: &mut Ui, state: &mut State) {
-    state.counters.ui_passes += 1;
+    state.shared.counters.ui_passes += 1;
     state.handle_keys(ui.ctx());
     let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
     Panel::top("menu").frame(bar).show(ui, |ui| menu_ui(ui, state));
-    if state.pictures().is_some() {
-        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-        Panel::top("comparison").frame(bar).show(ui, |ui| {
-            bound::pair(ui, state);
-        });
+    for row in panels() {
+        bar_ui(ui, state, row);
     }
-    let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
-    Panel::bottom("timeline")
-        .frame(bar)
-        .show(ui, |ui| bound::timeline(ui, state));
     let is_settled = note_room(ui.ctx(), ui.available_rect_before_wrap());
-    for row in PANELS {
+    for row in panels() {
         side_ui(ui, state, row);
     }
     CentralPanel::no_frame().show(ui, |ui| viewport_ui(ui, state));
-    for row in PANELS {
-        if is_settled && matches!(row.place, Dock::Window) {
-            (row.show)(ui, state);
-        }
+    for row in panels().filter(|row| is_settled && matches!(row.place, Dock::Window)) {
+        (row.show)(ui, state);
     }
     state.panels.note_order(ui.ctx());
-    if state.palette.is_some() {
-        bound::palette(ui, state, &without_keys());
+    for row in panels().filter(|row| matches!(row.place, Dock::Over)) {
+        (row.show)(ui, state);
     }
     follow_theme(ui.ctx(), state.appearance.theme);
     state.note_settings(ui.ctx());
-    state.follow_poses();
-    state.follow_thumbnails();
+    state.follow_panels();
+}
+
+/// A bar above or below the picture.
+fn bar_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
+    let (bar, margin) = match row.place {
+        Dock::Top(name, is_shown) if is_shown(state) => (Panel::top(name), Margin::symmetric(8, 4)),
+        Dock::Bottom(name) => (Panel::bottom(name), Margin::symmetric(10, 8)),
+        _ => return,
+    };
+    let frame = Frame::side_top_panel(ui.style()).inner_margin(margin);
+    bar.frame(frame).show(ui, |ui| (row.show)(ui, state));
 }
 
 /// A panel beside the picture, while it is open; over it, in a window that is too narrow for both.
-fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
+fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     let Some(id) = row.id.filter(|&id| state.panels.has(id)) else {
         return;
     };
     let (panel, width, range) = match &row.place {
         Dock::Left(width, range) => (Panel::left(id.name()), *width, range.clone()),
         Dock::Right(width, range) => (Panel::right(id.name()), *width, range.clone()),
-        Dock::Window => return,
+        Dock::Top(..) | Dock::Bottom(_) | Dock::Window | Dock::Over => return,
     };
     let most_width = ui.available_width() - LEAST_VIEW_WIDTH;
     if most_width < *range.start() {
@@ -91,7 +94,7 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow) {
 }
 
 /// The panel of a row in a window of its own, which can be closed to see the picture.
-fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow, PanelId)) {
+fn floating_ui(ui: &mut Ui, state: &mut State, (row, id): (&PanelRow<State>, PanelId)) {
     let room = room(ui.ctx());
     let mut is_open = true;
     tool_window(ui.ctx(), id.name(), row.menu.unwrap_or(id.name()))

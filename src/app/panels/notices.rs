@@ -44,12 +44,12 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
 
 /// What takes long and has no window of its own that is open.
 fn shown_works(state: &State) -> Vec<&Work> {
-    let measuring = match &state.benchmark {
+    let measuring = match &state.features.benchmark {
         // Its window has the same bar.
         Benchmark::Running(running) if !state.panels.has(PanelId::BENCHMARK) => Some(&running.work),
         _ => None,
     };
-    let works = state.works.list().iter().chain(measuring);
+    let works = state.shared.works.list().iter().chain(measuring);
     works.filter(|work| work.is_long(state.now())).collect()
 }
 

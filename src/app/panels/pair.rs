@@ -21,7 +21,7 @@ const CROSS: f32 = 7.0;
 
 /// Says where the pictures are within `rect`, whose corners are on physical pixels.
 pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
-    let places = match &state.beside {
+    let places = match &state.features.beside {
         Some(beside) => beside.places(rect, line(rect, beside.pictures.split, scale)),
         None => [rect; 2],
     };
@@ -43,6 +43,7 @@ fn line(rect: Rect, split: f32, scale: f32) -> f32 {
 pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     let viewport = state.viewport;
     let is_b_edited = state
+        .features
         .comparison
         .as_ref()
         .is_some_and(|comparison| comparison.edited == Side::B);
@@ -52,8 +53,9 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     }
     let names = names(state);
     let is_side_by_side = is_side_by_side(state);
-    let range = state.beside.as_ref().map_or(0.0..=1.0, Beside::line_range);
+    let range = state.features.beside.as_ref().map_or(0.0..=1.0, Beside::line_range);
     if state
+        .features
         .beside
         .as_ref()
         .is_some_and(|beside| beside.companion.shown().is_none())
@@ -104,7 +106,7 @@ pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
 }
 
 fn is_side_by_side(state: &State) -> bool {
-    let beside = state.beside.as_ref();
+    let beside = state.features.beside.as_ref();
     beside.is_some_and(|beside| beside.layout == Layout::SideBySide)
 }
 
@@ -134,7 +136,7 @@ fn letters(ui: &Ui, rect: Rect, x: f32) {
 
 /// What is seen of two sequences.
 fn names(state: &State) -> Option<[String; 2]> {
-    let beside = state.beside.as_ref()?;
+    let beside = state.features.beside.as_ref()?;
     let player = state.player.as_ref()?;
     let named = |side: &str, sequence: &str, frame: String| {
         // A file that holds all frames has their name already.

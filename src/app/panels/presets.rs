@@ -17,7 +17,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     }
     ui.separator();
     let mut deleted = None;
-    let presets = state.presets.list();
+    let presets = state.kept.presets.list();
     for preset in presets {
         let is_present = state.style == preset.settings;
         let button = ui.add(Button::selectable(is_present, preset.name.as_str()));
@@ -29,7 +29,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     }
     let what = "Keeps the present settings under a name";
     if ui.button("Save settings…").on_hover_text(what).clicked() {
-        state.preset_name = Some(String::new());
+        state.kept.preset_name = Some(String::new());
         ui.close();
     }
     ui.add_enabled_ui(!presets.is_empty(), |ui| {
@@ -43,7 +43,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
         });
     });
     if let Some(name) = deleted
-        && let Err(problem) = state.presets.delete(&name)
+        && let Err(problem) = state.kept.presets.delete(&name)
     {
         state.notices.warn(problem);
     }
@@ -51,7 +51,7 @@ pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
 
 /// Asks for the name of a new preset: Enter keeps it, Esc or a click elsewhere leaves it.
 pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
-    let Some(name) = &mut state.preset_name else {
+    let Some(name) = &mut state.kept.preset_name else {
         return;
     };
     let mut has_lost_focus = false;
@@ -75,8 +75,8 @@ pub(super) fn preset_name_ui(ui: &mut Ui, state: &mut State) {
         return;
     }
     let is_wanted = ui.input(|input| input.key_pressed(Key::Enter));
-    if let Some(name) = state.preset_name.take().filter(|_| is_wanted)
-        && let Err(problem) = state.presets.save(&name, state.style)
+    if let Some(name) = state.kept.preset_name.take().filter(|_| is_wanted)
+        && let Err(problem) = state.kept.presets.save(&name, state.style)
     {
         state.notices.warn(problem);
     }

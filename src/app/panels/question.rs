@@ -11,7 +11,7 @@ const MAX_NAMED: usize = 10;
 
 /// Asks before a session connects, or reads what is not in its folder.
 pub(super) fn session_question_ui(ui: &mut Ui, state: &mut State) {
-    let Some(question) = &state.session_question else {
+    let Some(question) = &state.opening.session_question else {
         return;
     };
     let name = question.name();
@@ -54,7 +54,7 @@ pub(super) fn session_question_ui(ui: &mut Ui, state: &mut State) {
                     state.trust_session();
                 }
                 if ui.button("Cancel").on_hover_text("Nothing is opened").clicked() {
-                    state.session_question = None;
+                    state.opening.session_question = None;
                 }
             });
         });
@@ -62,14 +62,14 @@ pub(super) fn session_question_ui(ui: &mut Ui, state: &mut State) {
 
 /// Asks before something is lost.
 pub(super) fn question_ui(ui: &mut Ui, state: &mut State) {
-    let Some(question) = state.path.question else {
+    let Some(question) = state.features.path.question else {
         return;
     };
     let (losses, go_on) = match question {
         Question::Open | Question::New => (vec!["The camera path is not saved."], "Discard it"),
         Question::Quit => (state.losses(), "Quit anyway"),
     };
-    let can_save = state.path.is_unsaved() && state.path.draft.path().is_some();
+    let can_save = state.features.path.is_unsaved() && state.features.path.draft.path().is_some();
     Window::new("Before this is lost")
         .collapsible(false)
         .resizable(false)
@@ -82,14 +82,14 @@ pub(super) fn question_ui(ui: &mut Ui, state: &mut State) {
             ui.horizontal(|ui| {
                 let save = ui.add_enabled(can_save, Button::new("Save it…"));
                 if save.on_hover_text("Saves the path; nothing else is done").clicked() {
-                    state.path.question = None;
+                    state.features.path.question = None;
                     state.run(Command::SavePath);
                 }
                 if ui.button(go_on).on_hover_text("It is lost").clicked() {
                     state.go_on_with(question);
                 }
                 if ui.button("Back").on_hover_text("Nothing is done (Esc)").clicked() {
-                    state.path.question = None;
+                    state.features.path.question = None;
                 }
             });
         });

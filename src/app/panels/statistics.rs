@@ -256,7 +256,7 @@ fn picture(ui: &mut Ui, state: &mut State) {
         row(
             ui,
             "Redraws",
-            grouped(state.counters.ui_passes),
+            grouped(state.shared.counters.ui_passes),
             "Runs of the panels so far",
         );
     });
@@ -448,7 +448,7 @@ fn memory(ui: &mut Ui, state: &mut State) {
             bytes(stats.resident_bytes as u64),
             "Prepared frames in main memory",
         );
-        if let Some(beside) = &state.beside {
+        if let Some(beside) = &state.features.beside {
             let stats = beside.companion.loader().stats();
             row(
                 ui,

@@ -1,11 +1,11 @@
 //! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
-use super::bound::{clip_handles, photo_frusta};
 use super::legend::legend_ui;
 use super::marks::marks_ui;
 use super::pair::{lay_out, pair_ui};
 use super::scale_bar::scale_bar_ui;
 use super::welcome::welcome_ui;
+use crate::app::features::Features;
 use crate::app::grip::{Grip, Pull};
 use crate::app::theme::{ACCENT, AXIS_COLORS, ODD};
 use crate::app::widgets::picture::picture;
@@ -106,13 +106,13 @@ fn zoom(camera: &mut Camera, factor: f64, pointer: Option<Pos2>, halves: [Rect; 
 
 /// Clicks pick points for the chosen tool; double clicks focus, but where each click counts for a measurement.
 fn click(response: &Response, state: &mut State) {
-    if state.inspection.tool != Tool::Camera {
+    if state.features.inspection.tool != Tool::Camera {
         response.clone().on_hover_cursor(CursorIcon::Crosshair);
     }
     let Some(place) = response.interact_pointer_pos() else {
         return;
     };
-    if response.double_clicked() && !matches!(state.inspection.tool, Tool::Measure | Tool::Label) {
+    if response.double_clicked() && !matches!(state.features.inspection.tool, Tool::Measure | Tool::Label) {
         if !state.focus_at(place) {
             state.frame_all();
         }
@@ -198,8 +198,9 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
                 ui.ctx().request_repaint_after(PROGRESS_EVERY);
             }
             marks_ui(ui, state);
-            clip_handles(ui, state);
-            photo_frusta(ui, state);
+            for feature in Features::rows::<State>() {
+                (feature.handles)(ui, state);
+            }
             scale_bar_ui(ui, place, state);
             axes(&painter, rect, state);
             legend_ui(&painter, place, state);

@@ -38,7 +38,7 @@ pub(super) fn welcome_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     let middle = Rect::from_center_size(rect.center(), vec2(width, (rect.height() - 24.0).max(0.0)));
     ui.scope_builder(UiBuilder::new().max_rect(middle), |ui| {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            match &state.failed {
+            match &state.opening.failed {
                 Some(failed) => {
                     failed_ui(ui, failed);
                     let chosen = choices_ui(ui, &failed.choices);
@@ -115,15 +115,15 @@ fn choices_ui(ui: &mut Ui, choices: &[OpeningChoice]) -> Option<PathBuf> {
 
 /// What was opened lately, with a picture each where there is one.
 fn recent_ui(ui: &mut Ui, state: &mut State) {
-    if state.recent.entries().is_empty() {
+    if state.kept.recent.entries().is_empty() {
         return;
     }
     ui.add_space(12.0);
     ui.label(RichText::new("Opened lately").strong());
     let mut chosen = None;
     ui.horizontal_wrapped(|ui| {
-        for inputs in state.recent.entries() {
-            let file = state.recent.picture_of(inputs);
+        for inputs in state.kept.recent.entries() {
+            let file = state.kept.recent.picture_of(inputs);
             let picture = file.and_then(|file| texture(ui, ("opened lately", &file), || image::open(&file)));
             let name = entry_name(inputs);
             let short = inputs.first().and_then(|path| path.file_name());

@@ -4,6 +4,7 @@ use super::dialogs::DialogKind;
 use super::steering::steer;
 use super::{State, WindowRequest};
 use crate::app::command::{self, Command};
+use crate::app::features::Features;
 use crate::app::features::camera_path::Question;
 use crate::app::features::comparison::Comparison;
 use crate::app::features::export::ExportSubject;
@@ -56,7 +57,7 @@ impl State {
             Command::ToggleTurntable => self.motion.turntable.is_on ^= true,
             Command::Focus => self.focus_at_pointer(),
             Command::CopyView => self.copy_view(),
-            Command::PasteView => self.requests.push(WindowRequest::PasteView),
+            Command::PasteView => self.shared.requests.push(WindowRequest::PasteView),
             Command::ToggleTool(tool) => self.toggle_tool(tool),
             Command::ToggleGrid => self.style.backdrop.grid ^= true,
             Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
@@ -67,7 +68,7 @@ impl State {
             Command::CompareFiles => self.ask(DialogKind::CompareFiles, None),
             Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
             Command::CloseComparison => {
-                self.opened.compared = None;
+                self.opening.opened.compared = None;
                 self.close_beside();
                 self.end_comparison(Side::A);
             }
@@ -79,7 +80,7 @@ impl State {
             Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
             Command::OpenExample(example) => self.open(Arc::new(Sequence::example(example))),
             Command::ToggleRecording => self.toggle_recording(),
-            Command::Screenshot => self.requests.push(WindowRequest::Screenshot(None)),
+            Command::Screenshot => self.shared.requests.push(WindowRequest::Screenshot(None)),
             Command::SaveScreenshotAs => {
                 let name = format!("{}.png", self.picture_stem());
                 self.ask(DialogKind::SavePicture, Some(name));
@@ -95,7 +96,7 @@ impl State {
             Command::SavePathAs => self.save_path(true),
             Command::SaveSession => self.save_session(false),
             Command::SaveSessionAs => self.save_session(true),
-            Command::FullScreen => self.requests.push(WindowRequest::FullScreen),
+            Command::FullScreen => self.shared.requests.push(WindowRequest::FullScreen),
             Command::ToggleComparison => self.toggle_comparison(),
             Command::Undo => {
                 let before = self.history.undo();
@@ -108,10 +109,10 @@ impl State {
             Command::TogglePanel(panel) => self.panels.toggle(panel),
             Command::ToggleTrails => self.toggle_trails(),
             Command::Theme(theme) => self.appearance.theme = theme,
-            Command::ToggleThumbnails => self.thumbnails.is_on ^= true,
-            Command::RedoThumbnails => self.thumbnails.redo(),
+            Command::ToggleThumbnails => self.features.thumbnails.is_on ^= true,
+            Command::RedoThumbnails => self.features.thumbnails.redo(),
             Command::TogglePalette => {
-                self.palette = match self.palette.take() {
+                self.features.palette = match self.features.palette.take() {
                     Some(_) => None,
                     None => Some(Palette::default()),
                 };
@@ -121,34 +122,32 @@ impl State {
         }
     }
 
-    fn toggle_trails(&mut self) {
-        self.trails.is_on ^= true;
-        if self.trails.is_on && self.inspection.picked().next().is_none() {
-            self.notices.hint("Pick a point (I and a click): its trail is shown");
-        }
-    }
-
     fn toggle_comparison(&mut self) {
-        if self.beside.is_some() {
+        if self.features.beside.is_some() {
             let text = "Two sequences are compared: File, Close comparison ends that";
             return self.notices.hint(text);
         }
-        if self.comparison.is_some() {
+        if self.features.comparison.is_some() {
             self.end_comparison(Side::A);
         } else {
-            self.comparison = Some(Comparison::new(self.style));
+            self.features.comparison = Some(Comparison::new(self.style));
         }
     }
 
     /// Back to one picture, drawn as `side` was.
     pub(in crate::app) fn end_comparison(&mut self, side: Side) {
         self.edit_side(side);
-        self.comparison = None;
+        self.features.comparison = None;
     }
 
     /// The settings are those of `side` of two ways to draw from now on.
     pub(in crate::app) fn edit_side(&mut self, side: Side) {
-        if let Some(comparison) = self.comparison.as_mut().filter(|comparison| comparison.edited != side) {
+        if let Some(comparison) = self
+            .features
+            .comparison
+            .as_mut()
+            .filter(|comparison| comparison.edited != side)
+        {
             comparison.edited = side;
             std::mem::swap(&mut comparison.other, &mut self.style);
         }
@@ -158,22 +157,19 @@ impl State {
     /// close by themselves.
     fn escape(&mut self) {
         // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
-        let has_closed = self.palette.take().is_some()
-            || self.preset_name.take().is_some()
-            || self.timeline.renaming.take().is_some()
-            || self.path.question.take().is_some()
-            || self.stop_preview()
+        let has_closed = Features::rows::<Self>().iter().any(|feature| (feature.escape)(self))
+            || self.kept.preset_name.take().is_some()
             || self.panels.close_topmost()
-            || self.inspection.escape();
+            || self.features.inspection.escape();
         if !has_closed && self.appearance.full_screen {
-            self.requests.push(WindowRequest::FullScreen);
+            self.shared.requests.push(WindowRequest::FullScreen);
         }
     }
 
     /// Changes the player, if there is one, at the present time.
     pub(in crate::app) fn play_with(&mut self, change: impl FnOnce(&mut Player, Duration)) {
         if let Some(player) = &mut self.player {
-            change(player, self.now);
+            change(player, self.shared.now);
         }
     }
 
@@ -183,8 +179,8 @@ impl State {
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let edited = Edited {
             style: self.style,
-            path: Arc::clone(&self.path.draft),
-            labels: Arc::clone(&self.labels.list),
+            path: Arc::clone(&self.features.path.draft),
+            labels: Arc::clone(&self.features.labels.list),
         };
         self.history.note(&edited, is_held, now);
     }
@@ -192,14 +188,14 @@ impl State {
     fn take_edited(&mut self, edited: Option<Edited>) {
         if let Some(Edited { style, path, labels }) = edited {
             self.style = style;
-            self.path.draft = path;
-            self.labels.take(labels);
+            self.features.path.draft = path;
+            self.features.labels.take(labels);
         }
     }
 
     /// Asks the window for what only it can do.
     pub(in crate::app) fn request(&mut self, request: WindowRequest) {
-        self.requests.push(request);
+        self.shared.requests.push(request);
     }
 
     /// How an export draws: as the window does, but at full resolution.
@@ -255,7 +251,7 @@ impl State {
         name_of(self.player.as_ref()?.sequence())
     }
 
-    pub(super) fn picture_stem(&self) -> String {
+    pub(in crate::app) fn picture_stem(&self) -> String {
         let stem = self.sequence_stem();
         let shown = self.player.as_ref().and_then(|player| {
             let frame = player.shown()?;
@@ -276,13 +272,13 @@ impl State {
 
     /// Compares the picture of the window's settings, or of the open sequence, with the other one.
     pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
-        let edited_side = self.comparison.as_ref().map(|comparison| comparison.edited);
+        let edited_side = self.features.comparison.as_ref().map(|comparison| comparison.edited);
         let pair = match edited_side {
             Some(Side::B) => [other, edited],
             Some(Side::A) | None => [edited, other],
         };
         if let Some(pictures) = self.pictures() {
-            pictures.compare(pair, &self.tasks);
+            pictures.compare(pair, &self.shared.tasks);
         }
     }
 

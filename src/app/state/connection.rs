@@ -4,8 +4,8 @@ use crate::source::ConnectionWatch;
 
 /// The connection of the open sequence, if that is a live stream.
 #[derive(Debug, Default)]
-pub(super) struct Connection {
-    pub(super) watch: ConnectionWatch,
+pub(in crate::app) struct Connection {
+    pub(in crate::app) watch: ConnectionWatch,
     /// What was said when it broke.
-    pub(super) said: Option<String>,
+    pub(in crate::app) said: Option<String>,
 }

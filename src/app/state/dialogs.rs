@@ -46,12 +46,12 @@ pub enum DialogKind {
 
 impl DialogKind {
     /// Whether it asks where to write what a person has made, which must not be lost for want of a dialog.
-    pub(super) fn writes_own_work(self) -> bool {
+    pub(in crate::app) fn writes_own_work(self) -> bool {
         matches!(self, Self::SavePath | Self::SaveSession | Self::SaveReport(_))
     }
 
     /// What to do where the system has no dialogs.
-    pub(super) fn without_dialogs(self) -> &'static str {
+    pub(in crate::app) fn without_dialogs(self) -> &'static str {
         match self {
             Self::OpenFiles | Self::OpenFolder | Self::CompareFiles | Self::CompareFolder => {
                 "Drop files or a folder on the window, or name them on the command line: pointreel view FOLDER"
@@ -90,13 +90,13 @@ pub enum DialogAnswer {
 
 /// The dialog that is open, or none.
 #[derive(Debug, Default)]
-pub(super) struct Dialogs {
+pub(in crate::app) struct Dialogs {
     is_open: bool,
 }
 
 impl Dialogs {
     /// Asks the person. Nothing happens while another dialog is open.
-    pub(super) fn ask<T: TaskOutcome + From<DialogAnswer>>(
+    pub(in crate::app) fn ask<T: TaskOutcome + From<DialogAnswer>>(
         &mut self,
         dialog: DialogKind,
         file_name: Option<String>,
@@ -116,7 +116,7 @@ impl Dialogs {
     }
 
     /// Takes notice that it was closed.
-    pub(super) fn note_answer(&mut self) {
+    pub(in crate::app) fn note_answer(&mut self) {
         self.is_open = false;
     }
 }

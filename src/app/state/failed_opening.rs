@@ -15,4 +15,4 @@ pub struct FailedOpening {
 }
 
 /// The inputs of what was opened and has not been shown yet, of A and of B.
-pub(super) type Unproven = [Vec<PathBuf>; 2];
+pub(in crate::app) type Unproven = [Vec<PathBuf>; 2];

@@ -1,9 +1,9 @@
 //! Dialogs and the files that are chosen with them.
 
 use super::dialogs::{DialogAnswer, DialogKind};
-use super::save::folder_of;
 use super::{State, WindowRequest};
 use crate::app::features::benchmark::{Benchmark, ReportFormat};
+use crate::app::features::save::folder_of;
 use crate::app::work::files::{
     PicturePlace, document_folder, numbered_files, picture_folder, save_bytes, save_picture, with_extension,
 };
@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 
 impl State {
     /// Asks the person. Nothing happens while another dialog is open.
-    pub(super) fn ask(&mut self, dialog: DialogKind, file_name: Option<String>) {
-        self.dialogs.ask(dialog, file_name, &self.tasks);
+    pub(in crate::app) fn ask(&mut self, dialog: DialogKind, file_name: Option<String>) {
+        self.shared.dialogs.ask(dialog, file_name, &self.shared.tasks);
     }
 
     /// Takes the answer to a dialog.
-    pub(super) fn take_answer(&mut self, answer: DialogAnswer) {
-        self.dialogs.note_answer();
+    pub(in crate::app) fn take_answer(&mut self, answer: DialogAnswer) {
+        self.shared.dialogs.note_answer();
         match answer {
             DialogAnswer::Chosen { dialog, paths } => self.chosen(dialog, paths),
             DialogAnswer::Cancelled => {}
@@ -57,7 +57,8 @@ impl State {
             }
             DialogKind::CompareFiles | DialogKind::CompareFolder => self.compare_paths(paths),
             DialogKind::SavePicture => {
-                self.requests
+                self.shared
+                    .requests
                     .push(WindowRequest::Screenshot(Some(with_extension(first, "png"))));
             }
             DialogKind::RecordTo => self.record_to(&with_extension(first, "pointreel-stream")),
@@ -66,16 +67,17 @@ impl State {
             DialogKind::SaveSession => self.save_session_to(with_extension(first, EXTENSION)),
             DialogKind::ExportTo(_) | DialogKind::ExportFolder => {
                 let is_folder = dialog == DialogKind::ExportFolder;
-                self.export.take_place(is_folder, &first);
+                self.features.export.take_place(is_folder, &first);
             }
-            DialogKind::SaveReel | DialogKind::SaveFolder => self.save.take_place(&first),
+            DialogKind::SaveReel | DialogKind::SaveFolder => self.features.save.take_place(&first),
             DialogKind::SaveReport(format) => {
-                let Benchmark::Done(table) = &self.benchmark else {
+                let Benchmark::Done(table) = &self.features.benchmark else {
                     return;
                 };
                 let text = table.text_as(format).to_owned();
                 let file = with_extension(first, format.extension());
-                self.tasks
+                self.shared
+                    .tasks
                     .try_start("save file", move || save_bytes(file, text.as_bytes()));
             }
         }
@@ -83,7 +85,7 @@ impl State {
 
     /// Asks where to write the benchmark's result.
     pub(in crate::app) fn ask_for_report(&mut self, format: ReportFormat) {
-        if let Benchmark::Done(table) = &self.benchmark {
+        if let Benchmark::Done(table) = &self.features.benchmark {
             let name = format!("pointreel-{}.{}", table.suite, format.extension());
             self.ask(DialogKind::SaveReport(format), Some(name));
         }
@@ -98,7 +100,8 @@ impl State {
                 stem: self.picture_stem(),
             },
         };
-        self.tasks
+        self.shared
+            .tasks
             .try_start("save picture", move || save_picture(&image, place));
     }
 }

@@ -17,12 +17,12 @@ use std::sync::Arc;
 impl State {
     /// What is made of the open sequence; `None` before its first frame is shown.
     pub fn first_look(&self) -> Option<&FirstLook> {
-        self.looked.look.as_deref()
+        self.opening.looked.look.as_deref()
     }
 
     /// Whether all is known of the open sequence that will be: the view does not change by itself any more.
     pub fn has_looked(&self) -> bool {
-        self.looked.is_complete
+        self.opening.looked.is_complete
     }
 
     /// The settings with what was guessed, and who draws, in place of what is left open.
@@ -40,7 +40,7 @@ impl State {
         choice.is_processor(self.graphics.is_software)
     }
 
-    pub(super) fn resolved(&self, style: &Style) -> Style {
+    pub(in crate::app) fn resolved(&self, style: &Style) -> Style {
         let is_processor = self.is_drawn_by_processor(style);
         self.first_look()
             .map_or(*style, |look| style.resolved(look))
@@ -49,64 +49,64 @@ impl State {
 
     /// The next sequence that is opened is drawn as this, whatever was chosen for it, and it is not kept.
     pub(in crate::app) fn ask_for_primitive(&mut self, primitive: Primitive) {
-        self.options.primitive = Some(primitive);
+        self.shared.options.primitive = Some(primitive);
     }
 
     /// Takes what was chosen for the sequence that is being opened.
     pub(in crate::app) fn take_chosen(&mut self, chosen: Chosen) {
-        self.looked = SequenceLook::default();
-        let usual = self.options.preferences.settings.primitive;
-        let asked = self.options.primitive.take();
+        self.opening.looked = SequenceLook::default();
+        let usual = self.shared.options.preferences.settings.primitive;
+        let asked = self.shared.options.primitive.take();
         self.style.primitive = asked.or(chosen.primitive).unwrap_or(usual);
-        self.looked.primitive = Some(self.style.primitive);
-        self.timeline.chosen = chosen;
+        self.opening.looked.primitive = Some(self.style.primitive);
+        self.features.timeline.chosen = chosen;
     }
 
     /// Keeps the primitive if it was changed for the open sequence.
-    pub(super) fn keep_primitive(&mut self) {
+    pub(in crate::app) fn keep_primitive(&mut self) {
         let primitive = self.style.primitive;
-        if self.player.is_none() || self.looked.primitive.replace(primitive) == Some(primitive) {
+        if self.player.is_none() || self.opening.looked.primitive.replace(primitive) == Some(primitive) {
             return;
         }
         let chosen = Some(primitive).filter(|&primitive| primitive != Primitive::Auto);
-        self.timeline.chosen.primitive = chosen;
+        self.features.timeline.chosen.primitive = chosen;
         self.keep_timeline();
     }
 
     /// Everything as in a new installation, for this sequence and those to come; the camera stays.
     pub(in crate::app) fn reset_settings(&mut self) {
         self.style = Style::default();
-        self.options.preferences.settings.primitive = Primitive::Auto;
+        self.shared.options.preferences.settings.primitive = Primitive::Auto;
     }
 
     /// Looks at the first frame that is shown, and puts the camera where it is seen best.
-    pub(super) fn look_first(&mut self, frame: &Arc<PreparedFrame>) {
+    pub(in crate::app) fn look_first(&mut self, frame: &Arc<PreparedFrame>) {
         let Some(player) = &self.player else { return };
         let sequence = Arc::clone(player.sequence());
         let look = FirstLook::of_first(&frame.frame, &sequence);
         // A frame that is read anew, as it was half-written, moves no camera that somebody has moved.
-        let is_chosen = !self.looked.is_empty() && self.looked.untouched(&self.camera).is_none();
+        let is_chosen = !self.opening.looked.is_empty() && self.opening.looked.untouched(&self.camera).is_none();
         let camera = self.camera;
-        if self.looked.is_outdated {
-            self.thumbnails.redo();
+        if self.opening.looked.is_outdated {
+            self.features.thumbnails.redo();
         }
-        self.looked.first = Some((frame.index, frame.id));
-        self.looked.is_outdated = false;
+        self.opening.looked.first = Some((frame.index, frame.id));
+        self.opening.looked.is_outdated = false;
         self.take_look(Arc::new(look));
         if is_chosen {
             self.camera = camera;
         }
-        if let Some(view) = self.options.view.take() {
+        if let Some(view) = self.shared.options.view.take() {
             self.camera = view;
-            self.looked.view = None;
+            self.opening.looked.view = None;
         }
         if sequence.len() == 1 {
-            self.looked.is_complete = true;
+            self.opening.looked.is_complete = true;
             self.tell_lack();
             return;
         }
         let frame = Arc::clone(frame);
-        self.tasks.start("first look", move || {
+        self.shared.tasks.start("first look", move || {
             let look = FirstLook::of_sequence(&frame.frame, &sequence);
             let sequence = Arc::downgrade(&sequence);
             Box::new(RefinedLook { sequence, look })
@@ -114,7 +114,7 @@ impl State {
     }
 
     /// Takes what a thread made of several frames of the open sequence.
-    pub(super) fn take_more(&mut self, more: RefinedLook) {
+    pub(in crate::app) fn take_more(&mut self, more: RefinedLook) {
         let is_open = self.player.as_ref().is_some_and(|player| {
             let opened = more.sequence.upgrade();
             opened.is_some_and(|opened| Arc::ptr_eq(&opened, player.sequence()))
@@ -122,8 +122,8 @@ impl State {
         if !is_open {
             return;
         }
-        self.looked.is_complete = true;
-        let is_untouched = self.looked.untouched(&self.camera).is_some();
+        self.opening.looked.is_complete = true;
+        let is_untouched = self.opening.looked.untouched(&self.camera).is_some();
         let camera = self.camera;
         self.take_look(Arc::new(more.look));
         if !is_untouched {
@@ -145,23 +145,23 @@ impl State {
             Some(up) => Arc::new(FirstLook::clone(&guessed).with_up(up)),
             None => Arc::clone(&guessed),
         };
-        self.looked.guessed = Some(guessed);
-        self.looked.look = Some(look);
+        self.opening.looked.guessed = Some(guessed);
+        self.opening.looked.look = Some(look);
         self.reset_view();
     }
 
     /// The up axis that the user has chosen for the open sequence.
-    pub(super) fn chosen_up(&self) -> Option<UpAxis> {
-        self.options.up.or(self.timeline.chosen.up)
+    pub(in crate::app) fn chosen_up(&self) -> Option<UpAxis> {
+        self.shared.options.up.or(self.features.timeline.chosen.up)
     }
 
     /// Puts the camera where it is for a sequence that was just opened.
-    pub(super) fn reset_view(&mut self) {
+    pub(in crate::app) fn reset_view(&mut self) {
         self.show_first_view(self.bounds_beside());
     }
 
     fn show_first_view(&mut self, beside: Aabb) {
-        let Some((look, player)) = self.looked.look.as_ref().zip(self.player.as_ref()) else {
+        let Some((look, player)) = self.opening.looked.look.as_ref().zip(self.player.as_ref()) else {
             return;
         };
         let origin = player.sequence().origin();
@@ -170,7 +170,7 @@ impl State {
         camera.projection = self.camera.projection;
         look.frame(&mut camera, origin, aspect, &beside);
         self.camera = camera;
-        self.looked.view = Some(FirstView {
+        self.opening.looked.view = Some(FirstView {
             camera,
             size_px: self.viewport.size_px,
             beside,
@@ -179,7 +179,7 @@ impl State {
 
     /// Fits the first view into a picture that has another size by now. A view that somebody has chosen stays.
     pub(in crate::app) fn fit_first_view(&mut self) {
-        if let Some(view) = self.looked.untouched(&self.camera)
+        if let Some(view) = self.opening.looked.untouched(&self.camera)
             && view.size_px != self.viewport.size_px
         {
             self.show_first_view(view.beside);
@@ -193,22 +193,22 @@ impl State {
     }
 
     /// Takes back the choice of an up axis: the guessed one is up again.
-    pub(super) fn guess_up(&mut self) {
+    pub(in crate::app) fn guess_up(&mut self) {
         self.take_chosen_up(None);
     }
 
     fn take_chosen_up(&mut self, up: Option<UpAxis>) {
-        self.options.up = None;
-        self.timeline.chosen.up = up;
+        self.shared.options.up = None;
+        self.features.timeline.chosen.up = up;
         self.keep_timeline();
-        if let Some(guessed) = self.looked.guessed.take() {
+        if let Some(guessed) = self.opening.looked.guessed.take() {
             self.take_look(guessed);
         }
     }
 
     /// Moves back until all points are seen, outliers and what is far away as well, and what is within `beside`,
     /// relative to the origin of the open sequence.
-    pub(super) fn all_framed(&self, beside: &Aabb) -> Option<Camera> {
+    pub(in crate::app) fn all_framed(&self, beside: &Aabb) -> Option<Camera> {
         let player = self.player.as_ref()?;
         let bounds = self.first_look()?.full;
         let shown = player.shown().map(|frame| frame.frame.bounds());
@@ -225,8 +225,8 @@ impl State {
     }
 
     /// Puts the camera where the sensor was, with its view.
-    pub(super) fn look_from_sensor(&mut self) {
-        let looked = self.looked.look.as_deref().zip(self.player.as_ref());
+    pub(in crate::app) fn look_from_sensor(&mut self) {
+        let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         let Some(((look, player), sensor)) = looked.zip(self.sensor()) else {
             self.notices
                 .info("Nothing says which camera took this: depth images have one, files of points do not");
@@ -237,7 +237,7 @@ impl State {
 
     /// Puts the camera where a photograph was taken, with its view.
     pub(in crate::app) fn stand_at_photo(&mut self, number: usize) {
-        let looked = self.looked.look.as_deref().zip(self.player.as_ref());
+        let looked = self.opening.looked.look.as_deref().zip(self.player.as_ref());
         if let Some((look, player)) = looked
             && let Some(set) = Photos::set_of(player)
             && let Some(photo) = set.photos.get(number)

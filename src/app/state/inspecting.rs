@@ -17,7 +17,7 @@ impl State {
     /// last.
     fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
         let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
-        let beside = self.beside.as_ref();
+        let beside = self.features.beside.as_ref();
         let of_b = beside.filter(|beside| beside.is_of_b(place, [rect, other_rect]));
         let (found, side) = match of_b {
             // Where there is no frame, the one before is not to be seen.
@@ -32,14 +32,14 @@ impl State {
 
     /// Gives the point under a place of the window to the chosen tool; nothing if there is none.
     pub fn click_at(&mut self, place: Pos2) {
-        if self.inspection.tool == Tool::Camera {
+        if self.features.inspection.tool == Tool::Camera {
             return;
         }
         if let Some((pick, frame, side)) = self.point_at(place) {
-            if self.inspection.tool == Tool::Label {
+            if self.features.inspection.tool == Tool::Label {
                 return self.put_label(side, &pick, &frame);
             }
-            self.inspection.take(side, pick, &frame);
+            self.features.inspection.take(side, pick, &frame);
         }
     }
 
@@ -62,44 +62,44 @@ impl State {
     }
 
     /// [`State::focus_at`] for what the pointer is over.
-    pub(super) fn focus_at_pointer(&mut self) {
+    pub(in crate::app) fn focus_at_pointer(&mut self) {
         if let Some(place) = self.viewport.pointer {
             self.focus_at(place);
         }
     }
 
-    pub(super) fn glide_to(&mut self, camera: Camera) {
-        self.motion.glide = Some(Glide::new(self.camera, camera, self.now));
+    pub(in crate::app) fn glide_to(&mut self, camera: Camera) {
+        self.motion.glide = Some(Glide::new(self.camera, camera, self.shared.now));
     }
 
     /// Moves a gliding or turning camera on; true if it moved.
-    pub(super) fn move_camera_on(&mut self) -> bool {
+    pub(in crate::app) fn move_camera_on(&mut self) -> bool {
         let before = self.camera;
         if let Some(glide) = &mut self.motion.glide
-            && !glide.step(&mut self.camera, self.now)
+            && !glide.step(&mut self.camera, self.shared.now)
         {
             self.motion.glide = None;
         }
-        self.motion.turntable.step(&mut self.camera, self.now);
+        self.motion.turntable.step(&mut self.camera, self.shared.now);
         self.move_on_path();
         self.camera != before
     }
 
     /// True while [`State::move_camera_on`] has something to do.
-    pub(super) fn camera_moves(&self) -> bool {
-        self.motion.glide.is_some() || self.motion.turntable.is_on || self.path.is_playing()
+    pub(in crate::app) fn camera_moves(&self) -> bool {
+        self.motion.glide.is_some() || self.motion.turntable.is_on || self.features.path.is_playing()
     }
 
-    pub(super) fn toggle_projection(&mut self) {
+    pub(in crate::app) fn toggle_projection(&mut self) {
         self.camera.projection = match self.camera.projection {
             Projection::Perspective => Projection::Orthographic,
             Projection::Orthographic => Projection::Perspective,
         };
     }
 
-    pub(super) fn copy_view(&mut self) {
+    pub(in crate::app) fn copy_view(&mut self) {
         let text = self.camera.to_string();
-        self.requests.push(WindowRequest::Copy(text));
+        self.shared.requests.push(WindowRequest::Copy(text));
         self.notices.info("The view was copied as text");
     }
 
@@ -109,7 +109,7 @@ impl State {
             Ok(camera) => {
                 self.camera = camera;
                 if self.first_look().is_none() {
-                    self.options.view = Some(camera);
+                    self.shared.options.view = Some(camera);
                 }
             }
             Err(error) => self.notices.error(format!("The view was not pasted: {error}")),
@@ -117,7 +117,7 @@ impl State {
     }
 
     /// Takes copying and pasting out of egui's input, unless text is selected or typed.
-    pub(super) fn handle_clipboard(&mut self, ctx: &egui::Context) {
+    pub(in crate::app) fn handle_clipboard(&mut self, ctx: &egui::Context) {
         use egui::text_selection::LabelSelectionState;
         let selection = ctx.plugin_opt::<LabelSelectionState>();
         let has_selection = selection.is_some_and(|selection| selection.lock().has_selection());

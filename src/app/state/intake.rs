@@ -3,69 +3,61 @@
 use super::State;
 use super::failed_opening::FailedOpening;
 use super::opened::SessionQuestion;
-use super::outcome::{FoundSequence, NotFound, Outcome};
+use super::outcome::{FoundSequence, NotFound};
+use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
+use crate::app::features::Features;
+use crate::app::first_look::RefinedLook;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
+use crate::app::work::outcome::Outcome;
 use crate::app::work::tasks::TaskFailed;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 impl State {
     /// Gives what a task came to to the feature that it is of.
-    pub(super) fn take_in(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Found(found) => self.take_found(found),
-            Outcome::Answered(answer) => self.take_answer(answer),
-            Outcome::Saved(SavedFile(path)) => {
-                self.notices.info(format!("Saved {}", path.display()));
-            }
-            Outcome::Path(path) => self.take_path_file(path),
-            Outcome::SessionSaved(saved) => self.session_was_saved(saved),
-            Outcome::Exported(ended) => self.export_has_ended(ended),
-            Outcome::SequenceSaved(ended) => self.save_has_ended(ended),
-            Outcome::Estimated(estimated) => self.estimates.take_in(*estimated),
-            Outcome::Benchmark(ended) => {
-                self.benchmark.finish(ended);
-                self.learn_quality();
-            }
-            Outcome::Compared(difference) => {
-                if let Some(pictures) = self.pictures_mut() {
-                    pictures.take_in(difference);
-                }
-            }
-            Outcome::Distances(distances) => {
-                if let (Some(beside), Some(distances)) = (&mut self.beside, distances) {
-                    beside.take_in(distances);
-                }
-            }
-            Outcome::Composed(made) => {
-                if let Some(made) = made {
-                    self.temporal.take_in(*made);
-                }
-            }
-            Outcome::Photos(loaded) => {
-                for note in self.photos.take_in(loaded) {
-                    self.notices.warn(note);
-                }
-            }
-            Outcome::Photographed(made) => self.photos.take_frame(made),
-            Outcome::Traced(traced) => self.trails.take_in(traced),
-            Outcome::Levels(FrameWithLevels(frame)) => {
-                self.main.drawing.take_levels(&frame);
-                if let Some(beside) = &mut self.beside {
-                    beside.drawing.take_levels(&frame);
-                }
-            }
-            Outcome::InView(made) => {
-                self.main.drawing.take_surfels_in_view(&made);
-                if let Some(beside) = &mut self.beside {
-                    beside.drawing.take_surfels_in_view(&made);
-                }
-            }
-            Outcome::Looked(more) => self.take_more(*more),
-            Outcome::Thumbnail(delivery) => self.thumbnails.take_in(*delivery),
-            Outcome::Failed(TaskFailed(text)) => self.notices.error(text),
+    pub(in crate::app) fn take_in(&mut self, outcome: Outcome) {
+        let features = Features::rows::<Self>().into_iter();
+        let takers = features.map(|feature| feature.take).chain([Self::take_own as _]);
+        let left = takers
+            .into_iter()
+            .try_fold(outcome, |outcome, take| match take(self, outcome) {
+                Ok(()) => ControlFlow::Break(()),
+                Err(outcome) => ControlFlow::Continue(outcome),
+            });
+        if let ControlFlow::Continue(outcome) = left {
+            debug_assert!(false, "no feature takes {outcome:?}");
+            log::error!("no feature takes {outcome:?}");
         }
+    }
+
+    /// Takes what is of no feature.
+    fn take_own(&mut self, outcome: Outcome) -> Result<(), Outcome> {
+        outcome
+            .give(|found| self.take_found(found))
+            .or_else(|outcome| outcome.give(|answer| self.take_answer(answer)))
+            .or_else(|outcome| outcome.give(|saved| self.session_was_saved(saved)))
+            .or_else(|outcome| outcome.give(|more: Box<RefinedLook>| self.take_more(*more)))
+            .or_else(|outcome| outcome.give(|TaskFailed(text)| self.notices.error(text)))
+            .or_else(|outcome| outcome.give(|SavedFile(path)| self.notices.info(format!("Saved {}", path.display()))))
+            .or_else(|outcome| {
+                outcome.give(|FrameWithLevels(frame)| {
+                    self.main.drawing.take_levels(&frame);
+                    if let Some(beside) = &mut self.features.beside {
+                        beside.drawing.take_levels(&frame);
+                    }
+                })
+            })
+            .or_else(|outcome| {
+                outcome.give(|made: Arc<InView>| {
+                    self.main.drawing.take_surfels_in_view(&made);
+                    if let Some(beside) = &mut self.features.beside {
+                        beside.drawing.take_surfels_in_view(&made);
+                    }
+                })
+            })
     }
 
     fn take_found(&mut self, found: FoundSequence) {
@@ -87,7 +79,7 @@ impl State {
             }
             Err(NotFound::Cancelled) => {}
             Err(NotFound::Beyond(beyond)) => {
-                self.session_question = Some(SessionQuestion {
+                self.opening.session_question = Some(SessionQuestion {
                     inputs: found.inputs,
                     open: found.open,
                     side: found.side,
@@ -97,7 +89,7 @@ impl State {
             Err(NotFound::Because(reason, choices)) => {
                 if self.player.is_none() {
                     let name = entry_name(&found.inputs);
-                    self.failed = Some(FailedOpening { name, reason, choices });
+                    self.opening.failed = Some(FailedOpening { name, reason, choices });
                 } else {
                     self.notices.error(reason);
                 }

@@ -15,14 +15,14 @@ impl State {
     }
 
     /// Says that the connection of a stream has broken, and that it is back. True if something is said.
-    pub(super) fn follow_connection(&mut self) -> bool {
+    pub(in crate::app) fn follow_connection(&mut self) -> bool {
         let Some(source) = self.stream() else { return false };
         let Some(live) = source.live() else { return false };
-        let Some(change) = self.connection.watch.look(&live.status(), self.now) else {
+        let Some(change) = self.opening.connection.watch.look(&live.status(), self.shared.now) else {
             return false;
         };
         // What was broken is not any more; or it broke once more.
-        if let Some(said) = self.connection.said.take() {
+        if let Some(said) = self.opening.connection.said.take() {
             self.notices.dismiss_text(&said);
         }
         let stream = source.inputs().first().map(|input| input.display().to_string());
@@ -30,7 +30,7 @@ impl State {
         match change {
             ConnectionChange::Broken(_) => {
                 self.notices.warn(text.clone());
-                self.connection.said = Some(text);
+                self.opening.connection.said = Some(text);
             }
             _ => self.notices.info(text),
         }
@@ -38,9 +38,9 @@ impl State {
     }
 
     /// Tells a stream what is looked at, once whole frames have told where to stand.
-    pub(super) fn tell_view(&self) {
+    pub(in crate::app) fn tell_view(&self) {
         let size_px = self.drawn_style().drawn_px(self.viewport.size_px);
-        if self.looked.is_empty() || self.viewport.size_px.contains(&0) {
+        if self.opening.looked.is_empty() || self.viewport.size_px.contains(&0) {
             return;
         }
         if let Some(source) = self.stream()
@@ -51,7 +51,7 @@ impl State {
     }
 
     /// Asks where to record to, or ends the recording.
-    pub(super) fn toggle_recording(&mut self) {
+    pub(in crate::app) fn toggle_recording(&mut self) {
         let Some(source) = self.stream() else {
             return self
                 .notices
@@ -69,7 +69,7 @@ impl State {
     }
 
     /// Records to a new file.
-    pub(super) fn record_to(&mut self, path: &Path) {
+    pub(in crate::app) fn record_to(&mut self, path: &Path) {
         let started = self
             .stream()
             .and_then(|source| Some(source.live()?.start_recording(path)));

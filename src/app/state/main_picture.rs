@@ -6,22 +6,22 @@ use crate::sequence::Paint;
 
 /// What is drawn of the open sequence.
 #[derive(Debug, Default)]
-pub(super) struct MainPicture {
-    pub(super) drawing: Drawing,
+pub(in crate::app) struct MainPicture {
+    pub(in crate::app) drawing: Drawing,
     /// Who was chosen to draw when the graphics card's device was lost: the processor draws until that is chosen anew.
-    pub(super) without_gpu: Option<RendererChoice>,
+    pub(in crate::app) without_gpu: Option<RendererChoice>,
     /// What the drawn frame was painted with when this was last looked at: the panels say it.
-    pub(super) painted_with: Option<Paint>,
+    pub(in crate::app) painted_with: Option<Paint>,
 }
 
 impl MainPicture {
     /// Takes notice of what is chosen: the graphics card may draw again once somebody has chosen anew.
-    pub(super) fn note_choice(&mut self, chosen: RendererChoice) {
+    pub(in crate::app) fn note_choice(&mut self, chosen: RendererChoice) {
         self.without_gpu.take_if(|before| *before != chosen);
     }
 
     /// Who draws where `chosen` is what a person chose.
-    pub(super) fn renderer(&self, chosen: RendererChoice) -> RendererChoice {
+    pub(in crate::app) fn renderer(&self, chosen: RendererChoice) -> RendererChoice {
         if self.without_gpu == Some(chosen) {
             RendererChoice::Cpu
         } else {

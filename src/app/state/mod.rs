@@ -2,80 +2,52 @@
 //! own.
 
 mod actions;
-mod assumptions;
-mod camera_path;
-mod clipping;
-mod companion;
 mod connection;
-mod depth_filters;
 mod dialogs;
-mod export;
 mod failed_opening;
 mod files;
 mod first_look;
 mod inspecting;
 mod intake;
-mod labels;
+mod kept;
 mod live;
 mod main_picture;
-mod measured_way;
-mod measuring;
 mod opened;
 mod opening;
+mod opening_facts;
 mod options;
 mod outcome;
 mod parts;
 mod pictures;
 mod proven;
 mod reading;
-mod save;
 mod session;
+mod shared;
 mod steering;
-mod timeline;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
+pub use kept::Kept;
 pub use opened::{SavedSession, SessionQuestion};
+pub use opening_facts::OpeningFacts;
 pub use options::StateOptions;
-pub use outcome::{FoundSequence, Outcome};
+pub use outcome::FoundSequence;
+pub(in crate::app) use outcome::NotFound;
 pub use parts::{Counters, GraphicsInfo, Viewport, VisibleChange, WindowRequest};
 pub(in crate::app) use reading::PictureStage;
+pub use shared::Shared;
 
-use connection::Connection;
-use dialogs::Dialogs;
-use failed_opening::Unproven;
 use main_picture::MainPicture;
-use opened::Opened;
 
 use crate::app::appearance::Appearance;
-use crate::app::features::benchmark::Benchmark;
-use crate::app::features::beside::Beside;
-use crate::app::features::camera_path::PathEditor;
-use crate::app::features::clipping::Clipping;
-use crate::app::features::comparison::{Comparison, PicturePair};
-use crate::app::features::export::Export;
-use crate::app::features::inspection::Inspection;
-use crate::app::features::labels::Labels;
-use crate::app::features::palette::Palette;
-use crate::app::features::photos::Photos;
-use crate::app::features::quality::{MeasuredQuality, MeasuredWay};
-use crate::app::features::save::{Estimates, Save};
-use crate::app::features::temporal::Temporal;
+use crate::app::features::Features;
 use crate::app::features::thumbnails::Thumbnails;
-use crate::app::features::timeline::Timeline;
-use crate::app::features::trails::Trails;
-use crate::app::first_look::SequenceLook;
 use crate::app::history::History;
 use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
 use crate::app::open_panels::OpenPanels;
 use crate::app::preferences::Preferences;
-use crate::app::presets::Presets;
-use crate::app::reading_choices::ReadingChoices;
-use crate::app::recent::Recent;
-use crate::app::side::Side;
-use crate::app::work::tasks::{Tasks, Wake};
-use crate::app::work::works::Works;
+use crate::app::work::tasks::Wake;
 use crate::cloud::LengthUnit;
 use crate::math::Aabb;
 use crate::playback::{Player, PlayerChange};
@@ -90,91 +62,34 @@ use std::time::Duration;
 pub struct State {
     /// The open sequence.
     pub player: Option<Player>,
+    /// How it was opened, and what is known of it.
+    pub opening: OpeningFacts,
     /// Where the picture is seen from; kept across frames.
     pub camera: Camera,
+    /// What moves the camera.
+    pub motion: CameraMotion,
     /// How pictures are asked for.
     pub style: Style,
+    /// Undo and redo of settings and camera path.
+    pub(in crate::app) history: History,
+    /// What a person can do beside looking and playing.
+    pub features: Features,
     /// Messages.
     pub notices: Notices,
     /// Open panels.
     pub panels: OpenPanels,
-    /// Another way to draw beside the one of the settings.
-    pub comparison: Option<Comparison>,
-    /// Long work with a bar, but for the benchmark.
-    pub works: Works,
-    /// Another sequence beside the open one; never together with `comparison`.
-    pub beside: Option<Beside>,
-    /// The benchmark window's content.
-    pub benchmark: Benchmark,
-    /// What is known of the open sequence's ways to draw, from fast to exact.
-    pub quality: MeasuredQuality,
-    /// What was opened lately.
-    pub recent: Recent,
-    /// Options of reading that were chosen for inputs.
-    pub reading_choices: ReadingChoices,
-    /// What was to be opened last, and cannot be shown.
-    pub failed: Option<FailedOpening>,
-    /// The session that is not opened before somebody allows what it opens.
-    pub session_question: Option<SessionQuestion>,
-    /// Settings under names.
-    pub presets: Presets,
-    /// The name of the preset that is being saved.
-    pub(in crate::app) preset_name: Option<String>,
-    /// Undo and redo of settings and camera path.
-    pub(in crate::app) history: History,
-    /// Commands by their names, while they are looked for.
-    pub palette: Option<Palette>,
-    /// Markers and curve of the open sequence.
-    pub timeline: Timeline,
-    /// What moves the camera.
-    pub motion: CameraMotion,
     /// How the window looks.
     pub appearance: Appearance,
     /// The picture's place.
     pub viewport: Viewport,
     /// What is known of the graphics card.
     pub graphics: GraphicsInfo,
-    /// The camera path that is being made.
-    pub path: PathEditor,
-    /// What a person would export.
-    pub export: Export,
-    /// As what a person would save the sequence.
-    pub save: Save,
-    /// What that comes to.
-    pub estimates: Estimates,
-    /// What other poses add to the picture.
-    pub temporal: Temporal,
-    /// Photographs of what is shown.
-    pub photos: Photos,
-    /// Small pictures of the frames.
-    pub thumbnails: Thumbnails,
-    /// The ways of points through time.
-    pub trails: Trails,
-    /// What is known of what is clipped.
-    pub clipping: Clipping,
-    /// What was clicked on.
-    pub inspection: Inspection,
-    /// Texts at points.
-    pub labels: Labels,
-    /// Work done.
-    pub counters: Counters,
-    pub(in crate::app) tasks: Tasks<Outcome>,
-    dialogs: Dialogs,
-    options: StateOptions,
-    now: Duration,
-    /// What is made of the open sequence.
-    looked: SequenceLook,
-    requests: Vec<WindowRequest>,
-    /// How the open sequence was opened.
-    opened: Opened,
-    /// See [`State::prove`].
-    unproven: Unproven,
-    /// The way to draw that was measured and is used for the open sequence.
-    measured_way: Option<MeasuredWay>,
     /// The picture of the open sequence.
-    main: MainPicture,
-    /// That of the open sequence, of live streams.
-    connection: Connection,
+    pub(in crate::app) main: MainPicture,
+    /// Lists that are kept between runs.
+    pub kept: Kept,
+    /// Clock, tasks, dialogs and requests.
+    pub shared: Shared,
 }
 
 impl State {
@@ -183,62 +98,39 @@ impl State {
         let nothing = Aabb::EMPTY;
         Self {
             player: None,
+            opening: OpeningFacts::default(),
             camera: Camera::framing(&nothing, DVec3::ZERO, options.up.unwrap_or_default()),
+            motion: CameraMotion::default(),
             style: options.preferences.settings,
+            history: History::default(),
+            features: Features {
+                thumbnails: Thumbnails::new(options.preferences.thumbnails),
+                ..Features::default()
+            },
             notices: Notices::default(),
             panels: options.preferences.panels.into(),
-            comparison: None,
-            works: Works::default(),
-            beside: None,
-            benchmark: Benchmark::default(),
-            quality: MeasuredQuality::default(),
-            recent: options.recent.clone(),
-            reading_choices: options.reading_choices.clone(),
-            failed: None,
-            session_question: None,
-            opened: Opened::default(),
-            unproven: Unproven::default(),
-            measured_way: None,
-            presets: options.presets.clone(),
-            preset_name: None,
-            history: History::default(),
-            palette: None,
-            timeline: Timeline::default(),
-            motion: CameraMotion::default(),
             appearance: Appearance::of(&options.preferences),
             viewport: Viewport::default(),
             graphics: GraphicsInfo::default(),
-            path: PathEditor::default(),
-            export: Export::default(),
-            save: Save::default(),
-            estimates: Estimates::default(),
-            temporal: Temporal::default(),
-            photos: Photos::default(),
-            thumbnails: Thumbnails::new(options.preferences.thumbnails),
-            trails: Trails::default(),
-            clipping: Clipping::default(),
-            inspection: Inspection::default(),
-            labels: Labels::default(),
-            counters: Counters::default(),
-            dialogs: Dialogs::default(),
-            tasks: Tasks::new(Arc::clone(&options.wake)),
-            now: Duration::ZERO,
-            looked: SequenceLook::default(),
-            requests: Vec::new(),
             main: MainPicture::default(),
-            connection: Connection::default(),
-            options,
+            kept: Kept {
+                recent: options.recent.clone(),
+                reading_choices: options.reading_choices.clone(),
+                presets: options.presets.clone(),
+                preset_name: None,
+            },
+            shared: Shared::new(options),
         }
     }
 
     /// The time of the last [`State::update`].
     pub fn now(&self) -> Duration {
-        self.now
+        self.shared.now
     }
 
     /// What [`StateOptions`] said about waking.
     pub(in crate::app) fn wake(&self) -> Wake {
-        Arc::clone(&self.options.wake)
+        Arc::clone(&self.shared.options.wake)
     }
 
     /// Counters of the traversal.
@@ -262,15 +154,15 @@ impl State {
         Preferences {
             // The primitive is chosen for one sequence, and kept with it.
             settings: Style {
-                primitive: self.options.preferences.settings.primitive,
+                primitive: self.shared.options.preferences.settings.primitive,
                 ..self.style_to_keep()
             },
             present: self.appearance.present,
-            loop_mode: clock.map_or(self.options.preferences.loop_mode, Clock::loop_mode),
+            loop_mode: clock.map_or(self.shared.options.preferences.loop_mode, Clock::loop_mode),
             // A sequence that was left while it played backward is not what the next one is to begin with.
-            speed: clock.map_or(self.options.preferences.speed, Clock::speed).abs(),
+            speed: clock.map_or(self.shared.options.preferences.speed, Clock::speed).abs(),
             panels: self.panels.remembered(),
-            thumbnails: self.thumbnails.is_on,
+            thumbnails: self.features.thumbnails.is_on,
             scale_bar: self.appearance.shows_scale_bar,
             advanced: self.appearance.shows_advanced,
             theme: self.appearance.theme,
@@ -284,37 +176,31 @@ impl State {
 
     /// Moves on to `now`: takes in what threads finished, moves the playhead. Says what can be seen to change.
     pub fn update(&mut self, now: Duration) -> VisibleChange {
-        let before = std::mem::replace(&mut self.now, now);
-        let outcomes = self.tasks.take();
+        let before = std::mem::replace(&mut self.shared.now, now);
+        let outcomes = self.shared.tasks.take();
         let mut visible = !outcomes.is_empty();
         for outcome in outcomes {
             self.take_in(outcome);
         }
         visible |= self.follow_readings();
-        visible |= self.works.look(before, now);
-        if let Benchmark::Running(running) = &mut self.benchmark {
-            running.work.look(now);
-        }
+        visible |= self.shared.works.look(before, now);
         visible |= self.notices.expire(now);
         visible |= self.follow_connection();
-        visible |= self.look_for_quality();
-        self.follow_save();
-        visible |= self.move_camera_on();
-        if self.pictures_mut().is_some_and(|pair| pair.is_due(now)) {
-            self.requests.push(WindowRequest::Compare);
-            visible = true;
+        for feature in Features::rows::<Self>() {
+            visible |= (feature.update)(self);
         }
+        visible |= self.move_camera_on();
         self.keep_primitive();
         let style = self.drawn_style();
         let Some(player) = &mut self.player else {
             return VisibleChange::of_panels(visible);
         };
-        let (change, of_b) = if let Some(beside) = &mut self.beside {
+        let (change, of_b) = if let Some(beside) = &mut self.features.beside {
             let [of_a, of_b] = beside.update(player, now, &style);
             (of_a, Some(of_b))
         } else {
             let sequence = Arc::clone(player.sequence());
-            let (photos, source) = (&self.photos, &**sequence.source());
+            let (photos, source) = (&self.features.photos, &**sequence.source());
             let prepare = |clock: &Clock, _: bool| photos.are_there(source, clock.frame(), &style);
             (player.update_beside(now, &style, prepare), None)
         };
@@ -326,9 +212,8 @@ impl State {
         }
         self.note_proven();
         self.tell_of_frames(change, count);
-        visible |= self.follow_shown(&style);
+        visible |= self.follow_shown();
         self.tell_view();
-        self.follow_thumbnails();
         if let Some(of_b) = of_b {
             visible |= self.follow_beside(of_b);
         }
@@ -344,10 +229,12 @@ impl State {
     /// Says what is new about frames that were read, of `count`.
     fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
         for &frame in &change.reread {
-            self.thumbnails.forget_frame(frame);
+            for feature in Features::rows::<Self>() {
+                (feature.forget_frame)(self, frame);
+            }
             self.notices
                 .dismiss_begun(&format!("Frame {} of ", frame + 1), " is left out.");
-            self.looked.is_outdated |= self.looked.first.is_some_and(|(index, _)| index == frame);
+            self.opening.looked.is_outdated |= self.opening.looked.first.is_some_and(|(index, _)| index == frame);
         }
         if let Some(failure) = change.new_failure {
             let place = failure.index() + 1;
@@ -361,22 +248,21 @@ impl State {
     }
 
     /// Has what features make of the shown frame made. True if something can be seen to change.
-    fn follow_shown(&mut self, style: &Style) -> bool {
-        let Some(player) = &self.player else {
-            return false;
-        };
-        let mut visible = self.temporal.follow(player, style, &self.tasks, self.now);
-        self.photos.follow(player, style, &self.tasks);
-        if let Some(frame) = player.shown() {
-            self.inspection.follow(Side::A, frame, player.sequence().origin());
-            visible |= self.trails.follow(player, &self.inspection, &self.tasks);
-            if self.looked.is_empty() || self.looked.is_mended_by(frame.index, frame.id) {
-                let frame = Arc::clone(frame);
-                self.look_first(&frame);
-                visible = true;
-            }
+    fn follow_shown(&mut self) -> bool {
+        let mut visible = false;
+        for feature in Features::rows::<Self>() {
+            visible |= (feature.follow_frame)(self);
         }
-        self.follow_clip();
+        if let Some(frame) = self.player.as_ref().and_then(Player::shown)
+            && (self.opening.looked.is_empty() || self.opening.looked.is_mended_by(frame.index, frame.id))
+        {
+            let frame = Arc::clone(frame);
+            self.look_first(&frame);
+            visible = true;
+        }
+        for feature in Features::rows::<Self>() {
+            (feature.follow)(self);
+        }
         let paint = self.drawn_frame().map(|frame| *frame.paint());
         visible | (std::mem::replace(&mut self.main.painted_with, paint) != paint)
     }
@@ -386,71 +272,43 @@ impl State {
     fn panels_show_frame(&self) -> bool {
         let is_playing = self.player.as_ref().is_some_and(Player::is_playing);
         !is_playing
-            || self.pictures().is_some()
-            || self.inspection.picked().next().is_some()
-            || self.trails.are_shown()
-            || self.labels.are_shown()
-            || self.temporal.change.is_on
-            || self.temporal.onion.is_on
+            || Features::rows::<Self>()
+                .iter()
+                .any(|feature| (feature.shows_frame)(self))
     }
 
-    /// Begins the next small picture if there is time for it.
-    pub(in crate::app) fn follow_thumbnails(&mut self) {
-        // The first picture goes first.
-        let look = self.looked.look().filter(|_| self.has_looked());
-        let Some((player, look)) = self.player.as_ref().zip(look) else {
-            return;
-        };
-        let style = self.style.resolved(&look);
-        let hints = style.of_sequence.color_hints;
-        let key = (self.camera.up, style.colors, hints);
-        let is_measured = matches!(self.benchmark, Benchmark::Running(_));
-        self.thumbnails
-            .follow(player, &look, key, is_measured, &self.tasks, self.now);
-    }
-
-    /// Takes in at once what the panels have changed about other poses.
-    pub(in crate::app) fn follow_poses(&mut self) {
-        let style = self.drawn_style();
-        if let Some(player) = &self.player {
-            self.temporal.follow(player, &style, &self.tasks, self.now);
-            self.trails.follow(player, &self.inspection, &self.tasks);
+    /// Has features take in at once what the panels have changed.
+    pub(in crate::app) fn follow_panels(&mut self) {
+        for feature in Features::rows::<Self>() {
+            (feature.follow_panels)(self);
         }
     }
 
     /// True if something that is not the picture may have changed: marks on the timeline, progress.
     pub fn has_news(&self) -> bool {
-        matches!(self.benchmark, Benchmark::Running(_))
-            || self.works.list().iter().any(|work| work.is_long(self.now))
-            || self.trails.progress().is_some()
+        let mut works = self.shared.works.list().iter();
+        works.any(|work| work.is_long(self.shared.now))
+            || Features::rows::<Self>().iter().any(|feature| (feature.has_news)(self))
             || self.player.as_ref().is_some_and(Player::runs_are_old)
     }
 
     /// What only the window can do, in the order in which it was asked for.
     pub fn take_requests(&mut self) -> Vec<WindowRequest> {
-        std::mem::take(&mut self.requests)
+        std::mem::take(&mut self.shared.requests)
     }
 
     /// When [`State::update`] has something to do by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
-        let player = self.player.as_ref().and_then(Player::next_deadline);
-        let pictures = self.pictures().and_then(PicturePair::next_deadline);
-        let camera = self.camera_moves().then_some(self.now);
-        let held = self.temporal.next_deadline();
-        [
-            player,
+        let own = [
+            self.player.as_ref().and_then(Player::next_deadline),
             self.notices.next_deadline(),
-            self.works.next_deadline(self.now),
+            self.shared.works.next_deadline(self.shared.now),
             self.next_look_at_readings(),
-            pictures,
-            camera,
-            held,
-            self.estimates.next_deadline(),
+            self.camera_moves().then_some(self.shared.now),
             self.main.drawing.next_deadline(),
-            self.beside.as_ref().and_then(|beside| beside.drawing.next_deadline()),
-        ]
-        .into_iter()
-        .flatten()
-        .min()
+        ];
+        let features = Features::rows::<Self>().into_iter();
+        let features = features.map(|feature| (feature.next_deadline)(self));
+        own.into_iter().chain(features).flatten().min()
     }
 }

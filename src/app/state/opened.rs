@@ -10,27 +10,27 @@ use std::sync::Arc;
 
 /// How the open sequence was opened, and the session that it is of.
 #[derive(Debug, Default)]
-pub(super) struct Opened {
+pub(in crate::app) struct Opened {
     /// What was named; empty for what no one named.
-    pub(super) inputs: Vec<PathBuf>,
+    pub(in crate::app) inputs: Vec<PathBuf>,
     /// How, if otherwise than the window usually opens.
-    pub(super) options: Option<OpenOptions>,
+    pub(in crate::app) options: Option<OpenOptions>,
     /// What its session has beside it, until that is open.
-    pub(super) compared: Option<Compared>,
+    pub(in crate::app) compared: Option<Compared>,
     /// The file of its session.
-    pub(super) file: Option<PathBuf>,
+    pub(in crate::app) file: Option<PathBuf>,
     /// What in that is not this program's.
-    pub(super) unknown: Unknown,
+    pub(in crate::app) unknown: Unknown,
     /// Not all of the file could be read: it is copied before it is replaced.
-    pub(super) is_damaged: bool,
+    pub(in crate::app) is_damaged: bool,
 }
 
 /// A session that opens more than the files of its folder, and is not opened before somebody says so.
 #[derive(Debug)]
 pub struct SessionQuestion {
-    pub(super) inputs: Vec<PathBuf>,
-    pub(super) open: OpenOptions,
-    pub(super) side: Side,
+    pub(in crate::app) inputs: Vec<PathBuf>,
+    pub(in crate::app) open: OpenOptions,
+    pub(in crate::app) side: Side,
     /// What it would open.
     pub beyond: Beyond,
 }
@@ -45,7 +45,7 @@ impl SessionQuestion {
 /// A session was written.
 #[derive(Debug)]
 pub struct SavedSession {
-    pub(super) file: PathBuf,
+    pub(in crate::app) file: PathBuf,
     /// The camera path that is in it.
-    pub(super) path: Arc<Draft>,
+    pub(in crate::app) path: Arc<Draft>,
 }

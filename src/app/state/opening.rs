@@ -20,7 +20,7 @@ impl State {
     /// not of the sequence. What is beside it stays there.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         let loader_options = self.loader_options(self.budget_bytes());
-        let mut player = match Player::new(sequence, loader_options, !self.options.paused) {
+        let mut player = match Player::new(sequence, loader_options, !self.shared.options.paused) {
             Ok(player) => player,
             Err(error) => return self.notices.error(error.to_string()),
         };
@@ -30,31 +30,34 @@ impl State {
         for note in player.sequence().source().notes() {
             self.notices.warn(note.clone());
         }
-        if self.options.follow || player.sequence().source().is_live() {
-            player.follow_newest(true, self.now);
+        if self.shared.options.follow || player.sequence().source().is_live() {
+            player.follow_newest(true, self.shared.now);
         }
         let (loop_mode, speed) = match &self.player {
             Some(before) => (before.clock().loop_mode(), before.clock().speed()),
-            None => (self.options.preferences.loop_mode, self.options.preferences.speed),
+            None => (
+                self.shared.options.preferences.loop_mode,
+                self.shared.options.preferences.speed,
+            ),
         };
-        player.set_loop_mode(loop_mode, self.now);
-        player.set_speed(speed, self.now);
+        player.set_loop_mode(loop_mode, self.shared.now);
+        player.set_speed(speed, self.shared.now);
         // The window may take a while to open.
         player.begin(&self.style);
         if let Some(before) = self.player.replace(player) {
             self.leave(before);
         }
-        self.failed = None;
-        self.connection = Connection::default();
+        self.opening.failed = None;
+        self.opening.connection = Connection::default();
         self.note_unnamed();
         self.prove(Vec::new(), Side::A);
-        self.read_timeline(self.options.timelines.clone().as_ref());
+        self.read_timeline(self.shared.options.timelines.clone().as_ref());
         self.compare_again();
     }
 
     /// Shows `sequence` as a window does that has just been opened with it, playing or not.
     pub(in crate::app) fn open_fresh(&mut self, sequence: Arc<Sequence>, plays: bool) {
-        self.options.paused = !plays;
+        self.shared.options.paused = !plays;
         self.open(sequence);
     }
 
@@ -73,22 +76,22 @@ impl State {
 
     /// A topic is a choice for one recording: what is opened next has others.
     fn open_with_topic(&mut self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
-        let open = self.options.open.clone();
+        let open = self.shared.options.open.clone();
         self.find(inputs, OpenOptions { topic, ..open }, Side::A);
     }
 
     /// Finds the frames of `inputs` on a thread.
-    pub(super) fn find(&mut self, inputs: Vec<PathBuf>, open: OpenOptions, side: Side) {
+    pub(in crate::app) fn find(&mut self, inputs: Vec<PathBuf>, open: OpenOptions, side: Side) {
         if inputs.is_empty() {
             return;
         }
         // What was asked for last is what is wanted.
-        self.session_question = None;
-        self.works.cancel(WorkKind::Open);
+        self.opening.session_question = None;
+        self.shared.works.cancel(WorkKind::Open);
         let name = format!("Opening {}", entry_name(&inputs));
-        let progress = self.works.begin(WorkKind::Open, name, self.now);
+        let progress = self.shared.works.begin(WorkKind::Open, name, self.shared.now);
         let chosen = self.chosen_reading(&inputs);
-        self.tasks.start("find frames", move || {
+        self.shared.tasks.start("find frames", move || {
             let mut problem = None;
             let (open, session, sequence) = match session_of(&inputs) {
                 Ok(Some(read)) => {
@@ -129,7 +132,7 @@ impl State {
 
     /// Opens the session of [`State::session_question`], which may open all that it names now.
     pub fn trust_session(&mut self) {
-        if let Some(question) = self.session_question.take() {
+        if let Some(question) = self.opening.session_question.take() {
             let open = OpenOptions {
                 session_reach: SessionReach::ANYWHERE,
                 ..question.open
@@ -140,7 +143,7 @@ impl State {
 
     /// Sets the memory for prepared frames, now and for what is opened later.
     pub fn set_budget_bytes(&mut self, budget_bytes: usize) {
-        self.options.budget_bytes = Some(budget_bytes);
+        self.shared.options.budget_bytes = Some(budget_bytes);
         self.share_budget();
     }
 }

@@ -1,24 +1,14 @@
-//! What tasks come to: here the features meet.
+//! What the tasks come to that are of no feature.
 
 use super::dialogs::DialogAnswer;
 use super::opened::SavedSession;
 use crate::app::drawing::in_view::InView;
 use crate::app::drawing::levels::FrameWithLevels;
 use crate::app::features::assumptions::ReadChange;
-use crate::app::features::benchmark::BenchmarkEnded;
-use crate::app::features::beside::FrameDistances;
-use crate::app::features::camera_path::PathFile;
-use crate::app::features::comparison::PictureDifference;
-use crate::app::features::export::ExportEnded;
-use crate::app::features::photos::{PhotographedFrame, PhotosLoaded};
-use crate::app::features::save::{Estimated, SaveEnded};
-use crate::app::features::temporal::ComposedFrame;
-use crate::app::features::thumbnails::Delivery;
-use crate::app::features::trails::Traced;
 use crate::app::first_look::RefinedLook;
 use crate::app::side::Side;
 use crate::app::work::files::SavedFile;
-use crate::app::work::tasks::TaskFailed;
+use crate::app::work::outcome::Message;
 use crate::sequence::{OpenOptions, Sequence, SequenceError};
 use crate::session::{Beyond, ReadSession};
 use crate::source::OpeningChoice;
@@ -29,24 +19,24 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct FoundSequence {
     /// What was asked for; empty for the demo.
-    pub(super) inputs: Vec<PathBuf>,
+    pub(in crate::app) inputs: Vec<PathBuf>,
     /// How it was opened.
-    pub(super) open: OpenOptions,
+    pub(in crate::app) open: OpenOptions,
     /// The session that the frames are of, if one was asked for.
-    pub(super) session: Option<Box<ReadSession>>,
+    pub(in crate::app) session: Option<Box<ReadSession>>,
     /// The frames.
-    pub(super) sequence: Result<Arc<Sequence>, NotFound>,
+    pub(in crate::app) sequence: Result<Arc<Sequence>, NotFound>,
     /// Whether it is to be opened, or beside what is open.
-    pub(super) side: Side,
+    pub(in crate::app) side: Side,
     /// It is the open sequence read with these changes; empty if it is another one.
-    pub(super) changes: Vec<ReadChange>,
+    pub(in crate::app) changes: Vec<ReadChange>,
     /// Why a choice that was made for the inputs before was not taken: a text for a notice.
-    pub(super) problem: Option<String>,
+    pub(in crate::app) problem: Option<String>,
 }
 
 /// Why no frames were found.
 #[derive(Debug)]
-pub(super) enum NotFound {
+pub(in crate::app) enum NotFound {
     /// Nobody wants them any more.
     Cancelled,
     /// There are none, and why; and the sequences of which one has to be chosen.
@@ -70,62 +60,10 @@ impl From<SequenceError> for NotFound {
     }
 }
 
-/// Declares what tasks come to, and makes it of what each task gives.
-macro_rules! outcomes {
-    ($($(#[$doc:meta])* $variant:ident($of:ty),)*) => {
-        /// What a task came to.
-        #[derive(Debug)]
-        pub enum Outcome {
-            $($(#[$doc])* $variant($of),)*
-        }
-
-        $(impl From<$of> for Outcome {
-            fn from(of: $of) -> Self {
-                Self::$variant(of)
-            }
-        })*
-    };
-}
-
-outcomes! {
-    /// The frames of inputs were looked for.
-    Found(FoundSequence),
-    /// A dialog was closed.
-    Answered(DialogAnswer),
-    /// A file was written.
-    Saved(SavedFile),
-    /// A camera path was read or written.
-    Path(PathFile),
-    /// A session was written.
-    SessionSaved(SavedSession),
-    /// An export ended.
-    Exported(ExportEnded),
-    /// A sequence was saved, or not.
-    SequenceSaved(SaveEnded),
-    /// A frame was judged as it would be saved.
-    Estimated(Box<Estimated>),
-    /// Two pictures were compared.
-    Compared(PictureDifference),
-    /// The points of two frames were compared; `None` if one has none, or nobody waits for it any more.
-    Distances(Option<FrameDistances>),
-    /// A frame was made of several poses; `None` if nobody waits for it any more.
-    Composed(Option<Box<ComposedFrame>>),
-    /// A frame has got levels of detail.
-    Levels(FrameWithLevels),
-    /// Surfels of what a view shows were estimated.
-    InView(Arc<InView>),
-    /// Several frames of a sequence were looked at.
-    Looked(Box<RefinedLook>),
-    /// A small picture of a frame was made.
-    Thumbnail(Box<Delivery>),
-    /// Photographs were loaded.
-    Photos(PhotosLoaded),
-    /// Photographs were put on a frame.
-    Photographed(PhotographedFrame),
-    /// Points were followed through the frames.
-    Traced(Traced),
-    /// A benchmark ended.
-    Benchmark(BenchmarkEnded),
-    /// A task failed.
-    Failed(TaskFailed),
-}
+impl Message for FoundSequence {}
+impl Message for DialogAnswer {}
+impl Message for SavedSession {}
+impl Message for SavedFile {}
+impl Message for FrameWithLevels {}
+impl Message for Arc<InView> {}
+impl Message for Box<RefinedLook> {}

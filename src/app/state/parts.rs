@@ -21,7 +21,7 @@ pub enum VisibleChange {
 
 impl VisibleChange {
     /// All, or nothing.
-    pub(super) fn of_panels(is_changed: bool) -> Self {
+    pub(in crate::app) fn of_panels(is_changed: bool) -> Self {
         if is_changed { Self::Panels } else { Self::Nothing }
     }
 
@@ -112,7 +112,7 @@ impl Default for GraphicsInfo {
 
 impl GraphicsInfo {
     /// Time of the last picture: the longer of processor and graphics card, which work side by side.
-    pub(super) fn picture_ms(&self) -> f64 {
+    pub(in crate::app) fn picture_ms(&self) -> f64 {
         self.frame_ms.max(self.render.gpu_ms.unwrap_or(0.0))
     }
 }

@@ -14,16 +14,16 @@ use std::sync::Arc;
 impl State {
     /// The frame that is drawn: the shown one, or what other poses made of it.
     pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
-        let made = self.temporal.shown().map(ComposedFrame::frame);
+        let made = self.features.temporal.shown().map(ComposedFrame::frame);
         made.or_else(|| self.player.as_ref()?.shown())
     }
 
     /// Whether a picture that is coarse because the camera moved is to be drawn as a whole.
-    pub(super) fn is_picture_due(&self) -> bool {
-        let of_b = self.beside.as_ref().map(|beside| &beside.drawing);
+    pub(in crate::app) fn is_picture_due(&self) -> bool {
+        let of_b = self.features.beside.as_ref().map(|beside| &beside.drawing);
         let drawings = [Some(&self.main.drawing), of_b];
         let mut deadlines = drawings.into_iter().flatten().filter_map(Drawing::next_deadline);
-        deadlines.any(|deadline| deadline <= self.now)
+        deadlines.any(|deadline| deadline <= self.shared.now)
     }
 
     /// Whether the picture is a coarse one because the camera moved.
@@ -34,7 +34,7 @@ impl State {
     /// How far the surface that photographs are put on is, in words, where it is on its way and they are to be seen. Of
     /// films nobody waits for one.
     pub(in crate::app) fn surface_on_its_way(&self) -> Option<String> {
-        let text = self.photos.loading()?;
+        let text = self.features.photos.loading()?;
         self.waits_for_surface(&self.drawn_style()).then_some(text)
     }
 
@@ -47,7 +47,7 @@ impl State {
     pub fn next_packet(&mut self) -> Option<ScenePacket> {
         let player = self.player.as_ref()?;
         let pose = player.shown()?;
-        let made = self.temporal.shown();
+        let made = self.features.temporal.shown();
         let frame = made.map_or(pose, ComposedFrame::frame);
         if self.viewport.size_px.contains(&0) {
             return None;
@@ -56,7 +56,7 @@ impl State {
         let mut style = self.drawn_style();
         let waits_for_surface = self.waits_for_surface(&style);
         let set = Photos::set_of(player);
-        let photographed = self.photos.drawn(frame, set.as_ref(), &style);
+        let photographed = self.features.photos.drawn(frame, set.as_ref(), &style);
         if self.style.primitive == Primitive::Auto && waits_for_surface && photographed.is_none() {
             // A few thousand points are no surface before it is found.
             style.primitive = Primitive::Point;
@@ -74,8 +74,8 @@ impl State {
         let packet = self
             .main
             .drawing
-            .next_packet(drawn, &self.camera, &style, size_px, self.now)?;
-        self.counters.pictures += 1;
+            .next_packet(drawn, &self.camera, &style, size_px, self.shared.now)?;
+        self.shared.counters.pictures += 1;
         self.note_picture();
         Some(packet)
     }
@@ -96,9 +96,9 @@ impl State {
             player.note_picture_ms(points, draw_ms);
         }
         let is_at_rest = !player.is_playing() && !is_partial;
-        let (tasks, now) = (&self.tasks, self.now);
+        let (tasks, now) = (&self.shared.tasks, self.shared.now);
         self.main.drawing.prepare(&style, is_at_rest, tasks, now);
-        if let Some(beside) = &mut self.beside {
+        if let Some(beside) = &mut self.features.beside {
             if let Some(points) = beside.drawing.note_draw_ms(draw_ms) {
                 beside.companion.note_picture_ms(points, draw_ms);
             }
@@ -109,19 +109,19 @@ impl State {
     /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
     /// asked for after [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
-        if self.beside.is_some() {
+        if self.features.beside.is_some() {
             return self.next_packet_beside();
         }
-        let other = self.comparison.as_ref()?.other;
+        let other = self.features.comparison.as_ref()?.other;
         let style_of_a = self.drawn_style();
         let mut style = self.resolved(&other);
         style.of_sequence.clip = self.style.of_sequence.clip;
-        let comparison = self.comparison.as_mut()?;
+        let comparison = self.features.comparison.as_mut()?;
         let player = self.player.as_ref()?;
         let set = Photos::set_of(player);
         let shown = player.shown()?;
         // Disks of the other side may be as large as they like: its renderer draws depths of its own.
-        let photographed = self.photos.drawn(shown, set.as_ref(), &style_of_a);
+        let photographed = self.features.photos.drawn(shown, set.as_ref(), &style_of_a);
         let frame = photographed.map_or(shown, |with| &with.frame);
         if self.viewport.size_px.contains(&0) {
             return None;
@@ -129,32 +129,32 @@ impl State {
         let origin = player.sequence().origin();
         let size_px = self.viewport.size_px;
         let packet = comparison.next_packet(frame, origin, &self.camera, &style, size_px)?;
-        comparison.pictures.note_change(self.now);
+        comparison.pictures.note_change(self.shared.now);
         Some(packet)
     }
 
     /// Forgets what was drawn: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
         self.main.drawing.forget_picture();
-        self.thumbnails.forget_textures();
-        if let Some(comparison) = &mut self.comparison {
+        self.features.thumbnails.forget_textures();
+        if let Some(comparison) = &mut self.features.comparison {
             comparison.forget_picture();
         }
-        if let Some(beside) = &mut self.beside {
+        if let Some(beside) = &mut self.features.beside {
             beside.drawing.forget_picture();
         }
     }
 
     /// The two pictures beside each other, if there are two.
     pub fn pictures(&self) -> Option<&PicturePair> {
-        let beside = self.beside.as_ref().map(|beside| &beside.pictures);
-        let comparison = self.comparison.as_ref();
+        let beside = self.features.beside.as_ref().map(|beside| &beside.pictures);
+        let comparison = self.features.comparison.as_ref();
         beside.or(comparison.map(|comparison| &comparison.pictures))
     }
 
     pub(in crate::app) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
-        let beside = self.beside.as_mut().map(|beside| &mut beside.pictures);
-        let comparison = self.comparison.as_mut();
+        let beside = self.features.beside.as_mut().map(|beside| &mut beside.pictures);
+        let comparison = self.features.comparison.as_mut();
         beside.or(comparison.map(|comparison| &mut comparison.pictures))
     }
 }

@@ -21,42 +21,44 @@ fn reason_of_nothing(player: &Player) -> Option<String> {
 impl State {
     /// What was opened with `inputs` is listed as opened lately once it is shown.
     pub(in crate::app) fn prove(&mut self, inputs: Vec<PathBuf>, side: Side) {
-        self.unproven[side as usize] = inputs;
+        self.opening.unproven[side as usize] = inputs;
     }
 
     /// Lists what is shown for the first time as opened lately.
-    pub(super) fn note_proven(&mut self) {
+    pub(in crate::app) fn note_proven(&mut self) {
         let is_a_shown = self.player.as_ref().is_some_and(|player| player.shown().is_some());
-        let b = self.beside.as_ref().map(|beside| &beside.companion);
+        let b = self.features.beside.as_ref().map(|beside| &beside.companion);
         let is_b_shown = b.is_some_and(|companion| companion.shown().is_some());
         for (is_shown, side) in [(is_a_shown, Side::A), (is_b_shown, Side::B)] {
-            if is_shown && !self.unproven[side as usize].is_empty() {
-                let inputs = std::mem::take(&mut self.unproven[side as usize]);
-                if let Err(problem) = self.recent.add(&inputs) {
+            if is_shown && !self.opening.unproven[side as usize].is_empty() {
+                let inputs = std::mem::take(&mut self.opening.unproven[side as usize]);
+                if let Err(problem) = self.kept.recent.add(&inputs) {
                     self.notices.warn(problem);
                 }
                 if side == Side::A {
-                    self.thumbnails.keep_next_at(self.recent.picture_of(&inputs));
+                    self.features
+                        .thumbnails
+                        .keep_next_at(self.kept.recent.picture_of(&inputs));
                 }
             }
         }
     }
 
     /// Closes a sequence of which nothing can be shown. True if it was one.
-    pub(super) fn close_if_broken(&mut self) -> bool {
+    pub(in crate::app) fn close_if_broken(&mut self) -> bool {
         if let Some(player) = &mut self.player
             && player.failure().is_some()
         {
             player.refresh_runs();
         }
         // The first frame of a folder that is followed may still be being written.
-        let player = self.player.as_ref().filter(|_| !self.options.follow);
+        let player = self.player.as_ref().filter(|_| !self.shared.options.follow);
         let Some(reason) = player.and_then(reason_of_nothing) else {
             return false;
         };
         let name = self.sequence_name().unwrap_or_default();
         self.close_sequence();
-        self.failed = Some(FailedOpening {
+        self.opening.failed = Some(FailedOpening {
             name,
             reason,
             choices: Vec::new(),

@@ -2,6 +2,7 @@
 //! more.
 
 use super::State;
+use crate::app::features::Features;
 use crate::app::first_look::SequenceLook;
 use crate::app::work::tasks::close;
 use crate::app::work::works::WorkKind;
@@ -67,7 +68,7 @@ impl State {
 
     /// Takes notice of frames that are waited for and being read, and of those that nobody waits for any more. True if
     /// something is closed.
-    pub(super) fn follow_readings(&mut self) -> bool {
+    pub(in crate::app) fn follow_readings(&mut self) -> bool {
         let is_given_up = |is_shown: bool, loader: &Loader| !is_shown && loader.was_cancelled();
         if let Some(player) = &self.player
             && is_given_up(player.shown().is_some(), player.loader())
@@ -77,7 +78,7 @@ impl State {
             self.notices.info(format!("Opening {name} was cancelled"));
             return true;
         }
-        if let Some(beside) = &self.beside {
+        if let Some(beside) = &self.features.beside {
             let companion = &beside.companion;
             if is_given_up(companion.shown().is_some(), companion.loader()) {
                 let text = format!("Opening {} was cancelled", beside.name);
@@ -86,7 +87,7 @@ impl State {
                 return true;
             }
         }
-        let (works, now) = (&mut self.works, self.now);
+        let (works, now) = (&mut self.shared.works, self.shared.now);
         let mut watch = |loader: &Loader, sequence: &Sequence, frame: usize, is_first: bool| {
             let readings = loader.readings();
             let mut readings = readings.iter();
@@ -102,7 +103,7 @@ impl State {
             let is_first = player.shown().is_none();
             watch(player.loader(), player.sequence(), frame, is_first);
         }
-        if let Some(beside) = &self.beside
+        if let Some(beside) = &self.features.beside
             && let Some(frame) = beside.companion.waiting_for()
         {
             let companion = &beside.companion;
@@ -113,17 +114,17 @@ impl State {
     }
 
     /// When to look again at how far the reading of a frame is that is waited for.
-    pub(super) fn next_look_at_readings(&self) -> Option<Duration> {
+    pub(in crate::app) fn next_look_at_readings(&self) -> Option<Duration> {
         let waits = self.player.as_ref().is_some_and(|player| {
-            let companion = self.beside.as_ref().map(|beside| &beside.companion);
+            let companion = self.features.beside.as_ref().map(|beside| &beside.companion);
             expected(player).is_some() || companion.is_some_and(|companion| companion.waiting_for().is_some())
         });
-        let is_read = || self.works.has(WorkKind::Read);
-        (waits || is_read()).then(|| self.now + LOOK_INTERVAL)
+        let is_read = || self.shared.works.has(WorkKind::Read);
+        (waits || is_read()).then(|| self.shared.now + LOOK_INTERVAL)
     }
 
     /// Nothing is open any more.
-    pub(super) fn close_sequence(&mut self) {
+    pub(in crate::app) fn close_sequence(&mut self) {
         self.close_beside();
         if let Some(player) = self.player.take() {
             self.leave(player);
@@ -131,28 +132,16 @@ impl State {
     }
 
     /// Forgets what belongs to the sequence that was open before.
-    pub(super) fn leave(&mut self, before: Player) {
-        // Its numbers are those of the sequence before.
-        self.style.of_sequence.clip = None;
-        self.forget_measured_way();
-        self.clipping.forget_frames();
+    pub(in crate::app) fn leave(&mut self, before: Player) {
         // Its threads end what they are on; nobody waits for that here.
         close(before);
-        self.looked = SequenceLook::default();
+        self.opening.looked = SequenceLook::default();
         self.motion.glide = None;
         self.main.drawing.forget_frame();
-        self.temporal.forget_frames();
-        self.photos.forget();
-        self.thumbnails.forget_frames();
-        self.trails.forget_points();
-        self.inspection.forget_points();
-        self.labels.forget();
-        self.history.forget_labels(&self.labels.list);
+        for feature in Features::rows::<Self>() {
+            (feature.forget_sequence)(self);
+        }
         self.note_unnamed();
-        self.timeline.forget_playhead();
-        self.quality.forget();
-        self.save.forget_sequence();
-        self.estimates.stop();
     }
 }
 

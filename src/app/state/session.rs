@@ -23,18 +23,18 @@ use std::sync::Arc;
 impl State {
     /// Takes notice of what the open sequence was named by, and how it was opened.
     pub(in crate::app) fn note_opened(&mut self, inputs: Vec<PathBuf>, options: Option<OpenOptions>) {
-        self.opened.inputs = inputs;
-        self.opened.options = options;
+        self.opening.opened.inputs = inputs;
+        self.opening.opened.options = options;
     }
 
     /// The open sequence is another one, of which nobody has said what it is named by.
-    pub(super) fn note_unnamed(&mut self) {
-        self.opened = Opened::default();
+    pub(in crate::app) fn note_unnamed(&mut self) {
+        self.opening.opened = Opened::default();
     }
 
     /// The file of the session that is open.
     pub fn session_file(&self) -> Option<&PathBuf> {
-        self.opened.file.as_ref()
+        self.opening.opened.file.as_ref()
     }
 
     /// What a session of the open sequence holds now. `Err` is a text for a notice.
@@ -56,18 +56,24 @@ impl State {
             settings: style.with(|style| style.of_sequence = OfSequence::default()),
             clip: style.of_sequence.clip,
             range: player.clock().range(),
-            markers: self.timeline.markers.list().to_vec(),
-            measurements: self.inspection.measurements.iter().filter_map(measured).collect(),
-            labels: self.labels.list.to_vec(),
-            path: self.path.draft.path().cloned(),
-            compare: self.compared().or_else(|| self.opened.compared.clone()),
-            unknown: self.opened.unknown.clone(),
+            markers: self.features.timeline.markers.list().to_vec(),
+            measurements: self
+                .features
+                .inspection
+                .measurements
+                .iter()
+                .filter_map(measured)
+                .collect(),
+            labels: self.features.labels.list.to_vec(),
+            path: self.features.path.draft.path().cloned(),
+            compare: self.compared().or_else(|| self.opening.opened.compared.clone()),
+            unknown: self.opening.opened.unknown.clone(),
         })
     }
 
-    pub(super) fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
-        if !self.opened.inputs.is_empty() {
-            return Ok(self.opened.inputs.clone());
+    pub(in crate::app) fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
+        if !self.opening.opened.inputs.is_empty() {
+            return Ok(self.opening.opened.inputs.clone());
         }
         inputs_of(player.sequence())
             .ok_or_else(|| "What is open is no file: a session of it could not be opened again".to_owned())
@@ -75,7 +81,7 @@ impl State {
 
     /// What is beside the open sequence; `None` if nothing is that could be opened again.
     fn compared(&self) -> Option<Compared> {
-        let beside = self.beside.as_ref()?;
+        let beside = self.features.beside.as_ref()?;
         let companion = &beside.companion;
         // Where there was no choice, the person made none.
         let has_choice = companion.times().is_some() || companion.numbers().is_some();
@@ -98,7 +104,7 @@ impl State {
 
     /// Looks for what the session has beside the open sequence.
     fn compare_as_in_session(&mut self) {
-        let Some(compared) = &self.opened.compared else {
+        let Some(compared) = &self.opening.opened.compared else {
             return;
         };
         let inputs = compared.inputs.clone();
@@ -112,10 +118,14 @@ impl State {
     }
 
     /// Shows `sequence`, which was named as `inputs`, beside the open one: as the session says, if it is that of it.
-    pub(super) fn compare_found(&mut self, sequence: Arc<Sequence>, inputs: &[PathBuf]) {
-        let compared = self.opened.compared.take_if(|compared| compared.inputs == inputs);
+    pub(in crate::app) fn compare_found(&mut self, sequence: Arc<Sequence>, inputs: &[PathBuf]) {
+        let compared = self
+            .opening
+            .opened
+            .compared
+            .take_if(|compared| compared.inputs == inputs);
         self.compare_with(sequence);
-        let (Some(compared), Some(beside)) = (compared, &mut self.beside) else {
+        let (Some(compared), Some(beside)) = (compared, &mut self.features.beside) else {
             return;
         };
         beside.companion.set_offset_frames(compared.offset_frames);
@@ -134,11 +144,11 @@ impl State {
     }
 
     /// Saves the session to its file, or asks for one.
-    pub(super) fn save_session(&mut self, asks: bool) {
+    pub(in crate::app) fn save_session(&mut self, asks: bool) {
         if let Err(reason) = self.session() {
             return self.notices.error(reason);
         }
-        match &self.opened.file {
+        match &self.opening.opened.file {
             Some(file) if !asks => self.save_session_to(file.clone()),
             _ => {
                 let name = format!("{}.{EXTENSION}", self.sequence_stem());
@@ -154,13 +164,13 @@ impl State {
             Err(reason) => return self.notices.error(reason),
         };
         let of_b = |measurement: &&Measurement| measured(measurement).is_none();
-        if let left_out @ 1.. = self.inspection.measurements.iter().filter(of_b).count() {
+        if let left_out @ 1.. = self.features.inspection.measurements.iter().filter(of_b).count() {
             let text = format!("Not in the session: {left_out} measured with the sequence beside the open one");
             self.notices.warn(text);
         }
-        let path = Arc::clone(&self.path.draft);
-        let copies = self.opened.is_damaged && self.opened.file.as_ref() == Some(&file);
-        self.tasks.try_start("save session", move || {
+        let path = Arc::clone(&self.features.path.draft);
+        let copies = self.opening.opened.is_damaged && self.opening.opened.file.as_ref() == Some(&file);
+        self.shared.tasks.try_start("save session", move || {
             if copies {
                 copy_beside(&file).map_err(TaskFailed)?;
             }
@@ -170,15 +180,15 @@ impl State {
     }
 
     /// Takes notice that it is written.
-    pub(super) fn session_was_saved(&mut self, SavedSession { file, path }: SavedSession) {
+    pub(in crate::app) fn session_was_saved(&mut self, SavedSession { file, path }: SavedSession) {
         self.notices.info(format!("Saved {}", file.display()));
         // What is in the session is not lost.
-        self.path.note_kept(path);
-        if let Err(problem) = self.recent.add(std::slice::from_ref(&file)) {
+        self.features.path.note_kept(path);
+        if let Err(problem) = self.kept.recent.add(std::slice::from_ref(&file)) {
             self.notices.warn(problem);
         }
-        self.opened.file = Some(file);
-        self.opened.is_damaged = false;
+        self.opening.opened.file = Some(file);
+        self.opening.opened.is_damaged = false;
     }
 
     /// Shows `sequence`, which is of a session, as that says.
@@ -206,23 +216,23 @@ impl State {
         // They are of this sequence: the next is drawn as others are.
         let before = self.style;
         self.style = session.style();
-        self.measured_way = Some(MeasuredWay {
+        self.opening.measured_way = Some(MeasuredWay {
             before,
             chosen: self.style,
         });
-        self.looked.primitive = Some(self.style.primitive);
-        self.options.view = session.view.or(self.options.view.take());
+        self.opening.looked.primitive = Some(self.style.primitive);
+        self.shared.options.view = session.view.or(self.shared.options.view.take());
         self.motion.turntable.is_on = false;
         let measured = session.measurements.iter().map(measurement);
-        self.inspection.measurements = measured.collect();
-        self.labels.take(Arc::new(session.labels));
-        self.history.forget_labels(&self.labels.list);
-        if let Some(problem) = self.timeline.take_markers(session.markers) {
+        self.features.inspection.measurements = measured.collect();
+        self.features.labels.take(Arc::new(session.labels));
+        self.history.forget_labels(&self.features.labels.list);
+        if let Some(problem) = self.features.timeline.take_markers(session.markers) {
             self.notices.warn(problem);
         }
         if let Some(path) = session.path {
             self.stop_preview();
-            self.path.take(Arc::new(Draft::of(path)), None);
+            self.features.path.take(Arc::new(Draft::of(path)), None);
         }
         let (range, frame) = (session.range, session.frame);
         self.play_with(|player, now| {
@@ -235,9 +245,9 @@ impl State {
                 player.seek(frame, now);
             }
         });
-        self.opened = Opened {
+        self.opening.opened = Opened {
             inputs: session.inputs,
-            options: Some(session.reading.over(&self.options.open)),
+            options: Some(session.reading.over(&self.shared.options.open)),
             compared: session.compare,
             file: Some(file),
             unknown: session.unknown,

@@ -9,7 +9,7 @@ use std::time::Duration;
 const SPEEDS: [f64; 9] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0, 10.0];
 
 /// Does what such a command says; others do nothing.
-pub(super) fn steer(player: &mut Player, command: Command, now: Duration) {
+pub(in crate::app) fn steer(player: &mut Player, command: Command, now: Duration) {
     match command {
         Command::TogglePlay => player.toggle(now),
         Command::Step(count) => player.step(count, now),

@@ -180,7 +180,7 @@ impl Trial {
                 }
                 let length = GESTURE_TIME_PER_FRAME.mul_f64(self.frames as f64);
                 let gesture = match watched.step.action {
-                    Action::Scrub => Gesture::along(state.timeline.bar_rect, now, length),
+                    Action::Scrub => Gesture::along(state.features.timeline.bar_rect, now, length),
                     Action::Open | Action::Play | Action::Turn => Gesture::around(state.viewport.rect, now, length),
                 };
                 watched.start(now, state, Some(gesture));
@@ -297,8 +297,8 @@ impl Watched {
         self.phase = Phase::Running { gesture, begin: now };
         self.processor = Processor::now();
         self.gpu = GpuWork::default();
-        self.pictures_before = state.counters.pictures;
-        self.panel_runs_before = state.counters.ui_passes;
+        self.pictures_before = state.shared.counters.pictures;
+        self.panel_runs_before = state.shared.counters.ui_passes;
         self.frames_before = state.player.as_ref().map_or(0, Player::frames_shown);
         self.found.parts_ms = Default::default();
         self.found.points = [0; 2];
@@ -306,7 +306,7 @@ impl Watched {
 
     /// True once the step is over.
     fn note(&mut self, redraw: &Redraw, is_presented: bool, most_frames: u64, now: Duration, state: &State) -> bool {
-        let pictures = state.counters.pictures - self.pictures_before;
+        let pictures = state.shared.counters.pictures - self.pictures_before;
         let is_picture = is_presented && pictures > self.found.pictures;
         if self.step.action == Action::Open {
             if is_picture {
@@ -410,7 +410,7 @@ impl Watched {
             uploaded_bytes,
         } = self.gpu;
         self.found.gpu = (submissions > 0).then_some([submissions, passes, uploaded_bytes]);
-        self.found.panel_runs = state.counters.ui_passes - self.panel_runs_before;
+        self.found.panel_runs = state.shared.counters.ui_passes - self.panel_runs_before;
         if let Some(player) = &state.player {
             self.found.frames_late = player.late_frames();
             self.found.frames_skipped = player.clock().skipped();

@@ -225,7 +225,7 @@ impl App {
         // Who has opened something before is offered that; who begins sees something that moves.
         // A folder without frames that is followed is waited for by the window.
         let is_waited_for = options.sequence.is_none() && !options.inputs.is_empty();
-        let offers_demo = state.recent.entries().is_empty() && !is_waited_for;
+        let offers_demo = state.kept.recent.entries().is_empty() && !is_waited_for;
         let demo = || offers_demo.then(|| Arc::new(Sequence::demo()));
         if let Some(sequence) = options.sequence.take().or_else(demo) {
             if let Some(session) = options.session.take() {

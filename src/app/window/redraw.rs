@@ -203,7 +203,7 @@ impl App {
         let budget_bytes = self.state.graphics.budget_bytes;
         screen.presenter.set_resident_budget_bytes(budget_bytes);
         if let Some(packet) = self.state.next_packet() {
-            if self.options.lose_device_after == Some(self.state.counters.pictures) {
+            if self.options.lose_device_after == Some(self.state.shared.counters.pictures) {
                 screen.presenter.simulate_loss();
             }
             screen.presenter.draw(Side::A, &packet)?;
@@ -225,7 +225,7 @@ impl App {
         let Some(image) = screen.presenter.read(Side::A, viewport.size_px)? else {
             return Ok(None);
         };
-        let other = match self.state.beside {
+        let other = match self.state.features.beside {
             Some(_) => screen.presenter.read(Side::B, viewport.other_size_px)?,
             None => None,
         };
@@ -266,7 +266,7 @@ impl App {
         let Some(path) = &self.options.screenshot else {
             return Ok(());
         };
-        if let Some(failed) = &self.state.failed {
+        if let Some(failed) = &self.state.opening.failed {
             let why = failed.reason.clone();
             self.fail(event_loop, AppError::Screenshot(why));
             return Ok(());

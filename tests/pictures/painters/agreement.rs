@@ -134,7 +134,7 @@ fn settings_and_the_timeline() {
     shown.compare("settings", "Background");
     shown.state().run(Command::ToggleMarker);
     shown.state().run(Command::SetIn);
-    shown.state().timeline.quantity = Some(Quantity::Points);
+    shown.state().features.timeline.quantity = Some(Quantity::Points);
     shown.state().run(Command::Step(6));
     shown.state().run(Command::SetOut);
     shown.compare("timeline", "Marker at frame 1");
@@ -148,7 +148,7 @@ fn thumbnails() {
     });
     shown.harness.run_steps(2);
     until(&mut shown, |harness| {
-        let [made, all] = harness.state().thumbnails.progress();
+        let [made, all] = harness.state().features.thumbnails.progress();
         made == all && all > 0
     });
     shown.compare("thumbnails", "Thumbnail of frame");
@@ -190,8 +190,8 @@ fn the_camera_path_and_exports() {
     }
     shown.compare("camera path", "After keyframe 2");
     shown.state().panels.set(PanelId::CAMERA_PATH, false);
-    shown.state().export.folder = "/scans/out".to_owned();
-    shown.state().export.has_ffmpeg = false;
+    shown.state().features.export.folder = "/scans/out".to_owned();
+    shown.state().features.export.has_ffmpeg = false;
     shown.state().run(Command::ToggleExport);
     shown.compare("export", "Export");
 }

@@ -3,14 +3,21 @@
 //! **How it works.** [`groups`] joins what the sequence and the first look assumed ([`crate::assumption`]) with what
 //! the user has chosen instead, a [`Group`] per subject. A [`Change`] is one alternative: another up axis or primitive
 //! takes effect at once; a [`ReadChange`] changes the options by which the inputs are read, so they are opened again.
-//! The window's state carries changes out and remembers them (`state/assumptions.rs`). A subject that can be changed by
+//! The window's state carries changes out and remembers them (`in_window.rs`). A subject that can be changed by
 //! reading is a row of `ReadRow::ALL`.
 
 mod change;
+mod depth_filters;
 mod groups;
+mod in_window;
 pub(in crate::app) mod panel;
 mod read_rows;
 
 pub(in crate::app) use change::{Change, ReadChange};
 pub(in crate::app) use groups::{Given, Group, groups};
+pub(in crate::app) use in_window::assumptions_chip;
 pub(in crate::app) use read_rows::FileKind;
+
+/// The list of assumptions; it is made anew of what is open.
+#[derive(Debug, Default)]
+pub struct Assumptions;

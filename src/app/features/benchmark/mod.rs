@@ -1,6 +1,7 @@
 //! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
 
 mod hit;
+mod in_window;
 mod lab;
 pub(in crate::app) mod panel;
 mod pictures;
@@ -9,6 +10,7 @@ mod task;
 
 pub(in crate::app) use task::benchmark_job;
 
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks, Wake};
 use crate::app::work::works::{Work, WorkKind};
 use crate::bench::{self, LabPoint, Measured, RatePoint, Step};
@@ -80,6 +82,8 @@ pub struct BenchmarkTable {
 
 /// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
 pub type BenchmarkJob = Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
+
+impl Message for BenchmarkEnded {}
 
 /// What a benchmark came to; `Err` is a text for the person.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! How far the points of two frames are from each other.
 
+use crate::app::work::outcome::Message;
 use crate::measure::Change;
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};
@@ -14,6 +15,8 @@ pub struct OneWay {
     /// The largest one.
     pub largest: f64,
 }
+
+impl Message for Option<FrameDistances> {}
 
 /// How far two frames are from each other, scene units.
 #[derive(Debug, Clone, Copy, PartialEq)]

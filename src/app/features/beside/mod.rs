@@ -6,6 +6,7 @@
 //! when a person asks for them.
 
 mod distances;
+mod in_window;
 pub(in crate::app) mod panel;
 
 pub use distances::{FrameDistances, OneWay};

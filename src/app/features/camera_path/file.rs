@@ -1,10 +1,13 @@
 //! A camera path is read and written on a thread.
 
 use super::Draft;
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::TaskFailed;
 use crate::scene::CameraPath;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+impl Message for PathFile {}
 
 /// A camera path and its file.
 #[derive(Debug)]

@@ -3,6 +3,7 @@
 //! A path belongs to no sequence and stays when another one is opened. What is not in a file is never lost without a
 //! question.
 
+mod in_window;
 mod keyframes;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;

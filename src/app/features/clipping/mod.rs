@@ -1,6 +1,7 @@
 //! What of the cloud is clipped: around which frames a box is put, and its outline in the picture with handles to drag.
 
 pub(in crate::app) mod handles;
+mod in_window;
 mod outline;
 
 use crate::math::Aabb;

@@ -5,6 +5,7 @@
 //! it is a way to look at a pose, not to play. Once both pictures have rested for a moment they are read back and
 //! compared on a thread.
 
+mod in_window;
 mod pair;
 pub(in crate::app) mod panel;
 

@@ -1,5 +1,6 @@
 //! Two pictures, and how far they are from each other.
 
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskFailed, TaskOutcome, Tasks};
 use crate::measure::{SizeMismatch, flip, mean_squared_error, psnr_db, ssim};
 use crate::render::scaled_to;
@@ -40,6 +41,8 @@ impl Default for PicturePair {
         }
     }
 }
+
+impl Message for PictureDifference {}
 
 /// How far B is from A.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! An export on a thread of its own: all that it needs is taken when it begins, so the window goes on living.
 
 use super::plan;
+use crate::app::work::outcome::Message;
 use crate::app::work::works::Progress;
 use crate::export::{ExportError, PictureSize, Poses, Video, export_video, write_picture_observed};
 use crate::headless::{Headless, HeadlessError};
@@ -59,6 +60,8 @@ pub struct Exported {
     /// Why frames are not shown in it.
     pub(in crate::app) failed: Vec<String>,
 }
+
+impl Message for ExportEnded {}
 
 /// What an export came to.
 #[derive(Debug)]

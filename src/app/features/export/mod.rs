@@ -2,6 +2,7 @@
 
 mod choices;
 mod exportable;
+mod in_window;
 pub(in crate::app) mod job;
 pub(in crate::app) mod panel;
 mod plan;

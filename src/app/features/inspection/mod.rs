@@ -1,6 +1,7 @@
 //! Points that a person has clicked on: which they are, and where they are in the frame that is shown.
 
 mod anchor;
+mod in_window;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod measuring;
 pub(in crate::app) mod measuring_panel;

@@ -4,6 +4,7 @@
 //! list and the frame alone ([`Label::place_in`]), so it is looked up once a frame and list ([`Labels::follow`]). What
 //! hides a label is asked of the picture that was drawn last, once a picture ([`Labels::note_hidden`]).
 
+mod in_window;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod panel;
 

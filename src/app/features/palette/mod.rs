@@ -5,6 +5,7 @@
 //! Entries that have the words as they are in their names come first.
 
 mod entry;
+mod in_window;
 pub(in crate::app) mod panel;
 
 pub(in crate::app) use entry::{Action, Entry};

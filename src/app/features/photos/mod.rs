@@ -7,11 +7,13 @@
 //! budget.
 
 pub(in crate::app) mod frusta;
+mod in_window;
 pub(in crate::app) mod panel;
 mod photographed;
 
 pub(in crate::app) use photographed::PhotographedFrame;
 
+use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::headless::PHOTOGRAPH_BYTES;
@@ -27,6 +29,8 @@ use glam::{DVec3, Vec3};
 use photographed::{Parts, PhotographedFrames};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+impl Message for PhotosLoaded {}
 
 /// A set whose pixels were loaded; `None` where nobody waits for it any more.
 #[derive(Debug)]

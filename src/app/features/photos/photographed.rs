@@ -5,6 +5,7 @@
 //! threads: for what is drawn first, then for the frames that follow it. Until that is there, a frame is drawn in the
 //! colours of its points, or as it was before: of fewer points, with other photographs, or with smaller disks.
 
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::photos::Photographs;
 use crate::render::cpu::depths_of_photographs;
@@ -36,6 +37,8 @@ impl PartialEq for Parts {
             && self.surfels == other.surfels
     }
 }
+
+impl Message for PhotographedFrame {}
 
 /// A frame with photographs on it.
 #[derive(Debug, Clone)]

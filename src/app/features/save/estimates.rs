@@ -7,6 +7,7 @@
 
 use super::choices::Save;
 use super::plan::Savable;
+use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
@@ -59,6 +60,8 @@ pub struct Estimates {
 /// Bytes of the files that frames are in, if anybody knows.
 #[derive(Debug, Clone, Copy)]
 struct SourceBytes(Option<u64>);
+
+impl Message for Box<Estimated> {}
 
 /// What became of a frame.
 #[derive(Debug)]

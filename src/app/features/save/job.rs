@@ -1,10 +1,13 @@
 //! Writing, on threads of its own.
 
+use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::works::Progress;
 use crate::convert::{Conversion, ConvertError, Converted, convert};
 use crate::sequence::Sequence;
 use std::sync::Arc;
+
+impl Message for SaveEnded {}
 
 /// What writing came to.
 #[derive(Debug)]

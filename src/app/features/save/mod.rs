@@ -5,6 +5,7 @@
 
 mod choices;
 mod estimates;
+mod in_window;
 pub(in crate::app) mod job;
 pub(in crate::app) mod panel;
 mod plan;
@@ -12,5 +13,6 @@ mod summary;
 
 pub use choices::{PrecisionKind, Save, SaveFormat};
 pub use estimates::{Estimated, Estimates};
+pub(in crate::app) use in_window::folder_of;
 pub use job::SaveEnded;
 pub(in crate::app) use plan::Savable;

@@ -6,6 +6,7 @@
 //! flicker while playing. What is under way for a pose that the playhead has left is cancelled. Distances are kept, as
 //! they take longest; colours follow from them.
 
+mod in_window;
 pub(in crate::app) mod panel;
 mod task;
 

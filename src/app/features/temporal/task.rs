@@ -1,6 +1,7 @@
 //! A frame is made of several poses.
 
 use crate::analysis::ColorMap;
+use crate::app::work::outcome::Message;
 use crate::measure::Change;
 use crate::progress::Progress;
 use crate::sequence::{Ghost, Needs, Paint, PreparedFrame, Sequence, with_ghosts};
@@ -34,6 +35,8 @@ impl PartialEq for PoseRequest {
             && self.ghosts.iter().zip(&other.ghosts).all(same_ghosts)
     }
 }
+
+impl Message for Option<Box<ComposedFrame>> {}
 
 /// A frame that was made from a pose and others.
 #[derive(Debug)]

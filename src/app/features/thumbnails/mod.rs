@@ -10,6 +10,7 @@
 //! the up axis or the source of the colours changes, or somebody asks for new pictures.
 
 mod draw;
+mod in_window;
 pub(in crate::app) mod panel;
 mod schedule;
 mod store;
@@ -17,6 +18,7 @@ mod store;
 pub(in crate::app) use schedule::strip_frames;
 pub(in crate::app) use store::{MAX_CELLS, PICTURE_PX, ThumbnailState};
 
+use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::playback::Player;
@@ -58,12 +60,20 @@ pub struct Thumbnails {
     keep_at: Option<PathBuf>,
 }
 
+impl Message for Box<Delivery> {}
+
 /// What the thread has made of a frame.
 #[derive(Debug)]
 pub struct Delivery {
     generation: u64,
     frame: usize,
     made: Thumbnail,
+}
+
+impl Default for Thumbnails {
+    fn default() -> Self {
+        Self::new(true)
+    }
 }
 
 impl Thumbnails {

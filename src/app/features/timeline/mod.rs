@@ -1,6 +1,7 @@
 //! What a person puts on the timeline: in and out point, markers, a curve. The playhead and the range are the player's;
 //! here is what is kept of them.
 
+mod in_window;
 pub(in crate::app) mod panel;
 
 mod curve;

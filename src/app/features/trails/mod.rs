@@ -4,10 +4,12 @@
 //! ([`crate::sequence::Trails`]) and can be cancelled between two. Another task begins only when the one before has
 //! ended, so that no more than one frame is being read for it.
 
+mod in_window;
 pub(in crate::app) mod panel;
 
 use super::inspection::{Anchor, Inspection};
 use crate::analysis::ColorMap;
+use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::export::TrailLook;
 use crate::playback::Player;
@@ -51,6 +53,8 @@ struct Running {
     /// Of the frames that are looked at.
     progress: Progress,
 }
+
+impl Message for Traced {}
 
 /// What a task has found; `None` if it was cancelled.
 #[derive(Debug)]

@@ -1,19 +1,26 @@
 //! Labels in the window: put by clicks, followed, shown.
 
-use super::State;
+use super::Labels;
+use super::marks::paint_labels;
+use super::panel::{LabelsRequest, PANEL, labels_ui};
+use crate::app::command::Command;
+use crate::app::features::feature::Feature;
 use crate::app::features::inspection::Tool;
-use crate::app::features::labels::panel;
+use crate::app::panel_row::PanelRow;
 use crate::app::side::Side;
+use crate::app::state::State;
+use crate::app::widgets::overlay::PictureOverlay;
 use crate::export::draw_labels;
 use crate::playback::Player;
 use crate::scene::{Camera, FollowedPoint, Label, LabelOnPicture, Pick};
 use crate::sequence::PreparedFrame;
 use crate::timeline::PlayRange;
+use egui::Ui;
 use image::RgbaImage;
 
 impl State {
     /// Puts a label at a point of `frame`, which is of the sequence `side`.
-    pub(super) fn put_label(&mut self, side: Side, pick: &Pick, frame: &PreparedFrame) {
+    pub(in crate::app) fn put_label(&mut self, side: Side, pick: &Pick, frame: &PreparedFrame) {
         if side == Side::B {
             let text = "Labels are put at points of the open sequence, not of the one beside it";
             return self.notices.hint(text);
@@ -28,17 +35,17 @@ impl State {
             place: Some(pick.position),
             frames: PlayRange::default(),
         };
-        if !self.labels.put(label) {
+        if !self.features.labels.put(label) {
             return self.notices.warn("There are 1000 labels: delete one first");
         }
-        self.panels.set(panel::PANEL, true);
+        self.panels.set(PANEL, true);
     }
 
     /// Begins to put labels by clicks, with the list beside, or ends that.
-    pub(super) fn toggle_tool(&mut self, tool: Tool) {
-        self.inspection.toggle(tool);
-        if self.inspection.tool == Tool::Label {
-            self.panels.set(panel::PANEL, true);
+    pub(in crate::app) fn toggle_tool(&mut self, tool: Tool) {
+        self.features.inspection.toggle(tool);
+        if self.features.inspection.tool == Tool::Label {
+            self.panels.set(PANEL, true);
         }
     }
 
@@ -48,20 +55,21 @@ impl State {
         let Some((player, frame)) = self.player.as_ref().and_then(|player| Some((player, player.shown()?))) else {
             return false;
         };
-        self.labels.follow(frame, player.sequence().origin());
-        if !self.labels.are_shown() {
+        self.features.labels.follow(frame, player.sequence().origin());
+        if !self.features.labels.are_shown() {
             return false;
         }
         let (drawing, camera) = (&self.main.drawing, &self.camera);
-        let picture = self.counters.pictures;
-        self.labels
+        let picture = self.shared.counters.pictures;
+        self.features
+            .labels
             .note_hidden(picture, camera, |places| drawing.hides(camera, places))
     }
 
     /// A picture of the open sequence with the labels that are in the window.
-    pub(super) fn with_labels(&self, mut picture: RgbaImage) -> RgbaImage {
+    pub(in crate::app) fn with_labels(&self, mut picture: RgbaImage) -> RgbaImage {
         let size_px = picture.dimensions().into();
-        let shown = self.labels.in_picture().into_iter().enumerate();
+        let shown = self.features.labels.in_picture().into_iter().enumerate();
         let on_picture = shown.filter_map(|(label, (place, text, is_hidden))| {
             let px = self.camera.to_px(place, size_px)?;
             Some((LabelOnPicture { label, px, is_hidden }, text.to_owned()))
@@ -72,14 +80,14 @@ impl State {
 
     /// Shows a label: its frame, and its place in the middle of the picture.
     pub(in crate::app) fn go_to_label(&mut self, index: usize) {
-        let Some(label) = self.labels.list.get(index) else {
+        let Some(label) = self.features.labels.list.get(index) else {
             return;
         };
         let (first, last) = (label.frames.first().unwrap_or(0), label.frames.last());
         let own = label.frame.max(first).min(last.unwrap_or(usize::MAX));
         let shown = self.player.as_ref().and_then(Player::shown);
         let is_shown = shown.is_some_and(|frame| label.is_in_frame(frame.index));
-        let place = self.labels.place(index);
+        let place = self.features.labels.place(index);
         if !is_shown {
             self.play_with(|player, now| player.seek(own, now));
         }
@@ -89,5 +97,51 @@ impl State {
                 ..self.camera
             });
         }
+    }
+}
+
+impl Feature<State> for Labels {
+    fn shows_frame(state: &State) -> bool {
+        state.features.labels.are_shown()
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.labels.forget();
+        state.history.forget_labels(&state.features.labels.list);
+    }
+
+    /// Of two sequences they are those of the first.
+    fn paint(state: &State, canvas: &PictureOverlay<'_>, is_first: bool) {
+        if is_first {
+            paint_labels(canvas, &state.features.labels);
+        }
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Labels…", labels)];
+        PANELS
+    }
+}
+
+fn labels(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(PANEL) {
+        return;
+    }
+    let count = state.player.as_ref().map_or(0, |player| player.sequence().len());
+    let is_placing = state.features.inspection.tool == Tool::Label;
+    let corner = state.viewport.rect.right_top();
+    let mut is_open = true;
+    let request = labels_ui(
+        ui,
+        &mut is_open,
+        &mut state.features.labels,
+        (count, is_placing),
+        corner,
+    );
+    state.panels.set(PANEL, is_open);
+    match request {
+        Some(LabelsRequest::ToggleTool) => state.run(Command::ToggleTool(Tool::Label)),
+        Some(LabelsRequest::GoTo(index)) => state.go_to_label(index),
+        None => {}
     }
 }

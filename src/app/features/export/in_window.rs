@@ -1,17 +1,23 @@
 //! Pictures and videos out of the window: the beginning and the end of an export.
 
-use super::State;
-use super::dialogs::DialogKind;
+use super::Export;
+use super::panel::{ExportRequest, export_ui};
 use crate::app::features::export::job::{ExportJob, Shows, run};
 use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
+use crate::app::features::feature::Feature;
 use crate::app::open_panels::PanelId;
+use crate::app::panel_row::PanelRow;
+use crate::app::state::DialogKind;
+use crate::app::state::State;
 use crate::app::work::files::picture_folder;
+use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
 use crate::convert::SourceFiles;
 use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
 use crate::playback::Player;
 use crate::scene::CameraPath;
 use crate::sequence::LoaderOptions;
+use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
@@ -22,19 +28,19 @@ const LAST_WAIT: Duration = Duration::from_secs(2);
 
 impl State {
     /// Shows the choices, of `subject` if one is named, or closes them.
-    pub(super) fn toggle_export(&mut self, subject: Option<ExportSubject>) {
+    pub(in crate::app) fn toggle_export(&mut self, subject: Option<ExportSubject>) {
         let is_open = subject.is_some() || !self.panels.has(PanelId::EXPORT);
         self.panels.set(PanelId::EXPORT, is_open);
         if is_open {
             let clock = self.player.as_ref().map(Player::clock);
-            self.export.begin(subject, picture_folder, clock);
+            self.features.export.begin(subject, picture_folder, clock);
         }
     }
 
     /// Chooses what is exported; the rate becomes the usual one of that.
     pub fn choose_export(&mut self, subject: ExportSubject) {
         let clock = self.player.as_ref().map(Player::clock);
-        self.export.choose(subject, clock);
+        self.features.export.choose(subject, clock);
     }
 
     /// What there is to export.
@@ -42,31 +48,31 @@ impl State {
         Exportable {
             clock: self.player.as_ref().map(Player::clock).cloned(),
             stem: self.sequence_stem(),
-            path: Arc::clone(&self.path.draft),
+            path: Arc::clone(&self.features.path.draft),
             window_px: self.viewport.size_px,
-            is_busy: self.works.has(WorkKind::Export),
+            is_busy: self.shared.works.has(WorkKind::Export),
         }
     }
 
     /// Width and height of what is exported.
     pub fn export_size_px(&self) -> [u32; 2] {
-        self.export.drawn_px(self.viewport.size_px)
+        self.features.export.drawn_px(self.viewport.size_px)
     }
 
     /// The file, or with `{frame}` the files.
     pub fn export_output(&self) -> PathBuf {
-        self.export.output(&self.sequence_stem())
+        self.features.export.output(&self.sequence_stem())
     }
 
     /// Why it cannot be exported as it was chosen; `None` if it can.
     pub fn export_problem(&self) -> Option<String> {
-        self.export.problem(&self.exportable())
+        self.features.export.problem(&self.exportable())
     }
 
     /// Asks for the place of the file.
     pub(in crate::app) fn ask_for_place(&mut self) {
-        let name = self.export.file_stem(&self.sequence_stem());
-        let (dialog, name) = match (self.export.subject, self.export.format) {
+        let name = self.features.export.file_stem(&self.sequence_stem());
+        let (dialog, name) = match (self.features.export.subject, self.features.export.format) {
             (ExportSubject::Picture, _) => (DialogKind::ExportTo("png"), name + ".png"),
             (_, VideoFormat::PngFiles) => (DialogKind::ExportFolder, name),
             (_, VideoFormat::Gif) => (DialogKind::ExportTo("gif"), name + ".gif"),
@@ -90,19 +96,21 @@ impl State {
         }
         let name = job.output.file_name().unwrap_or_default();
         let name = format!("Exporting {}", name.to_string_lossy());
-        let progress = self.works.begin(WorkKind::Export, name, self.now);
+        let progress = self.shared.works.begin(WorkKind::Export, name, self.shared.now);
         self.panels.set(PanelId::EXPORT, false);
-        self.tasks.start("export", move || ExportEnded(run(job, &progress)));
+        self.shared
+            .tasks
+            .start("export", move || ExportEnded(run(job, &progress)));
     }
 
     fn export_job(&self) -> Option<ExportJob> {
         let player = self.player.as_ref()?;
-        let export = &self.export;
+        let export = &self.features.export;
         Some(ExportJob {
             sequence: Arc::clone(player.sequence()),
             style: self.style_of_export(),
             poses: self.poses_of_export(),
-            labels: self.labels.shown(),
+            labels: self.features.labels.shown(),
             shows: self.shown_by_export(player)?,
             per_second: export.per_second,
             size: PictureSize {
@@ -112,18 +120,18 @@ impl State {
                 ..PictureSize::opaque(self.export_size_px())
             },
             output: self.export_output(),
-            now: self.now,
+            now: self.shared.now,
             budget_bytes: LoaderOptions::default().budget_bytes / 2,
         })
     }
 
     fn shown_by_export(&self, player: &Player) -> Option<Shows> {
-        let (export, camera, turns) = (&self.export, self.camera, self.export.turns);
+        let (export, camera, turns) = (&self.features.export, self.camera, self.features.export.turns);
         let frame = player.waiting_for().unwrap_or(player.clock().frame());
         let clock = player.clock().clone();
         Some(match export.subject {
             ExportSubject::Picture => Shows::Picture { camera, frame },
-            ExportSubject::Path => Shows::Path(Box::new(self.path.draft.path()?.clone())),
+            ExportSubject::Path => Shows::Path(Box::new(self.features.path.draft.path()?.clone())),
             ExportSubject::Turntable if export.holds_frame => {
                 let pictures = [export.pictures as f64, export.per_second];
                 let path = CameraPath::turntable(camera, turns, pictures, [frame as f64, 0.0]);
@@ -141,15 +149,19 @@ impl State {
 
     /// What other poses add to the picture on the screen. Trails that are still being found are not there yet.
     fn poses_of_export(&self) -> Poses {
-        let change = Some(self.temporal.change).filter(|change| change.is_on);
+        let change = Some(self.features.temporal.change).filter(|change| change.is_on);
         Poses {
             change: change.map(|change| ChangeColors {
                 step: change.step,
                 range: change.range,
             }),
-            onion: Some(self.temporal.onion).filter(|onion| onion.is_on),
-            trails: self.trails.found().map(|trails| (trails.clone(), self.trails.looks())),
-            left_out_photos: self.photos.left_out(),
+            onion: Some(self.features.temporal.onion).filter(|onion| onion.is_on),
+            trails: self
+                .features
+                .trails
+                .found()
+                .map(|trails| (trails.clone(), self.features.trails.looks())),
+            left_out_photos: self.features.photos.left_out(),
         }
     }
 
@@ -158,17 +170,17 @@ impl State {
         let begun = Instant::now();
         let kinds = [WorkKind::Export, WorkKind::Save];
         for kind in kinds {
-            self.works.cancel(kind);
+            self.shared.works.cancel(kind);
         }
-        while kinds.iter().any(|&kind| self.works.has(kind)) && begun.elapsed() < LAST_WAIT {
+        while kinds.iter().any(|&kind| self.shared.works.has(kind)) && begun.elapsed() < LAST_WAIT {
             thread::sleep(Duration::from_millis(5));
-            self.works.look(self.now, self.now);
+            self.shared.works.look(self.shared.now, self.shared.now);
         }
     }
 
     /// Says what came of an export.
-    pub(super) fn export_has_ended(&mut self, ExportEnded(result): ExportEnded) {
-        self.export.taken = None;
+    pub(in crate::app) fn export_has_ended(&mut self, ExportEnded(result): ExportEnded) {
+        self.features.export.taken = None;
         match result {
             Ok(exported) => {
                 let place = exported.output.display();
@@ -183,5 +195,34 @@ impl State {
             Err(ExportError::Cancelled) => self.notices.info("The export was cancelled, nothing was written"),
             Err(error) => self.notices.error(format!("Nothing was exported: {error}")),
         }
+    }
+}
+
+impl Feature<State> for Export {
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|ended: ExportEnded| state.export_has_ended(ended))
+    }
+
+    fn loss(state: &State) -> Option<&'static str> {
+        let is_under_way = state.shared.works.has(WorkKind::Export);
+        is_under_way.then_some("An export is under way: it would be cancelled.")
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::EXPORT, export)];
+        PANELS
+    }
+}
+
+fn export(ui: &mut Ui, state: &mut State) {
+    let of = state.exportable();
+    let top = state.viewport.rect.center_top();
+    let mut is_open = state.panels.has(PanelId::EXPORT);
+    let request = export_ui(ui, &mut is_open, &mut state.features.export, &of, top);
+    state.panels.set(PanelId::EXPORT, is_open);
+    match request {
+        Some(ExportRequest::ChoosePlace) => state.ask_for_place(),
+        Some(ExportRequest::Start) => state.start_export(),
+        None => {}
     }
 }

@@ -1,21 +1,31 @@
 //! The camera path in the window: keyframes of what is shown, the path as it plays, its file, and what would be lost.
 
-use super::dialogs::DialogKind;
-use super::{State, WindowRequest};
+use super::PathEditor;
+use super::marks::paint_path;
+use super::panel::camera_path_ui;
+use super::request::PathRequest;
+use crate::app::features::Features;
 use crate::app::features::camera_path::{Draft, PathFile, Question, read_path, save_path};
+use crate::app::features::feature::Feature;
 use crate::app::open_panels::PanelId;
-use crate::app::work::works::WorkKind;
+use crate::app::panel_row::PanelRow;
+use crate::app::state::DialogKind;
+use crate::app::state::{State, WindowRequest};
+use crate::app::widgets::overlay::PictureOverlay;
+use crate::app::work::outcome::Outcome;
 use crate::playback::Player;
 use crate::scene::Camera;
+use crate::timeline::DEFAULT_FPS;
+use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
     /// Sets a keyframe of what is shown at the path's time.
-    pub(super) fn add_keyframe(&mut self) {
+    pub(in crate::app) fn add_keyframe(&mut self) {
         self.panels.set(PanelId::CAMERA_PATH, true);
         let frame = self.frame_for_path();
-        if let Err(reason) = self.path.set_keyframe(self.camera, frame) {
+        if let Err(reason) = self.features.path.set_keyframe(self.camera, frame) {
             self.notices
                 .error(format!("There is no keyframe of this view: {reason}"));
         }
@@ -24,7 +34,7 @@ impl State {
     /// Gives keyframe `index` the view and the frame that are shown.
     pub(in crate::app) fn replace_keyframe(&mut self, index: usize) {
         let frame = self.frame_for_path();
-        if let Err(reason) = self.path.replace_keyframe(index, self.camera, frame) {
+        if let Err(reason) = self.features.path.replace_keyframe(index, self.camera, frame) {
             self.notices.error(format!("The keyframe stays as it was: {reason}"));
         }
     }
@@ -38,8 +48,8 @@ impl State {
     /// Puts the time of the path somewhere; where there is a part of the path, that is shown.
     pub fn set_path_time(&mut self, time_s: f64) {
         self.stop_preview();
-        self.path.time_s = time_s;
-        if let Some((camera, frame)) = self.path.at_time() {
+        self.features.path.time_s = time_s;
+        if let Some((camera, frame)) = self.features.path.at_time() {
             self.show_of_path(camera, frame);
         }
     }
@@ -57,12 +67,12 @@ impl State {
     }
 
     /// Plays the path in the window, or stops that.
-    pub(super) fn toggle_preview(&mut self) {
+    pub(in crate::app) fn toggle_preview(&mut self) {
         if self.stop_preview() {
             return;
         }
         let resumes = self.player.as_ref().is_some_and(Player::is_playing);
-        if !self.path.play((self.camera, self.now), resumes) {
+        if !self.features.path.play((self.camera, self.shared.now), resumes) {
             return self
                 .notices
                 .warn("The camera path has no keyframes yet: K sets one of what is shown");
@@ -74,8 +84,8 @@ impl State {
     }
 
     /// True if the path was playing.
-    pub(super) fn stop_preview(&mut self) -> bool {
-        let Some(resumes) = self.path.stop() else {
+    pub(in crate::app) fn stop_preview(&mut self) -> bool {
+        let Some(resumes) = self.features.path.stop() else {
             return false;
         };
         let is_paused = self.player.as_ref().is_some_and(|player| !player.is_playing());
@@ -86,11 +96,11 @@ impl State {
     }
 
     /// Moves a path that plays on.
-    pub(super) fn move_on_path(&mut self) {
-        if !self.path.is_playing() {
+    pub(in crate::app) fn move_on_path(&mut self) {
+        if !self.features.path.is_playing() {
             return;
         }
-        let moment = self.path.step(&self.camera, self.now);
+        let moment = self.features.path.step(&self.camera, self.shared.now);
         if let Some(moment) = moment {
             self.show_of_path(moment.camera, moment.frame);
         }
@@ -100,13 +110,13 @@ impl State {
     }
 
     /// Opens another path, begins a new one or ends the program, after a question if something would be lost.
-    pub(super) fn ask_or_do(&mut self, what: Question) {
+    pub(in crate::app) fn ask_or_do(&mut self, what: Question) {
         let would_lose = match what {
-            Question::Open | Question::New => self.path.is_unsaved(),
+            Question::Open | Question::New => self.features.path.is_unsaved(),
             Question::Quit => !self.losses().is_empty(),
         };
         if would_lose {
-            self.path.question = Some(what);
+            self.features.path.question = Some(what);
         } else {
             self.go_on_with(what);
         }
@@ -114,7 +124,7 @@ impl State {
 
     /// Does what was asked about.
     pub(in crate::app) fn go_on_with(&mut self, what: Question) {
-        self.path.question = None;
+        self.features.path.question = None;
         match what {
             Question::Open => self.ask(DialogKind::OpenPath, None),
             Question::New => self.take_path(Arc::new(Draft::default()), None),
@@ -124,40 +134,28 @@ impl State {
 
     /// What would be lost by the end of the program, a sentence each.
     pub(in crate::app) fn losses(&self) -> Vec<&'static str> {
-        let path = self.path.is_unsaved();
-        let export = self.works.has(WorkKind::Export);
-        let save = self.works.has(WorkKind::Save);
-        [
-            (path, "The camera path is not saved."),
-            (export, "An export is under way: it would be cancelled."),
-            (
-                save,
-                "The sequence is being saved: saving it again would go on from there.",
-            ),
-        ]
-        .into_iter()
-        .filter_map(|(is_so, text)| is_so.then_some(text))
-        .collect()
+        let losses = Features::rows::<Self>().into_iter();
+        losses.filter_map(|feature| (feature.loss)(self)).collect()
     }
 
     /// True if nothing is lost when the window closes; else the person is asked, and closing it again closes it.
     pub fn may_close(&mut self) -> bool {
-        if self.path.question == Some(Question::Quit) || self.losses().is_empty() {
+        if self.features.path.question == Some(Question::Quit) || self.losses().is_empty() {
             return true;
         }
-        self.path.question = Some(Question::Quit);
+        self.features.path.question = Some(Question::Quit);
         false
     }
 
     /// Reads a path from a file on a thread.
     pub fn open_path(&mut self, file: PathBuf) {
-        self.tasks.try_start("read camera path", move || read_path(file));
+        self.shared.tasks.try_start("read camera path", move || read_path(file));
     }
 
     /// Saves the path to its file, or asks for one.
-    pub(super) fn save_path(&mut self, asks: bool) {
-        match self.path.file() {
-            _ if self.path.draft.path().is_none() => {}
+    pub(in crate::app) fn save_path(&mut self, asks: bool) {
+        match self.features.path.file() {
+            _ if self.features.path.draft.path().is_none() => {}
             Some(file) if !asks => self.save_path_to(file.clone()),
             _ => self.ask(DialogKind::SavePath, Some("camera-path.json".to_owned())),
         }
@@ -165,23 +163,69 @@ impl State {
 
     /// Writes the path to a file on a thread.
     pub fn save_path_to(&self, file: PathBuf) {
-        let draft = Arc::clone(&self.path.draft);
-        self.tasks.try_start("save camera path", move || save_path(file, draft));
+        let draft = Arc::clone(&self.features.path.draft);
+        self.shared
+            .tasks
+            .try_start("save camera path", move || save_path(file, draft));
     }
 
     /// Takes what became of a file.
-    pub(super) fn take_path_file(&mut self, path: PathFile) {
+    pub(in crate::app) fn take_path_file(&mut self, path: PathFile) {
         match path {
             PathFile::Read { file, draft } => self.take_path(draft, Some(file)),
             PathFile::Saved { file, draft } => {
                 self.notices.info(format!("Saved {}", file.display()));
-                self.path.note_saved(file, draft);
+                self.features.path.note_saved(file, draft);
             }
         }
     }
 
     fn take_path(&mut self, draft: Arc<Draft>, file: Option<PathBuf>) {
         self.stop_preview();
-        self.path.take(draft, file);
+        self.features.path.take(draft, file);
+    }
+}
+
+impl Feature<State> for PathEditor {
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|path: PathFile| state.take_path_file(path))
+    }
+
+    fn escape(state: &mut State) -> bool {
+        state.features.path.question.take().is_some() || state.stop_preview()
+    }
+
+    fn loss(state: &State) -> Option<&'static str> {
+        let is_unsaved = state.features.path.is_unsaved();
+        is_unsaved.then_some("The camera path is not saved.")
+    }
+
+    fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
+        if let Some(path) = state.features.path.draft.path()
+            && state.panels.has(PanelId::CAMERA_PATH)
+            && !state.features.path.is_playing()
+        {
+            paint_path(canvas, path);
+        }
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PanelId::CAMERA_PATH, "Camera path…", camera_path)];
+        PANELS
+    }
+}
+
+fn camera_path(ui: &mut Ui, state: &mut State) {
+    let player = state.player.as_ref();
+    let fps = player.map_or(DEFAULT_FPS, |player| player.clock().fps());
+    let corner = state.viewport.rect.left_top();
+    let mut is_open = state.panels.has(PanelId::CAMERA_PATH);
+    let request = camera_path_ui(ui, &mut is_open, &mut state.features.path, fps, corner);
+    state.panels.set(PanelId::CAMERA_PATH, is_open);
+    match request {
+        Some(PathRequest::Run(command)) => state.run(command),
+        Some(PathRequest::GoTo(time_s)) => state.set_path_time(time_s),
+        Some(PathRequest::Replace(index)) => state.replace_keyframe(index),
+        None => {}
     }
 }

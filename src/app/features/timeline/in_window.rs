@@ -1,27 +1,33 @@
 //! What a person puts on the timeline of the open sequence, and what is kept of it.
 
-use super::State;
+use super::Timeline;
+use super::panel::{TimelineContext, TimelineRequest, timeline_ui};
+use crate::app::features::feature::Feature;
+use crate::app::panel_row::{Dock, PanelRow};
+use crate::app::state::State;
 use crate::playback::Player;
+use crate::scene::Scene;
 use crate::timeline::PlayRange;
+use egui::Ui;
 use std::path::PathBuf;
 
 impl State {
     /// Takes what was kept of the sequence that was just opened.
-    pub(super) fn read_timeline(&mut self, folder: Option<&PathBuf>) {
+    pub(in crate::app) fn read_timeline(&mut self, folder: Option<&PathBuf>) {
         let Some(player) = &mut self.player else {
             return;
         };
-        let (range, chosen, problem) = self.timeline.read(folder, player.sequence());
+        let (range, chosen, problem) = self.features.timeline.read(folder, player.sequence());
         if let Some(problem) = problem {
             self.notices.warn(problem);
         }
-        player.set_range(range, self.now);
+        player.set_range(range, self.shared.now);
         self.take_chosen(chosen);
     }
 
     pub(in crate::app) fn keep_timeline(&mut self) {
         if let Some(player) = &self.player
-            && let Err(problem) = self.timeline.keep(player.clock().range())
+            && let Err(problem) = self.features.timeline.keep(player.clock().range())
         {
             self.notices.warn(problem);
         }
@@ -47,7 +53,7 @@ impl State {
     /// Puts a marker at the playhead, or takes it away.
     pub(in crate::app) fn toggle_marker(&mut self) {
         if let Some(frame) = self.frame_at_playhead() {
-            self.timeline.toggle_marker(frame);
+            self.features.timeline.toggle_marker(frame);
             self.keep_timeline();
         }
     }
@@ -58,7 +64,7 @@ impl State {
             return;
         };
         let count = player.sequence().len();
-        let markers = &self.timeline.markers;
+        let markers = &self.features.timeline.markers;
         let found = if is_next {
             markers.next_after(frame, count)
         } else {
@@ -66,6 +72,42 @@ impl State {
         };
         if let Some(frame) = found {
             self.play_with(|player: &mut Player, now| player.seek(frame, now));
+        }
+    }
+}
+
+impl Feature<State> for Timeline {
+    fn forget_sequence(state: &mut State) {
+        state.features.timeline.forget_playhead();
+    }
+
+    fn escape(state: &mut State) -> bool {
+        state.features.timeline.renaming.take().is_some()
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow {
+            id: None,
+            menu: None,
+            place: Dock::Bottom("timeline"),
+            show: timeline,
+        }];
+        PANELS
+    }
+}
+
+fn timeline(ui: &mut Ui, state: &mut State) {
+    let mut context = TimelineContext {
+        needs: Scene::needs(&state.drawn_style()),
+        now: state.now(),
+        player: state.player.as_mut(),
+        timeline: &mut state.features.timeline,
+        thumbnails: &mut state.features.thumbnails,
+    };
+    for request in timeline_ui(ui, &mut context) {
+        match request {
+            TimelineRequest::Run(command) => state.run(command),
+            TimelineRequest::Keep => state.keep_timeline(),
         }
     }
 }

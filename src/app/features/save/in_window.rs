@@ -1,10 +1,15 @@
 //! The open sequence is written anew: the choices, the beginning and the end.
 
-use super::State;
-use super::dialogs::DialogKind;
+use super::panel::{SaveRequest, save_ui};
+use super::{Estimated, Estimates, Save};
+use crate::app::features::feature::Feature;
 use crate::app::features::save::{Savable, SaveEnded, SaveFormat, job};
 use crate::app::open_panels::PanelId;
+use crate::app::panel_row::PanelRow;
+use crate::app::state::DialogKind;
+use crate::app::state::State;
 use crate::app::work::files::document_folder;
+use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
 use crate::convert::{Converted, Output, Place, Target};
 use crate::playback::Player;
@@ -12,21 +17,23 @@ use crate::reel::ReelOptions;
 use crate::scene::FirstLook;
 use crate::sequence::Sequence;
 use crate::source::AsReel;
+use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Frames that could not be written are named one by one up to here.
 const NAMED_FAILURES: usize = 3;
 
 impl State {
     /// Shows the choices, or closes them.
-    pub(super) fn toggle_save(&mut self) {
+    pub(in crate::app) fn toggle_save(&mut self) {
         let is_open = !self.panels.has(PanelId::SAVE);
         self.panels.set(PanelId::SAVE, is_open);
         if is_open {
             let of = self.savable();
             let beside = self.player.as_ref().and_then(|player| folder_of(player.sequence()));
-            self.save.begin(|| beside.unwrap_or_else(document_folder), &of);
+            self.features.save.begin(|| beside.unwrap_or_else(document_folder), &of);
         }
     }
 
@@ -47,30 +54,32 @@ impl State {
             has_colors: frame.is_some_and(|frame| frame.colors().is_some()),
             has_normals: frame.is_some_and(|frame| frame.normals().is_some()),
             samples_surface: self.first_look().is_some_and(FirstLook::has_surface),
-            is_busy: self.works.has(WorkKind::Save),
+            is_busy: self.shared.works.has(WorkKind::Save),
         }
     }
 
     /// The file, or the folder, that is written.
     pub fn save_output(&self) -> PathBuf {
-        self.save.output(&self.sequence_stem())
+        self.features.save.output(&self.sequence_stem())
     }
 
     /// Has the choices judged while they are made.
-    pub(super) fn follow_save(&mut self) {
+    pub(in crate::app) fn follow_save(&mut self) {
         if self.panels.has(PanelId::SAVE) {
             let of = self.savable();
-            self.save.fit(&of);
-            self.estimates.follow(&self.save, &of, &self.tasks, self.now);
+            self.features.save.fit(&of);
+            self.features
+                .estimates
+                .follow(&self.features.save, &of, &self.shared.tasks, self.shared.now);
         } else {
-            self.estimates.stop();
+            self.features.estimates.stop();
         }
     }
 
     /// Asks for the place of the file, or of the folder.
     pub(in crate::app) fn ask_for_save_place(&mut self) {
-        let name = self.save.file_stem(&self.sequence_stem()) + self.save.suffix();
-        let dialog = match self.save.format {
+        let name = self.features.save.file_stem(&self.sequence_stem()) + self.features.save.suffix();
+        let dialog = match self.features.save.format {
             SaveFormat::Reel => DialogKind::SaveReel,
             SaveFormat::Files(_) => DialogKind::SaveFolder,
         };
@@ -80,32 +89,33 @@ impl State {
     /// Begins to write on threads, with everything as it is now.
     pub fn start_save(&mut self) {
         let of = self.savable();
-        if let Some(problem) = self.save.problem(&of) {
+        if let Some(problem) = self.features.save.problem(&of) {
             return self.notices.error(problem);
         }
-        let Some((mut conversion, sequence)) = self.save.conversion(&of).zip(of.sequence.clone()) else {
+        let Some((mut conversion, sequence)) = self.features.save.conversion(&of).zip(of.sequence.clone()) else {
             return;
         };
         // What the person was told of is what may be replaced.
-        let told = self.save.place(&of);
-        self.save.found = None;
-        if self.save.place(&of) != told {
+        let told = self.features.save.place(&of);
+        self.features.save.found = None;
+        if self.features.save.place(&of) != told {
             let text = "Nothing was saved: another file has come to this place meanwhile, look again";
             return self.notices.error(text);
         }
         conversion.overwrites = told == Place::Taken;
         let output = self.save_output();
         let name = format!("Saving {}", output.file_name().unwrap_or_default().to_string_lossy());
-        let progress = self.works.begin(WorkKind::Save, name, self.now);
+        let progress = self.shared.works.begin(WorkKind::Save, name, self.shared.now);
         self.panels.set(PanelId::SAVE, false);
-        self.tasks
+        self.shared
+            .tasks
             .start("save", move || job::run(&sequence, conversion, &progress));
     }
 
     /// Shows what a sequence file with the present choices would give beside what is open.
     pub(in crate::app) fn compare_with_saved(&mut self) {
         if let Some(player) = &self.player
-            && let Target::Reel(options) = self.save.target(player.sequence().fps())
+            && let Target::Reel(options) = self.features.save.target(player.sequence().fps())
         {
             self.compare_with_kept(options, "as it would be saved");
         }
@@ -121,14 +131,14 @@ impl State {
         let kept = AsReel::new(Arc::clone(sequence.source()), options);
         let kept = Sequence::of(kept).with_fps(sequence.fps());
         self.compare_with(Arc::new(kept));
-        if let Some(beside) = &mut self.beside {
+        if let Some(beside) = &mut self.features.beside {
             beside.name = format!("{}, {words}", beside.name);
         }
     }
 
     /// Says what came of it.
-    pub(super) fn save_has_ended(&mut self, SaveEnded { conversion, result }: SaveEnded) {
-        self.save.found = None;
+    pub(in crate::app) fn save_has_ended(&mut self, SaveEnded { conversion, result }: SaveEnded) {
+        self.features.save.found = None;
         let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = &conversion.output;
         let place = path.display();
         match result {
@@ -169,9 +179,71 @@ impl State {
 }
 
 /// Where a person looks for what was made of a sequence: beside it.
-pub(super) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
+pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
     let input = sequence.source().inputs().first()?;
     let folder = std::path::absolute(input).ok()?.parent()?.to_owned();
     let can_be_written = |folder: &PathBuf| folder.metadata().is_ok_and(|folder| !folder.permissions().readonly());
     Some(folder).filter(|folder| folder.is_dir() && can_be_written(folder))
+}
+
+impl Feature<State> for Save {
+    fn update(state: &mut State) -> bool {
+        state.follow_save();
+        false
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|ended: SaveEnded| state.save_has_ended(ended))
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.save.forget_sequence();
+    }
+
+    fn loss(state: &State) -> Option<&'static str> {
+        let is_under_way = state.shared.works.has(WorkKind::Save);
+        is_under_way.then_some("The sequence is being saved: saving it again would go on from there.")
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::SAVE, save)];
+        PANELS
+    }
+}
+
+impl Feature<State> for Estimates {
+    fn next_deadline(state: &State) -> Option<Duration> {
+        state.features.estimates.next_deadline()
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|estimated: Box<Estimated>| state.features.estimates.take_in(*estimated))
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.estimates.stop();
+    }
+}
+
+fn save(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(PanelId::SAVE) {
+        return;
+    }
+    let of = state.savable();
+    let top = state.viewport.rect.center_top();
+    let mut is_open = true;
+    let request = save_ui(
+        ui,
+        &mut is_open,
+        (&mut state.features.save, &state.features.estimates),
+        &of,
+        top,
+    );
+    state.panels.set(PanelId::SAVE, is_open);
+    match request {
+        Some(SaveRequest::ChoosePlace) => state.ask_for_save_place(),
+        Some(SaveRequest::Compare) => state.compare_with_saved(),
+        Some(SaveRequest::Start) => state.start_save(),
+        None => {}
+    }
 }

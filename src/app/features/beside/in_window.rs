@@ -1,19 +1,27 @@
 //! A second sequence beside the open one: opening and closing it, its pictures, its share of the memory.
 
-use super::State;
+use super::FrameDistances;
+use super::panel::{BesideRequest, beside_ui};
+use crate::app::command::Command;
 use crate::app::drawing::DrawnFrame;
 use crate::app::features::beside::{Beside, Layout};
+use crate::app::features::feature::Feature;
+use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
+use crate::app::state::State;
 use crate::app::widgets::numbers::significant;
+use crate::app::work::outcome::Outcome;
 use crate::app::work::tasks::close;
 use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
 use crate::scene::ScenePacket;
 use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
+use egui::Ui;
 use image::{RgbaImage, imageops};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 impl State {
     /// Shows `sequence` beside the open one, in place of what that was compared with before, laid out like that. The
@@ -24,7 +32,7 @@ impl State {
             return self.notices.error(text);
         };
         let leader = Arc::clone(player.sequence());
-        let before = self.beside.as_ref();
+        let before = self.features.beside.as_ref();
         let laid_out = before.map(|before| (before.layout, before.pictures.split));
         self.close_beside();
         self.end_comparison(Side::A);
@@ -44,14 +52,14 @@ impl State {
             beside.pictures.split = split;
             beside.lay_out(layout);
         }
-        self.beside = Some(beside);
+        self.features.beside = Some(beside);
         self.share_budget();
     }
 
     /// Shows what is beside the open sequence, which is another one now, beside that. Nothing that was read of it is
     /// kept: where its points are held may have changed with the origin.
-    pub(super) fn compare_again(&mut self) {
-        let Some(before) = &self.beside else { return };
+    pub(in crate::app) fn compare_again(&mut self) {
+        let Some(before) = &self.features.beside else { return };
         let before = &before.companion;
         let sequence = Arc::new(before.sequence().anew());
         let offset_frames = before.offset_frames();
@@ -59,7 +67,7 @@ impl State {
         let has_choice = before.times().is_some() || before.numbers().is_some();
         let by = has_choice.then(|| before.paired_by());
         self.compare_with(sequence);
-        if let Some(beside) = &mut self.beside {
+        if let Some(beside) = &mut self.features.beside {
             beside.companion.set_offset_frames(offset_frames);
             if let Some(by) = by {
                 beside.companion.pair_by(by);
@@ -69,32 +77,32 @@ impl State {
 
     /// Finds the frames of `inputs` on a thread and shows them beside the open sequence.
     pub fn compare_paths(&mut self, inputs: Vec<PathBuf>) {
-        self.find(inputs, self.options.open.clone(), Side::B);
+        self.find(inputs, self.shared.options.open.clone(), Side::B);
     }
 
     /// Opens the recording beside the open sequence again, with the point clouds of another topic.
     pub fn compare_topic(&mut self, topic: &str) {
-        if let Some(beside) = &self.beside {
+        if let Some(beside) = &self.features.beside {
             let inputs = beside.companion.sequence().source().inputs().to_vec();
             let topic = Some(topic.into());
-            let open = self.options.open.clone();
+            let open = self.shared.options.open.clone();
             self.find(inputs, OpenOptions { topic, ..open }, Side::B);
         }
     }
 
     /// Shows the open sequence alone. Its memory is all its own again.
-    pub(super) fn close_beside(&mut self) {
-        if let Some(beside) = self.beside.take() {
+    pub(in crate::app) fn close_beside(&mut self) {
+        if let Some(beside) = self.features.beside.take() {
             // Its threads end after the frame they are on; nobody waits for that here.
             close(beside);
-            self.inspection.forget_points_of_b();
+            self.features.inspection.forget_points_of_b();
             self.share_budget();
         }
     }
 
     /// Side by side, or one over the other.
-    pub(super) fn next_layout(&mut self) {
-        match &mut self.beside {
+    pub(in crate::app) fn next_layout(&mut self) {
+        match &mut self.features.beside {
             Some(beside) => {
                 let layout = match beside.layout {
                     Layout::SideBySide => Layout::Wipe,
@@ -109,29 +117,29 @@ impl State {
     }
 
     /// Takes notice that the first of two pictures is another one.
-    pub(super) fn note_picture(&mut self) {
-        if let Some(beside) = &mut self.beside {
-            beside.note_change(self.now);
+    pub(in crate::app) fn note_picture(&mut self) {
+        if let Some(beside) = &mut self.features.beside {
+            beside.note_change(self.shared.now);
         }
-        if let Some(comparison) = &mut self.comparison {
-            comparison.pictures.note_change(self.now);
+        if let Some(comparison) = &mut self.features.comparison {
+            comparison.pictures.note_change(self.shared.now);
         }
     }
 
     /// Measures the distances of the two shown frames.
     pub(in crate::app) fn measure_distances(&mut self) {
-        if let (Some(beside), Some(player)) = (&mut self.beside, &self.player) {
-            beside.measure(player, &self.tasks);
+        if let (Some(beside), Some(player)) = (&mut self.features.beside, &self.player) {
+            beside.measure(player, &self.shared.tasks);
         }
     }
 
     /// Memory for the prepared frames of all that is open.
     pub fn budget_bytes(&self) -> usize {
         let default = || LoaderOptions::default().budget_bytes;
-        self.options.budget_bytes.unwrap_or_else(default)
+        self.shared.options.budget_bytes.unwrap_or_else(default)
     }
 
-    pub(super) fn loader_options(&self, budget_bytes: usize) -> LoaderOptions {
+    pub(in crate::app) fn loader_options(&self, budget_bytes: usize) -> LoaderOptions {
         LoaderOptions {
             shows_stages: true,
             wake: self.wake(),
@@ -142,23 +150,23 @@ impl State {
     }
 
     /// Divides the memory between what is open.
-    pub(super) fn share_budget(&self) {
+    pub(in crate::app) fn share_budget(&self) {
         let whole = self.budget_bytes();
-        let [a, b] = match self.beside {
+        let [a, b] = match self.features.beside {
             Some(_) => Companion::shares(whole),
             None => [whole, 0],
         };
         if let Some(player) = &self.player {
             player.loader().set_budget_bytes(a);
         }
-        if let Some(beside) = &self.beside {
+        if let Some(beside) = &self.features.beside {
             beside.companion.loader().set_budget_bytes(b);
         }
     }
 
     /// Takes in what has changed about the other sequence. True if something can be seen.
-    pub(super) fn follow_beside(&mut self, change: PlayerChange) -> bool {
-        let (Some(beside), Some(player)) = (&mut self.beside, &self.player) else {
+    pub(in crate::app) fn follow_beside(&mut self, change: PlayerChange) -> bool {
+        let (Some(beside), Some(player)) = (&mut self.features.beside, &self.player) else {
             return false;
         };
         let sequence = beside.companion.sequence();
@@ -172,7 +180,7 @@ impl State {
             self.notices.warn(format!("B: {warning}"));
         }
         if let Some(frame) = beside.companion.shown() {
-            self.inspection.follow(Side::B, frame, sequence.origin());
+            self.features.inspection.follow(Side::B, frame, sequence.origin());
         }
         if let Some(gap) = beside.take_gap(player) {
             let a = name_of(player.sequence()).unwrap_or_default();
@@ -187,8 +195,8 @@ impl State {
     }
 
     /// The box around the shown frame of the other sequence, relative to the origin of the open one; empty without any.
-    pub(super) fn bounds_beside(&self) -> Aabb {
-        let (Some(beside), Some(player)) = (&self.beside, &self.player) else {
+    pub(in crate::app) fn bounds_beside(&self) -> Aabb {
+        let (Some(beside), Some(player)) = (&self.features.beside, &self.player) else {
             return Aabb::EMPTY;
         };
         let Some(frame) = beside.companion.shown() else {
@@ -203,9 +211,9 @@ impl State {
     }
 
     /// The packet of the other sequence, if it differs from the last one.
-    pub(super) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
+    pub(in crate::app) fn next_packet_beside(&mut self) -> Option<ScenePacket> {
         let style = self.drawn_style();
-        let beside = self.beside.as_mut()?;
+        let beside = self.features.beside.as_mut()?;
         let Some(frame) = beside.companion.shown() else {
             beside.pictures.forget_difference();
             return None;
@@ -222,8 +230,8 @@ impl State {
         let size_px = self.viewport.other_size_px;
         let packet = beside
             .drawing
-            .next_packet(drawn, &self.camera, &style, size_px, self.now)?;
-        beside.note_change(self.now);
+            .next_packet(drawn, &self.camera, &style, size_px, self.shared.now)?;
+        beside.note_change(self.shared.now);
         Some(packet)
     }
 
@@ -233,13 +241,13 @@ impl State {
             beside.companion.waiting_for().is_none()
                 && (beside.drawing.is_drawn() || beside.companion.shown().is_none())
         };
-        self.main.drawing.is_drawn() && self.beside.as_ref().is_none_or(is_drawn_beside)
+        self.main.drawing.is_drawn() && self.features.beside.as_ref().is_none_or(is_drawn_beside)
     }
 
     /// What is seen of both pictures, as one: side by side, or on both sides of the line. The first one alone if there
     /// is no other sequence, or no frame of it. With the labels that are in the window.
     pub fn joined(&self, a: RgbaImage, b: Option<RgbaImage>) -> RgbaImage {
-        let Some((beside, b)) = self.beside.as_ref().zip(b) else {
+        let Some((beside, b)) = self.features.beside.as_ref().zip(b) else {
             return self.with_labels(a);
         };
         if beside.companion.shown().is_none() {
@@ -261,6 +269,41 @@ impl State {
                 imageops::replace(&mut joined, &right.to_image(), i64::from(line), 0);
                 self.with_labels(joined)
             }
+        }
+    }
+}
+
+impl Feature<State> for Option<Beside> {
+    fn next_deadline(state: &State) -> Option<Duration> {
+        let beside = state.features.beside.as_ref();
+        beside.and_then(|beside| beside.drawing.next_deadline())
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|distances: Option<FrameDistances>| {
+            if let (Some(beside), Some(distances)) = (&mut state.features.beside, distances) {
+                beside.take_in(distances);
+            }
+        })
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow {
+            id: None,
+            menu: None,
+            place: Dock::Top("beside", |state: &State| state.features.beside.is_some()),
+            show: bar,
+        }];
+        PANELS
+    }
+}
+
+fn bar(ui: &mut Ui, state: &mut State) {
+    if let (Some(beside), Some(player)) = (&mut state.features.beside, &state.player) {
+        match beside_ui(ui, beside, player) {
+            Some(BesideRequest::Measure) => state.measure_distances(),
+            Some(BesideRequest::Close) => state.run(Command::CloseComparison),
+            None => {}
         }
     }
 }

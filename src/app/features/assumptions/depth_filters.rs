@@ -1,7 +1,7 @@
 //! Filters of depth images are changed.
 
-use super::State;
 use crate::app::features::assumptions::ReadChange;
+use crate::app::state::State;
 use crate::rgbd::Filters;
 use std::sync::Arc;
 

@@ -5,18 +5,23 @@
 //! opened again on a thread; if no frame can be decoded with the new options, what is open stays, and nothing is
 //! remembered.
 
-use super::State;
-use super::outcome::{FoundSequence, NotFound};
+use super::Assumptions;
+use super::panel::{PANEL, assumptions_ui, chip_ui};
 use crate::app::features::assumptions::{Change, FileKind, Given, Group, ReadChange, groups};
+use crate::app::features::feature::Feature;
+use crate::app::panel_row::PanelRow;
 use crate::app::reading_choices::first_failure;
 use crate::app::recent::entry_name;
 use crate::app::side::Side;
+use crate::app::state::State;
+use crate::app::state::{FoundSequence, NotFound};
 use crate::app::work::works::WorkKind;
 use crate::playback::Player;
 use crate::rgbd::Filters;
 use crate::scene::{FirstLook, Primitive};
 use crate::sequence::{OpenOptions, Sequence};
 use crate::session::{ReadSession, Reading};
+use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -27,7 +32,7 @@ impl State {
             return Vec::new();
         };
         let sequence = player.sequence();
-        let guessed = self.looked.guessed.as_deref();
+        let guessed = self.opening.looked.guessed.as_deref();
         let mut assumptions = sequence.assumptions();
         assumptions.extend(guessed.into_iter().flat_map(FirstLook::assumptions));
         let lack = |&primitive: &Primitive| Some((primitive, guessed?.lack_of(primitive)?));
@@ -51,8 +56,12 @@ impl State {
     }
 
     /// The options with which the open sequence was opened.
-    pub(super) fn opened_with(&self) -> &OpenOptions {
-        self.opened.options.as_ref().unwrap_or(&self.options.open)
+    pub(in crate::app) fn opened_with(&self) -> &OpenOptions {
+        self.opening
+            .opened
+            .options
+            .as_ref()
+            .unwrap_or(&self.shared.options.open)
     }
 
     fn can_open_again(&self) -> bool {
@@ -98,10 +107,10 @@ impl State {
         for change in &changes {
             change.apply(&mut open);
         }
-        self.works.cancel(WorkKind::Open);
+        self.shared.works.cancel(WorkKind::Open);
         let name = format!("Opening {} again", entry_name(&inputs));
-        let progress = self.works.begin(WorkKind::Open, name, self.now);
-        self.tasks.start("find frames", move || {
+        let progress = self.shared.works.begin(WorkKind::Open, name, self.shared.now);
+        self.shared.tasks.start("find frames", move || {
             let opened = Sequence::open_observed(&inputs, &open, &progress);
             let sequence = opened.map_err(NotFound::from).and_then(|sequence| {
                 let failure = first_failure(&sequence);
@@ -124,7 +133,7 @@ impl State {
     }
 
     /// Shows `sequence`, the open one read with `changes`.
-    pub(super) fn take_changed(&mut self, sequence: Arc<Sequence>, open: OpenOptions, changes: &[ReadChange]) {
+    pub(in crate::app) fn take_changed(&mut self, sequence: Arc<Sequence>, open: OpenOptions, changes: &[ReadChange]) {
         let keeps_places = !changes.iter().any(ReadChange::moves_points);
         if self.open_again(sequence, open, keeps_places) {
             self.remember(changes);
@@ -132,22 +141,27 @@ impl State {
     }
 
     /// Remembers `changes` for the inputs of the open sequence.
-    pub(super) fn remember(&mut self, changes: &[ReadChange]) {
+    pub(in crate::app) fn remember(&mut self, changes: &[ReadChange]) {
         let apply = |open: &mut OpenOptions| changes.iter().for_each(|change| change.apply(open));
-        if let Err(problem) = self.reading_choices.change(&self.opened.inputs, apply) {
+        if let Err(problem) = self.kept.reading_choices.change(&self.opening.opened.inputs, apply) {
             self.notices.warn(problem);
         }
     }
 
     /// The options of reading that were chosen for `inputs`.
-    pub(super) fn chosen_reading(&self, inputs: &[PathBuf]) -> Option<Reading> {
-        self.reading_choices.of(inputs).cloned()
+    pub(in crate::app) fn chosen_reading(&self, inputs: &[PathBuf]) -> Option<Reading> {
+        self.kept.reading_choices.of(inputs).cloned()
     }
 
     /// Shows `sequence`, the open one read as `open` says. All that the user has made around it stays, as if it was
     /// opened from its session; without `keeps_places`, but for what is at places of the points. False if nothing
     /// was opened.
-    pub(super) fn open_again(&mut self, sequence: Arc<Sequence>, open: OpenOptions, keeps_places: bool) -> bool {
+    pub(in crate::app) fn open_again(
+        &mut self,
+        sequence: Arc<Sequence>,
+        open: OpenOptions,
+        keeps_places: bool,
+    ) -> bool {
         let Some(player) = &self.player else { return false };
         let (plays, follows) = (player.is_playing(), player.follows_newest());
         let mut session = match self.session() {
@@ -168,7 +182,7 @@ impl State {
             session.measurements.clear();
         }
         let frame = session.frame;
-        let (file, is_damaged) = (self.opened.file.take(), self.opened.is_damaged);
+        let (file, is_damaged) = (self.opening.opened.file.take(), self.opening.opened.is_damaged);
         let read = ReadSession {
             file: file.clone().unwrap_or_default(),
             session,
@@ -176,9 +190,9 @@ impl State {
         };
         let turns = self.motion.turntable.is_on;
         self.open_session(sequence, read);
-        (self.opened.file, self.opened.is_damaged) = (file, is_damaged);
+        (self.opening.opened.file, self.opening.opened.is_damaged) = (file, is_damaged);
         // A choice in the window goes before what the command line says.
-        self.opened.options = Some(open);
+        self.opening.opened.options = Some(open);
         self.motion.turntable.is_on = turns;
         self.play_with(|player, now| {
             let is_live = player.sequence().source().is_live();
@@ -191,5 +205,33 @@ impl State {
             }
         });
         true
+    }
+}
+
+impl Feature<State> for Assumptions {
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Assumptions…", assumptions)];
+        PANELS
+    }
+}
+
+/// The list of assumptions.
+fn assumptions(ui: &mut Ui, state: &mut State) {
+    if !state.panels.has(PANEL) {
+        return;
+    }
+    let groups = state.assumptions();
+    let corner = state.viewport.rect.right_top();
+    let mut is_open = true;
+    let changes = assumptions_ui(ui, &mut is_open, &groups, corner);
+    state.panels.set(PANEL, is_open);
+    state.choose(changes);
+}
+
+/// The chip with the number of assumptions about the open sequence.
+pub(in crate::app) fn assumptions_chip(ui: &mut Ui, state: &mut State) {
+    let groups = state.assumptions();
+    if !groups.is_empty() && chip_ui(ui, &groups, state.panels.has(PANEL)) {
+        state.panels.toggle(PANEL);
     }
 }

@@ -1,0 +1,96 @@
+//! Benchmarks of the open sequence, and what they have found of its ways to draw.
+
+use super::BenchmarkEnded;
+use super::panel::{BenchmarkRequest, benchmark_ui};
+use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
+use crate::app::features::feature::Feature;
+use crate::app::open_panels::PanelId;
+use crate::app::panel_row::PanelRow;
+use crate::app::state::State;
+use crate::app::work::outcome::Outcome;
+use crate::bench::{LabPoint, Suite};
+use egui::Ui;
+use std::sync::Arc;
+
+impl State {
+    /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
+    pub fn start_benchmark(&mut self, suite: &'static Suite) {
+        let Some(player) = &mut self.player else {
+            return;
+        };
+        if player.is_playing() {
+            player.toggle(self.shared.now);
+        }
+        let sequence = Arc::clone(player.sequence());
+        let shown = player.shown().map_or(0, |frame| frame.index);
+        let name = self.sequence_name().unwrap_or_default();
+        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence, shown));
+    }
+
+    /// Shows the benchmark window and runs `job` in it.
+    pub fn start_benchmark_job(&mut self, suite: &str, job: BenchmarkJob) {
+        self.panels.set(PanelId::BENCHMARK, true);
+        let at = (self.wake(), self.shared.now);
+        self.features.benchmark.start(suite, job, &self.shared.tasks, at);
+    }
+
+    /// Takes over what a benchmark has found of the open sequence, and keeps it.
+    pub(in crate::app) fn learn_quality(&mut self) {
+        let Benchmark::Done(table) = &self.features.benchmark else {
+            return;
+        };
+        let points: Vec<LabPoint> = table.points.iter().map(|point| (**point).clone()).collect();
+        let is_of_open = self
+            .sequence_name()
+            .is_some_and(|name| points.first().is_some_and(|point| point.sequence == name));
+        if is_of_open {
+            self.features.quality.learn(&points);
+        }
+    }
+}
+
+impl Feature<State> for Benchmark {
+    fn update(state: &mut State) -> bool {
+        let now = state.now();
+        if let Benchmark::Running(running) = &mut state.features.benchmark {
+            running.work.look(now);
+        }
+        false
+    }
+
+    fn has_news(state: &State) -> bool {
+        matches!(state.features.benchmark, Benchmark::Running(_))
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|ended: BenchmarkEnded| {
+            state.features.benchmark.finish(ended);
+            state.learn_quality();
+        })
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::BENCHMARK, benchmark)];
+        PANELS
+    }
+}
+
+fn benchmark(ui: &mut Ui, state: &mut State) {
+    let now = state.now();
+    let mut is_open = state.panels.has(PanelId::BENCHMARK);
+    let request = benchmark_ui(
+        ui,
+        &mut is_open,
+        &mut state.appearance.benchmark_place,
+        &state.features.benchmark,
+        now,
+    );
+    state.panels.set(PanelId::BENCHMARK, is_open);
+    match request {
+        Some(BenchmarkRequest::Save(format)) => state.ask_for_report(format),
+        Some(BenchmarkRequest::DrawAs(way)) => state.draw_as_measured(&way.style),
+        Some(BenchmarkRequest::Use(strategy)) => state.style.drawing.strategy = strategy,
+        Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
+        None => {}
+    }
+}

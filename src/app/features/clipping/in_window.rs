@@ -1,0 +1,77 @@
+//! The frames that a clip is put around.
+
+use super::Clipping;
+use super::handles::handles_ui;
+use crate::app::features::clipping::{ClippedFrames, KnownBounds};
+use crate::app::features::feature::Feature;
+use crate::app::state::State;
+use crate::app::widgets::overlay::PictureOverlay;
+use crate::math::Aabb;
+use egui::Ui;
+
+impl State {
+    /// The shown frame and all that is known of the others; `None` while nothing is shown.
+    pub(in crate::app) fn clipped_frames(&mut self) -> Option<ClippedFrames> {
+        let player = self.player.as_ref()?;
+        let shown = player.shown()?.frame.bounds();
+        let looked = self.opening.looked.look.as_ref().map_or(Aabb::EMPTY, |look| look.full);
+        let loader = player.loader();
+        let count = player.sequence().len();
+        let all = self.features.clipping.bounds_of_all(loader.facts_revision(), || {
+            let facts = loader.facts();
+            let known = facts.iter().flatten();
+            let bounds = known.clone().fold(looked, |bounds, fact| bounds.union(&fact.bounds));
+            KnownBounds {
+                bounds,
+                known: known.count(),
+                count,
+            }
+        });
+        Some(ClippedFrames {
+            shown,
+            all,
+            origin: player.sequence().origin(),
+        })
+    }
+
+    /// Has a box around all frames take in those that were read since.
+    pub(in crate::app) fn follow_clip(&mut self) {
+        let clip = self.style.of_sequence.clip;
+        if clip.is_some_and(|clip| clip.is_on && self.features.clipping.is_around_all(&clip))
+            && let Some(frames) = self.clipped_frames()
+        {
+            self.features.clipping.grow(&mut self.style.of_sequence.clip, &frames);
+        }
+    }
+}
+
+impl Feature<State> for Clipping {
+    fn follow(state: &mut State) {
+        state.follow_clip();
+    }
+
+    fn forget_sequence(state: &mut State) {
+        // Its numbers are those of the sequence before.
+        state.style.of_sequence.clip = None;
+        state.features.clipping.forget_frames();
+    }
+
+    fn handles(ui: &Ui, state: &mut State) {
+        clip_handles(ui, state);
+    }
+}
+
+/// The handles of what is clipped, over the picture of the open sequence.
+fn clip_handles(ui: &Ui, state: &mut State) {
+    let is_shown = state.features.clipping.shows_outline;
+    let Some(frames) = state.clipped_frames().filter(|_| is_shown) else {
+        return;
+    };
+    let unit = state.length_unit();
+    let rect = state.viewport.rect;
+    let painter = ui.painter_at(rect);
+    let canvas = PictureOverlay::new(&painter, rect, state.viewport.size_px, &state.camera);
+    if let Some(clip) = state.style.of_sequence.clip.as_mut().filter(|clip| clip.is_on) {
+        handles_ui(ui, &canvas, (&mut state.features.clipping, clip), &frames, unit);
+    }
+}

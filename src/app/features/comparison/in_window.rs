@@ -1,0 +1,59 @@
+//! Two ways to draw in the window: their bar, and when their pictures are compared.
+
+use super::PicturePair;
+use super::panel::{ComparisonRequest, comparison_ui};
+use super::{Comparison, PictureDifference};
+use crate::app::features::feature::Feature;
+use crate::app::panel_row::{Dock, PanelRow};
+use crate::app::state::{State, WindowRequest};
+use crate::app::work::outcome::Outcome;
+use egui::Ui;
+use std::time::Duration;
+
+impl Feature<State> for Option<Comparison> {
+    /// Of two sequences as well.
+    fn update(state: &mut State) -> bool {
+        let now = state.now();
+        let is_due = state.pictures_mut().is_some_and(|pair| pair.is_due(now));
+        if is_due {
+            state.request(WindowRequest::Compare);
+        }
+        is_due
+    }
+
+    fn next_deadline(state: &State) -> Option<Duration> {
+        state.pictures().and_then(PicturePair::next_deadline)
+    }
+
+    fn shows_frame(state: &State) -> bool {
+        state.pictures().is_some()
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|difference: PictureDifference| {
+            if let Some(pictures) = state.pictures_mut() {
+                pictures.take_in(difference);
+            }
+        })
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow {
+            id: None,
+            menu: None,
+            place: Dock::Top("comparison", |state: &State| state.features.comparison.is_some()),
+            show: bar,
+        }];
+        PANELS
+    }
+}
+
+fn bar(ui: &mut Ui, state: &mut State) {
+    if let Some(comparison) = &mut state.features.comparison {
+        match comparison_ui(ui, comparison) {
+            Some(ComparisonRequest::Edit(side)) => state.edit_side(side),
+            Some(ComparisonRequest::Use(side)) => state.end_comparison(side),
+            None => {}
+        }
+    }
+}

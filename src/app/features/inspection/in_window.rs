@@ -1,0 +1,85 @@
+//! Points that were clicked on, and measurements, in the window.
+
+use super::Inspection;
+use super::marks::paint_inspection;
+use super::measuring_panel::measuring_ui;
+use super::point_panel::{PointContext, point_ui};
+use crate::app::features::feature::Feature;
+use crate::app::features::trails::panel::trail_ui;
+use crate::app::panel_row::PanelRow;
+use crate::app::side::Side;
+use crate::app::state::State;
+use crate::app::widgets::overlay::PictureOverlay;
+use crate::playback::Player;
+use egui::Ui;
+
+impl Feature<State> for Inspection {
+    fn follow_frame(state: &mut State) -> bool {
+        if let Some(player) = &state.player
+            && let Some(frame) = player.shown()
+        {
+            let origin = player.sequence().origin();
+            state.features.inspection.follow(Side::A, frame, origin);
+        }
+        false
+    }
+
+    fn shows_frame(state: &State) -> bool {
+        state.features.inspection.picked().next().is_some()
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.inspection.forget_points();
+    }
+
+    fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
+        paint_inspection(canvas, &state.features.inspection, state.length_unit());
+    }
+
+    fn panels() -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::by_itself(point), PanelRow::by_itself(measuring)];
+        PANELS
+    }
+}
+
+fn point(ui: &mut Ui, state: &mut State) {
+    let index_in_file = state
+        .features
+        .inspection
+        .point
+        .as_ref()
+        .map(|point| point.values.index_in_file);
+    let trail = state.player.as_ref().and_then(|player| {
+        let time_s = |frame| player.time_s(frame);
+        state.features.trails.measure(index_in_file?, time_s)
+    });
+    let names = state.features.beside.as_ref().map(|beside| {
+        let name = state.sequence_name().unwrap_or_default();
+        [name, beside.name.clone()]
+    });
+    let side = state.features.inspection.point.as_ref().map(|point| point.anchor.side);
+    let sequence = match (side, &state.features.beside) {
+        (Some(Side::B), Some(beside)) => Some(beside.companion.sequence()),
+        _ => state.player.as_ref().map(Player::sequence),
+    };
+    let frame_count = sequence.map_or(0, |sequence| sequence.len());
+    let context = PointContext {
+        camera: &state.camera,
+        names,
+        trail,
+        frame_count,
+        unit: state.length_unit(),
+    };
+    let corner = state.viewport.rect.left_top();
+    let trails = &mut state.features.trails;
+    point_ui(ui, &mut state.features.inspection, &context, corner, |ui, anchor| {
+        trail_ui(ui, trails, anchor);
+    });
+}
+
+fn measuring(ui: &mut Ui, state: &mut State) {
+    let up = state.camera.up.direction();
+    let corner = state.viewport.rect.left_bottom();
+    let unit = state.length_unit();
+    measuring_ui(ui, &mut state.features.inspection, (up, unit), corner);
+}

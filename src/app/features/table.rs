@@ -1,0 +1,80 @@
+//! The table of features: a line for each. All that the window does with every feature goes through it.
+
+use super::assumptions::Assumptions;
+use super::benchmark::Benchmark;
+use super::beside::Beside;
+use super::camera_path::PathEditor;
+use super::clipping::Clipping;
+use super::comparison::Comparison;
+use super::export::Export;
+use super::feature::{Feature, FeatureRow};
+use super::inspection::Inspection;
+use super::labels::Labels;
+use super::palette::Palette;
+use super::photos::Photos;
+use super::quality::MeasuredQuality;
+use super::save::{Estimates, Save};
+use super::temporal::Temporal;
+use super::thumbnails::Thumbnails;
+use super::timeline::Timeline;
+use super::trails::Trails;
+
+/// Declares what features there are.
+macro_rules! features {
+    ($($(#[$doc:meta])* $name:ident: $feature:ty,)*) => {
+        /// The features of the window, in the order in which they are updated, laid out and painted.
+        #[derive(Debug, Default)]
+        pub struct Features {
+            $($(#[$doc])* pub $name: $feature,)*
+        }
+
+        impl Features {
+            /// What a window with the state `S` does with each of them.
+            pub(in crate::app) fn rows<S: 'static>() -> [FeatureRow<S>; [$(stringify!($name)),*].len()]
+            where
+                $($feature: Feature<S>,)*
+            {
+                [$(FeatureRow::of::<$feature>()),*]
+            }
+        }
+    };
+}
+
+features! {
+    /// Commands by their names, while they are looked for.
+    palette: Option<Palette>,
+    /// Markers and curve of the open sequence.
+    timeline: Timeline,
+    /// Another way to draw beside the one of the settings.
+    comparison: Option<Comparison>,
+    /// Another sequence beside the open one; never together with `comparison`.
+    beside: Option<Beside>,
+    /// What is known of the open sequence's ways to draw, from fast to exact.
+    quality: MeasuredQuality,
+    /// What other poses add to the picture.
+    temporal: Temporal,
+    /// The camera path that is being made.
+    path: PathEditor,
+    /// The ways of points through time.
+    trails: Trails,
+    /// What was clicked on.
+    inspection: Inspection,
+    /// Texts at points.
+    labels: Labels,
+    /// Photographs of what is shown.
+    photos: Photos,
+    /// What was assumed about the open sequence.
+    assumptions: Assumptions,
+    /// What is known of what is clipped.
+    clipping: Clipping,
+    /// Small pictures of the frames.
+    thumbnails: Thumbnails,
+    /// What a person would export.
+    export: Export,
+    /// As what a person would save the sequence.
+    save: Save,
+    /// What that comes to.
+    estimates: Estimates,
+    /// The benchmark window's content.
+    benchmark: Benchmark,
+}

@@ -1,0 +1,47 @@
+//! Small pictures of the frames, in the window.
+
+use super::{Delivery, Thumbnails};
+use crate::app::features::benchmark::Benchmark;
+use crate::app::features::feature::Feature;
+use crate::app::state::State;
+use crate::app::work::outcome::Outcome;
+
+impl Feature<State> for Thumbnails {
+    fn follow(state: &mut State) {
+        state.follow_thumbnails();
+    }
+
+    fn follow_panels(state: &mut State) {
+        state.follow_thumbnails();
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|delivery: Box<Delivery>| state.features.thumbnails.take_in(*delivery))
+    }
+
+    fn forget_frame(state: &mut State, index: usize) {
+        state.features.thumbnails.forget_frame(index);
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.thumbnails.forget_frames();
+    }
+}
+
+impl State {
+    /// Begins the next small picture if there is time for it.
+    fn follow_thumbnails(&mut self) {
+        // The first picture goes first.
+        let look = self.opening.looked.look().filter(|_| self.has_looked());
+        let Some((player, look)) = self.player.as_ref().zip(look) else {
+            return;
+        };
+        let style = self.style.resolved(&look);
+        let hints = style.of_sequence.color_hints;
+        let key = (self.camera.up, style.colors, hints);
+        let is_measured = matches!(self.features.benchmark, Benchmark::Running(_));
+        self.features
+            .thumbnails
+            .follow(player, &look, key, is_measured, &self.shared.tasks, self.shared.now);
+    }
+}

@@ -1,0 +1,54 @@
+//! Trails in the window.
+
+use super::panel::paint_trails;
+use super::{Traced, Trails};
+use crate::app::features::feature::Feature;
+use crate::app::state::State;
+use crate::app::widgets::overlay::PictureOverlay;
+use crate::app::work::outcome::Outcome;
+
+impl Feature<State> for Trails {
+    fn follow_frame(state: &mut State) -> bool {
+        let (Some(player), features) = (&state.player, &mut state.features) else {
+            return false;
+        };
+        features
+            .trails
+            .follow(player, &features.inspection, &state.shared.tasks)
+    }
+
+    fn follow_panels(state: &mut State) {
+        Self::follow_frame(state);
+    }
+
+    fn shows_frame(state: &State) -> bool {
+        state.features.trails.are_shown()
+    }
+
+    fn has_news(state: &State) -> bool {
+        state.features.trails.progress().is_some()
+    }
+
+    fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
+        outcome.give(|traced: Traced| state.features.trails.take_in(traced))
+    }
+
+    fn forget_sequence(state: &mut State) {
+        state.features.trails.forget_points();
+    }
+
+    fn paint(state: &State, canvas: &PictureOverlay<'_>, _is_first: bool) {
+        if let Some(player) = &state.player {
+            paint_trails(canvas, &state.features.trails, player);
+        }
+    }
+}
+
+impl State {
+    pub(in crate::app) fn toggle_trails(&mut self) {
+        self.features.trails.is_on ^= true;
+        if self.features.trails.is_on && self.features.inspection.picked().next().is_none() {
+            self.notices.hint("Pick a point (I and a click): its trail is shown");
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! A panel of the window, as the table of panels and the features have it.
+
+use super::PanelId;
+use egui::Ui;
+use std::ops::RangeInclusive;
+
+/// A panel of the window whose state is `S`.
+#[derive(Debug)]
+pub(in crate::app) struct PanelRow<S> {
+    /// By what a person opens and closes it; `None` of one that comes and goes with what it is about.
+    pub(in crate::app) id: Option<PanelId>,
+    /// Its item of the menu View; `None` of one that is opened from elsewhere.
+    pub(in crate::app) menu: Option<&'static str>,
+    pub(in crate::app) place: Dock<S>,
+    /// Shows it. A window is asked in each pass, and knows whether it is open.
+    pub(in crate::app) show: fn(&mut Ui, &mut S),
+}
+
+/// Where a panel is.
+#[derive(Debug)]
+pub(in crate::app) enum Dock<S> {
+    /// Beside the picture, at the left; how wide at first, and how wide it can be, points.
+    Left(f32, RangeInclusive<f32>),
+    /// The same at the right.
+    Right(f32, RangeInclusive<f32>),
+    /// A bar of this name above the picture, while it is to be seen.
+    Top(&'static str, fn(&S) -> bool),
+    /// A bar of this name below the picture.
+    Bottom(&'static str),
+    /// A window over the picture.
+    Window,
+    /// A window over all others.
+    Over,
+}
+
+impl<S> PanelRow<S> {
+    /// A window that has an item in the menu View.
+    pub(in crate::app) const fn in_menu(id: PanelId, menu: &'static str, show: fn(&mut Ui, &mut S)) -> Self {
+        Self {
+            id: Some(id),
+            menu: Some(menu),
+            place: Dock::Window,
+            show,
+        }
+    }
+
+    /// A window that is opened from elsewhere than the menu View.
+    pub(in crate::app) const fn window(id: PanelId, show: fn(&mut Ui, &mut S)) -> Self {
+        Self {
+            id: Some(id),
+            menu: None,
+            place: Dock::Window,
+            show,
+        }
+    }
+
+    /// A window that comes and goes with what it is about.
+    pub(in crate::app) const fn by_itself(show: fn(&mut Ui, &mut S)) -> Self {
+        Self {
+            id: None,
+            menu: None,
+            place: Dock::Window,
+            show,
+        }
+    }
+}
