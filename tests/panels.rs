@@ -156,7 +156,7 @@ fn what_a_person_chose_is_how_the_next_window_begins() {
 
     // Played backward when it was left: the next begins forward.
     let mut harness = window();
-    harness.state_mut().run(Command::Reverse);
+    harness.state_mut().run(Command::REVERSE);
     assert_eq!(harness.state().preferences().speed, 1.0);
 }
 

@@ -7,8 +7,8 @@
 //! texture that the central panel shows.
 //!
 //! A panel is a row of one table (`panels/table.rs`). Panels of features take what they draw and return what they ask
-//! for; `panels/bound.rs` gives them their part of the state and carries that out. Keys become [`Command`]s through
-//! another table, that the help window shows as well. Whatever takes long (dialogs, finding files, writing images,
+//! for; `panels/bound.rs` gives them their part of the state and carries that out. Keys, menus, the list of commands
+//! and scripts call one table of commands (`commands`). Whatever takes long (dialogs, finding files, writing images,
 //! benchmarks) runs on a named thread ([`Tasks`]) and comes back through a bounded channel as an [`Outcome`], which is
 //! made of what the tasks of each feature come to.
 //!
@@ -17,6 +17,7 @@
 
 mod appearance;
 mod command;
+mod commands;
 mod drawing;
 mod features;
 mod first_look;
@@ -48,7 +49,8 @@ mod window;
 mod work;
 
 pub use appearance::Appearance;
-pub use command::{BINDINGS, Binding, Chord, Command, GESTURES};
+pub use command::{Chord, Command, CommandRow, GESTURES, Keys, Menu};
+pub use commands::commands;
 pub use features::Features;
 pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat, SoFar};
 pub use features::beside::{Beside, FrameDistances, Layout, OneWay};

@@ -30,7 +30,7 @@ impl PanelId {
     pub const SAVE: Self = Self("save");
 
     /// Its name.
-    pub(super) fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         self.0
     }
 

@@ -42,7 +42,7 @@ fn kept_in(folder: &Path) -> StateOptions {
 /// A window whose files are in `kept`, with `inputs` open.
 fn window_of(kept: &Path, inputs: &[PathBuf]) -> Harness<'static, State> {
     let mut harness = window_on(sequence(&[]), kept_in(kept));
-    harness.state_mut().run(Command::CloseSequence);
+    harness.state_mut().run(Command::CLOSE_SEQUENCE);
     harness.state_mut().open_paths(inputs.to_vec());
     until(&mut harness, "it is not opened", is_looked_at);
     harness
@@ -280,7 +280,7 @@ fn a_number_is_typed_and_said_to_be_wrong() {
 fn the_palette_finds_the_list() {
     for query in ["assumptions", "guesses", "depth scale"] {
         let mut harness = super::window();
-        harness.state_mut().run(Command::TogglePalette);
+        harness.state_mut().run(Command::TOGGLE_PALETTE);
         harness.run();
         harness.get_by_label("Find a command").type_text(query);
         harness.run();

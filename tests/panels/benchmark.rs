@@ -259,7 +259,7 @@ fn the_window_stays_where_it_is_and_keeps_what_was_measured() {
         },
     );
     next.state_mut()
-        .run(pointreel::app::Command::TogglePanel(pointreel::app::PanelId::BENCHMARK));
+        .run(pointreel::app::Command::panel(pointreel::app::PanelId::BENCHMARK));
     next.run();
     let again = next.state().appearance.benchmark_place.unwrap();
     assert!((again.min - place.min).length() < 1.0 && (again.max - place.max).length() < 1.0);

@@ -207,7 +207,7 @@ fn menus_and_keys_lead_there() {
         press(&mut harness, Modifiers::SHIFT, Key::C);
         assert_eq!(harness.state().features.beside.as_ref().unwrap().layout, layout);
     }
-    harness.state_mut().run(Command::CloseComparison);
+    harness.state_mut().run(Command::CLOSE_COMPARISON);
     harness.run();
     assert!(harness.state().features.beside.is_none());
 }
@@ -331,7 +331,7 @@ fn the_distances_of_a_known_shift_are_known() {
 fn clicks_tell_which_sequence_a_point_is_of() {
     let b = cubes("right", DVec3::new(0.0, 2.0, 0.0), 3, None, &[]);
     let mut harness = beside(&b);
-    harness.state_mut().run(Command::ResetView);
+    harness.state_mut().run(Command::RESET_VIEW);
     harness.run();
     draw(&mut harness);
     // Where a place is in the half of one.
@@ -392,7 +392,7 @@ fn clicks_tell_which_sequence_a_point_is_of() {
     let at = place(&harness, Side::B, corner(Side::B));
     click_on(&mut harness, at, 1);
     assert!(harness.state().features.inspection.point.is_some());
-    harness.state_mut().run(Command::CloseComparison);
+    harness.state_mut().run(Command::CLOSE_COMPARISON);
     assert!(harness.state().features.inspection.point.is_none());
 }
 
@@ -507,7 +507,7 @@ fn another_sequence_is_opened_in_place_of_a_and_b_stays() {
     beside_now.companion.pair_by(PairBy::Index);
     beside_now.companion.set_offset_frames(2);
     beside_now.pictures.split = 0.3;
-    harness.state_mut().run(Command::NextLayout);
+    harness.state_mut().run(Command::NEXT_LAYOUT);
     let whole = budgets(&harness).iter().sum::<usize>();
 
     let other = cubes("other", far, FRAMES, Some(40), &[]);

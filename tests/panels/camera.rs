@@ -118,13 +118,13 @@ fn a_view_is_copied_and_pasted_as_text() {
         panic!("{requests:?}");
     };
     assert!(text.starts_with("pointreel view 1: target "), "{text}");
-    harness.state_mut().run(Command::ResetView);
+    harness.state_mut().run(Command::RESET_VIEW);
     assert_ne!(harness.state().camera, camera);
     harness.event(Event::Paste(format!("{text}\n")));
     harness.run();
     assert_eq!(harness.state().camera, camera);
     // By the menu the window is asked for the clipboard.
-    harness.state_mut().run(Command::PasteView);
+    harness.state_mut().run(Command::PASTE_VIEW);
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::PasteView]);
 }
 

@@ -44,7 +44,7 @@ fn with_path() -> Harness<'static, State> {
     let mut harness = window();
     for (steps, fov_deg) in [(0, 45.0), (5, 38.7), (0, 45.0)] {
         harness.state_mut().camera.fov_deg = fov_deg;
-        harness.state_mut().run(Command::Step(steps));
+        harness.state_mut().step_frames(steps);
         let now = harness.state().now();
         harness.state_mut().update(now);
         press(&mut harness, NONE, Key::K);
@@ -240,7 +240,7 @@ fn an_unsaved_path_is_not_lost_without_a_question() {
     click(&mut harness, "New camera path");
     assert_eq!(keys(&harness).len(), 3);
     click(&mut harness, "Back");
-    harness.state_mut().run(Command::Quit);
+    harness.state_mut().run(Command::QUIT);
     harness.run();
     assert!(harness.query_by_label("The camera path is not saved.").is_some());
     assert_eq!(harness.state_mut().take_requests(), []);

@@ -12,7 +12,7 @@ fn each_side_keeps_its_settings_and_draws_its_picture() {
     let mut harness = window();
     assert!(harness.state_mut().next_packet().is_some());
     assert!(harness.state_mut().next_other_packet().is_none(), "one picture");
-    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.run();
     // The right side is edited first; the left one stays as it was.
     harness.state_mut().style.primitive = Primitive::Point;
@@ -58,7 +58,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
     for (button, kept) in [("Close", Primitive::Surfel), ("Use B", Primitive::Point)] {
         for edited in ["A (left)", "B (right)"] {
             let mut harness = window();
-            harness.state_mut().run(Command::ToggleComparison);
+            harness.state_mut().run(Command::TOGGLE_COMPARISON);
             harness.state_mut().style.primitive = Primitive::Point;
             harness.run();
             click(&mut harness, edited);
@@ -69,7 +69,7 @@ fn closing_keeps_a_and_b_is_a_choice() {
     }
     // The key closes as well.
     let mut harness = window();
-    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.state_mut().style.surfels.splat_scale = 3.0;
     harness.run();
     assert_eq!(
@@ -77,14 +77,14 @@ fn closing_keeps_a_and_b_is_a_choice() {
         1.0,
         "that of A"
     );
-    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().run(Command::TOGGLE_COMPARISON);
     assert_eq!(harness.state().style.surfels.splat_scale, 1.0);
 }
 
 #[test]
 fn pictures_that_rest_are_compared() {
     let mut harness = window();
-    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.state_mut().style.surfels.splatting = Splatting::TwoPass;
     harness.run();
     harness.state_mut().next_packet();
@@ -122,7 +122,7 @@ fn pictures_that_rest_are_compared() {
 #[test]
 fn the_line_is_dragged_and_the_camera_stays() {
     let mut harness = window();
-    harness.state_mut().run(Command::ToggleComparison);
+    harness.state_mut().run(Command::TOGGLE_COMPARISON);
     harness.run();
     let camera = harness.state().camera;
     let rect = harness.state().viewport.rect;

@@ -56,7 +56,7 @@ fn windows_close_from_the_topmost_down_then_the_screen_is_left() {
         all.map(|panel| harness.state().panels.has(panel))
     };
     for panel in [PanelId::HELP, PanelId::BENCHMARK, PanelId::CAMERA_PATH] {
-        harness.state_mut().run(Command::TogglePanel(panel));
+        harness.state_mut().run(Command::panel(panel));
         harness.run();
     }
     // A click brings the lowest to the top.

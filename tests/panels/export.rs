@@ -101,7 +101,7 @@ fn the_sequence_becomes_png_files_from_in_to_out_point() {
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
     state.style.primitive = Primitive::Point;
-    for (frame, command) in [(3, Command::SetIn), (6, Command::SetOut)] {
+    for (frame, command) in [(3, Command::SET_IN), (6, Command::SET_OUT)] {
         let now = state.now();
         state.player.as_mut().unwrap().seek(frame, now);
         state.update(now);
@@ -136,7 +136,7 @@ fn the_camera_path_is_offered_once_it_has_keyframes() {
     assert!(!is_offered(&harness, Role::Button, "Export"));
     assert!(harness.query_by_label_contains("no keyframes yet").is_some());
     for _ in 0..2 {
-        harness.state_mut().run(Command::AddKeyframe);
+        harness.state_mut().run(Command::ADD_KEYFRAME);
         harness.state_mut().camera.orbit(30.0, 0.0);
     }
     harness.run();
@@ -293,7 +293,7 @@ fn videos_show_the_ghosts_and_colours_that_the_picture_shows() {
     let mut harness = exporting(folder.path());
     let state = harness.state_mut();
     state.style.primitive = Primitive::Point;
-    for (frame, command) in [(3, Command::SetIn), (5, Command::SetOut)] {
+    for (frame, command) in [(3, Command::SET_IN), (5, Command::SET_OUT)] {
         let now = state.now();
         state.player.as_mut().unwrap().seek(frame, now);
         state.run(command);

@@ -11,9 +11,9 @@ use std::time::Duration;
 #[test]
 fn playing_stays_between_in_and_out_point() {
     let mut harness = window();
-    harness.state_mut().run(Command::Step(3));
+    harness.state_mut().step_frames(3);
     press(&mut harness, Modifiers::SHIFT, Key::I);
-    harness.state_mut().run(Command::Step(2));
+    harness.state_mut().step_frames(2);
     press(&mut harness, Modifiers::SHIFT, Key::O);
     let range = clock(&harness).range();
     assert_eq!((range.first(), range.last()), (Some(3), Some(5)));
@@ -39,14 +39,14 @@ fn markers_are_set_named_jumped_to_and_kept() {
     };
     let mut harness = window_on(sequence(&[]), kept());
     for step in [4, 6] {
-        harness.state_mut().run(Command::Step(step));
+        harness.state_mut().step_frames(step);
         press(&mut harness, Modifiers::COMMAND, Key::M);
     }
     press(&mut harness, Modifiers::SHIFT, Key::M);
     assert_eq!(frame(&harness), 4);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::M);
     assert_eq!(frame(&harness), 10);
-    harness.state_mut().run(Command::First);
+    harness.state_mut().run(Command::FIRST);
     click(&mut harness, "Marker at frame 5");
     assert_eq!(frame(&harness), 4);
     press(&mut harness, Modifiers::SHIFT, Key::I);
@@ -71,7 +71,7 @@ fn markers_are_set_named_jumped_to_and_kept() {
     assert_eq!(known, [(4, "turn"), (10, "")]);
     assert_eq!(clock(&next).range().first(), Some(4));
     // Taken away as they were set.
-    harness.state_mut().run(Command::ToggleMarker);
+    harness.state_mut().run(Command::TOGGLE_MARKER);
     harness.run();
     assert!(harness.query_by_label("Marker turn").is_none());
 }

@@ -65,7 +65,7 @@ fn what_there_is_nothing_to_do_for_is_grey() {
     assert!(!can_choose(&mut harness, "Benchmark", "Show the last result"));
     press(&mut harness, Modifiers::NONE, Key::G);
     assert!(can_choose(&mut harness, "Edit", "Undo"));
-    harness.state_mut().run(Command::Undo);
+    harness.state_mut().run(Command::UNDO);
     harness.run();
     assert!(!can_choose(&mut harness, "Edit", "Undo"));
     assert!(can_choose(&mut harness, "Edit", "Redo"));
@@ -90,7 +90,7 @@ fn the_theme_is_chosen_and_kept() {
     }
 
     // The next window begins as this one was left; that the system is light does not matter.
-    harness.state_mut().run(Command::Theme(ThemePreference::Dark));
+    harness.state_mut().run(Command::DARK_THEME);
     let preferences = harness.state().preferences();
     let mut next = window_on(
         sequence(&[]),
@@ -105,7 +105,7 @@ fn the_theme_is_chosen_and_kept() {
     };
     set_system(&mut next);
     assert!(is_dark(&next));
-    next.state_mut().run(Command::Theme(ThemePreference::System));
+    next.state_mut().run(Command::THEME_OF_SYSTEM);
     set_system(&mut next);
     assert!(!is_dark(&next), "as the system is");
 }

@@ -33,7 +33,7 @@ fn frames_that_have_less_are_told_of_once() {
     };
     for frame in 0..5 {
         assert_eq!(told(&harness), Vec::<String>::new(), "{frame}");
-        harness.state_mut().run(Command::Step(1));
+        harness.state_mut().step_frames(1);
         harness.state_mut().update(Duration::ZERO);
     }
     let text = told(&harness);
@@ -41,7 +41,7 @@ fn frames_that_have_less_are_told_of_once() {
     let expected = "Frame 1 has colors, frame 6 has none of colors, normals and radii";
     assert!(text[0].starts_with(expected), "{text:?}");
     for _ in 0..FRAMES {
-        harness.state_mut().run(Command::Step(1));
+        harness.state_mut().step_frames(1);
         harness.state_mut().update(Duration::ZERO);
     }
     assert_eq!(told(&harness), text);
@@ -87,7 +87,7 @@ fn a_broken_frame_is_marked_told_once_and_played_over() {
 
     let state = harness.state_mut();
     state.player.as_mut().unwrap().seek(4, Duration::ZERO);
-    state.run(Command::TogglePlay);
+    state.run(Command::TOGGLE_PLAY);
     let mut shown = Vec::new();
     for step in 0..4 {
         state.update(Duration::from_millis(step * 42));

@@ -116,7 +116,7 @@ fn a_first_frame_that_takes_long_has_a_bar_and_is_given_up() {
     until(&mut harness, |state| state.shared.works.list().is_empty());
     assert_eq!(gate.ended.load(Ordering::Relaxed), 1, "no other is begun");
 
-    harness.state_mut().run(Command::OpenDemo);
+    harness.state_mut().run(Command::OPEN_DEMO);
     until(&mut harness, |state| {
         let player = state.player.as_ref().unwrap();
         player.shown().is_some()
@@ -133,7 +133,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
         player.shown().map(|frame| frame.index)
     };
     until(&mut harness, |state| shown(state) == Some(0));
-    harness.state_mut().run(Command::Step(1));
+    harness.state_mut().step_frames(1);
     until(&mut harness, |state| !state.shared.works.list().is_empty());
     show(&mut harness, &gate, 4, 2.0);
     assert!(bar(&harness, "40 %, …"), "no pace was seen yet");
@@ -142,7 +142,7 @@ fn a_later_frame_that_is_given_up_is_left_out() {
     let text = &harness.state().notices.list()[0].text;
     assert!(text.starts_with("Frame 2 of 11 is left out."), "{text}");
     assert!(text.contains("cancelled: open it again"), "{text}");
-    harness.state_mut().run(Command::Step(1));
+    harness.state_mut().step_frames(1);
     until(&mut harness, |state| shown(state) == Some(2));
 }
 
@@ -151,7 +151,7 @@ fn a_sequence_that_is_replaced_is_read_no_further() {
     let (slow, gate) = sequence(1, &[0]);
     let mut harness = window_on(slow);
     until(&mut harness, |state| !state.shared.works.list().is_empty());
-    harness.state_mut().run(Command::OpenDemo);
+    harness.state_mut().run(Command::OPEN_DEMO);
     until(&mut harness, |_| gate.ended.load(Ordering::Relaxed) == 1);
     assert!(harness.state().notices.list().is_empty());
     assert_eq!(harness.state().sequence_name().as_deref(), Some("demo"));

@@ -275,7 +275,7 @@ fn what_cannot_be_saved_says_why() {
     let mut state = State::new(options());
     state.open(live);
     state.features.save.folder = folder.path().display().to_string();
-    state.run(pointreel::app::Command::ToggleSave);
+    state.run(pointreel::app::Command::TOGGLE_SAVE);
     state.start_save();
     assert!(
         state.notices.list()[0].text.contains("live"),

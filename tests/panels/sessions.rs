@@ -70,10 +70,10 @@ fn worked_on(folder: &Path) -> Harness<'static, State> {
     state.camera.up = UpAxis::Z;
     state.camera.azimuth_deg = 33.0;
     for command in [
-        Command::AddKeyframe,
-        Command::Step(1),
-        Command::ToggleMarker,
-        Command::SetIn,
+        Command::ADD_KEYFRAME,
+        Command::NEXT_FRAME,
+        Command::TOGGLE_MARKER,
+        Command::SET_IN,
     ] {
         state.run(command);
     }
@@ -104,7 +104,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     let file = folder.path().join("walk.pointreel");
     let mut left = worked_on(folder.path());
     assert!(!left.state_mut().may_close(), "the camera path would be lost");
-    left.state_mut().run(Command::Escape);
+    left.state_mut().run(Command::ESCAPE);
     save(&mut left, &file);
     assert!(left.state_mut().may_close(), "it is in the session");
     assert_eq!(left.state().kept.recent.entries()[0], std::slice::from_ref(&file));
@@ -115,8 +115,8 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     let (left, state) = (left.state(), taken.state());
     assert_eq!(state.style, left.style);
     assert_eq!(state.camera, left.camera);
-    assert_eq!(state.features.labels.list, left.labels.list);
-    assert_eq!(state.features.path.draft, left.path.draft);
+    assert_eq!(state.features.labels.list, left.features.labels.list);
+    assert_eq!(state.features.path.draft, left.features.path.draft);
     assert_eq!(state.features.timeline.markers, left.timeline.markers);
     let of = |state: &State| {
         let player = state.player.as_ref().unwrap();
@@ -128,7 +128,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     // What was taken up and saved again is the same text.
     assert_eq!(state.session().unwrap(), ReadSession::read(&file).unwrap().session);
     let text = fs::read(&file).unwrap();
-    taken.state_mut().run(Command::SaveSession);
+    taken.state_mut().run(Command::SAVE_SESSION);
     until(&mut taken, "it is not saved", |state| !state.notices.list().is_empty());
     assert_eq!(fs::read(&file).unwrap(), text);
 
@@ -152,7 +152,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
     until(&mut left, "nothing is beside it", |state| {
         state.features.beside.is_some()
     });
-    left.state_mut().run(Command::NextLayout);
+    left.state_mut().run(Command::NEXT_LAYOUT);
     let beside = left.state_mut().features.beside.as_mut().unwrap();
     beside.companion.pair_by(PairBy::Index);
     beside.companion.set_offset_frames(1);
@@ -177,7 +177,7 @@ fn what_is_beside_is_opened_again_as_it_was_laid_out() {
         ReadSession::read(&file).unwrap().session
     );
     // Who closes it has closed it.
-    taken.state_mut().run(Command::CloseComparison);
+    taken.state_mut().run(Command::CLOSE_COMPARISON);
     assert_eq!(taken.state().session().unwrap().compare, None);
 
     // What cannot be opened is said, and stays in the session.
@@ -203,7 +203,7 @@ fn measurements_and_the_demo_are_in_sessions() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("demo.pointreel");
     let mut harness = window();
-    harness.state_mut().run(Command::OpenDemo);
+    harness.state_mut().run(Command::OPEN_DEMO);
     until(&mut harness, "the demo", |state| {
         shown(state).is_some() && state.has_looked()
     });
@@ -249,7 +249,7 @@ fn what_is_wrong_with_a_session_is_said_and_nothing_of_it_is_lost() {
     open(&mut harness, &file);
     let said = harness.state().notices.list()[0].text.clone();
     assert!(said.contains("primitive"), "{said}");
-    harness.state_mut().run(Command::SaveSession);
+    harness.state_mut().run(Command::SAVE_SESSION);
     let copy = folder.path().join("walk.pointreel.unreadable");
     until(&mut harness, "a copy", |state| {
         state

@@ -138,7 +138,7 @@ fn another_up_axis_and_a_command_make_them_anew() {
     harness.run();
     assert!(harness.state().features.thumbnails.progress()[0] < cells);
     assert_eq!(until_made(&mut harness), cells);
-    harness.state_mut().run(Command::RedoThumbnails);
+    harness.state_mut().run(Command::REDO_THUMBNAILS);
     assert_eq!(harness.state().features.thumbnails.progress(), [0, cells]);
     assert_eq!(until_made(&mut harness), cells);
 }

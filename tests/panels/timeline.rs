@@ -92,9 +92,9 @@ fn in_and_out_point_are_dragged_and_the_playhead_stays() {
     let bar = harness.get_by_role_and_label(Role::Slider, "Timeline").rect();
     let border = |frame: usize| pos2(bar.left() + bar.width() * frame as f32 / FRAMES as f32, bar.center().y);
     go_to(&mut harness, 4);
-    harness.state_mut().run(Command::SetIn);
+    harness.state_mut().run(Command::SET_IN);
     go_to(&mut harness, 15);
-    harness.state_mut().run(Command::SetOut);
+    harness.state_mut().run(Command::SET_OUT);
     harness.run();
     drag(&mut harness, border(4), border(8));
     drag(&mut harness, border(16), border(20));

@@ -72,10 +72,10 @@ fn the_button_shows_the_way_of_the_point_its_length_and_its_speed() {
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
     // From in to out point alone.
-    harness.state_mut().run(Command::Step(3));
-    harness.state_mut().run(Command::SetIn);
-    harness.state_mut().run(Command::Step(2));
-    harness.state_mut().run(Command::SetOut);
+    harness.state_mut().step_frames(3);
+    harness.state_mut().run(Command::SET_IN);
+    harness.state_mut().step_frames(2);
+    harness.state_mut().run(Command::SET_OUT);
     harness.run();
     until_found(&mut harness);
     assert_eq!(harness.state().features.trails.found().unwrap().frames(), 3..6);

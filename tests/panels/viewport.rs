@@ -113,7 +113,7 @@ fn the_picture_has_a_scale_bar_that_follows_the_camera() {
     let after = expected(&harness);
     assert_ne!(before, after);
     harness.get_by_label(&after);
-    harness.state_mut().run(Command::ToggleScaleBar);
+    harness.state_mut().run(Command::TOGGLE_SCALE_BAR);
     harness.run();
     assert!(harness.query_by_label(&after).is_none());
     assert!(!harness.state().preferences().scale_bar);

@@ -1,140 +1,165 @@
-//! What keys, menus and panels ask for.
+//! The names of commands.
 
-use crate::app::features::inspection::Tool;
 use crate::app::open_panels::PanelId;
-use crate::scene::ViewPreset;
-use crate::source::Example;
-use egui::ThemePreference;
 
-/// Something a person asks for without a value to set.
+/// Something a person asks for, by its name in the table of commands. Only what is named beyond its row is listed here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Command {
+pub struct Command(&'static str);
+
+impl Command {
     /// Play or pause.
-    TogglePlay,
-    /// Pause and go this many frames on, or back.
-    Step(i64),
+    pub const TOGGLE_PLAY: Self = Self("play");
+    /// Pause and go to the next frame.
+    pub const NEXT_FRAME: Self = Self("next frame");
+    /// Pause and go to the frame before.
+    pub const PREVIOUS_FRAME: Self = Self("previous frame");
     /// Go to the first frame.
-    First,
+    pub const FIRST: Self = Self("first frame");
     /// Go to the last frame.
-    Last,
-    /// Show the newest frame of a folder as it comes, or stop that.
-    ToggleFollow,
-    /// Off, loop, ping-pong.
-    NextLoopMode,
+    pub const LAST: Self = Self("last frame");
     /// Play at the next lower speed.
-    Slower,
+    pub const SLOWER: Self = Self("slower");
     /// Play at the next higher speed.
-    Faster,
+    pub const FASTER: Self = Self("faster");
     /// Play the other way.
-    Reverse,
+    pub const REVERSE: Self = Self("reverse");
+    /// Off, loop, ping-pong.
+    pub const NEXT_LOOP_MODE: Self = Self("loop mode");
     /// Play from the frame at the playhead.
-    SetIn,
+    pub const SET_IN: Self = Self("in point");
     /// Play to the frame at the playhead.
-    SetOut,
+    pub const SET_OUT: Self = Self("out point");
     /// Play the whole sequence.
-    ClearRange,
+    pub const CLEAR_RANGE: Self = Self("clear range");
     /// Put a marker at the playhead, or take it away.
-    ToggleMarker,
+    pub const TOGGLE_MARKER: Self = Self("marker");
     /// Go to the next marker.
-    NextMarker,
+    pub const NEXT_MARKER: Self = Self("next marker");
     /// Go to the marker before.
-    PreviousMarker,
+    pub const PREVIOUS_MARKER: Self = Self("previous marker");
     /// The camera as it was when the sequence was opened.
-    ResetView,
+    pub const RESET_VIEW: Self = Self("reset view");
     /// Move back until all points are seen, outliers and what is far away as well.
-    FrameAll,
+    pub const FRAME_ALL: Self = Self("frame all");
     /// Look from the sensor that took what is shown.
-    LookFromSensor,
+    pub const LOOK_FROM_SENSOR: Self = Self("look from sensor");
     /// Look along an axis.
-    Look(ViewPreset),
+    pub const FRONT: Self = Self("front");
+    /// Look along an axis.
+    pub const BACK: Self = Self("back");
+    /// Look along an axis.
+    pub const LEFT: Self = Self("left");
+    /// Look along an axis.
+    pub const RIGHT: Self = Self("right");
+    /// Look along an axis.
+    pub const TOP: Self = Self("top");
+    /// Look along an axis.
+    pub const BOTTOM: Self = Self("bottom");
     /// Parallel rays and back.
-    ToggleOrthographic,
+    pub const TOGGLE_ORTHOGRAPHIC: Self = Self("orthographic");
     /// The camera turns by itself, or stops.
-    ToggleTurntable,
-    /// What the pointer is over comes into the middle.
-    Focus,
+    pub const TOGGLE_TURNTABLE: Self = Self("turntable");
     /// Put the view on the clipboard as text.
-    CopyView,
+    pub const COPY_VIEW: Self = Self("copy view");
     /// Take the view from the text on the clipboard.
-    PasteView,
-    /// Choose what a click on the picture does, or put that away.
-    ToggleTool(Tool),
+    pub const PASTE_VIEW: Self = Self("paste view");
     /// Show or hide lines on the ground.
-    ToggleGrid,
+    pub const TOGGLE_GRID: Self = Self("grid");
     /// Show or hide the scale bar.
-    ToggleScaleBar,
-    /// Smaller splats or points.
-    Smaller,
-    /// Larger splats or points.
-    Larger,
+    pub const TOGGLE_SCALE_BAR: Self = Self("scale bar");
     /// Open files with a dialog.
-    OpenFiles,
+    pub const OPEN_FILES: Self = Self("open files");
     /// Open a folder with a dialog.
-    OpenFolder,
-    /// Open files beside the open sequence, with a dialog.
-    CompareFiles,
-    /// Open a folder beside the open sequence, with a dialog.
-    CompareFolder,
-    /// Back to one sequence and one way to draw.
-    CloseComparison,
-    /// Two sequences side by side, or with a line over the same view.
-    NextLayout,
-    /// Close the open sequence.
-    CloseSequence,
+    pub const OPEN_FOLDER: Self = Self("open folder");
     /// Open the demo sequence.
-    OpenDemo,
+    pub const OPEN_DEMO: Self = Self("demo");
     /// Open a built-in example.
-    OpenExample(Example),
-    /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
-    ToggleRecording,
-    /// Write the picture to a new file.
-    Screenshot,
-    /// Write the picture to a file chosen with a dialog.
-    SaveScreenshotAs,
-    /// Choose what to export, or close that.
-    ToggleExport,
-    /// Choose how to export the camera path.
-    ExportPath,
-    /// Choose as what the sequence is saved, or close that.
-    ToggleSave,
-    /// Set a keyframe of what is shown.
-    AddKeyframe,
-    /// Play the camera path, or stop that.
-    TogglePreview,
-    /// Begin a new camera path.
-    NewPath,
-    /// Open a camera path with a dialog.
-    OpenPath,
-    /// Write the camera path to its file.
-    SavePath,
-    /// Write the camera path to a file chosen with a dialog.
-    SavePathAs,
-    /// Write the session to its file.
-    SaveSession,
-    /// Write the session to a file chosen with a dialog.
-    SaveSessionAs,
-    /// Full screen and back.
-    FullScreen,
-    /// Show or hide a panel.
-    TogglePanel(PanelId),
-    /// Show or hide the ways of the picked points.
-    ToggleTrails,
-    /// The window is light, dark, or as the system is.
-    Theme(ThemePreference),
-    /// Show or hide small pictures over the timeline.
-    ToggleThumbnails,
-    /// Make them anew.
-    RedoThumbnails,
+    pub const EXAMPLE_LIDAR: Self = Self("example lidar");
+    /// Open a built-in example.
+    pub const EXAMPLE_DEPTH: Self = Self("example depth");
+    /// Open a built-in example.
+    pub const EXAMPLE_MODEL: Self = Self("example model");
+    /// Close the open sequence.
+    pub const CLOSE_SEQUENCE: Self = Self("close");
+    /// Open files beside the open sequence, with a dialog.
+    pub const COMPARE_FILES: Self = Self("compare files");
+    /// Open a folder beside the open sequence, with a dialog.
+    pub const COMPARE_FOLDER: Self = Self("compare folder");
+    /// Back to one sequence and one way to draw.
+    pub const CLOSE_COMPARISON: Self = Self("close comparison");
+    /// Two sequences side by side, or with a line over the same view.
+    pub const NEXT_LAYOUT: Self = Self("layout");
     /// Two ways to draw side by side, and back.
-    ToggleComparison,
+    pub const TOGGLE_COMPARISON: Self = Self("compare settings");
+    /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
+    pub const TOGGLE_RECORDING: Self = Self("record");
+    /// Write the picture to a new file.
+    pub const SCREENSHOT: Self = Self("save picture");
+    /// Write the picture to a file chosen with a dialog.
+    pub const SAVE_SCREENSHOT_AS: Self = Self("save picture as");
+    /// Choose what to export, or close that.
+    pub const TOGGLE_EXPORT: Self = Self("export");
+    /// Choose as what the sequence is saved, or close that.
+    pub const TOGGLE_SAVE: Self = Self("save");
+    /// Set a keyframe of what is shown.
+    pub const ADD_KEYFRAME: Self = Self("keyframe");
+    /// Play the camera path, or stop that.
+    pub const TOGGLE_PREVIEW: Self = Self("play path");
+    /// Begin a new camera path.
+    pub const NEW_PATH: Self = Self("new path");
+    /// Open a camera path with a dialog.
+    pub const OPEN_PATH: Self = Self("open path");
+    /// Write the camera path to its file.
+    pub const SAVE_PATH: Self = Self("save path");
+    /// Write the camera path to a file chosen with a dialog.
+    pub const SAVE_PATH_AS: Self = Self("save path as");
+    /// Choose how to export the camera path.
+    pub const EXPORT_PATH: Self = Self("export path");
+    /// Write the session to its file.
+    pub const SAVE_SESSION: Self = Self("save session");
+    /// Write the session to a file chosen with a dialog.
+    pub const SAVE_SESSION_AS: Self = Self("save session as");
+    /// Full screen and back.
+    pub const FULL_SCREEN: Self = Self("full screen");
+    /// Show or hide small pictures over the timeline.
+    pub const TOGGLE_THUMBNAILS: Self = Self("thumbnails");
+    /// Make them anew.
+    pub const REDO_THUMBNAILS: Self = Self("redo thumbnails");
+    /// A click shows the values of a point, or no longer.
+    pub const PICK_POINTS: Self = Self("point values");
+    /// Clicks measure, or no longer.
+    pub const MEASURE: Self = Self("measure");
+    /// Clicks put labels, or no longer.
+    pub const PUT_LABELS: Self = Self("label");
     /// Take back the last change of settings, camera path or labels.
-    Undo,
+    pub const UNDO: Self = Self("undo");
     /// Make it again.
-    Redo,
+    pub const REDO: Self = Self("redo");
     /// Find commands by their names, or stop that.
-    TogglePalette,
+    pub const TOGGLE_PALETTE: Self = Self("commands");
     /// Close what is open, or leave full screen.
-    Escape,
+    pub const ESCAPE: Self = Self("escape");
     /// End the program.
-    Quit,
+    pub const QUIT: Self = Self("quit");
+    /// The window is light or dark as the system is.
+    pub const THEME_OF_SYSTEM: Self = Self("theme system");
+    /// The window is light.
+    pub const LIGHT_THEME: Self = Self("theme light");
+    /// The window is dark.
+    pub const DARK_THEME: Self = Self("theme dark");
+
+    /// A command that only its row names.
+    pub const fn new(word: &'static str) -> Self {
+        Self(word)
+    }
+
+    /// Shows or hides a panel.
+    pub const fn panel(id: PanelId) -> Self {
+        Self(id.name())
+    }
+
+    /// Its word in scripts.
+    pub const fn word(self) -> &'static str {
+        self.0
+    }
 }

@@ -1,9 +1,11 @@
-//! What keys and menus ask for, and the one table of keys: the dispatcher and the help window both read [`BINDINGS`].
+//! Commands: what keys, menus, the palette and scripts ask for, and what is said of each in its row. The table itself is
+//! [`crate::app::commands`].
 
-mod bindings;
-mod dispatch;
+mod keys;
 mod kinds;
+mod row;
 
-pub use bindings::{BINDINGS, Binding, Chord, GESTURES};
-pub(super) use dispatch::{dispatch, keys_of};
+pub use keys::{Chord, GESTURES, Keys};
 pub use kinds::Command;
+pub(super) use row::Act;
+pub use row::{CommandRow, Menu};

@@ -36,7 +36,7 @@ pub(in crate::app) struct Levels {
 
 /// A frame that has got levels of detail.
 #[derive(Debug)]
-pub struct FrameWithLevels(pub(in crate::app) Arc<PreparedFrame>);
+pub(in crate::app) struct FrameWithLevels(pub(in crate::app) Arc<PreparedFrame>);
 
 impl Levels {
     /// Whether the last picture was a coarse one.

@@ -6,6 +6,7 @@
 //! table (`table.rs`) names features; it reaches `in_window.rs` through this trait, and the trait knows `S` by no name,
 //! so that no file imports in a circle.
 
+use crate::app::command::CommandRow;
 use crate::app::panel_row::PanelRow;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
@@ -76,10 +77,14 @@ pub(in crate::app) trait Feature<S: 'static> {
     fn panels() -> &'static [PanelRow<S>] {
         &[]
     }
+
+    /// Its commands.
+    fn commands() -> &'static [CommandRow<S>] {
+        &[]
+    }
 }
 
 /// The functions of a feature, as the window calls them.
-#[expect(missing_docs, reason = "each is the function of this name of the trait above")]
 pub(in crate::app) struct FeatureRow<S: 'static> {
     pub(in crate::app) update: fn(&mut S) -> bool,
     pub(in crate::app) follow_frame: fn(&mut S) -> bool,
@@ -96,6 +101,7 @@ pub(in crate::app) struct FeatureRow<S: 'static> {
     pub(in crate::app) paint: fn(&S, &PictureOverlay<'_>, bool),
     pub(in crate::app) handles: fn(&Ui, &mut S),
     pub(in crate::app) panels: fn() -> &'static [PanelRow<S>],
+    pub(in crate::app) commands: fn() -> &'static [CommandRow<S>],
 }
 
 impl<S: 'static> FeatureRow<S> {
@@ -117,6 +123,7 @@ impl<S: 'static> FeatureRow<S> {
             paint: F::paint,
             handles: F::handles,
             panels: F::panels,
+            commands: F::commands,
         }
     }
 }

@@ -1,9 +1,11 @@
 //! The list of keys, from the table that dispatches them.
 
+use crate::app::commands::commands;
+use crate::app::commands::common::group;
 use crate::app::theme::ACCENT;
 use crate::app::widgets::rows::heading_of_list;
 use crate::app::widgets::tool_window::{is_small, tool_window};
-use crate::app::{BINDINGS, GESTURES, PanelId, State};
+use crate::app::{GESTURES, PanelId, State};
 use egui::{Grid, RichText, ScrollArea, Ui};
 
 /// Width of the window, points.
@@ -40,21 +42,22 @@ pub(super) fn help_ui(ui: &mut Ui, state: &mut State) {
 }
 
 fn at_left(ui: &mut Ui) {
-    bindings(ui, "Playing");
-    bindings(ui, "Points");
-    bindings(ui, "File and window");
+    bindings(ui, group::PLAYING);
+    bindings(ui, group::POINTS);
+    bindings(ui, group::FILE);
 }
 
 fn at_right(ui: &mut Ui) {
-    bindings(ui, "View");
+    bindings(ui, group::VIEW);
     heading_of_list(ui, "Mouse and flying");
     table(ui, "gestures", GESTURES.iter().copied());
 }
 
 fn bindings(ui: &mut Ui, group: &str) {
     heading_of_list(ui, group);
-    let rows = BINDINGS.iter().filter(|binding| binding.group == group);
-    table(ui, group, rows.map(|binding| (binding.keys, binding.text)));
+    let rows = commands().filter_map(|row| Some((row.keys?, row.what)));
+    let rows = rows.filter(|(keys, _)| keys.group == group);
+    table(ui, group, rows.map(|(keys, what)| (keys.text, what)));
 }
 
 fn table<'a>(ui: &mut Ui, id: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {

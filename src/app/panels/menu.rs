@@ -1,17 +1,17 @@
 //! The menu bar.
 
 use super::presets::presets_menu;
-use super::table::menu_items;
-use crate::app::command::{Command, keys_of};
+use super::table::menu_panels;
+use crate::app::command::{Command, CommandRow, Menu};
+use crate::app::commands::{commands, row_of};
 use crate::app::features::assumptions::assumptions_chip;
 use crate::app::features::assumptions::panel::CHIP_WIDTH;
 use crate::app::recent::entry_name;
-use crate::app::{Benchmark, PanelId, Side, State, Tool};
+use crate::app::{Benchmark, PanelId, Side, State};
 use crate::bench::suites;
 use crate::playback::Player;
-use crate::scene::{Projection, ViewPreset};
 use crate::source::Example;
-use egui::{Button, MenuBar, ScrollArea, ThemePreference, Ui};
+use egui::{Button, MenuBar, ScrollArea, Ui};
 use std::path::PathBuf;
 
 /// Width left of the bar from which the name of the sequence is worth showing, points.
@@ -55,9 +55,9 @@ fn menus_ui(ui: &mut Ui, state: &mut State) {
     menu(ui, "Tools", |ui| tools_menu(ui, state));
     menu(ui, "Benchmark", |ui| benchmark_menu(ui, state));
     menu(ui, "Help", |ui| {
-        item(ui, state, "Keys and mouse", Command::TogglePanel(PanelId::HELP));
-        item(ui, state, "Find a command…", Command::TogglePalette);
-        item(ui, state, "About pointreel", Command::TogglePanel(PanelId::ABOUT));
+        let help = Command::panel(PanelId::HELP);
+        let about = Command::panel(PanelId::ABOUT);
+        items(ui, state, &[help, Command::TOGGLE_PALETTE, about]);
     });
 }
 
@@ -71,83 +71,88 @@ fn menu(ui: &mut Ui, title: &str, items: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn item(ui: &mut Ui, state: &mut State, text: &str, command: Command) {
-    run_by(ui, state, Button::new(text), command, "");
+/// The item of a command: grey where it does not apply, with the reason.
+fn item(ui: &mut Ui, state: &mut State, command: Command) {
+    if let Some(row) = row_of(command) {
+        row_item(ui, state, row);
+    }
 }
 
-/// Runs `command` once `button` is clicked.
-fn run_by(ui: &mut Ui, state: &mut State, button: Button<'_>, command: Command, tooltip: &str) {
-    let mut button = ui.add(button.shortcut_text(keys_of(command)));
-    if !tooltip.is_empty() {
-        button = button.on_hover_text(tooltip);
+fn row_item(ui: &mut Ui, state: &mut State, row: &CommandRow<State>) {
+    let title = row.title(state);
+    let button = match row.is_on {
+        Some(is_on) => Button::selectable(is_on(state), title),
+        None => Button::new(title),
+    };
+    let why_not = row.why_not(state);
+    let mut response = ui.add_enabled(why_not.is_none(), button.shortcut_text(row.keys_text()));
+    if let Some(reason) = why_not {
+        response = response.on_disabled_hover_text(reason);
+    } else if !row.hint.is_empty() {
+        response = response.on_hover_text(row.hint);
     }
-    if button.clicked() {
-        state.run(command);
+    if response.clicked() {
+        state.run(row.command);
         ui.close();
+    }
+}
+
+/// The items of `commands`.
+fn items(ui: &mut Ui, state: &mut State, commands: &[Command]) {
+    for &command in commands {
+        item(ui, state, command);
+    }
+}
+
+/// The commands that say themselves that they are in `menu`.
+fn own_items(ui: &mut Ui, state: &mut State, menu: Menu) {
+    for row in commands().filter(|row| row.menu == Some(menu)) {
+        row_item(ui, state, row);
     }
 }
 
 fn file_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(220.0);
-    item(ui, state, "Open files…", Command::OpenFiles);
-    item(ui, state, "Open folder…", Command::OpenFolder);
+    items(ui, state, &[Command::OPEN_FILES, Command::OPEN_FOLDER]);
     ui.menu_button("Recent", |ui| recent_menu(ui, state));
     topic_menu(ui, state, Side::A);
-    item(ui, state, "Demo", Command::OpenDemo);
+    item(ui, state, Command::OPEN_DEMO);
     ui.menu_button("Examples", |ui| {
         for example in Example::ALL {
-            let button = Button::new(example.title());
-            run_by(ui, state, button, Command::OpenExample(example), example.credit());
+            if ui.button(example.title()).on_hover_text(example.credit()).clicked() {
+                state.open_example(example);
+                ui.close();
+            }
         }
     });
-    ui.add_enabled_ui(state.player.is_some(), |ui| {
-        item(ui, state, "Close", Command::CloseSequence);
-    });
-    ui.add_enabled_ui(state.player.is_some(), |ui| {
-        let tooltip = "One sequence file, or a folder of files; sizes and errors are shown before";
-        run_by(ui, state, Button::new("Save as…"), Command::ToggleSave, tooltip);
-        let tooltip = "Files, view, settings, clip, measurements, labels, markers and camera path, as a text file";
-        let button = Button::new("Save session…");
-        run_by(ui, state, button, Command::SaveSession, tooltip);
-        item(ui, state, "Save session as…", Command::SaveSessionAs);
-    });
-    let live = state
-        .player
-        .as_ref()
-        .and_then(|player| player.sequence().source().live());
-    let is_recording = live.map(|live| live.status().recording.is_some());
-    ui.add_enabled_ui(is_recording.is_some(), |ui| {
-        let text = if is_recording == Some(true) {
-            "Stop recording"
-        } else {
-            "Record…"
-        };
-        let tooltip = "Writes what arrives of a live stream to a file, as it comes; the file opens as any other";
-        run_by(ui, state, Button::new(text), Command::ToggleRecording, tooltip);
-    });
+    items(
+        ui,
+        state,
+        &[
+            Command::CLOSE_SEQUENCE,
+            Command::TOGGLE_SAVE,
+            Command::SAVE_SESSION,
+            Command::SAVE_SESSION_AS,
+            Command::TOGGLE_RECORDING,
+        ],
+    );
     ui.separator();
     ui.add_enabled_ui(state.player.is_some(), |ui| {
         ui.menu_button("Compare with…", |ui| compare_menu(ui, state));
     });
     topic_menu(ui, state, Side::B);
-    ui.add_enabled_ui(state.pictures().is_some(), |ui| {
-        item(ui, state, "Close comparison", Command::CloseComparison);
-    });
+    item(ui, state, Command::CLOSE_COMPARISON);
     ui.separator();
-    ui.add_enabled_ui(state.player.is_some(), |ui| {
-        item(ui, state, "Save picture", Command::Screenshot);
-        item(ui, state, "Save picture as…", Command::SaveScreenshotAs);
-        let tooltip = "Pictures of any size, turntables, camera paths and the sequence as videos";
-        run_by(ui, state, Button::new("Export…"), Command::ToggleExport, tooltip);
-    });
+    let pictures = [Command::SCREENSHOT, Command::SAVE_SCREENSHOT_AS, Command::TOGGLE_EXPORT];
+    items(ui, state, &pictures);
+    own_items(ui, state, Menu::File);
     ui.separator();
-    item(ui, state, "Quit", Command::Quit);
+    item(ui, state, Command::QUIT);
 }
 
 /// What to open beside the open sequence.
 fn compare_menu(ui: &mut Ui, state: &mut State) {
-    item(ui, state, "Files…", Command::CompareFiles);
-    item(ui, state, "Folder…", Command::CompareFolder);
+    items(ui, state, &[Command::COMPARE_FILES, Command::COMPARE_FOLDER]);
     ui.separator();
     if let Some(inputs) = recent_items(ui, state) {
         state.compare_paths(inputs);
@@ -217,126 +222,83 @@ fn recent_items(ui: &mut Ui, state: &State) -> Option<Vec<PathBuf>> {
 
 fn edit_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    ui.add_enabled_ui(state.history.can_undo(), |ui| item(ui, state, "Undo", Command::Undo));
-    ui.add_enabled_ui(state.history.can_redo(), |ui| item(ui, state, "Redo", Command::Redo));
+    items(ui, state, &[Command::UNDO, Command::REDO]);
     ui.separator();
-    item(ui, state, "Copy view", Command::CopyView);
-    item(ui, state, "Paste view", Command::PasteView);
+    items(ui, state, &[Command::COPY_VIEW, Command::PASTE_VIEW]);
+    own_items(ui, state, Menu::Edit);
 }
 
 /// What the timeline's own buttons have no room for.
 fn play_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(240.0);
-    ui.add_enabled_ui(state.player.is_some(), |ui| {
-        let is_playing = state.player.as_ref().is_some_and(Player::is_playing);
-        let play = if is_playing { "Pause" } else { "Play" };
-        item(ui, state, play, Command::TogglePlay);
-        item(ui, state, "Slower", Command::Slower);
-        item(ui, state, "Faster", Command::Faster);
-        item(ui, state, "Reverse", Command::Reverse);
-        item(ui, state, "Once, loop or ping-pong", Command::NextLoopMode);
+    let pace = [
+        Command::TOGGLE_PLAY,
+        Command::SLOWER,
+        Command::FASTER,
+        Command::REVERSE,
+        Command::NEXT_LOOP_MODE,
+    ];
+    let range = [Command::SET_IN, Command::SET_OUT, Command::CLEAR_RANGE];
+    let markers = [Command::TOGGLE_MARKER, Command::NEXT_MARKER, Command::PREVIOUS_MARKER];
+    for part in [&pace[..], &range, &markers] {
+        items(ui, state, part);
         ui.separator();
-        item(ui, state, "Set in point", Command::SetIn);
-        item(ui, state, "Set out point", Command::SetOut);
-        item(ui, state, "Clear in and out point", Command::ClearRange);
-        ui.separator();
-        item(ui, state, "Add or remove marker", Command::ToggleMarker);
-        item(ui, state, "Next marker", Command::NextMarker);
-        item(ui, state, "Previous marker", Command::PreviousMarker);
-        ui.separator();
-        item(ui, state, "Make thumbnails anew", Command::RedoThumbnails);
-    });
+    }
+    item(ui, state, Command::REDO_THUMBNAILS);
 }
 
 fn view_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    for &(name, preset, _, _) in ViewPreset::ALL {
-        item(ui, state, name, Command::Look(preset));
+    let directions = [
+        Command::FRONT,
+        Command::BACK,
+        Command::LEFT,
+        Command::RIGHT,
+        Command::TOP,
+        Command::BOTTOM,
+        Command::LOOK_FROM_SENSOR,
+    ];
+    items(ui, state, &directions);
+    ui.separator();
+    items(ui, state, &[Command::RESET_VIEW, Command::FRAME_ALL]);
+    ui.separator();
+    let shown = [
+        Command::TOGGLE_ORTHOGRAPHIC,
+        Command::TOGGLE_TURNTABLE,
+        Command::TOGGLE_GRID,
+        Command::TOGGLE_SCALE_BAR,
+        Command::TOGGLE_THUMBNAILS,
+        Command::panel(PanelId::LEGEND),
+    ];
+    items(ui, state, &shown);
+    for (title, panel) in menu_panels() {
+        panel_item(ui, state, title, panel);
     }
-    ui.add_enabled_ui(state.sensor().is_some(), |ui| {
-        let tooltip = "As the depth camera saw what is shown: in the size of its image, pixel by pixel";
-        run_by(
+    items(ui, state, &[Command::TOGGLE_COMPARISON, Command::FULL_SCREEN]);
+    ui.menu_button("Theme", |ui| {
+        items(
             ui,
             state,
-            Button::new("Look from the sensor"),
-            Command::LookFromSensor,
-            tooltip,
+            &[Command::THEME_OF_SYSTEM, Command::LIGHT_THEME, Command::DARK_THEME],
         );
     });
-    ui.separator();
-    item(ui, state, "Reset view", Command::ResetView);
-    item(ui, state, "Frame everything", Command::FrameAll);
-    ui.separator();
-    let is_orthographic = state.camera.projection == Projection::Orthographic;
-    let has_legend = state.panels.has(PanelId::LEGEND);
-    let legend = Command::TogglePanel(PanelId::LEGEND);
-    for (text, is_on, command) in [
-        ("Orthographic", is_orthographic, Command::ToggleOrthographic),
-        ("Turntable", state.motion.turntable.is_on, Command::ToggleTurntable),
-        ("Grid", state.style.backdrop.grid, Command::ToggleGrid),
-        ("Scale bar", state.appearance.shows_scale_bar, Command::ToggleScaleBar),
-        ("Thumbnails", state.features.thumbnails.is_on, Command::ToggleThumbnails),
-        ("Legend", has_legend, legend),
-    ] {
-        choice(ui, state, (text, is_on), command);
-    }
-    for (text, panel) in menu_items() {
-        let is_open = state.panels.has(panel);
-        choice(ui, state, (text, is_open), Command::TogglePanel(panel));
-    }
-    let is_compared = state.features.comparison.is_some();
-    let compares = ("Compare A/B", is_compared);
-    choice(ui, state, compares, Command::ToggleComparison);
-    let fills_screen = ("Full screen", state.appearance.full_screen);
-    choice(ui, state, fills_screen, Command::FullScreen);
-    ui.menu_button("Theme", |ui| theme_menu(ui, state));
 }
 
-/// An item that shows whether it is on.
-fn choice(ui: &mut Ui, state: &mut State, (text, is_on): (&str, bool), command: Command) {
-    run_by(ui, state, Button::selectable(is_on, text), command, "");
-}
-
-fn theme_menu(ui: &mut Ui, state: &mut State) {
-    for (text, theme, tooltip) in [
-        (
-            "System",
-            ThemePreference::System,
-            "Light or dark as the system is; dark where it does not say",
-        ),
-        ("Light", ThemePreference::Light, "Light, whatever the system is"),
-        ("Dark", ThemePreference::Dark, "Dark, whatever the system is"),
-    ] {
-        let button = Button::selectable(state.appearance.theme == theme, text);
-        if ui.add(button).on_hover_text(tooltip).clicked() {
-            state.run(Command::Theme(theme));
-            ui.close();
-        }
+/// The item of a panel, whether it has a row of commands or not.
+fn panel_item(ui: &mut Ui, state: &mut State, title: &str, panel: PanelId) {
+    let command = Command::panel(panel);
+    if row_of(command).is_some() {
+        return item(ui, state, command);
+    }
+    if ui.add(Button::selectable(state.panels.has(panel), title)).clicked() {
+        state.run(command);
+        ui.close();
     }
 }
 
 fn tools_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(190.0);
-    for (text, tool, tooltip) in [
-        (
-            "Point values",
-            Tool::Point,
-            "A click on a point shows all that its file says of it",
-        ),
-        (
-            "Measure",
-            Tool::Measure,
-            "Clicks on points measure distances, angles and heights",
-        ),
-        (
-            "Label",
-            Tool::Label,
-            "Clicks put texts at points, in the window, in pictures and in videos",
-        ),
-    ] {
-        let button = Button::selectable(state.features.inspection.tool == tool, text);
-        run_by(ui, state, button, Command::ToggleTool(tool), tooltip);
-    }
+    own_items(ui, state, Menu::Tools);
 }
 
 fn benchmark_menu(ui: &mut Ui, state: &mut State) {
@@ -352,10 +314,5 @@ fn benchmark_menu(ui: &mut Ui, state: &mut State) {
         }
     }
     ui.separator();
-    let has_result = !matches!(state.features.benchmark, Benchmark::Idle);
-    let show = Button::new("Show the last result");
-    if ui.add_enabled(has_result, show).clicked() {
-        state.panels.set(PanelId::BENCHMARK, true);
-        ui.close();
-    }
+    item(ui, state, Command::panel(PanelId::BENCHMARK));
 }

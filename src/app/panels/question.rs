@@ -83,7 +83,7 @@ pub(super) fn question_ui(ui: &mut Ui, state: &mut State) {
                 let save = ui.add_enabled(can_save, Button::new("Save it…"));
                 if save.on_hover_text("Saves the path; nothing else is done").clicked() {
                     state.features.path.question = None;
-                    state.run(Command::SavePath);
+                    state.run(Command::SAVE_PATH);
                 }
                 if ui.button(go_on).on_hover_text("It is lost").clicked() {
                     state.go_on_with(question);

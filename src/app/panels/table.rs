@@ -8,9 +8,7 @@ use super::notices::notices_ui;
 use super::presets::preset_name_ui;
 use super::question::{question_ui, session_question_ui};
 use super::statistics::statistics_ui;
-use crate::app::command::{Command, keys_of};
 use crate::app::features::Features;
-use crate::app::features::palette::Entry;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::{PanelId, State};
 
@@ -48,17 +46,8 @@ pub(super) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
 }
 
 /// The items of the menu View.
-pub(super) fn menu_items() -> impl Iterator<Item = (&'static str, PanelId)> {
+pub(in crate::app) fn menu_panels() -> impl Iterator<Item = (&'static str, PanelId)> {
     panels().filter_map(|row| Some((row.menu?, row.id?)))
-}
-
-/// Panels that are found by name and have no key.
-pub(in crate::app) fn without_keys() -> Vec<Entry> {
-    let commands = menu_items().map(|(text, panel)| (text, Command::TogglePanel(panel)));
-    let without = commands.filter(|&(_, command)| keys_of(command).is_empty());
-    without
-        .map(|(text, command)| Entry::of_command(text, command))
-        .collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! What is in place of the picture while nothing is open: what could not be opened and why, what was opened lately, the
 //! demo, examples, and the keys to know.
 
-use crate::app::command::{Command, keys_of};
+use crate::app::command::Command;
+use crate::app::commands::keys_of;
 use crate::app::recent::entry_name;
 use crate::app::theme::ACCENT;
 use crate::app::{FailedOpening, PanelId, State};
@@ -62,10 +63,10 @@ fn actions_ui(ui: &mut Ui, state: &mut State) {
     ui.label("Drop files or a folder of point clouds here, or");
     ui.horizontal_wrapped(|ui| {
         for (text, command) in [
-            ("Open files", Command::OpenFiles),
-            ("Open folder", Command::OpenFolder),
-            ("Play the demo", Command::OpenDemo),
-            ("About pointreel", Command::TogglePanel(PanelId::ABOUT)),
+            ("Open files", Command::OPEN_FILES),
+            ("Open folder", Command::OPEN_FOLDER),
+            ("Play the demo", Command::OPEN_DEMO),
+            ("About pointreel", Command::panel(PanelId::ABOUT)),
         ] {
             let button = Button::new(text).min_size(vec2(140.0, 28.0));
             if ui.add(button.shortcut_text(keys_of(command))).clicked() {
@@ -154,7 +155,7 @@ fn examples_ui(ui: &mut Ui, state: &mut State) {
         }
     });
     if let Some(example) = chosen {
-        state.run(Command::OpenExample(example));
+        state.open_example(example);
     }
 }
 

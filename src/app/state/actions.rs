@@ -1,27 +1,18 @@
 //! What keys, menus, dialogs and tasks do to the state.
 
-use super::dialogs::DialogKind;
-use super::steering::steer;
 use super::{State, WindowRequest};
-use crate::app::command::{self, Command};
+use crate::app::command::Command;
+use crate::app::commands::dispatch;
 use crate::app::features::Features;
-use crate::app::features::camera_path::Question;
 use crate::app::features::comparison::Comparison;
-use crate::app::features::export::ExportSubject;
-use crate::app::features::palette::Palette;
 use crate::app::history::Edited;
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Style, SurfelStyle};
-use crate::sequence::Sequence;
-use crate::timeline::PlayRange;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The keys change sizes by this factor.
-const SIZE_STEP: f32 = 1.25;
 
 impl State {
     /// Moves the camera until all points are seen, and those beside them, keeping its direction.
@@ -31,98 +22,7 @@ impl State {
         }
     }
 
-    /// Does what a key or menu asks for.
-    pub fn run(&mut self, command: Command) {
-        match command {
-            Command::TogglePlay
-            | Command::Step(_)
-            | Command::First
-            | Command::Last
-            | Command::ToggleFollow
-            | Command::NextLoopMode
-            | Command::Slower
-            | Command::Faster
-            | Command::Reverse => self.play_with(|player, now| steer(player, command, now)),
-            Command::SetIn => self.set_range(PlayRange::beginning_at),
-            Command::SetOut => self.set_range(PlayRange::ending_at),
-            Command::ClearRange => self.set_range(|_, _| PlayRange::default()),
-            Command::ToggleMarker => self.toggle_marker(),
-            Command::NextMarker => self.go_to_marker(true),
-            Command::PreviousMarker => self.go_to_marker(false),
-            Command::ResetView => self.reset_view(),
-            Command::FrameAll => self.frame_all(),
-            Command::LookFromSensor => self.look_from_sensor(),
-            Command::Look(preset) => self.camera.look_from(preset),
-            Command::ToggleOrthographic => self.toggle_projection(),
-            Command::ToggleTurntable => self.motion.turntable.is_on ^= true,
-            Command::Focus => self.focus_at_pointer(),
-            Command::CopyView => self.copy_view(),
-            Command::PasteView => self.shared.requests.push(WindowRequest::PasteView),
-            Command::ToggleTool(tool) => self.toggle_tool(tool),
-            Command::ToggleGrid => self.style.backdrop.grid ^= true,
-            Command::ToggleScaleBar => self.appearance.shows_scale_bar ^= true,
-            Command::Smaller => self.scale_size(1.0 / SIZE_STEP),
-            Command::Larger => self.scale_size(SIZE_STEP),
-            Command::OpenFiles => self.ask(DialogKind::OpenFiles, None),
-            Command::OpenFolder => self.ask(DialogKind::OpenFolder, None),
-            Command::CompareFiles => self.ask(DialogKind::CompareFiles, None),
-            Command::CompareFolder => self.ask(DialogKind::CompareFolder, None),
-            Command::CloseComparison => {
-                self.opening.opened.compared = None;
-                self.close_beside();
-                self.end_comparison(Side::A);
-            }
-            Command::CloseSequence => {
-                self.end_comparison(Side::A);
-                self.close_sequence();
-            }
-            Command::NextLayout => self.next_layout(),
-            Command::OpenDemo => self.open(Arc::new(Sequence::demo())),
-            Command::OpenExample(example) => self.open(Arc::new(Sequence::example(example))),
-            Command::ToggleRecording => self.toggle_recording(),
-            Command::Screenshot => self.shared.requests.push(WindowRequest::Screenshot(None)),
-            Command::SaveScreenshotAs => {
-                let name = format!("{}.png", self.picture_stem());
-                self.ask(DialogKind::SavePicture, Some(name));
-            }
-            Command::ToggleExport => self.toggle_export(None),
-            Command::ExportPath => self.toggle_export(Some(ExportSubject::Path)),
-            Command::ToggleSave => self.toggle_save(),
-            Command::AddKeyframe => self.add_keyframe(),
-            Command::TogglePreview => self.toggle_preview(),
-            Command::NewPath => self.ask_or_do(Question::New),
-            Command::OpenPath => self.ask_or_do(Question::Open),
-            Command::SavePath => self.save_path(false),
-            Command::SavePathAs => self.save_path(true),
-            Command::SaveSession => self.save_session(false),
-            Command::SaveSessionAs => self.save_session(true),
-            Command::FullScreen => self.shared.requests.push(WindowRequest::FullScreen),
-            Command::ToggleComparison => self.toggle_comparison(),
-            Command::Undo => {
-                let before = self.history.undo();
-                self.take_edited(before);
-            }
-            Command::Redo => {
-                let after = self.history.redo();
-                self.take_edited(after);
-            }
-            Command::TogglePanel(panel) => self.panels.toggle(panel),
-            Command::ToggleTrails => self.toggle_trails(),
-            Command::Theme(theme) => self.appearance.theme = theme,
-            Command::ToggleThumbnails => self.features.thumbnails.is_on ^= true,
-            Command::RedoThumbnails => self.features.thumbnails.redo(),
-            Command::TogglePalette => {
-                self.features.palette = match self.features.palette.take() {
-                    Some(_) => None,
-                    None => Some(Palette::default()),
-                };
-            }
-            Command::Escape => self.escape(),
-            Command::Quit => self.ask_or_do(Question::Quit),
-        }
-    }
-
-    fn toggle_comparison(&mut self) {
+    pub(in crate::app) fn toggle_comparison(&mut self) {
         if self.features.beside.is_some() {
             let text = "Two sequences are compared: File, Close comparison ends that";
             return self.notices.hint(text);
@@ -155,7 +55,7 @@ impl State {
 
     /// Ends what lies over all else: a question, a window, then what a tool has begun, the tool, the full screen. Menus
     /// close by themselves.
-    fn escape(&mut self) {
+    pub(in crate::app) fn escape(&mut self) {
         // The key has taken the keyboard from their fields already, so they do not see it. One thing at a time.
         let has_closed = Features::rows::<Self>().iter().any(|feature| (feature.escape)(self))
             || self.kept.preset_name.take().is_some()
@@ -185,7 +85,7 @@ impl State {
         self.history.note(&edited, is_held, now);
     }
 
-    fn take_edited(&mut self, edited: Option<Edited>) {
+    pub(in crate::app) fn take_edited(&mut self, edited: Option<Edited>) {
         if let Some(Edited { style, path, labels }) = edited {
             self.style = style;
             self.features.path.draft = path;
@@ -211,7 +111,7 @@ impl State {
         self.style = self.style.drawn_as(way);
     }
 
-    fn scale_size(&mut self, factor: f32) {
+    pub(in crate::app) fn scale_size(&mut self, factor: f32) {
         let scaled = match self.drawn_style().primitive {
             Primitive::Mesh => &PointStyle::SIZE_PX,
             Primitive::Point if self.style.points.sizing == PointSizing::Pixels => &PointStyle::SIZE_PX,
@@ -234,9 +134,9 @@ impl State {
         let (events, modifiers, now_secs) = ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));
         self.motion.fly.note(&events, typing);
         self.handle_clipboard(ctx);
-        for command in command::dispatch(ctx) {
+        for command in dispatch(ctx) {
             // While flying, Ctrl is the slow pace and Q the way down.
-            if command != Command::Quit || !self.motion.fly.is_flying() {
+            if command != Command::QUIT || !self.motion.fly.is_flying() {
                 self.run(command);
             }
         }

@@ -103,7 +103,7 @@ impl State {
         self.notices.info("The view was copied as text");
     }
 
-    /// Puts the camera where a text says that [`Command::CopyView`](crate::app::Command::CopyView) made.
+    /// Puts the camera where a text says that [`Command::COPY_VIEW`](crate::app::Command::COPY_VIEW) made.
     pub fn paste_view(&mut self, text: &str) {
         match text.parse() {
             Ok(camera) => {

@@ -23,7 +23,6 @@ mod proven;
 mod reading;
 mod session;
 mod shared;
-mod steering;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;

@@ -2,6 +2,8 @@
 
 use super::BenchmarkEnded;
 use super::panel::{BenchmarkRequest, benchmark_ui};
+use crate::app::command::Command;
+use crate::app::commands::common::Row;
 use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::features::feature::Feature;
 use crate::app::open_panels::PanelId;
@@ -49,6 +51,17 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[
+    Row::new(Command::panel(PanelId::BENCHMARK), "Show the last result", |state| {
+        state.panels.toggle(PanelId::BENCHMARK);
+    })
+    .what("Show the last benchmark")
+    .applies(|state| match state.features.benchmark {
+        Benchmark::Idle => Err("Nothing was measured yet"),
+        _ => Ok(()),
+    }),
+];
+
 impl Feature<State> for Benchmark {
     fn update(state: &mut State) -> bool {
         let now = state.now();
@@ -72,6 +85,10 @@ impl Feature<State> for Benchmark {
     fn panels() -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::BENCHMARK, benchmark)];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -2,13 +2,15 @@
 
 use super::FrameDistances;
 use super::panel::{BesideRequest, beside_ui};
-use crate::app::command::Command;
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::drawing::DrawnFrame;
 use crate::app::features::beside::{Beside, Layout};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::sequence_name::name_of;
 use crate::app::side::Side;
+use crate::app::state::DialogKind;
 use crate::app::state::State;
 use crate::app::widgets::numbers::significant;
 use crate::app::work::outcome::Outcome;
@@ -17,6 +19,7 @@ use crate::math::Aabb;
 use crate::playback::{Companion, PlayerChange};
 use crate::scene::ScenePacket;
 use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
+use egui::Key;
 use egui::Ui;
 use image::{RgbaImage, imageops};
 use std::path::PathBuf;
@@ -273,6 +276,38 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[
+    Row::new(Command::NEXT_LAYOUT, "Side by side, or a line", State::next_layout)
+        .what("Two sequences: side by side, or a line over the same view")
+        .keys(group::VIEW, "Shift+C", &[Chord::shift(Key::C)])
+        .applies(|state| match state.features.beside {
+            Some(_) => Ok(()),
+            None => Err("One sequence is open: File, Compare with… opens another beside it"),
+        }),
+    Row::new(Command::COMPARE_FILES, "Compare with files…", |state| {
+        state.ask(DialogKind::CompareFiles, None)
+    })
+    .what("Compare with files")
+    .also(&["diff"])
+    .keys(group::FILE, "Ctrl+Shift+O", &[Chord::ctrl_shift(Key::O)])
+    .applies(needs_sequence),
+    Row::new(Command::COMPARE_FOLDER, "Compare with a folder…", |state| {
+        state.ask(DialogKind::CompareFolder, None);
+    })
+    .what("Compare with a folder")
+    .also(&["diff"])
+    .applies(needs_sequence),
+    Row::new(Command::CLOSE_COMPARISON, "Close comparison", |state| {
+        state.opening.opened.compared = None;
+        state.close_beside();
+        state.end_comparison(Side::A);
+    })
+    .applies(|state| match state.pictures() {
+        Some(_) => Ok(()),
+        None => Err("Nothing is compared"),
+    }),
+];
+
 impl Feature<State> for Option<Beside> {
     fn next_deadline(state: &State) -> Option<Duration> {
         let beside = state.features.beside.as_ref();
@@ -296,13 +331,17 @@ impl Feature<State> for Option<Beside> {
         }];
         PANELS
     }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
+    }
 }
 
 fn bar(ui: &mut Ui, state: &mut State) {
     if let (Some(beside), Some(player)) = (&mut state.features.beside, &state.player) {
         match beside_ui(ui, beside, player) {
             Some(BesideRequest::Measure) => state.measure_distances(),
-            Some(BesideRequest::Close) => state.run(Command::CloseComparison),
+            Some(BesideRequest::Close) => state.run(Command::CLOSE_COMPARISON),
             None => {}
         }
     }

@@ -4,6 +4,8 @@ use super::PathEditor;
 use super::marks::paint_path;
 use super::panel::camera_path_ui;
 use super::request::PathRequest;
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group};
 use crate::app::features::Features;
 use crate::app::features::camera_path::{Draft, PathFile, Question, read_path, save_path};
 use crate::app::features::feature::Feature;
@@ -16,6 +18,7 @@ use crate::app::work::outcome::Outcome;
 use crate::playback::Player;
 use crate::scene::Camera;
 use crate::timeline::DEFAULT_FPS;
+use egui::Key;
 use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -186,6 +189,51 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[
+    Row::new(Command::panel(PanelId::CAMERA_PATH), "Camera path…", |state| {
+        state.panels.toggle(PanelId::CAMERA_PATH);
+    })
+    .what("Camera path")
+    .keys(group::VIEW, "F4", &[Chord::plain(Key::F4)])
+    .on_if(|state| state.panels.has(PanelId::CAMERA_PATH)),
+    Row::new(
+        Command::ADD_KEYFRAME,
+        "Add a keyframe of what is shown",
+        State::add_keyframe,
+    )
+    .keys(group::VIEW, "K", &[Chord::plain(Key::K)]),
+    Row::new(
+        Command::TOGGLE_PREVIEW,
+        "Play the camera path, or stop",
+        State::toggle_preview,
+    )
+    .keys(group::VIEW, "Shift+K", &[Chord::shift(Key::K)])
+    .applies(needs_path),
+    Row::new(Command::NEW_PATH, "New camera path", |state| {
+        state.ask_or_do(Question::New)
+    }),
+    Row::new(Command::OPEN_PATH, "Open a camera path", |state| {
+        state.ask_or_do(Question::Open)
+    }),
+    Row::new(Command::SAVE_PATH, "Save the camera path", |state| {
+        state.save_path(false)
+    })
+    .applies(needs_path),
+    Row::new(
+        Command::SAVE_PATH_AS,
+        "Save the camera path as a file of a name",
+        |state| state.save_path(true),
+    )
+    .applies(needs_path),
+];
+
+fn needs_path(state: &State) -> Result<(), &'static str> {
+    match state.features.path.draft.path() {
+        Some(_) => Ok(()),
+        None => Err("The camera path has no keyframes yet: K sets one of what is shown"),
+    }
+}
+
 impl Feature<State> for PathEditor {
     fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|path: PathFile| state.take_path_file(path))
@@ -212,6 +260,10 @@ impl Feature<State> for PathEditor {
     fn panels() -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PanelId::CAMERA_PATH, "Camera path…", camera_path)];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -3,7 +3,8 @@
 use super::PathEditor;
 use super::keyframes::{keyframes_ui, seconds};
 use super::request::PathRequest;
-use crate::app::command::{Command, keys_of};
+use crate::app::command::Command;
+use crate::app::commands::keys_of;
 use crate::app::open_panels::PanelId;
 use crate::app::widgets::names::named;
 use crate::app::widgets::settle::settle;
@@ -74,15 +75,15 @@ fn time_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<PathRequest> {
             (
                 "Add keyframe",
                 "What is shown becomes the view of the path at this time",
-                Command::AddKeyframe,
+                Command::ADD_KEYFRAME,
             ),
             if path.is_playing() {
-                ("Stop", "Stops where it is (Esc)", Command::TogglePreview)
+                ("Stop", "Stops where it is (Esc)", Command::TOGGLE_PREVIEW)
             } else {
                 (
                     "Preview",
                     "Plays the path in the window at its speed; Esc stops it",
-                    Command::TogglePreview,
+                    Command::TOGGLE_PREVIEW,
                 )
             },
         ] {
@@ -119,34 +120,40 @@ fn file_ui(ui: &mut Ui, path: &mut PathEditor) -> Option<Command> {
     let has_path = draft.path().is_some();
     ui.horizontal(|ui| {
         for (text, name, is_offered, tooltip, command) in [
-            ("New", "New camera path", true, "Begins an empty path", Command::NewPath),
+            (
+                "New",
+                "New camera path",
+                true,
+                "Begins an empty path",
+                Command::NEW_PATH,
+            ),
             (
                 "Open…",
                 "Open a camera path",
                 true,
                 "A JSON file, as `render --path` reads it",
-                Command::OpenPath,
+                Command::OPEN_PATH,
             ),
             (
                 "Save",
                 "Save the camera path",
                 has_path,
                 "To its file; the first time asks for one",
-                Command::SavePath,
+                Command::SAVE_PATH,
             ),
             (
                 "Save as…",
                 "Save the camera path as",
                 has_path,
                 "To another file",
-                Command::SavePathAs,
+                Command::SAVE_PATH_AS,
             ),
             (
                 "Export…",
                 "Export the camera path",
                 has_path,
                 "Writes a video of the path",
-                Command::ExportPath,
+                Command::EXPORT_PATH,
             ),
         ] {
             let button = ui.add_enabled(is_offered, Button::new(text));

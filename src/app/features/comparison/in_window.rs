@@ -3,12 +3,23 @@
 use super::PicturePair;
 use super::panel::{ComparisonRequest, comparison_ui};
 use super::{Comparison, PictureDifference};
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::state::{State, WindowRequest};
 use crate::app::work::outcome::Outcome;
+use egui::Key;
 use egui::Ui;
 use std::time::Duration;
+
+const COMMANDS: &[Row] = &[
+    Row::new(Command::TOGGLE_COMPARISON, "Compare A/B", State::toggle_comparison)
+        .what("Compare two ways to draw")
+        .also(&["split", "diff"])
+        .keys(group::VIEW, "C", &[Chord::plain(Key::C)])
+        .on_if(|state| state.features.comparison.is_some()),
+];
 
 impl Feature<State> for Option<Comparison> {
     /// Of two sequences as well.
@@ -45,6 +56,10 @@ impl Feature<State> for Option<Comparison> {
             show: bar,
         }];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

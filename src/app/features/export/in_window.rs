@@ -2,6 +2,8 @@
 
 use super::Export;
 use super::panel::{ExportRequest, export_ui};
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::features::export::job::{ExportJob, Shows, run};
 use crate::app::features::export::{ExportEnded, ExportSubject, Exportable};
 use crate::app::features::feature::Feature;
@@ -17,6 +19,7 @@ use crate::export::{ChangeColors, ExportError, PictureSize, Poses, VideoFormat};
 use crate::playback::Player;
 use crate::scene::CameraPath;
 use crate::sequence::LoaderOptions;
+use egui::Key;
 use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -198,6 +201,18 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[
+    Row::new(Command::TOGGLE_EXPORT, "Export…", |state| state.toggle_export(None))
+        .what("Export a picture or a video")
+        .hint("Pictures of any size, turntables, camera paths and the sequence as videos")
+        .also(&["render", "record"])
+        .keys(group::FILE, "Shift+P", &[Chord::shift(Key::P)])
+        .applies(needs_sequence),
+    Row::new(Command::EXPORT_PATH, "Export the camera path", |state| {
+        state.toggle_export(Some(ExportSubject::Path));
+    }),
+];
+
 impl Feature<State> for Export {
     fn take(state: &mut State, outcome: Outcome) -> Result<(), Outcome> {
         outcome.give(|ended: ExportEnded| state.export_has_ended(ended))
@@ -211,6 +226,10 @@ impl Feature<State> for Export {
     fn panels() -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::EXPORT, export)];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -1,9 +1,11 @@
 //! Points that were clicked on, and measurements, in the window.
 
-use super::Inspection;
 use super::marks::paint_inspection;
 use super::measuring_panel::measuring_ui;
 use super::point_panel::{PointContext, point_ui};
+use super::{Inspection, Tool};
+use crate::app::command::{Chord, Command, Menu};
+use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
 use crate::app::features::trails::panel::trail_ui;
 use crate::app::panel_row::PanelRow;
@@ -11,7 +13,27 @@ use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::playback::Player;
+use egui::Key;
 use egui::Ui;
+
+const COMMANDS: &[Row] = &[
+    Row::new(Command::PICK_POINTS, "Point values", |state| {
+        state.features.inspection.toggle(Tool::Point)
+    })
+    .what("Show the values of points")
+    .hint("A click on a point shows all that its file says of it")
+    .keys(group::POINTS, "I", &[Chord::plain(Key::I)])
+    .in_menu(Menu::Tools)
+    .on_if(|state| state.features.inspection.tool == Tool::Point),
+    Row::new(Command::MEASURE, "Measure", |state| {
+        state.features.inspection.toggle(Tool::Measure)
+    })
+    .hint("Clicks on points measure distances, angles and heights")
+    .also(&["ruler", "distance"])
+    .keys(group::POINTS, "M", &[Chord::plain(Key::M)])
+    .in_menu(Menu::Tools)
+    .on_if(|state| state.features.inspection.tool == Tool::Measure),
+];
 
 impl Feature<State> for Inspection {
     fn follow_frame(state: &mut State) -> bool {
@@ -39,6 +61,10 @@ impl Feature<State> for Inspection {
     fn panels() -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::by_itself(point), PanelRow::by_itself(measuring)];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -3,7 +3,8 @@
 use super::Labels;
 use super::marks::paint_labels;
 use super::panel::{LabelsRequest, PANEL, labels_ui};
-use crate::app::command::Command;
+use crate::app::command::{Chord, Command, Menu};
+use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
 use crate::app::features::inspection::Tool;
 use crate::app::panel_row::PanelRow;
@@ -15,6 +16,7 @@ use crate::playback::Player;
 use crate::scene::{Camera, FollowedPoint, Label, LabelOnPicture, Pick};
 use crate::sequence::PreparedFrame;
 use crate::timeline::PlayRange;
+use egui::Key;
 use egui::Ui;
 use image::RgbaImage;
 
@@ -42,8 +44,8 @@ impl State {
     }
 
     /// Begins to put labels by clicks, with the list beside, or ends that.
-    pub(in crate::app) fn toggle_tool(&mut self, tool: Tool) {
-        self.features.inspection.toggle(tool);
+    fn toggle_label_tool(&mut self) {
+        self.features.inspection.toggle(Tool::Label);
         if self.features.inspection.tool == Tool::Label {
             self.panels.set(PANEL, true);
         }
@@ -100,6 +102,14 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[Row::new(Command::PUT_LABELS, "Label", State::toggle_label_tool)
+    .what("Put labels at points")
+    .hint("Clicks put texts at points, in the window, in pictures and in videos")
+    .also(&["annotate", "annotation"])
+    .keys(group::POINTS, "N", &[Chord::plain(Key::N)])
+    .in_menu(Menu::Tools)
+    .on_if(|state| state.features.inspection.tool == Tool::Label)];
+
 impl Feature<State> for Labels {
     fn shows_frame(state: &State) -> bool {
         state.features.labels.are_shown()
@@ -121,6 +131,10 @@ impl Feature<State> for Labels {
         const PANELS: &[PanelRow<State>] = &[PanelRow::in_menu(PANEL, "Labels…", labels)];
         PANELS
     }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
+    }
 }
 
 fn labels(ui: &mut Ui, state: &mut State) {
@@ -140,7 +154,7 @@ fn labels(ui: &mut Ui, state: &mut State) {
     );
     state.panels.set(PANEL, is_open);
     match request {
-        Some(LabelsRequest::ToggleTool) => state.run(Command::ToggleTool(Tool::Label)),
+        Some(LabelsRequest::ToggleTool) => state.run(Command::PUT_LABELS),
         Some(LabelsRequest::GoTo(index)) => state.go_to_label(index),
         None => {}
     }

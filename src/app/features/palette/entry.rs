@@ -1,48 +1,12 @@
 //! What the palette offers, and what choosing it does.
 
-use crate::app::command::{BINDINGS, Command};
-use crate::app::open_panels::PanelId;
+use crate::app::command::Command;
 use crate::app::presets::built_in;
 use crate::bench::Suite;
 use crate::bench::suites;
 use crate::scene::describe::{Described, Shorthand, Value, Values};
 use crate::scene::{Background, Style};
-use crate::source::Example;
-use egui::ThemePreference;
 use std::borrow::Cow;
-
-/// Commands that have no key.
-const WITHOUT_KEYS: &[(&str, Command)] = &[
-    ("Open a folder", Command::OpenFolder),
-    ("Open the demo", Command::OpenDemo),
-    ("Open an example: LiDAR survey", Command::OpenExample(Example::Lidar)),
-    ("Open an example: depth image", Command::OpenExample(Example::Depth)),
-    ("Open an example: animated model", Command::OpenExample(Example::Model)),
-    ("Close the sequence", Command::CloseSequence),
-    ("Compare with a folder", Command::CompareFolder),
-    ("Close comparison", Command::CloseComparison),
-    ("Show or hide thumbnails over the timeline", Command::ToggleThumbnails),
-    ("Make thumbnails anew", Command::RedoThumbnails),
-    ("Look from the sensor", Command::LookFromSensor),
-    ("Show or hide the legend", Command::TogglePanel(PanelId::LEGEND)),
-    ("Show or hide the scale bar", Command::ToggleScaleBar),
-    ("Theme of the system", Command::Theme(ThemePreference::System)),
-    ("Light theme", Command::Theme(ThemePreference::Light)),
-    ("Dark theme", Command::Theme(ThemePreference::Dark)),
-    ("Save a picture as a file of a name", Command::SaveScreenshotAs),
-    ("Record the live stream, or end that", Command::ToggleRecording),
-    ("Export the camera path", Command::ExportPath),
-    ("New camera path", Command::NewPath),
-    ("Open a camera path", Command::OpenPath),
-    ("Save the camera path", Command::SavePath),
-    ("Save the camera path as a file of a name", Command::SavePathAs),
-    ("Save the session as a file of a name", Command::SaveSessionAs),
-    (
-        "About pointreel: version, adapter, folders",
-        Command::TogglePanel(PanelId::ABOUT),
-    ),
-    ("Show the last benchmark", Command::TogglePanel(PanelId::BENCHMARK)),
-];
 
 /// What is in the panel of settings and is no setting of drawing: its name, what it does, and the title of its row.
 const IN_PANEL: &[(&str, &str, &str)] = &[
@@ -98,6 +62,12 @@ pub(in crate::app) struct Entry {
     /// As a person reads them; empty without any.
     pub(in crate::app) keys: &'static str,
     pub(in crate::app) action: Action,
+    /// More of what it does; found as its name is.
+    pub(in crate::app) what: &'static str,
+    /// Words of other programs that find it.
+    pub(in crate::app) synonyms: &'static [&'static str],
+    /// Why it cannot be chosen now.
+    pub(in crate::app) why_not: Option<&'static str>,
 }
 
 impl Entry {
@@ -108,24 +78,20 @@ impl Entry {
             hint,
             keys: "",
             action,
+            what: "",
+            synonyms: &[],
+            why_not: None,
         }
     }
 
-    /// A command without keys.
-    pub(in crate::app) fn of_command(text: &'static str, command: Command) -> Self {
+    /// A command.
+    pub(super) fn of_command(text: &'static str, command: Command) -> Self {
         Self::new(text, "", Action::Run(command))
     }
 }
 
-/// All that there is to find but panels: commands, values of settings, presets and benchmarks.
+/// All that there is to find but commands: values of settings, presets and benchmarks.
 pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
-    let with_keys = BINDINGS.iter().map(|binding| Entry {
-        keys: binding.keys,
-        ..Entry::of_command(binding.text, binding.command)
-    });
-    let without = WITHOUT_KEYS
-        .iter()
-        .map(|&(text, command)| Entry::of_command(text, command));
     let settings = Style::default().settings();
     let settings = settings.into_iter().flat_map(|(described, _)| values_of(described));
     let built_in = built_in().into_iter().enumerate();
@@ -142,8 +108,7 @@ pub(super) fn entries(presets: &[String]) -> Vec<Entry> {
     });
     let in_panel = IN_PANEL.iter();
     let in_panel = in_panel.map(|&(text, hint, title)| Entry::new(text, hint, Action::ShowSetting(title)));
-    let commands = with_keys.chain(without).chain(in_panel);
-    commands
+    in_panel
         .chain(settings)
         .chain(built_in)
         .chain(presets)

@@ -14,29 +14,12 @@ use crate::app::command::Command;
 
 /// Words of other programs, and ours for the same.
 const SYNONYMS: &[(&str, &str)] = &[
-    ("screenshot", "picture"),
-    ("image", "picture"),
-    ("snapshot", "picture"),
     ("gif", "video"),
     ("mp4", "video"),
     ("movie", "video"),
     ("animation", "video"),
     ("record", "video"),
     ("render", "export"),
-    ("speed", "slower"),
-    ("speed", "faster"),
-    ("rewind", "reverse"),
-    ("repeat", "loop"),
-    ("bookmark", "marker"),
-    ("trim", "point"),
-    ("ruler", "measure"),
-    ("distance", "measure"),
-    ("load", "open"),
-    ("import", "open"),
-    ("exit", "quit"),
-    ("shortcuts", "list of keys"),
-    ("hotkeys", "list of keys"),
-    ("help", "list of keys"),
     ("sky", "background"),
     ("colour", "color"),
     ("color", "colour"),
@@ -47,17 +30,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("edl", "eye-dome"),
     ("ssao", "occlusion"),
     ("ao", "occlusion"),
-    ("perspective", "orthographic"),
-    ("parallel", "orthographic"),
-    ("zoom", "frame everything"),
-    ("fit", "frame everything"),
-    ("home", "reset view"),
-    ("preferences", "settings"),
-    ("options", "settings"),
-    ("fps", "statistics"),
     ("performance", "benchmark"),
-    ("split", "compare"),
-    ("diff", "compare"),
     ("crop", "clip"),
     ("section", "clip"),
     ("slice", "clip"),
@@ -82,15 +55,16 @@ pub struct Palette {
     pub(in crate::app) chosen: usize,
 }
 
-/// What `query` finds, `presets` of this person and `more` among it.
-pub(in crate::app) fn find(query: &str, presets: &[String], more: &[Entry]) -> Vec<Entry> {
+/// What `query` finds among `commands`, settings, and `presets` of this person.
+pub(in crate::app) fn find(query: &str, presets: &[String], commands: &[Entry]) -> Vec<Entry> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
-    let all = entry::entries(presets).into_iter().chain(more.iter().cloned());
+    let all = commands.iter().cloned().chain(entry::entries(presets));
     let mut found: Vec<(usize, Entry)> = all
-        .filter(|entry| !matches!(entry.action, Action::Run(Command::TogglePalette)))
+        .filter(|entry| !matches!(entry.action, Action::Run(Command::TOGGLE_PALETTE)))
         .filter_map(|entry| {
-            let (text, hint) = (entry.text.to_lowercase(), entry.hint.to_lowercase());
-            let distances = words.iter().map(|word| distance(word, &text, &hint));
+            let text = format!("{} {}", entry.text, entry.what).to_lowercase();
+            let hint = entry.hint.to_lowercase();
+            let distances = words.iter().map(|word| distance(word, &text, &hint, entry.synonyms));
             let distance = distances.sum::<Option<usize>>()?;
             Some((distance, entry))
         })
@@ -107,13 +81,13 @@ pub(in crate::app) fn find(query: &str, presets: &[String], more: &[Entry]) -> V
 const LETTERS: usize = 1 << 16;
 
 /// How far a word is from a name and what the thing of that name does; `None` if it is in neither.
-fn distance(word: &str, text: &str, hint: &str) -> Option<usize> {
+fn distance(word: &str, text: &str, hint: &str, own_synonyms: &[&str]) -> Option<usize> {
     // A few letters may begin anything.
     let is_begun = |theirs: &str| word.len() >= 3 && theirs.starts_with(word) || theirs == word;
     let mut synonyms = SYNONYMS.iter().filter(|(theirs, _)| is_begun(theirs));
     if text.contains(word) {
         Some(0)
-    } else if synonyms.any(|(_, ours)| text.contains(ours)) {
+    } else if synonyms.any(|(_, ours)| text.contains(ours)) || own_synonyms.iter().any(|theirs| is_begun(theirs)) {
         Some(1)
     } else if word.len() >= 3 && hint.contains(word) {
         Some(2)
@@ -133,11 +107,13 @@ fn is_subsequence(word: &str, text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::{State, StateOptions};
     use crate::scene::Style;
     use crate::scene::describe::Values;
 
     fn texts(query: &str) -> Vec<String> {
-        let found = find(query, &["Mine".to_owned()], &[]);
+        let commands = in_window::commands_of(&State::new(StateOptions::default()));
+        let found = find(query, &["Mine".to_owned()], &commands);
         found.into_iter().map(|entry| entry.text.into_owned()).collect()
     }
 
@@ -159,16 +135,14 @@ mod tests {
     #[test]
     fn words_of_other_programs_find_ours() {
         for (query, expected) in [
-            ("screenshot", "Save a picture"),
-            ("speed", "Slower"),
-            ("gif", "Export a picture or a video"),
-            ("movie", "Export a picture or a video"),
+            ("gif", "Export…"),
+            ("movie", "Export…"),
             ("voxels", "Primitive: Voxels"),
             ("mine", "Preset: Mine"),
             ("clip", "Clip to a box or a plane…"),
             ("crop", "Clip to a box or a plane…"),
             ("up axis", "Up axis…"),
-            ("shortc", "This list of keys"),
+            ("shortc", "Keys and mouse"),
         ] {
             let found = texts(query);
             assert!(found.iter().take(4).any(|text| text == expected), "{query}: {found:?}");

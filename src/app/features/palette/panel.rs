@@ -11,7 +11,7 @@ pub(in crate::app) fn palette_ui(
     ui: &Ui,
     open: &mut Option<Palette>,
     presets: &[String],
-    more: &[Entry],
+    commands: &[Entry],
 ) -> Option<Action> {
     let palette = open.as_mut()?;
     let ctx = ui.ctx();
@@ -41,11 +41,12 @@ pub(in crate::app) fn palette_ui(
                 palette.chosen = 0;
             }
             field.on_hover_text("Some letters of each word. Enter runs, arrows choose, Esc closes");
-            let found = find(&palette.query, presets, more);
+            let found = find(&palette.query, presets, commands);
             let last = found.len().saturating_sub(1);
             let place = (palette.chosen + usize::from(down)).saturating_sub(usize::from(up));
             palette.chosen = place.min(last);
-            chosen = found.get(palette.chosen).map(|entry| entry.action);
+            let entry = found.get(palette.chosen);
+            chosen = entry.filter(|entry| entry.why_not.is_none()).map(|entry| entry.action);
             if found.is_empty() {
                 ui.weak("Nothing has these words");
             }
@@ -74,10 +75,15 @@ fn row(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> Response {
     let button = Button::selectable(is_chosen, entry.text.as_ref())
         .shortcut_text(entry.keys)
         .min_size([ui.available_width(), 0.0].into());
-    let response = ui.add(button);
-    if entry.hint.is_empty() {
+    let response = ui.add_enabled(entry.why_not.is_none(), button);
+    let response = match entry.why_not {
+        Some(reason) => response.on_disabled_hover_text(reason),
+        None => response,
+    };
+    let told = if entry.hint.is_empty() { entry.what } else { entry.hint };
+    if told.is_empty() {
         response
     } else {
-        response.on_hover_text(entry.hint)
+        response.on_hover_text(told)
     }
 }

@@ -34,7 +34,7 @@ impl Message for PhotosLoaded {}
 
 /// A set whose pixels were loaded; `None` where nobody waits for it any more.
 #[derive(Debug)]
-pub struct PhotosLoaded(Option<LoadedSet>);
+pub(in crate::app) struct PhotosLoaded(Option<LoadedSet>);
 
 #[derive(Debug)]
 struct LoadedSet {

@@ -42,7 +42,7 @@ impl Message for PhotographedFrame {}
 
 /// A frame with photographs on it.
 #[derive(Debug, Clone)]
-pub struct PhotographedFrame {
+pub(in crate::app) struct PhotographedFrame {
     of: Parts,
     pub(in crate::app) frame: Arc<PreparedFrame>,
     pub(in crate::app) depths: Arc<PhotoDepths>,

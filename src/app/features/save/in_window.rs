@@ -2,6 +2,8 @@
 
 use super::panel::{SaveRequest, save_ui};
 use super::{Estimated, Estimates, Save};
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::features::feature::Feature;
 use crate::app::features::save::{Savable, SaveEnded, SaveFormat, job};
 use crate::app::open_panels::PanelId;
@@ -17,6 +19,7 @@ use crate::reel::ReelOptions;
 use crate::scene::FirstLook;
 use crate::sequence::Sequence;
 use crate::source::AsReel;
+use egui::Key;
 use egui::Ui;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -186,6 +189,12 @@ pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
     Some(folder).filter(|folder| folder.is_dir() && can_be_written(folder))
 }
 
+const COMMANDS: &[Row] = &[Row::new(Command::TOGGLE_SAVE, "Save as…", State::toggle_save)
+    .what("Save the sequence as a file or a folder")
+    .hint("One sequence file, or a folder of files; sizes and errors are shown before")
+    .keys(group::FILE, "Ctrl+Shift+S", &[Chord::ctrl_shift(Key::S)])
+    .applies(needs_sequence)];
+
 impl Feature<State> for Save {
     fn update(state: &mut State) -> bool {
         state.follow_save();
@@ -208,6 +217,10 @@ impl Feature<State> for Save {
     fn panels() -> &'static [PanelRow<State>] {
         const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::SAVE, save)];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

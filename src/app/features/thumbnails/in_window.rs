@@ -1,10 +1,24 @@
 //! Small pictures of the frames, in the window.
 
 use super::{Delivery, Thumbnails};
+use crate::app::command::Command;
+use crate::app::commands::common::{Row, needs_sequence};
 use crate::app::features::benchmark::Benchmark;
 use crate::app::features::feature::Feature;
 use crate::app::state::State;
 use crate::app::work::outcome::Outcome;
+
+const COMMANDS: &[Row] = &[
+    Row::new(Command::TOGGLE_THUMBNAILS, "Thumbnails", |state| {
+        state.features.thumbnails.is_on ^= true
+    })
+    .what("Show or hide thumbnails over the timeline")
+    .on_if(|state| state.features.thumbnails.is_on),
+    Row::new(Command::REDO_THUMBNAILS, "Make thumbnails anew", |state| {
+        state.features.thumbnails.redo()
+    })
+    .applies(needs_sequence),
+];
 
 impl Feature<State> for Thumbnails {
     fn follow(state: &mut State) {
@@ -25,6 +39,10 @@ impl Feature<State> for Thumbnails {
 
     fn forget_sequence(state: &mut State) {
         state.features.thumbnails.forget_frames();
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -2,12 +2,15 @@
 
 use super::Timeline;
 use super::panel::{TimelineContext, TimelineRequest, timeline_ui};
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group, needs_sequence};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
 use crate::app::state::State;
 use crate::playback::Player;
 use crate::scene::Scene;
 use crate::timeline::PlayRange;
+use egui::Key;
 use egui::Ui;
 use std::path::PathBuf;
 
@@ -76,6 +79,43 @@ impl State {
     }
 }
 
+const COMMANDS: &[Row] = &[
+    Row::new(Command::SET_IN, "Set in point", |state| {
+        state.set_range(PlayRange::beginning_at)
+    })
+    .what("In point: play from here")
+    .also(&["trim"])
+    .keys(group::PLAYING, "Shift+I", &[Chord::shift(Key::I)])
+    .applies(needs_sequence),
+    Row::new(Command::SET_OUT, "Set out point", |state| {
+        state.set_range(PlayRange::ending_at)
+    })
+    .what("Out point: play to here")
+    .also(&["trim"])
+    .keys(group::PLAYING, "Shift+O", &[Chord::shift(Key::O)])
+    .applies(needs_sequence),
+    Row::new(Command::CLEAR_RANGE, "Clear in and out point", |state| {
+        state.set_range(|_, _| PlayRange::default());
+    })
+    .keys(group::PLAYING, "Shift+X", &[Chord::shift(Key::X)])
+    .applies(needs_sequence),
+    Row::new(Command::TOGGLE_MARKER, "Add or remove marker", State::toggle_marker)
+        .what("Add or remove a marker")
+        .also(&["bookmark"])
+        .keys(group::PLAYING, "Ctrl+M", &[Chord::ctrl(Key::M)])
+        .applies(needs_sequence),
+    Row::new(Command::NEXT_MARKER, "Next marker", |state| state.go_to_marker(true))
+        .also(&["bookmark"])
+        .keys(group::PLAYING, "Shift+M", &[Chord::shift(Key::M)])
+        .applies(needs_sequence),
+    Row::new(Command::PREVIOUS_MARKER, "Previous marker", |state| {
+        state.go_to_marker(false)
+    })
+    .also(&["bookmark"])
+    .keys(group::PLAYING, "Ctrl+Shift+M", &[Chord::ctrl_shift(Key::M)])
+    .applies(needs_sequence),
+];
+
 impl Feature<State> for Timeline {
     fn forget_sequence(state: &mut State) {
         state.features.timeline.forget_playhead();
@@ -93,6 +133,10 @@ impl Feature<State> for Timeline {
             show: timeline,
         }];
         PANELS
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -2,10 +2,21 @@
 
 use super::panel::paint_trails;
 use super::{Traced, Trails};
+use crate::app::command::{Chord, Command};
+use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::app::work::outcome::Outcome;
+use egui::Key;
+
+const COMMANDS: &[Row] = &[Row::new(
+    Command::new("trails"),
+    "Trails of the picked points",
+    State::toggle_trails,
+)
+.keys(group::POINTS, "Shift+T", &[Chord::shift(Key::T)])
+.on_if(|state| state.features.trails.is_on)];
 
 impl Feature<State> for Trails {
     fn follow_frame(state: &mut State) -> bool {
@@ -41,6 +52,10 @@ impl Feature<State> for Trails {
         if let Some(player) = &state.player {
             paint_trails(canvas, &state.features.trails, player);
         }
+    }
+
+    fn commands() -> &'static [Row] {
+        COMMANDS
     }
 }
 

@@ -3,7 +3,8 @@
 use super::bar::own_number;
 use super::context::TimelineContext;
 use super::legend::legend_ui;
-use crate::app::command::{Command, keys_of};
+use crate::app::command::Command;
+use crate::app::commands::keys_of;
 use crate::app::features::timeline::{Quantity, Timeline};
 use crate::app::theme::{BAD, Icon, paint_icon};
 use crate::app::widgets::numbers::grouped;
@@ -95,13 +96,13 @@ fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
         (Icon::Play, "Play")
     };
     for (icon, text, command) in [
-        (Icon::First, "First frame", Command::First),
-        (Icon::Back, "Previous frame", Command::Step(-1)),
-        (play_icon, play_text, Command::TogglePlay),
-        (Icon::Forward, "Next frame", Command::Step(1)),
-        (Icon::Last, "Last frame", Command::Last),
+        (Icon::First, "First frame", Command::FIRST),
+        (Icon::Back, "Previous frame", Command::PREVIOUS_FRAME),
+        (play_icon, play_text, Command::TOGGLE_PLAY),
+        (Icon::Forward, "Next frame", Command::NEXT_FRAME),
+        (Icon::Last, "Last frame", Command::LAST),
     ] {
-        let is_there = has_all_buttons || command == Command::TogglePlay;
+        let is_there = has_all_buttons || command == Command::TOGGLE_PLAY;
         if is_there && icon_button(ui, icon, text, command, player.is_some()).clicked() {
             clicked = Some(command);
         }
@@ -110,12 +111,12 @@ fn transport(ui: &mut Ui, player: Option<&Player>) -> Option<Command> {
 }
 
 fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: bool) -> Response {
-    let wide = if command == Command::TogglePlay { 40.0 } else { 30.0 };
+    let wide = if command == Command::TOGGLE_PLAY { 40.0 } else { 30.0 };
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(vec2(wide, 26.0), sense);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
     let visuals = ui.style().interact(&response);
-    let fill = if command == Command::TogglePlay && enabled {
+    let fill = if command == Command::TOGGLE_PLAY && enabled {
         ui.visuals().selection.bg_fill
     } else {
         visuals.weak_bg_fill

@@ -1,23 +1,15 @@
 //! Keys become commands.
 
-use super::bindings::{BINDINGS, Binding};
-use super::kinds::Command;
+use super::commands;
+use crate::app::command::Command;
 use egui::{Context, Event, Key, Modifiers, Popup};
 
-/// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
-pub(in crate::app) fn keys_of(command: Command) -> &'static str {
-    BINDINGS
-        .iter()
-        .find(|binding| binding.command == command)
-        .map_or("", |binding| binding.keys)
-}
-
-/// The binding of a key by its letter, else by its place.
-fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<&'static Binding> {
+/// The command of a key by its letter, else by its place, and whether holding the key repeats it.
+fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<(Command, bool)> {
     let by_key = |key: Key| {
-        BINDINGS
-            .iter()
-            .find(|binding| binding.chords.iter().any(|chord| chord.matches(key, modifiers)))
+        let mut rows = commands().filter_map(|row| Some((row.command, row.keys?)));
+        let found = rows.find(|(_, keys)| keys.chords.iter().any(|chord| chord.matches(key, modifiers)));
+        found.map(|(command, keys)| (command, keys.repeats))
     };
     by_key(key).or_else(|| physical_key.and_then(by_key))
 }
@@ -36,7 +28,7 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     };
     // Those of the last pass: nothing of this one is laid out yet.
     let popup_is_open = Popup::is_any_open(ctx);
-    let mut commands = Vec::new();
+    let mut found = Vec::new();
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let Event::Key {
@@ -49,7 +41,7 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
             else {
                 return true;
             };
-            let Some(binding) = find(key, physical_key, modifiers) else {
+            let Some((command, repeats)) = find(key, physical_key, modifiers) else {
                 return true;
             };
             // An open menu is what Escape closes first.
@@ -57,16 +49,16 @@ pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
             if closes_popup || focus.keeps(key, modifiers) {
                 return true;
             }
-            if !repeat || binding.repeats {
-                commands.push(binding.command);
+            if !repeat || repeats {
+                found.push(command);
             }
             false
         });
     });
-    if !commands.is_empty() {
+    if !found.is_empty() {
         Popup::close_all(ctx);
     }
-    commands
+    found
 }
 
 /// What has the keyboard.
@@ -129,11 +121,11 @@ mod tests {
         let found = |key, place, modifiers| find(key, place, modifiers).map(|binding| binding.command);
         assert_eq!(
             found(Key::Backtick, Some(Key::OpenBracket), Modifiers::NONE),
-            Some(Command::Slower)
+            Some(Command::SLOWER)
         );
         // Dvorak's P is where R is: the letter decides.
-        assert_eq!(found(Key::P, Some(Key::R), Modifiers::NONE), Some(Command::Screenshot));
-        assert_eq!(found(Key::O, Some(Key::O), Modifiers::CTRL), Some(Command::OpenFiles));
+        assert_eq!(found(Key::P, Some(Key::R), Modifiers::NONE), Some(Command::SCREENSHOT));
+        assert_eq!(found(Key::O, Some(Key::O), Modifiers::CTRL), Some(Command::OPEN_FILES));
         assert_eq!(found(Key::J, Some(Key::J), Modifiers::NONE), None);
         assert_eq!(found(Key::Space, None, Modifiers::ALT), None);
     }

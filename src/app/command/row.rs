@@ -1,0 +1,169 @@
+//! A command as menus, keys, the palette and scripts know it.
+
+use super::keys::{Chord, Keys};
+use super::kinds::Command;
+
+/// A menu that lists commands by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Menu {
+    /// What is opened, saved and closed; at its end.
+    File,
+    /// Undo, copies; at its end.
+    Edit,
+    /// All of its items but panels.
+    Tools,
+}
+
+/// What a command does.
+#[derive(Debug)]
+pub(in crate::app) enum Act<S> {
+    /// Something without a value.
+    Run(fn(&mut S)),
+    /// Something with a value that a script gives; the text says which. `Err` is a sentence for the person.
+    Take(&'static str, fn(&mut S, &str) -> Result<(), String>),
+}
+
+/// A row of the table of commands of a window with the state `S`.
+#[derive(Debug)]
+pub struct CommandRow<S: 'static> {
+    /// Its name in the program, which is its word in scripts.
+    pub command: Command,
+    /// Its title in menus and in the palette.
+    pub title: &'static str,
+    /// What it does, for the list of keys; found in the palette as well.
+    pub what: &'static str,
+    /// What it does, in a sentence; empty where the title says it.
+    pub hint: &'static str,
+    /// Words of other programs that find it.
+    pub synonyms: &'static [&'static str],
+    /// Its keys, if it has some.
+    pub keys: Option<Keys>,
+    /// The menu that lists it by itself.
+    pub menu: Option<Menu>,
+    pub(in crate::app) title_now: Option<fn(&S) -> &'static str>,
+    pub(in crate::app) is_on: Option<fn(&S) -> bool>,
+    pub(in crate::app) applies: fn(&S) -> Result<(), &'static str>,
+    pub(in crate::app) act: Act<S>,
+}
+
+impl<S: 'static> CommandRow<S> {
+    /// A command that does something, without keys, whenever it is asked for.
+    pub(in crate::app) const fn new(command: Command, title: &'static str, run: fn(&mut S)) -> Self {
+        Self::with(command, title, Act::Run(run))
+    }
+
+    /// A command of scripts, which takes the value that `value` names.
+    pub(in crate::app) const fn taking(
+        command: Command,
+        title: &'static str,
+        value: &'static str,
+        take: fn(&mut S, &str) -> Result<(), String>,
+    ) -> Self {
+        Self::with(command, title, Act::Take(value, take))
+    }
+
+    const fn with(command: Command, title: &'static str, act: Act<S>) -> Self {
+        Self {
+            command,
+            title,
+            what: title,
+            hint: "",
+            synonyms: &[],
+            keys: None,
+            menu: None,
+            title_now: None,
+            is_on: None,
+            applies: |_| Ok(()),
+            act,
+        }
+    }
+
+    /// The same with words for what it does.
+    pub(in crate::app) const fn what(mut self, what: &'static str) -> Self {
+        self.what = what;
+        self
+    }
+
+    /// The same with a sentence on what it does.
+    pub(in crate::app) const fn hint(mut self, hint: &'static str) -> Self {
+        self.hint = hint;
+        self
+    }
+
+    /// The same with words of other programs.
+    pub(in crate::app) const fn also(mut self, synonyms: &'static [&'static str]) -> Self {
+        self.synonyms = synonyms;
+        self
+    }
+
+    /// The same with keys, under a heading of the help window.
+    pub(in crate::app) const fn keys(
+        mut self,
+        group: &'static str,
+        text: &'static str,
+        chords: &'static [Chord],
+    ) -> Self {
+        self.keys = Some(Keys {
+            group,
+            text,
+            chords,
+            repeats: false,
+        });
+        self
+    }
+
+    /// The same with keys that repeat it while they are held.
+    pub(in crate::app) const fn repeating_keys(
+        mut self,
+        group: &'static str,
+        text: &'static str,
+        chords: &'static [Chord],
+    ) -> Self {
+        self.keys = Some(Keys {
+            group,
+            text,
+            chords,
+            repeats: true,
+        });
+        self
+    }
+
+    /// The same as an item of a menu that lists its commands by itself.
+    pub(in crate::app) const fn in_menu(mut self, menu: Menu) -> Self {
+        self.menu = Some(menu);
+        self
+    }
+
+    /// The same with a title that depends on what there is.
+    pub(in crate::app) const fn titled(mut self, title: fn(&S) -> &'static str) -> Self {
+        self.title_now = Some(title);
+        self
+    }
+
+    /// The same as a choice that is on or off.
+    pub(in crate::app) const fn on_if(mut self, is_on: fn(&S) -> bool) -> Self {
+        self.is_on = Some(is_on);
+        self
+    }
+
+    /// The same where it does not always apply; `Err` says why it does not.
+    pub(in crate::app) const fn applies(mut self, applies: fn(&S) -> Result<(), &'static str>) -> Self {
+        self.applies = applies;
+        self
+    }
+
+    /// Its title as things are.
+    pub fn title(&self, state: &S) -> &'static str {
+        self.title_now.map_or(self.title, |title| title(state))
+    }
+
+    /// Why it does not apply; `None` if it does.
+    pub fn why_not(&self, state: &S) -> Option<&'static str> {
+        (self.applies)(state).err()
+    }
+
+    /// Its keys as a person reads them; empty without any.
+    pub(in crate::app) fn keys_text(&self) -> &'static str {
+        self.keys.map_or("", |keys| keys.text)
+    }
+}

@@ -1,0 +1,27 @@
+//! What rows of commands have in common.
+
+use crate::app::command::CommandRow;
+use crate::app::state::State;
+
+/// A row of the table of commands.
+pub(in crate::app) type Row = CommandRow<State>;
+
+/// Headings of the list of keys.
+pub(in crate::app) mod group {
+    /// Playback.
+    pub(in crate::app) const PLAYING: &str = "Playing";
+    /// The picture and the panels.
+    pub(in crate::app) const VIEW: &str = "View";
+    /// What clicks on points do.
+    pub(in crate::app) const POINTS: &str = "Points";
+    /// Files, undo and the window.
+    pub(in crate::app) const FILE: &str = "File and window";
+}
+
+/// What needs an open sequence.
+pub(in crate::app) fn needs_sequence(state: &State) -> Result<(), &'static str> {
+    match state.player {
+        Some(_) => Ok(()),
+        None => Err("Nothing is open yet"),
+    }
+}

@@ -1,0 +1,95 @@
+//! Commands that open, save and close.
+
+use super::common::{Row, group, needs_sequence};
+use crate::app::command::{Chord, Command};
+use crate::app::side::Side;
+use crate::app::state::{DialogKind, State, WindowRequest};
+use crate::sequence::Sequence;
+use crate::source::Example;
+use egui::Key;
+use std::sync::Arc;
+
+pub(super) const ROWS: &[Row] = &[
+    Row::new(Command::OPEN_FILES, "Open files…", |state| {
+        state.ask(DialogKind::OpenFiles, None)
+    })
+    .what("Open files")
+    .also(&["load", "import"])
+    .keys(group::FILE, "Ctrl+O", &[Chord::ctrl(Key::O)]),
+    Row::new(Command::OPEN_FOLDER, "Open folder…", |state| {
+        state.ask(DialogKind::OpenFolder, None)
+    })
+    .what("Open a folder")
+    .also(&["load", "import"]),
+    Row::new(Command::OPEN_DEMO, "Demo", |state| {
+        state.open(Arc::new(Sequence::demo()))
+    })
+    .what("Open the demo"),
+    Row::new(Command::EXAMPLE_LIDAR, "LiDAR survey", |state| {
+        state.open_example(Example::Lidar)
+    })
+    .what("Open an example: LiDAR survey"),
+    Row::new(Command::EXAMPLE_DEPTH, "Depth image", |state| {
+        state.open_example(Example::Depth)
+    })
+    .what("Open an example: depth image"),
+    Row::new(Command::EXAMPLE_MODEL, "Animated model", |state| {
+        state.open_example(Example::Model)
+    })
+    .what("Open an example: animated model"),
+    Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
+        state.end_comparison(Side::A);
+        state.close_sequence();
+    })
+    .what("Close the sequence")
+    .applies(needs_sequence),
+    Row::new(Command::SAVE_SESSION, "Save session…", |state| {
+        state.save_session(false)
+    })
+    .what("Save the session: files, view, settings, labels")
+    .hint("Files, view, settings, clip, measurements, labels, markers and camera path, as a text file")
+    .keys(group::FILE, "Ctrl+S", &[Chord::ctrl(Key::S)])
+    .applies(needs_sequence),
+    Row::new(Command::SAVE_SESSION_AS, "Save session as…", |state| {
+        state.save_session(true)
+    })
+    .what("Save the session as a file of a name")
+    .applies(needs_sequence),
+    Row::new(Command::TOGGLE_RECORDING, "Record…", State::toggle_recording)
+        .what("Record the live stream, or end that")
+        .hint("Writes what arrives of a live stream to a file, as it comes; the file opens as any other")
+        .titled(|state| match state.is_recording() {
+            Some(true) => "Stop recording",
+            _ => "Record…",
+        })
+        .applies(|state| match state.is_recording() {
+            Some(_) => Ok(()),
+            None => Err("Only live streams (tcp://…) are recorded, and none is open"),
+        }),
+    Row::new(Command::SCREENSHOT, "Save picture", |state| {
+        state.request(WindowRequest::Screenshot(None))
+    })
+    .what("Save a picture")
+    .also(&["screenshot", "image", "snapshot"])
+    .keys(group::FILE, "P", &[Chord::plain(Key::P)])
+    .applies(needs_sequence),
+    Row::new(Command::SAVE_SCREENSHOT_AS, "Save picture as…", |state| {
+        let name = format!("{}.png", state.picture_stem());
+        state.ask(DialogKind::SavePicture, Some(name));
+    })
+    .what("Save a picture as a file of a name")
+    .also(&["screenshot", "image", "snapshot"])
+    .applies(needs_sequence),
+];
+
+impl State {
+    pub(in crate::app) fn open_example(&mut self, example: Example) {
+        self.open(Arc::new(Sequence::example(example)));
+    }
+
+    /// Whether the open live stream is recorded; `None` if none is open.
+    fn is_recording(&self) -> Option<bool> {
+        let live = self.player.as_ref()?.sequence().source().live()?;
+        Some(live.status().recording.is_some())
+    }
+}

@@ -1,0 +1,79 @@
+//! The table of commands: what keys, menus, the palette, tests and scripts call.
+//!
+//! **How it works.** A command is a [`CommandRow`]: title, words, keys, when it applies and why not, and what it does.
+//! Those of a feature are in its folder; those of no feature are here. A panel that a menu opens is a command without a
+//! row. [`State::run`] does what a command says; what does not apply says so itself, or does nothing.
+
+pub(super) mod common;
+mod dispatch;
+mod file;
+mod playing;
+mod values;
+mod view;
+mod window;
+
+pub(super) use dispatch::dispatch;
+
+use super::command::{Act, Command, CommandRow};
+use super::features::Features;
+use super::open_panels::PanelId;
+use super::state::State;
+
+/// All commands but the panels of menus.
+pub fn commands() -> impl Iterator<Item = &'static CommandRow<State>> {
+    let own = [playing::ROWS, view::ROWS, file::ROWS, window::ROWS, values::ROWS];
+    let of_features = Features::rows::<State>().into_iter();
+    let of_features = of_features.map(|feature| (feature.commands)());
+    own.into_iter().chain(of_features).flatten()
+}
+
+/// The row of a command; `None` of a panel that has none.
+pub(super) fn row_of(command: Command) -> Option<&'static CommandRow<State>> {
+    commands().find(|row| row.command == command)
+}
+
+/// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
+pub(super) fn keys_of(command: Command) -> &'static str {
+    row_of(command).map_or("", CommandRow::keys_text)
+}
+
+impl State {
+    /// Does what a key, a menu or a script asks for.
+    pub fn run(&mut self, command: Command) {
+        match row_of(command).map(|row| &row.act) {
+            Some(Act::Run(run)) => run(self),
+            // Only scripts give values.
+            Some(Act::Take(..)) => {}
+            // A panel whose opening nobody has anything to add to.
+            None => self.panels.toggle(PanelId::new(command.word())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn words_titles_and_keys_are_of_one_command_each() {
+        let (mut words, mut titles, mut chords) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
+        for row in commands() {
+            assert!(words.insert(row.command.word()), "{}", row.command.word());
+            assert!(titles.insert(row.title.to_lowercase()), "{}", row.title);
+            for chord in row.keys.iter().flat_map(|keys| keys.chords) {
+                assert!(!chords.contains(chord), "{}: {chord:?}", row.title);
+                chords.push(*chord);
+            }
+        }
+        assert!(words.len() > 80, "{}", words.len());
+    }
+
+    #[test]
+    fn what_does_not_apply_says_why() {
+        let state = State::new(crate::app::StateOptions::default());
+        let row = row_of(Command::SAVE_SESSION).unwrap();
+        assert_eq!(row.why_not(&state), Some("Nothing is open yet"));
+        assert_eq!(row_of(Command::TOGGLE_GRID).unwrap().why_not(&state), None);
+    }
+}
