@@ -39,6 +39,7 @@ mod present_choice;
 mod presets;
 mod reading_choices;
 mod recent;
+mod script;
 mod sequence_name;
 mod side;
 mod state;
@@ -78,6 +79,7 @@ pub use present_choice::PresentChoice;
 pub use presets::{Preset, Presets};
 pub use reading_choices::{ReadingChoices, open_as_chosen};
 pub use recent::Recent;
+pub use script::{Script, ScriptError};
 pub use side::Side;
 pub use state::{
     Counters, DialogAnswer, DialogKind, FailedOpening, FoundSequence, GraphicsInfo, Kept, OpeningFacts, SavedSession,

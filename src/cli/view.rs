@@ -5,7 +5,8 @@ use super::colors::check_source;
 use super::session::{OpenedInputs, open_inputs};
 use super::sources::{OutputKind, check_replaced, check_sources};
 use crate::app::{
-    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, StateOptions, open_as_chosen,
+    Options, Preferences, PreferencesFile, PresentChoice, Presets, ReadingChoices, Recent, Script, StateOptions,
+    open_as_chosen,
 };
 use crate::export::PictureFormat;
 use crate::kept;
@@ -78,6 +79,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, requires = "screenshot")]
     after_frames: u64,
 
+    /// Run the commands of this file, one per line by its title or word; `wait SECONDS`, `wait shown`, `wait done`
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
+
     /// End the GPU device after this many pictures, as a crashed driver would
     #[arg(long, value_name = "N", hide = true)]
     lose_device_after: Option<u64>,
@@ -98,6 +103,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         PictureFormat::of_name(screenshot)?;
         check_replaced(screenshot, OutputKind::Picture)?;
     }
+    let script = args.script.as_deref().map(Script::read).transpose()?;
     let open = OpenOptions {
         fps: args.fps,
         waits_for_first: args.follow,
@@ -182,6 +188,7 @@ pub(super) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         size_px: args.size,
         screenshot: args.screenshot.clone(),
         after_frames: args.after_frames,
+        script,
         lose_device_after: args.lose_device_after,
     };
     crate::app::run(options).context("the window ended")

@@ -132,7 +132,7 @@ fn window(input: &Path) {
 /// Whether there is something to see, or never will be.
 fn has_settled(state: &State) -> bool {
     let is_shown = state.player.as_ref().is_some_and(|player| player.shown().is_some());
-    state.failed.is_some() || state.session_question.is_some() || is_shown && state.has_looked()
+    state.opening.failed.is_some() || state.opening.session_question.is_some() || is_shown && state.has_looked()
 }
 
 fn play(state: &mut State, mut now: Duration) {

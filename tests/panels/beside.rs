@@ -195,7 +195,7 @@ fn menus_and_keys_lead_there() {
     assert_eq!(item("Close comparison"), 2, "in the menu and in the bar");
     harness.get_by_label("Compare with…").click();
     harness.run();
-    for text in ["Files…", "Folder…"] {
+    for text in ["Compare with files…", "Compare with a folder…"] {
         assert!(harness.query_by_label_contains(text).is_some(), "{text}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);

@@ -117,7 +117,7 @@ fn a_session_is_taken_up_again_as_it_was_left() {
     assert_eq!(state.camera, left.camera);
     assert_eq!(state.features.labels.list, left.features.labels.list);
     assert_eq!(state.features.path.draft, left.features.path.draft);
-    assert_eq!(state.features.timeline.markers, left.timeline.markers);
+    assert_eq!(state.features.timeline.markers, left.features.timeline.markers);
     let of = |state: &State| {
         let player = state.player.as_ref().unwrap();
         (player.clock().frame(), player.clock().range(), player.is_playing())

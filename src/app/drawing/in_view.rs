@@ -199,10 +199,14 @@ mod tests {
         surfels.prepare(&tasks, ms(time_ms));
         surfels.asked_for.as_ref()?;
         wakes.recv_timeout(Duration::from_secs(30)).unwrap();
-        match tasks.take().pop() {
-            Some(Outcome::InView(made)) => Some(made),
-            other => panic!("{other:?}"),
-        }
+        let mut made = None;
+        tasks
+            .take()
+            .pop()
+            .unwrap()
+            .give(|message| made = Some(message))
+            .unwrap();
+        made
     }
 
     #[test]

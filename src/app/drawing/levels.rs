@@ -179,10 +179,7 @@ mod tests {
         }
         wakes.recv_timeout(Duration::from_secs(30)).unwrap();
         for outcome in tasks.take() {
-            let Outcome::Levels(FrameWithLevels(made)) = outcome else {
-                panic!("{outcome:?}");
-            };
-            levels.take(&made);
+            outcome.give(|FrameWithLevels(made)| levels.take(&made)).unwrap();
         }
         true
     }

@@ -12,6 +12,7 @@ use super::pacing::{Agenda, Sight};
 use super::preferences::{Preferences, PreferencesFile};
 use super::present::{self, Presenter};
 use super::present_choice::PresentChoice;
+use super::script::{Script, ScriptError};
 use super::state::{PictureStage, State, StateOptions, VisibleChange};
 use super::theme::apply_theme;
 use super::trial::Trial;
@@ -79,6 +80,8 @@ pub struct Options {
     pub screenshot: Option<PathBuf>,
     /// How many frames are shown before the screenshot; at least 1.
     pub after_frames: u64,
+    /// Commands that are run as if a person had asked for them.
+    pub script: Option<Script>,
     /// End the GPU device after this many pictures, as a crashed driver would: for tests.
     pub lose_device_after: Option<u64>,
 }
@@ -96,6 +99,9 @@ pub enum AppError {
     /// No adapter, or it was lost for good.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// A line of a script could not be run.
+    #[error(transparent)]
+    Script(#[from] ScriptError),
     /// The window was closed before it had measured itself.
     #[error("the window was closed before all was measured")]
     Closed,
@@ -387,6 +393,22 @@ impl App {
         deadline
     }
 
+    /// Has a script run what is due; when there is more to do.
+    fn advance_script(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
+        // Beyond the first redraw, which says where things are.
+        let script = self.options.script.as_mut().filter(|_| self.has_been_shown)?;
+        match script.advance(&mut self.state, now) {
+            Ok(true) => self.change = VisibleChange::Panels,
+            Ok(false) => {}
+            Err(error) => {
+                self.options.script = None;
+                self.fail(event_loop, error.into());
+                return None;
+            }
+        }
+        self.options.script.as_ref()?.next_deadline(now)
+    }
+
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
         self.end = Err(error);
         event_loop.exit();
@@ -500,6 +522,7 @@ impl ApplicationHandler<Message> for App {
         }
         self.options.preferences_file.write_if_due(now);
         let trial_at = self.advance_trial(event_loop, now);
+        let script_at = self.advance_script(event_loop, now);
         let draw_at = [self.state.next_deadline(), self.repaint_at, self.news_at];
         let waits_for_screen = self
             .screen
@@ -513,7 +536,7 @@ impl ApplicationHandler<Message> for App {
             } else {
                 self.last_redraw + self.refresh_interval.mul_f64(MIN_REDRAW_INTERVAL)
             },
-            unseen_at: [self.options.preferences_file.next_deadline(), trial_at]
+            unseen_at: [self.options.preferences_file.next_deadline(), trial_at, script_at]
                 .into_iter()
                 .flatten()
                 .min(),

@@ -5,6 +5,7 @@
 //! tasks come to, and asks that `T` can be made of that.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
@@ -28,6 +29,8 @@ pub struct Tasks<T> {
     sender: SyncSender<T>,
     receiver: Receiver<T>,
     wake: Wake,
+    /// Tasks that were started and have not been taken.
+    under_way: AtomicUsize,
 }
 
 impl<T> std::fmt::Debug for Tasks<T> {
@@ -40,7 +43,13 @@ impl<T: TaskOutcome> Tasks<T> {
     /// No tasks yet; `wake` is called after each one.
     pub fn new(wake: Wake) -> Self {
         let (sender, receiver) = sync_channel(CHANNEL_LENGTH);
-        Self { sender, receiver, wake }
+        let under_way = AtomicUsize::new(0);
+        Self {
+            sender,
+            receiver,
+            wake,
+            under_way,
+        }
     }
 
     /// What wakes the window, for a task that has news before it ends.
@@ -53,6 +62,7 @@ impl<T: TaskOutcome> Tasks<T> {
     where
         T: From<O>,
     {
+        self.under_way.fetch_add(1, Ordering::Relaxed);
         let sender = self.sender.clone();
         let wake = Arc::clone(&self.wake);
         let started = thread::Builder::new().name(name.to_owned()).spawn(move || {
@@ -87,6 +97,7 @@ impl<T: TaskOutcome> Tasks<T> {
     where
         T: From<O>,
     {
+        self.under_way.fetch_add(1, Ordering::Relaxed);
         let sender = self.sender.clone();
         let wake = Arc::clone(&self.wake);
         pool.spawn(move || {
@@ -98,7 +109,14 @@ impl<T: TaskOutcome> Tasks<T> {
 
     /// What came in since the last call.
     pub(in crate::app) fn take(&mut self) -> Vec<T> {
-        self.receiver.try_iter().collect()
+        let taken: Vec<T> = self.receiver.try_iter().collect();
+        self.under_way.fetch_sub(taken.len(), Ordering::Relaxed);
+        taken
+    }
+
+    /// Whether all that was started has ended and was taken.
+    pub(in crate::app) fn are_done(&self) -> bool {
+        self.under_way.load(Ordering::Relaxed) == 0
     }
 }
 
@@ -140,7 +158,9 @@ mod tests {
         let mut tasks = Tasks::<TestOutcome>::new(Arc::new(move || woken.send(()).unwrap()));
         tasks.start("number", || 7);
         wakes.recv().unwrap();
+        assert!(!tasks.are_done());
         assert_eq!(tasks.take(), [TestOutcome::Number(7)]);
+        assert!(tasks.are_done());
         tasks.try_start("nothing", || -> Result<u8, _> {
             Err(TaskFailed("it is too late".to_owned()))
         });
