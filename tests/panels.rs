@@ -40,6 +40,8 @@ mod marks;
 mod menu;
 #[path = "panels/mouse.rs"]
 mod mouse;
+#[path = "panels/notes.rs"]
+mod notes;
 #[path = "panels/notices.rs"]
 mod notices;
 #[path = "panels/opening.rs"]

@@ -62,6 +62,7 @@ pub use features::export::{Export, ExportEnded, ExportSubject, Exported};
 pub use features::inspection::measuring::Measurement;
 pub use features::inspection::{Anchor, Inspected, Inspection, Tool};
 pub use features::labels::Labels;
+pub use features::notes::Notes;
 pub use features::palette::Palette;
 pub use features::quality::{MeasuredQuality, QualityLimits};
 pub use features::save::{Estimated, Estimates, PrecisionKind, Save, SaveEnded, SaveFormat};

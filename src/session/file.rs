@@ -140,6 +140,7 @@ impl ReadSession {
             markers,
             measurements,
             labels,
+            notes: written.notes,
             path: written.camera_path,
             compare: written.compare.map(|compared| compared.read_in(folder)),
             unknown: Unknown {
@@ -277,6 +278,7 @@ impl Session {
             ("labels", labels.into()),
             ("measurements", measured.into()),
             ("clip", value_of(clip)),
+            ("notes", value_of(Some(&self.notes).filter(|notes| !notes.is_empty()))),
             ("camera_path", value_of(&self.path)),
             ("compare", value_of(compared)),
             ("settings", settings.into()),

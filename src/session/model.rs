@@ -31,6 +31,8 @@ pub struct Session {
     pub measurements: Vec<Measured>,
     /// Texts at points, oldest first.
     pub labels: Vec<Label>,
+    /// A text of the person's own; empty without any.
+    pub notes: String,
     /// The camera path.
     pub path: Option<CameraPath>,
     /// The sequence beside it.

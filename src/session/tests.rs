@@ -241,22 +241,26 @@ fn session() -> impl Strategy<Value = Session> {
         prop::collection::vec(label(), 0..6),
         prop::option::of(path()),
         prop::option::of(compared()),
+        ".{0,20}",
     );
     (view, marks).prop_map(
-        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path, compare))| Session {
-            inputs: vec!["/data/walk/scans".into(), "/data/b.ply".into(), "demo:".into()],
-            reading,
-            frame,
-            view,
-            settings,
-            clip,
-            range,
-            markers,
-            measurements,
-            labels,
-            path,
-            compare,
-            unknown: Unknown::default(),
+        |((reading, frame, view, settings, clip), (range, markers, measurements, labels, path, compare, notes))| {
+            Session {
+                inputs: vec!["/data/walk/scans".into(), "/data/b.ply".into(), "demo:".into()],
+                reading,
+                frame,
+                view,
+                settings,
+                clip,
+                range,
+                markers,
+                measurements,
+                labels,
+                notes,
+                path,
+                compare,
+                unknown: Unknown::default(),
+            }
         },
     )
 }

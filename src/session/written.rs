@@ -56,6 +56,8 @@ pub(super) struct Written {
     #[serde(default)]
     pub(super) labels: Vec<WrittenLabel>,
     #[serde(default)]
+    pub(super) notes: String,
+    #[serde(default)]
     pub(super) camera_path: Option<CameraPath>,
     #[serde(default)]
     pub(super) compare: Option<WrittenCompared>,

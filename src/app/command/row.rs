@@ -2,6 +2,7 @@
 
 use super::keys::{Chord, Keys};
 use super::kinds::Command;
+use std::borrow::Cow;
 
 /// A menu that lists commands by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +41,7 @@ pub struct CommandRow<S: 'static> {
     pub keys: Option<Keys>,
     /// The menu that lists it by itself.
     pub menu: Option<Menu>,
-    pub(in crate::app) title_now: Option<fn(&S) -> &'static str>,
+    pub(in crate::app) title_now: Option<fn(&S) -> Cow<'static, str>>,
     pub(in crate::app) is_on: Option<fn(&S) -> bool>,
     pub(in crate::app) applies: fn(&S) -> Result<(), &'static str>,
     pub(in crate::app) act: Act<S>,
@@ -135,7 +136,7 @@ impl<S: 'static> CommandRow<S> {
     }
 
     /// The same with a title that depends on what there is.
-    pub(in crate::app) const fn titled(mut self, title: fn(&S) -> &'static str) -> Self {
+    pub(in crate::app) const fn titled(mut self, title: fn(&S) -> Cow<'static, str>) -> Self {
         self.title_now = Some(title);
         self
     }
@@ -153,8 +154,8 @@ impl<S: 'static> CommandRow<S> {
     }
 
     /// Its title as things are.
-    pub fn title(&self, state: &S) -> &'static str {
-        self.title_now.map_or(self.title, |title| title(state))
+    pub fn title(&self, state: &S) -> Cow<'static, str> {
+        self.title_now.map_or(Cow::Borrowed(self.title), |title| title(state))
     }
 
     /// Why it does not apply; `None` if it does.

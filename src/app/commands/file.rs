@@ -59,8 +59,8 @@ pub(super) const ROWS: &[Row] = &[
         .what("Record the live stream, or end that")
         .hint("Writes what arrives of a live stream to a file, as it comes; the file opens as any other")
         .titled(|state| match state.is_recording() {
-            Some(true) => "Stop recording",
-            _ => "Record…",
+            Some(true) => "Stop recording".into(),
+            _ => "Record…".into(),
         })
         .applies(|state| match state.is_recording() {
             Some(_) => Ok(()),

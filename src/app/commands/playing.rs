@@ -13,8 +13,8 @@ pub(super) const ROWS: &[Row] = &[
         .what("Play or pause")
         .keys(group::PLAYING, "Space", &[Chord::plain(Key::Space)])
         .titled(|state| match &state.player {
-            Some(player) if player.is_playing() => "Pause",
-            _ => "Play",
+            Some(player) if player.is_playing() => "Pause".into(),
+            _ => "Play".into(),
         })
         .applies(needs_sequence),
     Row::new(Command::NEXT_FRAME, "Next frame", |state| state.step_frames(1))

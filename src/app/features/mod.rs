@@ -15,6 +15,7 @@ pub(super) mod export;
 pub(super) mod feature;
 pub(super) mod inspection;
 pub(super) mod labels;
+pub(super) mod notes;
 pub(super) mod palette;
 pub(super) mod photos;
 pub(super) mod quality;

@@ -10,6 +10,7 @@ use super::export::Export;
 use super::feature::{Feature, FeatureRow};
 use super::inspection::Inspection;
 use super::labels::Labels;
+use super::notes::Notes;
 use super::palette::Palette;
 use super::photos::Photos;
 use super::quality::MeasuredQuality;
@@ -61,6 +62,8 @@ features! {
     inspection: Inspection,
     /// Texts at points.
     labels: Labels,
+    /// A text that is kept with the open sequence.
+    notes: Notes,
     /// Photographs of what is shown.
     photos: Photos,
     /// What was assumed about the open sequence.

@@ -81,8 +81,8 @@ fn item(ui: &mut Ui, state: &mut State, command: Command) {
 fn row_item(ui: &mut Ui, state: &mut State, row: &CommandRow<State>) {
     let title = row.title(state);
     let button = match row.is_on {
-        Some(is_on) => Button::selectable(is_on(state), title),
-        None => Button::new(title),
+        Some(is_on) => Button::selectable(is_on(state), title.as_ref()),
+        None => Button::new(title.as_ref()),
     };
     let why_not = row.why_not(state);
     let mut response = ui.add_enabled(why_not.is_none(), button.shortcut_text(row.keys_text()));

@@ -4,10 +4,8 @@ use super::{State, WindowRequest};
 use crate::app::command::Command;
 use crate::app::commands::dispatch;
 use crate::app::features::Features;
-use crate::app::features::comparison::Comparison;
 use crate::app::history::Edited;
 use crate::app::sequence_name::name_of;
-use crate::app::side::Side;
 use crate::playback::Player;
 use crate::scene::describe::Value;
 use crate::scene::{PointSizing, PointStyle, Primitive, Style, SurfelStyle};
@@ -19,37 +17,6 @@ impl State {
     pub fn frame_all(&mut self) {
         if let Some(camera) = self.all_framed(&self.bounds_beside()) {
             self.glide_to(camera);
-        }
-    }
-
-    pub(in crate::app) fn toggle_comparison(&mut self) {
-        if self.features.beside.is_some() {
-            let text = "Two sequences are compared: File, Close comparison ends that";
-            return self.notices.hint(text);
-        }
-        if self.features.comparison.is_some() {
-            self.end_comparison(Side::A);
-        } else {
-            self.features.comparison = Some(Comparison::new(self.style));
-        }
-    }
-
-    /// Back to one picture, drawn as `side` was.
-    pub(in crate::app) fn end_comparison(&mut self, side: Side) {
-        self.edit_side(side);
-        self.features.comparison = None;
-    }
-
-    /// The settings are those of `side` of two ways to draw from now on.
-    pub(in crate::app) fn edit_side(&mut self, side: Side) {
-        if let Some(comparison) = self
-            .features
-            .comparison
-            .as_mut()
-            .filter(|comparison| comparison.edited != side)
-        {
-            comparison.edited = side;
-            std::mem::swap(&mut comparison.other, &mut self.style);
         }
     }
 
@@ -168,18 +135,6 @@ impl State {
     pub(in crate::app) fn sequence_stem(&self) -> String {
         let name = self.sequence_name().unwrap_or_else(|| "empty".to_owned());
         name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned())
-    }
-
-    /// Compares the picture of the window's settings, or of the open sequence, with the other one.
-    pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
-        let edited_side = self.features.comparison.as_ref().map(|comparison| comparison.edited);
-        let pair = match edited_side {
-            Some(Side::B) => [other, edited],
-            Some(Side::A) | None => [edited, other],
-        };
-        if let Some(pictures) = self.pictures() {
-            pictures.compare(pair, &self.shared.tasks);
-        }
     }
 
     /// From now on the processor draws in place of the graphics card whose device was lost, until a person chooses who

@@ -2,11 +2,10 @@
 
 use super::dialogs::{DialogAnswer, DialogKind};
 use super::{State, WindowRequest};
-use crate::app::features::benchmark::{Benchmark, ReportFormat};
-use crate::app::features::save::folder_of;
 use crate::app::work::files::{
-    PicturePlace, document_folder, numbered_files, picture_folder, save_bytes, save_picture, with_extension,
+    PicturePlace, document_folder, numbered_files, picture_folder, save_picture, with_extension,
 };
+use crate::sequence::Sequence;
 use crate::session::EXTENSION;
 use std::path::{Path, PathBuf};
 
@@ -70,24 +69,7 @@ impl State {
                 self.features.export.take_place(is_folder, &first);
             }
             DialogKind::SaveReel | DialogKind::SaveFolder => self.features.save.take_place(&first),
-            DialogKind::SaveReport(format) => {
-                let Benchmark::Done(table) = &self.features.benchmark else {
-                    return;
-                };
-                let text = table.text_as(format).to_owned();
-                let file = with_extension(first, format.extension());
-                self.shared
-                    .tasks
-                    .try_start("save file", move || save_bytes(file, text.as_bytes()));
-            }
-        }
-    }
-
-    /// Asks where to write the benchmark's result.
-    pub(in crate::app) fn ask_for_report(&mut self, format: ReportFormat) {
-        if let Benchmark::Done(table) = &self.features.benchmark {
-            let name = format!("pointreel-{}.{}", table.suite, format.extension());
-            self.ask(DialogKind::SaveReport(format), Some(name));
+            DialogKind::SaveReport(format) => self.save_report(first, format),
         }
     }
 
@@ -106,11 +88,18 @@ impl State {
     }
 }
 
+/// Where a person looks for what was made of a sequence: beside it.
+pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
+    let input = sequence.source().inputs().first()?;
+    let folder = std::path::absolute(input).ok()?.parent()?.to_owned();
+    let can_be_written = |folder: &PathBuf| folder.metadata().is_ok_and(|folder| !folder.permissions().readonly());
+    Some(folder).filter(|folder| folder.is_dir() && can_be_written(folder))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::StateOptions;
-    use crate::sequence::Sequence;
     use std::fs;
     use std::sync::Arc;
     use std::time::{Duration, Instant};

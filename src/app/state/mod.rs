@@ -7,11 +7,11 @@ mod dialogs;
 mod failed_opening;
 mod files;
 mod first_look;
-mod inspecting;
 mod intake;
 mod kept;
 mod live;
 mod main_picture;
+mod moving_camera;
 mod opened;
 mod opening;
 mod opening_facts;
@@ -26,6 +26,7 @@ mod shared;
 
 pub use dialogs::{DialogAnswer, DialogKind};
 pub use failed_opening::FailedOpening;
+pub(in crate::app) use files::folder_of;
 pub use kept::Kept;
 pub use opened::{SavedSession, SessionQuestion};
 pub use opening_facts::OpeningFacts;
@@ -40,7 +41,6 @@ use main_picture::MainPicture;
 
 use crate::app::appearance::Appearance;
 use crate::app::features::Features;
-use crate::app::features::thumbnails::Thumbnails;
 use crate::app::history::History;
 use crate::app::motion::CameraMotion;
 use crate::app::notices::Notices;
@@ -95,6 +95,8 @@ impl State {
     /// Nothing open.
     pub fn new(options: StateOptions) -> Self {
         let nothing = Aabb::EMPTY;
+        let mut features = Features::default();
+        features.thumbnails.is_on = options.preferences.thumbnails;
         Self {
             player: None,
             opening: OpeningFacts::default(),
@@ -102,10 +104,7 @@ impl State {
             motion: CameraMotion::default(),
             style: options.preferences.settings,
             history: History::default(),
-            features: Features {
-                thumbnails: Thumbnails::new(options.preferences.thumbnails),
-                ..Features::default()
-            },
+            features,
             notices: Notices::default(),
             panels: options.preferences.panels.into(),
             appearance: Appearance::of(&options.preferences),

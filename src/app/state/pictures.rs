@@ -2,7 +2,6 @@
 
 use super::State;
 use crate::app::drawing::{Drawing, DrawnFrame};
-use crate::app::features::comparison::PicturePair;
 use crate::app::features::photos::{PhotographedFrame, Photos};
 use crate::app::features::temporal::ComposedFrame;
 use crate::app::meter::Redraw;
@@ -143,18 +142,5 @@ impl State {
         if let Some(beside) = &mut self.features.beside {
             beside.drawing.forget_picture();
         }
-    }
-
-    /// The two pictures beside each other, if there are two.
-    pub fn pictures(&self) -> Option<&PicturePair> {
-        let beside = self.features.beside.as_ref().map(|beside| &beside.pictures);
-        let comparison = self.features.comparison.as_ref();
-        beside.or(comparison.map(|comparison| &comparison.pictures))
-    }
-
-    pub(in crate::app) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
-        let beside = self.features.beside.as_mut().map(|beside| &mut beside.pictures);
-        let comparison = self.features.comparison.as_mut();
-        beside.or(comparison.map(|comparison| &mut comparison.pictures))
     }
 }

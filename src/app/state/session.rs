@@ -3,6 +3,7 @@
 use super::State;
 use super::dialogs::DialogKind;
 use super::opened::{Opened, SavedSession};
+use crate::app::features::Features;
 use crate::app::features::beside::Layout;
 use crate::app::features::camera_path::Draft;
 use crate::app::features::inspection::Anchor;
@@ -48,7 +49,7 @@ impl State {
         }
         let style = self.style_of_a();
         let shown = player.waiting_for().unwrap_or(player.clock().frame());
-        Ok(Session {
+        let mut session = Session {
             inputs: self.named_inputs(player)?,
             reading,
             frame: shown,
@@ -67,8 +68,13 @@ impl State {
             labels: self.features.labels.list.to_vec(),
             path: self.features.path.draft.path().cloned(),
             compare: self.compared().or_else(|| self.opening.opened.compared.clone()),
+            notes: String::new(),
             unknown: self.opening.opened.unknown.clone(),
-        })
+        };
+        for feature in Features::rows::<Self>() {
+            (feature.save)(self, &mut session);
+        }
+        Ok(session)
     }
 
     pub(in crate::app) fn named_inputs(&self, player: &Player) -> Result<Vec<PathBuf>, String> {
@@ -223,6 +229,9 @@ impl State {
         self.opening.looked.primitive = Some(self.style.primitive);
         self.shared.options.view = session.view.or(self.shared.options.view.take());
         self.motion.turntable.is_on = false;
+        for feature in Features::rows::<Self>() {
+            (feature.load)(self, &session);
+        }
         let measured = session.measurements.iter().map(measurement);
         self.features.inspection.measurements = measured.collect();
         self.features.labels.take(Arc::new(session.labels));

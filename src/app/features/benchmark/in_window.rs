@@ -1,6 +1,7 @@
 //! Benchmarks of the open sequence, and what they have found of its ways to draw.
 
 use super::BenchmarkEnded;
+use super::ReportFormat;
 use super::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::command::Command;
 use crate::app::commands::common::Row;
@@ -8,10 +9,13 @@ use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
 use crate::app::features::feature::Feature;
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
+use crate::app::state::DialogKind;
 use crate::app::state::State;
+use crate::app::work::files::{save_bytes, with_extension};
 use crate::app::work::outcome::Outcome;
 use crate::bench::{LabPoint, Suite};
 use egui::Ui;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
@@ -109,5 +113,27 @@ fn benchmark(ui: &mut Ui, state: &mut State) {
         Some(BenchmarkRequest::Use(strategy)) => state.style.drawing.strategy = strategy,
         Some(BenchmarkRequest::ShowKept(way)) => state.compare_with_kept(way.options.clone(), &way.label),
         None => {}
+    }
+}
+
+impl State {
+    /// Asks where to write the benchmark's result.
+    pub(in crate::app) fn ask_for_report(&mut self, format: ReportFormat) {
+        if let Benchmark::Done(table) = &self.features.benchmark {
+            let name = format!("pointreel-{}.{}", table.suite, format.extension());
+            self.ask(DialogKind::SaveReport(format), Some(name));
+        }
+    }
+
+    /// Writes the benchmark's result to a file on a thread.
+    pub(in crate::app) fn save_report(&mut self, file: PathBuf, format: ReportFormat) {
+        let Benchmark::Done(table) = &self.features.benchmark else {
+            return;
+        };
+        let text = table.text_as(format).to_owned();
+        let file = with_extension(file, format.extension());
+        self.shared
+            .tasks
+            .try_start("save file", move || save_bytes(file, text.as_bytes()));
     }
 }

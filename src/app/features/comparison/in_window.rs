@@ -7,6 +7,7 @@ use crate::app::command::{Chord, Command};
 use crate::app::commands::common::{Row, group};
 use crate::app::features::feature::Feature;
 use crate::app::panel_row::{Dock, PanelRow};
+use crate::app::side::Side;
 use crate::app::state::{State, WindowRequest};
 use crate::app::work::outcome::Outcome;
 use egui::Key;
@@ -70,5 +71,63 @@ fn bar(ui: &mut Ui, state: &mut State) {
             Some(ComparisonRequest::Use(side)) => state.end_comparison(side),
             None => {}
         }
+    }
+}
+
+impl State {
+    pub(in crate::app) fn toggle_comparison(&mut self) {
+        if self.features.beside.is_some() {
+            let text = "Two sequences are compared: File, Close comparison ends that";
+            return self.notices.hint(text);
+        }
+        if self.features.comparison.is_some() {
+            self.end_comparison(Side::A);
+        } else {
+            self.features.comparison = Some(Comparison::new(self.style));
+        }
+    }
+
+    /// Back to one picture, drawn as `side` was.
+    pub(in crate::app) fn end_comparison(&mut self, side: Side) {
+        self.edit_side(side);
+        self.features.comparison = None;
+    }
+
+    /// The settings are those of `side` of two ways to draw from now on.
+    pub(in crate::app) fn edit_side(&mut self, side: Side) {
+        if let Some(comparison) = self
+            .features
+            .comparison
+            .as_mut()
+            .filter(|comparison| comparison.edited != side)
+        {
+            comparison.edited = side;
+            std::mem::swap(&mut comparison.other, &mut self.style);
+        }
+    }
+
+    /// Compares the picture of the window's settings, or of the open sequence, with the other one.
+    pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
+        let edited_side = self.features.comparison.as_ref().map(|comparison| comparison.edited);
+        let pair = match edited_side {
+            Some(Side::B) => [other, edited],
+            Some(Side::A) | None => [edited, other],
+        };
+        if let Some(pictures) = self.pictures() {
+            pictures.compare(pair, &self.shared.tasks);
+        }
+    }
+
+    /// The two pictures beside each other, if there are two.
+    pub fn pictures(&self) -> Option<&PicturePair> {
+        let beside = self.features.beside.as_ref().map(|beside| &beside.pictures);
+        let comparison = self.features.comparison.as_ref();
+        beside.or(comparison.map(|comparison| &comparison.pictures))
+    }
+
+    pub(in crate::app) fn pictures_mut(&mut self) -> Option<&mut PicturePair> {
+        let beside = self.features.beside.as_mut().map(|beside| &mut beside.pictures);
+        let comparison = self.features.comparison.as_mut();
+        beside.or(comparison.map(|comparison| &mut comparison.pictures))
     }
 }

@@ -13,8 +13,11 @@ use crate::app::side::Side;
 use crate::app::state::State;
 use crate::app::widgets::overlay::PictureOverlay;
 use crate::playback::Player;
+use crate::scene::Pick;
+use crate::sequence::PreparedFrame;
 use egui::Key;
-use egui::Ui;
+use egui::{Pos2, Ui};
+use std::sync::Arc;
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::PICK_POINTS, "Point values", |state| {
@@ -108,4 +111,36 @@ fn measuring(ui: &mut Ui, state: &mut State) {
     let corner = state.viewport.rect.left_bottom();
     let unit = state.length_unit();
     measuring_ui(ui, &mut state.features.inspection, (up, unit), corner);
+}
+
+impl State {
+    /// The point under a place of the window, the frame that it is of, and the sequence of that, as they were drawn
+    /// last.
+    pub(in crate::app) fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
+        let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
+        let beside = self.features.beside.as_ref();
+        let of_b = beside.filter(|beside| beside.is_of_b(place, [rect, other_rect]));
+        let (found, side) = match of_b {
+            // Where there is no frame, the one before is not to be seen.
+            Some(beside) => {
+                beside.companion.shown()?;
+                (beside.drawing.point_at(place, other_rect), Side::B)
+            }
+            None => (self.main.drawing.point_at(place, rect), Side::A),
+        };
+        found.map(|(pick, frame)| (pick, frame, side))
+    }
+
+    /// Gives the point under a place of the window to the chosen tool; nothing if there is none.
+    pub fn click_at(&mut self, place: Pos2) {
+        if self.features.inspection.tool == Tool::Camera {
+            return;
+        }
+        if let Some((pick, frame, side)) = self.point_at(place) {
+            if self.features.inspection.tool == Tool::Label {
+                return self.put_label(side, &pick, &frame);
+            }
+            self.features.inspection.take(side, pick, &frame);
+        }
+    }
 }

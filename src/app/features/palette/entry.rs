@@ -85,7 +85,7 @@ impl Entry {
     }
 
     /// A command.
-    pub(super) fn of_command(text: &'static str, command: Command) -> Self {
+    pub(super) fn of_command(text: impl Into<Cow<'static, str>>, command: Command) -> Self {
         Self::new(text, "", Action::Run(command))
     }
 }

@@ -8,8 +8,8 @@ use crate::app::features::feature::Feature;
 use crate::app::features::save::{Savable, SaveEnded, SaveFormat, job};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
-use crate::app::state::DialogKind;
 use crate::app::state::State;
+use crate::app::state::{DialogKind, folder_of};
 use crate::app::work::files::document_folder;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
@@ -179,14 +179,6 @@ impl State {
             self.notices.warn(format!("Frame {}: {warning}", frame + 1));
         }
     }
-}
-
-/// Where a person looks for what was made of a sequence: beside it.
-pub(in crate::app) fn folder_of(sequence: &Sequence) -> Option<PathBuf> {
-    let input = sequence.source().inputs().first()?;
-    let folder = std::path::absolute(input).ok()?.parent()?.to_owned();
-    let can_be_written = |folder: &PathBuf| folder.metadata().is_ok_and(|folder| !folder.permissions().readonly());
-    Some(folder).filter(|folder| folder.is_dir() && can_be_written(folder))
 }
 
 const COMMANDS: &[Row] = &[Row::new(Command::TOGGLE_SAVE, "Save as…", State::toggle_save)

@@ -13,6 +13,5 @@ mod summary;
 
 pub use choices::{PrecisionKind, Save, SaveFormat};
 pub use estimates::{Estimated, Estimates};
-pub(in crate::app) use in_window::folder_of;
 pub use job::SaveEnded;
 pub(in crate::app) use plan::Savable;

@@ -1,48 +1,14 @@
-//! What clicks on the picture do, and the camera moving by itself.
+//! The camera goes to what is pointed at, and moves by itself.
 
 use super::{State, WindowRequest};
-use crate::app::features::inspection::Tool;
 use crate::app::motion::Glide;
-use crate::app::side::Side;
-use crate::scene::{Camera, Pick, Projection};
-use crate::sequence::PreparedFrame;
+use crate::scene::{Camera, Projection};
 use egui::Pos2;
-use std::sync::Arc;
 
 /// Focusing on a point comes so much closer.
 const FOCUS_CLOSER: f64 = 0.5;
 
 impl State {
-    /// The point under a place of the window, the frame that it is of, and the sequence of that, as they were drawn
-    /// last.
-    fn point_at(&self, place: Pos2) -> Option<(Pick, Arc<PreparedFrame>, Side)> {
-        let [rect, other_rect] = [self.viewport.rect, self.viewport.other_rect];
-        let beside = self.features.beside.as_ref();
-        let of_b = beside.filter(|beside| beside.is_of_b(place, [rect, other_rect]));
-        let (found, side) = match of_b {
-            // Where there is no frame, the one before is not to be seen.
-            Some(beside) => {
-                beside.companion.shown()?;
-                (beside.drawing.point_at(place, other_rect), Side::B)
-            }
-            None => (self.main.drawing.point_at(place, rect), Side::A),
-        };
-        found.map(|(pick, frame)| (pick, frame, side))
-    }
-
-    /// Gives the point under a place of the window to the chosen tool; nothing if there is none.
-    pub fn click_at(&mut self, place: Pos2) {
-        if self.features.inspection.tool == Tool::Camera {
-            return;
-        }
-        if let Some((pick, frame, side)) = self.point_at(place) {
-            if self.features.inspection.tool == Tool::Label {
-                return self.put_label(side, &pick, &frame);
-            }
-            self.features.inspection.take(side, pick, &frame);
-        }
-    }
-
     /// Brings the point under a place of the window into the middle, and closer; false if there is none.
     pub fn focus_at(&mut self, place: Pos2) -> bool {
         let Some((pick, ..)) = self.point_at(place) else {
