@@ -7,6 +7,8 @@
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
 //!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
 //!   and fields) do not count.
+//! - A feature of the window is imported by files of its folder and by the table of features; other files that do are
+//!   listed.
 //! - Files have at most 600 lines of at most 120 columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -20,7 +22,7 @@ mod reader;
 #[path = "architecture/sources.rs"]
 mod sources;
 
-use known::KNOTS;
+use known::{FEATURES_NAMED_ELSEWHERE, KNOTS};
 use sources::Sources;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -211,6 +213,50 @@ fn no_knot_of_files_grows() {
         println!("{room:10} {sizes:?}");
     }
     let wrong = knots::differences(&imports, KNOTS);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The features that `file` imports beyond its own, but for the table of features and what `app` offers to others.
+fn foreign_features(imports: &knots::Imports) -> BTreeMap<&str, BTreeSet<&str>> {
+    let feature_of = |file: &str| -> Option<String> {
+        let (feature, _) = file.strip_prefix("app/features/")?.split_once('/')?;
+        Some(feature.to_owned())
+    };
+    let mut foreign: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let may = ["app/features/table.rs", "app/mod.rs"];
+    for (file, imported) in imports.iter().filter(|(file, _)| !may.contains(&file.as_str())) {
+        let own = feature_of(file);
+        for other in imported.keys().filter(|other| feature_of(other) != own) {
+            if let Some((feature, _)) = other
+                .strip_prefix("app/features/")
+                .and_then(|name| name.split_once('/'))
+            {
+                foreign.entry(file).or_default().insert(feature);
+            }
+        }
+    }
+    foreign
+}
+
+#[test]
+fn a_feature_is_named_in_its_folder_and_in_the_table() {
+    let imports = knots::imports(&sources());
+    let foreign = foreign_features(&imports);
+    let known: BTreeMap<&str, BTreeSet<&str>> = FEATURES_NAMED_ELSEWHERE
+        .iter()
+        .map(|(file, features)| (*file, features.iter().copied().collect()))
+        .collect();
+    let wrong: Vec<String> = foreign
+        .iter()
+        .filter(|(file, features)| known.get(*file) != Some(*features))
+        .map(|(file, features)| format!("{file:?}, &{features:?}: the list has {:?}", known.get(file)))
+        .chain(
+            known
+                .keys()
+                .filter(|file| !foreign.contains_key(*file))
+                .map(|file| format!("{file} names no feature of others any more: take it off the list")),
+        )
+        .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 

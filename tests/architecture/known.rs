@@ -9,3 +9,42 @@ pub(crate) const KNOTS: &[&[&str]] = &[
     ],
     &["levels/octree/small_subtrees.rs", "levels/octree/traversal.rs"],
 ];
+
+/// Files that import a feature of the window beyond its folder, and which. This list may shrink, never grow.
+pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
+    ("app/commands/window.rs", &["camera_path"]),
+    ("app/features/beside/mod.rs", &["comparison"]),
+    ("app/features/beside/panel.rs", &["comparison"]),
+    ("app/features/export/exportable.rs", &["camera_path"]),
+    ("app/features/inspection/in_window.rs", &["trails"]),
+    ("app/features/labels/in_window.rs", &["inspection"]),
+    ("app/features/palette/in_window.rs", &["benchmark"]),
+    ("app/features/thumbnails/in_window.rs", &["benchmark"]),
+    ("app/features/timeline/panel/bar.rs", &["thumbnails"]),
+    ("app/features/timeline/panel/context.rs", &["thumbnails"]),
+    ("app/features/timeline/panel/strip.rs", &["thumbnails"]),
+    ("app/features/trails/mod.rs", &["inspection"]),
+    ("app/features/trails/panel.rs", &["inspection"]),
+    ("app/history.rs", &["camera_path"]),
+    ("app/panels/clip.rs", &["clipping"]),
+    ("app/panels/menu.rs", &["assumptions", "benchmark"]),
+    ("app/panels/notices.rs", &["benchmark"]),
+    ("app/panels/pair.rs", &["beside"]),
+    ("app/panels/quality.rs", &["quality"]),
+    ("app/panels/question.rs", &["camera_path"]),
+    (
+        "app/panels/settings.rs",
+        &["clipping", "quality", "temporal", "thumbnails", "trails"],
+    ),
+    ("app/panels/viewport.rs", &["inspection"]),
+    ("app/state/dialogs.rs", &["benchmark"]),
+    ("app/state/first_look.rs", &["photos"]),
+    ("app/state/opened.rs", &["camera_path"]),
+    ("app/state/opening_facts.rs", &["quality"]),
+    ("app/state/outcome.rs", &["assumptions"]),
+    ("app/state/pictures.rs", &["photos", "temporal"]),
+    (
+        "app/state/session.rs",
+        &["beside", "camera_path", "inspection", "quality"],
+    ),
+];
