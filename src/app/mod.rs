@@ -6,11 +6,11 @@
 //! run the panels and, if the [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a
 //! texture that the central panel shows.
 //!
-//! A panel is a row of one table (`panels/table.rs`). Panels of features take what they draw and return what they ask
-//! for; `panels/bound.rs` gives them their part of the state and carries that out. Keys, menus, the list of commands
-//! and scripts call one table of commands (`commands`). Whatever takes long (dialogs, finding files, writing images,
-//! benchmarks) runs on a named thread ([`Tasks`]) and comes back through a bounded channel as an [`Outcome`], which is
-//! made of what the tasks of each feature come to.
+//! A feature is a folder and a row of one table (`features/table.rs`), which says what the window does with each. Its
+//! panels take what they draw and return what they ask for; `in_window.rs` gives them their part of the state and
+//! carries that out. Keys, menus, the list of commands and scripts call one table of commands (`commands`). Whatever
+//! takes long (dialogs, finding files, writing images, benchmarks) runs on a named thread ([`Tasks`]) and comes back
+//! through a bounded channel as an [`Outcome`], which the feature takes that knows the type of its message.
 //!
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.

@@ -1,9 +1,9 @@
 //! What a person can do beside looking and playing, a folder each: the model in `mod.rs`, its work on threads, its
 //! panel.
 //!
-//! A feature knows neither [`super::State`] nor the other features, but for the few whose data it is about (trails of
-//! inspected points, an exported camera path). The window's state is composed of features and carries out what their
-//! panels ask for.
+//! The model of a feature knows neither [`super::State`] nor the other features, but for the few whose data it is about
+//! (trails of inspected points, an exported camera path). It meets the window's state in `in_window.rs` ([`feature`]);
+//! [`table`] lists all of them, and nothing else does.
 
 pub(super) mod assumptions;
 pub(super) mod benchmark;

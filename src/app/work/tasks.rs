@@ -1,8 +1,8 @@
 //! Tasks on threads of their own.
 //!
 //! **How it works.** What a task comes to is made into the one type `T` that the window understands, and goes through
-//! one bounded channel; then the window is woken. `T` is defined where all features meet: each knows only what its own
-//! tasks come to, and asks that `T` can be made of that.
+//! one bounded channel; then the window is woken. Each feature knows only what its own tasks come to, and asks that `T`
+//! can be made of that; the window's is [`super::outcome::Outcome`].
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
