@@ -197,13 +197,11 @@ fn run(state: &mut State, command: Command, value: Option<&str>) -> Result<(), S
     if let Some(reason) = row.and_then(|row| row.why_not(state)) {
         return Err(reason.to_owned());
     }
-    match (row.map(|row| &row.act), value) {
-        (Some(Act::Take(_, take)), Some(value)) => take(state, value),
-        _ => {
-            state.run(command);
-            Ok(())
-        }
+    if let (Some(Act::Take(_, take)), Some(value)) = (row.map(|row| &row.act), value) {
+        return take(state, value);
     }
+    state.run(command);
+    Ok(())
 }
 
 #[cfg(test)]

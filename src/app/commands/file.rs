@@ -11,30 +11,30 @@ use std::sync::Arc;
 
 pub(super) const ROWS: &[Row] = &[
     Row::new(Command::OPEN_FILES, "Open files…", |state| {
-        state.ask(DialogKind::OpenFiles, None)
+        state.ask(DialogKind::OpenFiles, None);
     })
     .what("Open files")
     .also(&["load", "import"])
     .keys(group::FILE, "Ctrl+O", &[Chord::ctrl(Key::O)]),
     Row::new(Command::OPEN_FOLDER, "Open folder…", |state| {
-        state.ask(DialogKind::OpenFolder, None)
+        state.ask(DialogKind::OpenFolder, None);
     })
     .what("Open a folder")
     .also(&["load", "import"]),
     Row::new(Command::OPEN_DEMO, "Demo", |state| {
-        state.open(Arc::new(Sequence::demo()))
+        state.open(Arc::new(Sequence::demo()));
     })
     .what("Open the demo"),
     Row::new(Command::EXAMPLE_LIDAR, "LiDAR survey", |state| {
-        state.open_example(Example::Lidar)
+        state.open_example(Example::Lidar);
     })
     .what("Open an example: LiDAR survey"),
     Row::new(Command::EXAMPLE_DEPTH, "Depth image", |state| {
-        state.open_example(Example::Depth)
+        state.open_example(Example::Depth);
     })
     .what("Open an example: depth image"),
     Row::new(Command::EXAMPLE_MODEL, "Animated model", |state| {
-        state.open_example(Example::Model)
+        state.open_example(Example::Model);
     })
     .what("Open an example: animated model"),
     Row::new(Command::CLOSE_SEQUENCE, "Close", |state| {
@@ -44,14 +44,14 @@ pub(super) const ROWS: &[Row] = &[
     .what("Close the sequence")
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION, "Save session…", |state| {
-        state.save_session(false)
+        state.save_session(false);
     })
     .what("Save the session: files, view, settings, labels")
     .hint("Files, view, settings, clip, measurements, labels, markers and camera path, as a text file")
     .keys(group::FILE, "Ctrl+S", &[Chord::ctrl(Key::S)])
     .applies(needs_sequence),
     Row::new(Command::SAVE_SESSION_AS, "Save session as…", |state| {
-        state.save_session(true)
+        state.save_session(true);
     })
     .what("Save the session as a file of a name")
     .applies(needs_sequence),
@@ -67,7 +67,7 @@ pub(super) const ROWS: &[Row] = &[
             None => Err("Only live streams (tcp://…) are recorded, and none is open"),
         }),
     Row::new(Command::SCREENSHOT, "Save picture", |state| {
-        state.request(WindowRequest::Screenshot(None))
+        state.request(WindowRequest::Screenshot(None));
     })
     .what("Save a picture")
     .also(&["screenshot", "image", "snapshot"])

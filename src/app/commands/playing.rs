@@ -24,17 +24,17 @@ pub(super) const ROWS: &[Row] = &[
         .repeating_keys(group::PLAYING, "Left", &[Chord::plain(Key::ArrowLeft)])
         .applies(needs_sequence),
     Row::new(Command::new("ten frames on"), "Ten frames on", |state| {
-        state.step_frames(10)
+        state.step_frames(10);
     })
     .repeating_keys(group::PLAYING, "Shift+Right", &[Chord::shift(Key::ArrowRight)])
     .applies(needs_sequence),
     Row::new(Command::new("ten frames back"), "Ten frames back", |state| {
-        state.step_frames(-10)
+        state.step_frames(-10);
     })
     .repeating_keys(group::PLAYING, "Shift+Left", &[Chord::shift(Key::ArrowLeft)])
     .applies(needs_sequence),
     Row::new(Command::FIRST, "First frame", |state| {
-        state.play_with(|player, now| player.seek(0, now))
+        state.play_with(|player, now| player.seek(0, now));
     })
     .keys(group::PLAYING, "Home", &[Chord::plain(Key::Home)])
     .applies(needs_sequence),

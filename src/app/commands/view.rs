@@ -19,7 +19,7 @@ pub(super) const ROWS: &[Row] = &[
         .also(&["zoom", "fit"])
         .keys(group::VIEW, "Shift+R", &[Chord::shift(Key::R)]),
     Row::new(Command::FRONT, "Front", |state| {
-        state.camera.look_from(ViewPreset::Front)
+        state.camera.look_from(ViewPreset::Front);
     })
     .keys(group::VIEW, "1", &[Chord::plain(Key::Num1)]),
     Row::new(Command::BACK, "Back", |state| state.camera.look_from(ViewPreset::Back)).keys(
@@ -33,7 +33,7 @@ pub(super) const ROWS: &[Row] = &[
         &[Chord::plain(Key::Num3)],
     ),
     Row::new(Command::RIGHT, "Right", |state| {
-        state.camera.look_from(ViewPreset::Right)
+        state.camera.look_from(ViewPreset::Right);
     })
     .keys(group::VIEW, "4", &[Chord::plain(Key::Num4)]),
     Row::new(Command::TOP, "Top", |state| state.camera.look_from(ViewPreset::Top)).keys(
@@ -42,7 +42,7 @@ pub(super) const ROWS: &[Row] = &[
         &[Chord::plain(Key::Num5)],
     ),
     Row::new(Command::BOTTOM, "Bottom", |state| {
-        state.camera.look_from(ViewPreset::Bottom)
+        state.camera.look_from(ViewPreset::Bottom);
     })
     .keys(group::VIEW, "6", &[Chord::plain(Key::Num6)]),
     Row::new(
@@ -61,7 +61,7 @@ pub(super) const ROWS: &[Row] = &[
         .keys(group::VIEW, "O", &[Chord::plain(Key::O)])
         .on_if(|state| state.camera.projection == Projection::Orthographic),
     Row::new(Command::TOGGLE_TURNTABLE, "Turntable", |state| {
-        state.motion.turntable.is_on ^= true
+        state.motion.turntable.is_on ^= true;
     })
     .keys(group::VIEW, "T", &[Chord::plain(Key::T)])
     .on_if(|state| state.motion.turntable.is_on),
@@ -70,7 +70,7 @@ pub(super) const ROWS: &[Row] = &[
         .keys(group::VIEW, "G", &[Chord::plain(Key::G)])
         .on_if(|state| state.style.backdrop.grid),
     Row::new(Command::TOGGLE_SCALE_BAR, "Scale bar", |state| {
-        state.appearance.shows_scale_bar ^= true
+        state.appearance.shows_scale_bar ^= true;
     })
     .what("Show or hide the scale bar")
     .on_if(|state| state.appearance.shows_scale_bar),
@@ -84,7 +84,7 @@ pub(super) const ROWS: &[Row] = &[
         .what("Copy the view as text")
         .keys(group::VIEW, "Ctrl+C", &[Chord::ctrl(Key::C)]),
     Row::new(Command::PASTE_VIEW, "Paste view", |state| {
-        state.request(WindowRequest::PasteView)
+        state.request(WindowRequest::PasteView);
     })
     .what("Paste a view")
     .keys(group::VIEW, "Ctrl+V", &[Chord::ctrl(Key::V)]),
@@ -97,7 +97,7 @@ pub(super) const ROWS: &[Row] = &[
             None => Err("No file is shown"),
         }),
     Row::new(Command::new("larger"), "Larger splats or points", |state| {
-        state.scale_size(SIZE_STEP)
+        state.scale_size(SIZE_STEP);
     })
     .repeating_keys(
         group::VIEW,
@@ -105,11 +105,11 @@ pub(super) const ROWS: &[Row] = &[
         &[Chord::any_shift(Key::Plus), Chord::any_shift(Key::Equals)],
     ),
     Row::new(Command::new("smaller"), "Smaller splats or points", |state| {
-        state.scale_size(1.0 / SIZE_STEP)
+        state.scale_size(1.0 / SIZE_STEP);
     })
     .repeating_keys(group::VIEW, "-", &[Chord::any_shift(Key::Minus)]),
     Row::new(Command::panel(PanelId::SETTINGS), "Settings", |state| {
-        state.panels.toggle(PanelId::SETTINGS)
+        state.panels.toggle(PanelId::SETTINGS);
     })
     .also(&["preferences", "options"])
     .keys(group::VIEW, "F2", &[Chord::plain(Key::F2)])
@@ -121,7 +121,7 @@ pub(super) const ROWS: &[Row] = &[
     .keys(group::VIEW, "F3", &[Chord::plain(Key::F3)])
     .on_if(|state| state.panels.has(PanelId::STATISTICS)),
     Row::new(Command::panel(PanelId::LEGEND), "Legend", |state| {
-        state.panels.toggle(PanelId::LEGEND)
+        state.panels.toggle(PanelId::LEGEND);
     })
     .what("Show or hide the legend")
     .on_if(|state| state.panels.has(PanelId::LEGEND)),

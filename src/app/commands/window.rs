@@ -14,10 +14,7 @@ pub(super) const ROWS: &[Row] = &[
     })
     .what("Undo the last change of settings, path or labels")
     .keys(group::FILE, "Ctrl+Z", &[Chord::ctrl(Key::Z)])
-    .applies(|state| match state.history.can_undo() {
-        true => Ok(()),
-        false => Err("Nothing was changed"),
-    }),
+    .applies(|state| state.history.can_undo().then_some(()).ok_or("Nothing was changed")),
     Row::new(Command::REDO, "Redo", |state| {
         let after = state.history.redo();
         state.take_edited(after);
@@ -28,41 +25,38 @@ pub(super) const ROWS: &[Row] = &[
         "Ctrl+Y, Ctrl+Shift+Z",
         &[Chord::ctrl(Key::Y), Chord::ctrl_shift(Key::Z)],
     )
-    .applies(|state| match state.history.can_redo() {
-        true => Ok(()),
-        false => Err("Nothing was undone"),
-    }),
+    .applies(|state| state.history.can_redo().then_some(()).ok_or("Nothing was undone")),
     Row::new(Command::FULL_SCREEN, "Full screen", |state| {
-        state.request(WindowRequest::FullScreen)
+        state.request(WindowRequest::FullScreen);
     })
     .keys(group::VIEW, "F11", &[Chord::plain(Key::F11)])
     .on_if(|state| state.appearance.full_screen),
     Row::new(Command::THEME_OF_SYSTEM, "System", |state| {
-        state.appearance.theme = ThemePreference::System
+        state.appearance.theme = ThemePreference::System;
     })
     .what("Theme of the system")
     .hint("Light or dark as the system is; dark where it does not say")
     .on_if(|state| state.appearance.theme == ThemePreference::System),
     Row::new(Command::LIGHT_THEME, "Light", |state| {
-        state.appearance.theme = ThemePreference::Light
+        state.appearance.theme = ThemePreference::Light;
     })
     .what("Light theme")
     .hint("Light, whatever the system is")
     .on_if(|state| state.appearance.theme == ThemePreference::Light),
     Row::new(Command::DARK_THEME, "Dark", |state| {
-        state.appearance.theme = ThemePreference::Dark
+        state.appearance.theme = ThemePreference::Dark;
     })
     .what("Dark theme")
     .hint("Dark, whatever the system is")
     .on_if(|state| state.appearance.theme == ThemePreference::Dark),
     Row::new(Command::panel(PanelId::HELP), "Keys and mouse", |state| {
-        state.panels.toggle(PanelId::HELP)
+        state.panels.toggle(PanelId::HELP);
     })
     .what("This list of keys")
     .also(&["shortcuts", "hotkeys", "help"])
     .keys(group::FILE, "F1", &[Chord::plain(Key::F1)]),
     Row::new(Command::panel(PanelId::ABOUT), "About pointreel", |state| {
-        state.panels.toggle(PanelId::ABOUT)
+        state.panels.toggle(PanelId::ABOUT);
     })
     .what("About pointreel: version, adapter, folders"),
     Row::new(Command::ESCAPE, "Close what is open", State::escape)

@@ -285,7 +285,7 @@ const COMMANDS: &[Row] = &[
             None => Err("One sequence is open: File, Compare with… opens another beside it"),
         }),
     Row::new(Command::COMPARE_FILES, "Compare with files…", |state| {
-        state.ask(DialogKind::CompareFiles, None)
+        state.ask(DialogKind::CompareFiles, None);
     })
     .what("Compare with files")
     .also(&["diff"])

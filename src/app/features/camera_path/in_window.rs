@@ -210,13 +210,13 @@ const COMMANDS: &[Row] = &[
     .keys(group::VIEW, "Shift+K", &[Chord::shift(Key::K)])
     .applies(needs_path),
     Row::new(Command::NEW_PATH, "New camera path", |state| {
-        state.ask_or_do(Question::New)
+        state.ask_or_do(Question::New);
     }),
     Row::new(Command::OPEN_PATH, "Open a camera path", |state| {
-        state.ask_or_do(Question::Open)
+        state.ask_or_do(Question::Open);
     }),
     Row::new(Command::SAVE_PATH, "Save the camera path", |state| {
-        state.save_path(false)
+        state.save_path(false);
     })
     .applies(needs_path),
     Row::new(

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::PICK_POINTS, "Point values", |state| {
-        state.features.inspection.toggle(Tool::Point)
+        state.features.inspection.toggle(Tool::Point);
     })
     .what("Show the values of points")
     .hint("A click on a point shows all that its file says of it")
@@ -29,7 +29,7 @@ const COMMANDS: &[Row] = &[
     .in_menu(Menu::Tools)
     .on_if(|state| state.features.inspection.tool == Tool::Point),
     Row::new(Command::MEASURE, "Measure", |state| {
-        state.features.inspection.toggle(Tool::Measure)
+        state.features.inspection.toggle(Tool::Measure);
     })
     .hint("Clicks on points measure distances, angles and heights")
     .also(&["ruler", "distance"])

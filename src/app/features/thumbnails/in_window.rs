@@ -10,12 +10,12 @@ use crate::app::work::outcome::Outcome;
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::TOGGLE_THUMBNAILS, "Thumbnails", |state| {
-        state.features.thumbnails.is_on ^= true
+        state.features.thumbnails.is_on ^= true;
     })
     .what("Show or hide thumbnails over the timeline")
     .on_if(|state| state.features.thumbnails.is_on),
     Row::new(Command::REDO_THUMBNAILS, "Make thumbnails anew", |state| {
-        state.features.thumbnails.redo()
+        state.features.thumbnails.redo();
     })
     .applies(needs_sequence),
 ];

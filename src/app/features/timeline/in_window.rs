@@ -81,14 +81,14 @@ impl State {
 
 const COMMANDS: &[Row] = &[
     Row::new(Command::SET_IN, "Set in point", |state| {
-        state.set_range(PlayRange::beginning_at)
+        state.set_range(PlayRange::beginning_at);
     })
     .what("In point: play from here")
     .also(&["trim"])
     .keys(group::PLAYING, "Shift+I", &[Chord::shift(Key::I)])
     .applies(needs_sequence),
     Row::new(Command::SET_OUT, "Set out point", |state| {
-        state.set_range(PlayRange::ending_at)
+        state.set_range(PlayRange::ending_at);
     })
     .what("Out point: play to here")
     .also(&["trim"])
@@ -109,7 +109,7 @@ const COMMANDS: &[Row] = &[
         .keys(group::PLAYING, "Shift+M", &[Chord::shift(Key::M)])
         .applies(needs_sequence),
     Row::new(Command::PREVIOUS_MARKER, "Previous marker", |state| {
-        state.go_to_marker(false)
+        state.go_to_marker(false);
     })
     .also(&["bookmark"])
     .keys(group::PLAYING, "Ctrl+Shift+M", &[Chord::ctrl_shift(Key::M)])
