@@ -12,8 +12,11 @@ fn notes_are_kept_with_their_sequence_and_left_with_it() {
     let mut harness = window();
     click(&mut harness, "View");
     click(&mut harness, "Notes…");
+    let field = (Role::MultilineTextInput, "Text of the notes");
+    harness.get_by_role_and_label(field.0, field.1).click();
+    harness.run();
     harness
-        .get_by_role_and_label(Role::MultilineTextInput, "Text of the notes")
+        .get_by_role_and_label(field.0, field.1)
         .type_text("the left foot slips");
     harness.run();
     assert_eq!(harness.state().features.notes.text, "the left foot slips");
