@@ -60,7 +60,7 @@ fn window(a: &Arc<Sequence>, b: &Arc<Sequence>, primitive: Primitive, frame: usi
     state.update(Duration::ZERO);
     state.viewport.size_px = [240, 200];
     state.viewport.other_size_px = [240, 200];
-    state.run(Command::ResetView);
+    state.run(Command::RESET_VIEW);
     state
 }
 
@@ -167,7 +167,7 @@ fn what_is_saved_is_what_is_seen() {
     let joined = state.joined(picture(8, red), Some(picture(8, blue)));
     assert_eq!(joined.dimensions(), (8, 4));
     assert_eq!((joined.get_pixel(1, 0), joined.get_pixel(2, 3)), (&red, &blue));
-    state.run(Command::CloseComparison);
+    state.run(Command::CLOSE_COMPARISON);
     let alone = state.joined(picture(8, red), Some(picture(8, blue)));
     assert_eq!(alone, picture(8, red));
 }

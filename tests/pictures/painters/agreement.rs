@@ -13,7 +13,7 @@ use egui_kittest::kittest::Queryable as _;
 use glam::DVec3;
 use pointreel::app::panels::window_ui;
 use pointreel::app::{
-    BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions, Tool, apply_theme,
+    BenchmarkJob, BenchmarkTable, Command, PanelId, Preferences, Quantity, State, StateOptions, apply_theme,
 };
 use pointreel::bench::Table;
 use pointreel::scene::{Primitive, Style};
@@ -132,11 +132,11 @@ fn until(shown: &mut Shown, is_so: impl Fn(&Harness<'_, State>) -> bool) {
 fn settings_and_the_timeline() {
     let mut shown = window();
     shown.compare("settings", "Background");
-    shown.state().run(Command::ToggleMarker);
-    shown.state().run(Command::SetIn);
+    shown.state().run(Command::TOGGLE_MARKER);
+    shown.state().run(Command::SET_IN);
     shown.state().features.timeline.quantity = Some(Quantity::Points);
-    shown.state().run(Command::Step(6));
-    shown.state().run(Command::SetOut);
+    shown.state().step_frames(6);
+    shown.state().run(Command::SET_OUT);
     shown.compare("timeline", "Marker at frame 1");
 }
 
@@ -174,7 +174,7 @@ fn menus_and_the_palette() {
     shown.click("View");
     shown.compare("menu", "Orthographic");
     let mut shown = window();
-    shown.state().run(Command::TogglePalette);
+    shown.state().run(Command::TOGGLE_PALETTE);
     shown.harness.run_steps(3);
     shown.compare("palette", "command");
 }
@@ -183,8 +183,8 @@ fn menus_and_the_palette() {
 fn the_camera_path_and_exports() {
     let mut shown = window();
     for _ in 0..3 {
-        shown.state().run(Command::AddKeyframe);
-        shown.state().run(Command::Step(4));
+        shown.state().run(Command::ADD_KEYFRAME);
+        shown.state().step_frames(4);
         shown.state().camera.orbit(40.0, 0.0);
         shown.harness.run_steps(1);
     }
@@ -192,7 +192,7 @@ fn the_camera_path_and_exports() {
     shown.state().panels.set(PanelId::CAMERA_PATH, false);
     shown.state().features.export.folder = "/scans/out".to_owned();
     shown.state().features.export.has_ffmpeg = false;
-    shown.state().run(Command::ToggleExport);
+    shown.state().run(Command::TOGGLE_EXPORT);
     shown.compare("export", "Export");
 }
 
@@ -232,7 +232,7 @@ fn values_of_a_point_and_a_tooltip() {
     load_all(shown.state());
     shown.harness.run();
     shown.state().next_packet().unwrap();
-    shown.state().run(Command::ToggleTool(Tool::Point));
+    shown.state().run(Command::PICK_POINTS);
     let viewport = &shown.harness.state().viewport;
     let camera = &shown.harness.state().camera;
     let at_px = camera.to_px(DVec3::splat(0.5), viewport.size_px).unwrap();
@@ -279,7 +279,7 @@ fn change_map() {
 #[test]
 fn two_pictures_with_a_line_between() {
     let mut shown = window();
-    shown.state().run(Command::ToggleComparison);
+    shown.state().run(Command::TOGGLE_COMPARISON);
     shown.state().viewport.other_texture = Some(TextureId::User(1));
     shown.harness.run_steps(2);
     shown.compare("comparison", "A (left)");
