@@ -1,8 +1,10 @@
 //! Points that lie where others do.
 
 use super::places::Places;
-use super::test_shapes::{self, Random};
-use super::{estimate_surface, splat_ellipses, splat_radii};
+use crate::analysis::estimate_surface;
+use crate::analysis::splat_ellipses;
+use crate::analysis::splat_radii;
+use crate::analysis::test_shapes::{self, Random};
 use glam::Vec3;
 
 /// Each point five times in a row.

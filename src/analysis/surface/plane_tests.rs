@@ -1,8 +1,8 @@
 //! Robust planes.
 
-use super::test_shapes::{self, Random};
-use super::tests::angles;
-use super::*;
+use crate::analysis::test_shapes::{self, Random};
+use crate::analysis::tests::angles;
+use crate::analysis::*;
 
 /// Mean angle of normals to the truth, either sign, in degrees.
 fn mean_error(positions: &[Vec3], truth: &[Vec3], k: usize, fit: PlaneFit) -> f32 {

@@ -21,10 +21,10 @@
 //! too large for all others.
 
 use super::directions::{DIRECTIONS, QUARTER, quarter_circle};
-use super::lanes::axes;
-use super::neighbours::Neighbours;
 use super::openings;
-use super::point_tree::{LANES, LaneRow, PointTree, SlotPoint};
+use crate::analysis::search::lanes::axes;
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{LANES, LaneRow, PointTree, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x8, mask32x8};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ const MAX_OF_NEIGHBOURS: f32 = 4.0;
 const MAX_OF_CLOUD: f32 = 32.0;
 
 /// Radii in scene units by slot; positive and finite. `normals` are unit vectors of any sign, by slot.
-pub(super) fn closing_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3]) -> Vec<f32> {
+pub(in crate::analysis) fn closing_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3]) -> Vec<f32> {
     let cells = cell_radii(tree, neighbours, normals, 0..tree.len());
     let limits = Limits::new(tree, sample(tree.len()).map(|slot| cells[slot]));
     let inverse: Vec<f32> = cells.iter().map(|&radius| inverse_of(radius)).collect();
@@ -110,7 +110,7 @@ pub(super) struct Limits {
 
 impl Limits {
     /// Limits of a cloud of whose cells the [`sample`] has these radii.
-    pub(super) fn new(tree: &PointTree, sample: impl Iterator<Item = f32>) -> Self {
+    pub(in crate::analysis) fn new(tree: &PointTree, sample: impl Iterator<Item = f32>) -> Self {
         Self {
             median: median_of_positive(sample),
             unit: tree.unit(),
@@ -120,7 +120,7 @@ impl Limits {
     /// The radius, in scene units, of a point whose cell and the inverse radii of whose neighbours' cells, summed up,
     /// are these.
     #[inline(always)]
-    pub(super) fn radius(self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
+    pub(in crate::analysis) fn radius(self, cell: f32, neighbours: usize, inverse_sum: f32) -> f32 {
         // Harmonic, over all neighbours; not finite if none has a cell.
         let mean = neighbours as f32 / inverse_sum;
         let own = if cell > 0.0 { cell } else { self.median };
@@ -284,7 +284,7 @@ fn inverse_sums(inverse: &[f32], neighbours: &Neighbours, first_slot: usize, cou
 const SAMPLE: usize = 1 << 9;
 
 /// Evenly spaced slots of a cloud, of whose cells the median is taken; all where there are few.
-pub(super) fn sample(count: usize) -> impl Iterator<Item = usize> {
+pub(in crate::analysis) fn sample(count: usize) -> impl Iterator<Item = usize> {
     (0..count).step_by(count.div_ceil(SAMPLE).max(1))
 }
 

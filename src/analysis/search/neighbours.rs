@@ -75,12 +75,12 @@ pub fn nearest_neighbours(positions: &[Vec3], k: usize) -> Neighbours {
 
 impl PointTree {
     /// [`nearest_neighbours`] with slots in place of indices, both as position and as value, and in no order.
-    pub(super) fn neighbours(&self, k: usize) -> Neighbours {
+    pub(in crate::analysis) fn neighbours(&self, k: usize) -> Neighbours {
         self.neighbours_of(0..self.len(), k)
     }
 
     /// [`PointTree::neighbours`] of some consecutive slots alone. Precondition: the first one begins a bucket.
-    pub(super) fn neighbours_of(&self, slots: Range<usize>, k: usize) -> Neighbours {
+    pub(in crate::analysis) fn neighbours_of(&self, slots: Range<usize>, k: usize) -> Neighbours {
         let per_point = k.min(self.len().saturating_sub(1));
         let level = Level::new();
         Neighbours::by_pieces(slots, per_point, |slots, lists| {

@@ -9,11 +9,11 @@
 //! When it wins: wherever nobody needs the lists afterwards. Twelve neighbours of 13.8 million points are 660 MB, of
 //! the block's rims 30.
 
-use super::neighbours::Neighbours;
 use super::normals;
-use super::point_tree::{LANES, PointTree};
 use super::radii::{self, Limits};
 use super::steps::{NEIGHBOURS_STEPS, PLANES_STEPS, RADII_STEPS};
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{LANES, PointTree};
 use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -24,13 +24,13 @@ const POINTS_PER_BLOCK: usize = 2048 * LANES;
 
 /// A surface in the order of the slots.
 #[derive(Debug)]
-pub(super) struct SlotSurface {
+pub(in crate::analysis) struct SlotSurface {
     /// Unit normals of any sign.
-    pub(super) normals: Vec<Vec3>,
+    pub(in crate::analysis) normals: Vec<Vec3>,
     /// In scene units; positive and finite.
-    pub(super) radii: Vec<f32>,
+    pub(in crate::analysis) radii: Vec<f32>,
     /// Slots of the points whose neighbours define no plane, ascending.
-    pub(super) without_plane: Vec<u32>,
+    pub(in crate::analysis) without_plane: Vec<u32>,
 }
 
 /// Points of a block with neighbours beyond it.
@@ -45,7 +45,7 @@ struct Rim {
 
 /// The planes and radii of all points, from `k` neighbours each. Advances `progress` by the steps of these stages;
 /// `None` once it is cancelled.
-pub(super) fn surface(tree: &PointTree, k: usize, progress: &Progress) -> Option<SlotSurface> {
+pub(in crate::analysis) fn surface(tree: &PointTree, k: usize, progress: &Progress) -> Option<SlotSurface> {
     let count = tree.len();
     let mut normals = vec![Vec3::Z; count];
     let mut cells = vec![0.0; count];

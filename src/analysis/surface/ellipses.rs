@@ -15,9 +15,9 @@
 //! radii, because it takes longer than they do and circles are what is drawn.
 
 use super::directions::DIRECTIONS;
-use super::neighbours::Neighbours;
 use super::openings::TWICE_COSINE;
-use super::point_tree::{PointTree, SlotPoint};
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{PointTree, SlotPoint};
 use crate::cloud::Ellipse;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -29,7 +29,11 @@ const HALF: usize = DIRECTIONS / 2;
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Ellipses by slot; `None` where there is a circle. `normals` are unit vectors of any sign, by slot.
-pub(super) fn closing_ellipses(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3]) -> Vec<Option<Ellipse>> {
+pub(in crate::analysis) fn closing_ellipses(
+    tree: &PointTree,
+    neighbours: &Neighbours,
+    normals: &[Vec3],
+) -> Vec<Option<Ellipse>> {
     let circle = Circle::new();
     let slots = (0..tree.len()).into_par_iter().with_min_len(POINTS_PER_TASK);
     slots
@@ -144,9 +148,10 @@ impl Circle {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_shapes::{Random, sphere};
-    use super::super::{splat_ellipses, splat_radii};
     use super::*;
+    use crate::analysis::splat_ellipses;
+    use crate::analysis::splat_radii;
+    use crate::analysis::test_shapes::{Random, sphere};
 
     /// The middle of a lattice of these steps along two axes, turned by an angle in radians; its axis of smaller steps.
     fn lattice(steps: [f32; 2], turn: f32) -> (Vec<Vec3>, Vec3) {

@@ -14,8 +14,8 @@
 //! Weights by the distance of the neighbours (a Gaussian) were measured as well: they gain on curved surfaces without
 //! noise and lose with any, as fewer points count. So do weights that fall off faster, and a scale from the median.
 
-use super::neighbours::Neighbours;
-use super::point_tree::{PointTree, SlotPoint};
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{PointTree, SlotPoint};
 use crate::math::SymmetricMat3;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -31,7 +31,12 @@ const SCALE: f64 = 3.6;
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Fits the planes of all points again, starting from `normals` (by slot). Slots in `without_plane` (ascending) stay.
-pub(super) fn refine(tree: &PointTree, neighbours: &Neighbours, without_plane: &[u32], normals: &mut [Vec3]) {
+pub(in crate::analysis) fn refine(
+    tree: &PointTree,
+    neighbours: &Neighbours,
+    without_plane: &[u32],
+    normals: &mut [Vec3],
+) {
     normals
         .par_chunks_mut(POINTS_PER_TASK)
         .enumerate()

@@ -112,8 +112,8 @@ fn squared(v: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_shapes::{Random, sphere};
     use super::*;
+    use crate::analysis::test_shapes::{Random, sphere};
     use proptest::prelude::*;
 
     fn by_brute_force(positions: &[Vec3], place: Vec3) -> Option<u32> {

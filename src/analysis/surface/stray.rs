@@ -8,8 +8,8 @@
 //! outliers where others are dense. Points that reconstruction from photographs makes are like that: crowded where a
 //! texture is rich, few on a wall, and those of wrong matches in the air.
 
-use super::DEFAULT_NEIGHBOURS;
-use super::neighbours::{Neighbours, nearest_neighbours};
+use crate::analysis::DEFAULT_NEIGHBOURS;
+use crate::analysis::search::neighbours::{Neighbours, nearest_neighbours};
 use crate::math::SymmetricMat3;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Surfaces estimated block by block, and signs by representatives.
 
-use super::test_shapes::{self, Random};
-use super::*;
+use crate::analysis::test_shapes::{self, Random};
+use crate::analysis::*;
 
 /// Without its signs, which are decided in another way.
 fn unsigned(surface: &Surface) -> (Vec<Vec3>, &[f32], &[u32]) {
@@ -37,9 +37,9 @@ fn blocks_give_the_same_bits_as_all_points_at_once() {
 /// Share of normals that face outwards when signs are those of representatives.
 fn share_outwards(shape: &test_shapes::Sampled) -> f64 {
     let tree = PointTree::new(&shape.positions);
-    let found = blocks::surface(&tree, DEFAULT_NEIGHBOURS, &Progress::default()).unwrap();
+    let found = super::blocks::surface(&tree, DEFAULT_NEIGHBOURS, &Progress::default()).unwrap();
     let mut normals = found.normals;
-    orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut normals);
+    super::orientation::face_as_representatives(&tree, DEFAULT_NEIGHBOURS, &mut normals);
     let normals = tree.to_file_order(&normals);
     let pairs = normals.iter().zip(&shape.normals);
     let outwards = pairs.filter(|(found, truth)| found.dot(**truth) > 0.0);

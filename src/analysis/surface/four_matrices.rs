@@ -13,24 +13,24 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x4, mask64x4};
 use glam::DVec3;
 
 /// Matrices side by side.
-pub(super) const FOUR: usize = 4;
+pub(in crate::analysis) const FOUR: usize = 4;
 
 /// Three numbers of four points.
 pub(super) type Triples<S> = [f64x4<S>; 3];
 
 /// Four symmetric matrices.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FourMatrices<S: Simd> {
+pub(in crate::analysis) struct FourMatrices<S: Simd> {
     /// xx, yy, zz.
-    pub(super) diagonal: Triples<S>,
+    pub(in crate::analysis) diagonal: Triples<S>,
     /// xy, yz, zx.
-    pub(super) beside: Triples<S>,
+    pub(in crate::analysis) beside: Triples<S>,
 }
 
 impl<S: Simd> FourMatrices<S> {
     /// One of them.
     #[cold]
-    pub(super) fn lane(&self, lane: usize) -> SymmetricMat3 {
+    pub(in crate::analysis) fn lane(&self, lane: usize) -> SymmetricMat3 {
         let [xx, yy, zz] = self.diagonal.map(|row| row[lane]);
         let [xy, yz, xz] = self.beside.map(|row| row[lane]);
         SymmetricMat3 { xx, xy, xz, yy, yz, zz }
@@ -52,7 +52,7 @@ impl<S: Simd> FourMatrices<S> {
 
     /// [`SymmetricMat3::smallest_eigenvector`] of each, with the same bits.
     #[inline(always)]
-    pub(super) fn smallest_eigenvectors(&self, simd: S) -> [DVec3; FOUR] {
+    pub(in crate::analysis) fn smallest_eigenvectors(&self, simd: S) -> [DVec3; FOUR] {
         let zero = f64x4::splat(simd, 0.0);
         let one = f64x4::splat(simd, 1.0);
         let ([xx, yy, zz], [xy, yz, xz]) = (self.diagonal, self.beside);

@@ -19,23 +19,23 @@ use std::cmp::Ordering;
 use std::sync::OnceLock;
 
 /// Points a bucket, and boxes a row: one SIMD register.
-pub(super) const LANES: usize = 8;
+pub(in crate::analysis) const LANES: usize = 8;
 
 /// One number for each of eight points or boxes.
-pub(super) type LaneRow = [f32; LANES];
+pub(in crate::analysis) type LaneRow = [f32; LANES];
 
 /// Below this many points a split is not worth handing to another thread.
 const PARALLEL_SPLIT: usize = 4096;
 
 /// Points in slot order, and the boxes above them.
 #[derive(Debug)]
-pub(super) struct PointTree {
+pub(in crate::analysis) struct PointTree {
     points: Vec<SlotPoint>,
     /// The slot of each point of the file, once somebody asks: searches do not.
     slots: OnceLock<Vec<u32>>,
-    pub(super) buckets: Vec<Bucket>,
+    pub(in crate::analysis) buckets: Vec<Bucket>,
     /// Boxes of the buckets first, one row at the end; none without points.
-    pub(super) levels: Vec<Vec<BoxRow>>,
+    pub(in crate::analysis) levels: Vec<Vec<BoxRow>>,
     /// Scene units of one scaled unit: a power of two.
     unit: f32,
 }
@@ -43,17 +43,17 @@ pub(super) struct PointTree {
 /// The coordinates of eight slots. Places without a point are so far away that the square of their distance is
 /// infinite.
 #[derive(Debug, Clone)]
-pub(super) struct Bucket {
-    pub(super) x: LaneRow,
-    pub(super) y: LaneRow,
-    pub(super) z: LaneRow,
+pub(in crate::analysis) struct Bucket {
+    pub(in crate::analysis) x: LaneRow,
+    pub(in crate::analysis) y: LaneRow,
+    pub(in crate::analysis) z: LaneRow,
 }
 
 /// The boxes of eight children, side by side. Those without points are inside out and infinitely far.
 #[derive(Debug, Clone)]
-pub(super) struct BoxRow {
-    pub(super) min: [LaneRow; 3],
-    pub(super) max: [LaneRow; 3],
+pub(in crate::analysis) struct BoxRow {
+    pub(in crate::analysis) min: [LaneRow; 3],
+    pub(in crate::analysis) max: [LaneRow; 3],
     /// The smallest file index in each, to decide between equal distances.
     pub(super) min_file_index: [u32; LANES],
 }
@@ -101,23 +101,23 @@ impl NodeBox {
 /// A point in its slot, or on its way there: what fits one register of four.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(16))]
-pub(super) struct SlotPoint {
+pub(in crate::analysis) struct SlotPoint {
     /// In scaled units.
-    pub(super) position: Vec3,
+    pub(in crate::analysis) position: Vec3,
     /// Its index in the file.
-    pub(super) file_index: u32,
+    pub(in crate::analysis) file_index: u32,
 }
 
 impl SlotPoint {
     /// The position, and the bits of the index, which have the same order as a positive float.
-    pub(super) fn register(&self) -> Vec4 {
+    pub(in crate::analysis) fn register(&self) -> Vec4 {
         bytemuck::cast(*self)
     }
 }
 
 impl PointTree {
     /// Sorts finite `positions` into buckets.
-    pub(super) fn new(positions: &[Vec3]) -> Self {
+    pub(in crate::analysis) fn new(positions: &[Vec3]) -> Self {
         let unit = power_of_two_at_least(
             positions
                 .iter()
@@ -146,28 +146,28 @@ impl PointTree {
     }
 
     /// Gives back what only searches need, the larger half.
-    pub(super) fn forget_boxes(&mut self) {
+    pub(in crate::analysis) fn forget_boxes(&mut self) {
         self.buckets = Vec::new();
         self.levels = Vec::new();
     }
 
     /// Number of points.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::analysis) fn len(&self) -> usize {
         self.points.len()
     }
 
     /// The points by slot.
-    pub(super) fn points(&self) -> &[SlotPoint] {
+    pub(in crate::analysis) fn points(&self) -> &[SlotPoint] {
         &self.points
     }
 
     /// Scene units of one scaled unit.
-    pub(super) fn unit(&self) -> f32 {
+    pub(in crate::analysis) fn unit(&self) -> f32 {
         self.unit
     }
 
     /// The slot of a point of the file.
-    pub(super) fn slot_of(&self, file_index: u32) -> u32 {
+    pub(in crate::analysis) fn slot_of(&self, file_index: u32) -> u32 {
         self.slots()[file_index as usize]
     }
 
@@ -182,12 +182,12 @@ impl PointTree {
     }
 
     /// `values` by slot, rearranged to the order of the file.
-    pub(super) fn to_file_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
+    pub(in crate::analysis) fn to_file_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
         at_slots(self.slots(), values)
     }
 
     /// What leads back to the order of the file, without the tree.
-    pub(super) fn into_file_order(self) -> FileOrder {
+    pub(in crate::analysis) fn into_file_order(self) -> FileOrder {
         self.slots();
         FileOrder {
             slots: self.slots.into_inner().unwrap_or_default(),
@@ -195,7 +195,7 @@ impl PointTree {
     }
 
     /// The points of the file in these slots, ascending.
-    pub(super) fn to_file_indices(&self, slots: &[u32]) -> Vec<u32> {
+    pub(in crate::analysis) fn to_file_indices(&self, slots: &[u32]) -> Vec<u32> {
         let points = slots.iter().map(|&slot| &self.points[slot as usize]);
         let mut indices: Vec<u32> = points.map(|point| point.file_index).collect();
         indices.sort_unstable();
@@ -203,7 +203,7 @@ impl PointTree {
     }
 
     /// `values` in the order of the file, rearranged by slot.
-    pub(super) fn to_slot_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
+    pub(in crate::analysis) fn to_slot_order<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
         self.points
             .par_iter()
             .with_min_len(1 << 13)
@@ -214,13 +214,13 @@ impl PointTree {
 
 /// Where the points of a file stand in a tree.
 #[derive(Debug)]
-pub(super) struct FileOrder {
+pub(in crate::analysis) struct FileOrder {
     slots: Vec<u32>,
 }
 
 impl FileOrder {
     /// `values` by slot, rearranged to the order of the file.
-    pub(super) fn of<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
+    pub(in crate::analysis) fn of<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
         at_slots(&self.slots, values)
     }
 }

@@ -20,13 +20,13 @@
 //!
 //! When it wins: it is exact for closed surfaces that are sampled densely enough for neighbours to lie on one sheet.
 
-use super::neighbours::Neighbours;
-use super::point_tree::{LANES, PointTree, SlotPoint};
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{LANES, PointTree, SlotPoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Turns the normals of consecutive slots to the half-space that `sensor`, in scene units, is in.
-pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, first_slot: usize, normals: &mut [Vec3]) {
+pub(in crate::analysis) fn face_sensor(tree: &PointTree, sensor: Vec3, first_slot: usize, normals: &mut [Vec3]) {
     let sensor = sensor / tree.unit();
     for (normal, point) in normals.iter_mut().zip(&tree.points()[first_slot..]) {
         if normal.dot(sensor - point.position) < 0.0 {
@@ -36,7 +36,7 @@ pub(super) fn face_sensor(tree: &PointTree, sensor: Vec3, first_slot: usize, nor
 }
 
 /// Makes normals (by slot) agree over the neighbourhood graph, and every component of it face outwards.
-pub(super) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
+pub(in crate::analysis) fn face_outwards(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
     let edges = weigh_edges(tree.points(), neighbours, normals);
     let mut signs = SignForest::new(tree.len());
     join_by_weight(&edges, neighbours, &mut signs);
@@ -66,7 +66,7 @@ const POINTS_PER_REPRESENTATIVE: usize = 8 * LANES;
 /// Each row of buckets is represented by the point in its middle. The forest over a sixty-fourth of the points takes a
 /// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one look at each point. What it gets wrong
 /// are points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
-pub(super) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
+pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
     let points = tree.points();
     let middles: Vec<usize> = points
         .par_chunks(POINTS_PER_REPRESENTATIVE)

@@ -13,7 +13,7 @@
 //! After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential quantities using polynomial
 //! fitting of osculating jets*), of degree two with the normal known.
 
-use super::nearest_neighbours;
+use crate::analysis::nearest_neighbours;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 

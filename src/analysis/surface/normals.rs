@@ -12,9 +12,9 @@
 //! The sign is arbitrary here; [`super::orientation`] decides it.
 
 use super::four_matrices::{FOUR, FourMatrices};
-use super::lanes::axes_of_four;
-use super::neighbours::Neighbours;
-use super::point_tree::{PointTree, SlotPoint};
+use crate::analysis::search::lanes::axes_of_four;
+use crate::analysis::search::neighbours::Neighbours;
+use crate::analysis::search::point_tree::{PointTree, SlotPoint};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x4, f64x4};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,18 +22,18 @@ use std::ops::Range;
 
 /// The planes around consecutive points.
 #[derive(Debug)]
-pub(super) struct SlotPlanes {
+pub(in crate::analysis) struct SlotPlanes {
     /// Unit normals in the order of the slots.
-    pub(super) normals: Vec<Vec3>,
+    pub(in crate::analysis) normals: Vec<Vec3>,
     /// Slots of the points whose neighbours define no plane, ascending.
-    pub(super) without_plane: Vec<u32>,
+    pub(in crate::analysis) without_plane: Vec<u32>,
 }
 
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 9;
 
 /// Fits planes to consecutive points and their neighbours.
-pub(super) fn fit_planes(tree: &PointTree, neighbours: &Neighbours, slots: Range<usize>) -> SlotPlanes {
+pub(in crate::analysis) fn fit_planes(tree: &PointTree, neighbours: &Neighbours, slots: Range<usize>) -> SlotPlanes {
     let level = Level::new();
     let mut normals = vec![Vec3::Z; slots.len()];
     let without_plane: Vec<Vec<u32>> = normals
@@ -76,7 +76,7 @@ fn fit_all<S: Simd>(
 }
 
 /// Estimates those of `normals` (by slot) that are zero.
-pub(super) fn fill_missing(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
+pub(in crate::analysis) fn fill_missing(tree: &PointTree, neighbours: &Neighbours, normals: &mut [Vec3]) {
     let level = Level::new();
     for (normals, slot) in normals.chunks_mut(FOUR).zip((0..).step_by(FOUR)) {
         if !normals.contains(&Vec3::ZERO) {

@@ -23,7 +23,7 @@ pub(super) struct SmallestRows {
 }
 
 impl SmallestRows {
-    pub(super) fn new(k: usize) -> Self {
+    pub(in crate::analysis) fn new(k: usize) -> Self {
         let count = if (TOGETHER + 1..=MORE_TOGETHER).contains(&k) {
             MORE_TOGETHER
         } else {
@@ -41,7 +41,7 @@ impl SmallestRows {
     }
 
     /// The k-th smallest numbers so far. Precondition: k is not 0.
-    pub(super) fn largest(&self) -> &LaneRow {
+    pub(in crate::analysis) fn largest(&self) -> &LaneRow {
         &self.rows[self.k - 1]
     }
 

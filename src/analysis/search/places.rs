@@ -7,9 +7,9 @@ use glam::Vec3;
 
 /// The distinct places of some points.
 #[derive(Debug)]
-pub(super) struct Places {
+pub(in crate::analysis) struct Places {
     /// Each differs from the one before it.
-    pub(super) positions: Vec<Vec3>,
+    pub(in crate::analysis) positions: Vec<Vec3>,
     /// The place of each point.
     of_points: Vec<u32>,
 }
@@ -17,7 +17,7 @@ pub(super) struct Places {
 impl Places {
     /// `None` where hardly any point is a copy. Copies are looked for among neighbours in memory: frames are in Morton
     /// order, in which they stand together.
-    pub(super) fn of(points: &[Vec3]) -> Option<Self> {
+    pub(in crate::analysis) fn of(points: &[Vec3]) -> Option<Self> {
         /// Fewer copies than one point in so many hardly take neighbours from the others.
         const RARE: usize = 16;
         let copies = points.windows(2).filter(|pair| pair[0] == pair[1]).count();
@@ -36,12 +36,12 @@ impl Places {
     }
 
     /// What is known of each place, for each point.
-    pub(super) fn spread<T: Copy>(&self, of_places: &[T]) -> Vec<T> {
+    pub(in crate::analysis) fn spread<T: Copy>(&self, of_places: &[T]) -> Vec<T> {
         self.of_points.iter().map(|&place| of_places[place as usize]).collect()
     }
 
     /// The points of some places, ascending.
-    pub(super) fn points_of(&self, places: &[u32]) -> Vec<u32> {
+    pub(in crate::analysis) fn points_of(&self, places: &[u32]) -> Vec<u32> {
         let mut is_meant = vec![false; self.positions.len()];
         for &place in places {
             is_meant[place as usize] = true;
@@ -54,7 +54,7 @@ impl Places {
     }
 
     /// What each place has of the first of its points.
-    pub(super) fn gather<T: Copy>(&self, of_points: &[T]) -> Vec<T> {
+    pub(in crate::analysis) fn gather<T: Copy>(&self, of_points: &[T]) -> Vec<T> {
         let mut gathered = Vec::with_capacity(self.positions.len());
         for (&place, &value) in self.of_points.iter().zip(of_points) {
             if place as usize == gathered.len() {

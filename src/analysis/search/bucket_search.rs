@@ -88,7 +88,7 @@ struct Candidate {
 }
 
 impl<'a> BucketSearch<'a> {
-    pub(super) fn new(tree: &'a PointTree, k: usize) -> Self {
+    pub(in crate::analysis) fn new(tree: &'a PointTree, k: usize) -> Self {
         Self {
             tree,
             k,

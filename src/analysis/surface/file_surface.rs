@@ -1,6 +1,7 @@
 //! The surface of a cloud as its file has it: in the order of the file, with holes.
 
-use super::{Surface, estimate_surface};
+use crate::analysis::Surface;
+use crate::analysis::estimate_surface;
 use crate::cloud::{CloudError, Frame, RawCloud};
 
 /// The surface around each point, in the order of the file; zeros where a point is none.

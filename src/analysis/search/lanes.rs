@@ -5,7 +5,7 @@ use glam::Vec4;
 
 /// The coordinates of eight points, each in a register of its own.
 #[inline(always)]
-pub(super) fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x8<S>; 3] {
+pub(in crate::analysis) fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x8<S>; 3] {
     let [low_x, low_y, low_z] = axes_of_four(simd, &point);
     let [high_x, high_y, high_z] = axes_of_four(simd, |lane| point(4 + lane));
     [
@@ -17,7 +17,7 @@ pub(super) fn axes<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x8<S>
 
 /// The coordinates of four points, each in a register of its own.
 #[inline(always)]
-pub(super) fn axes_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 3] {
+pub(in crate::analysis) fn axes_of_four<S: Simd>(simd: S, point: impl Fn(usize) -> Vec4) -> [f32x4<S>; 3] {
     let a = f32x4::from_slice(simd, point(0).as_ref());
     let b = f32x4::from_slice(simd, point(1).as_ref());
     let c = f32x4::from_slice(simd, point(2).as_ref());

@@ -13,7 +13,7 @@
 //! parallel lines.
 
 use super::directions::{DIRECTIONS, QUARTER};
-use super::point_tree::LaneRow;
+use crate::analysis::search::point_tree::LaneRow;
 
 /// Share of the inverse distance to the last neighbour below which a cell is open between two directions.
 ///
@@ -86,8 +86,8 @@ fn cosine_and_sine(quarter_circle: &[[f32; 2]; QUARTER], direction: usize) -> [f
 #[cfg(test)]
 mod tests {
     use super::super::directions::quarter_circle;
-    use super::super::point_tree::LANES;
     use super::*;
+    use crate::analysis::search::point_tree::LANES;
     use std::f32::consts::TAU;
 
     /// The inverse distances of a cell, and what is left of them.
