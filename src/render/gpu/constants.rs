@@ -25,7 +25,7 @@ use crate::scene::{
     GAPS_PER_SLIT, GAPS_PER_SPECK, Lights, PIXEL_LINES, PhotoStyle, PhotoViews, RIM_OPAQUE, RIM_OPEN, Shadow,
     SplatFilter,
 };
-use crate::stereo::constants as stereo;
+use crate::stereo::matching::constants as stereo;
 use std::fmt::Debug;
 
 /// Bind groups: the view is that of every pass.

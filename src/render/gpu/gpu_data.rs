@@ -13,7 +13,7 @@ use crate::scene::{
     AmbientOcclusion, Backdrop, EyeDomeLight, Kernel, Lamp, Lighting, Lights, PhysicalLight, PointSize, ScenePacket,
     Shadow, SplatFilter, Style, rim_px,
 };
-use crate::stereo::constants::MOST_RADIUS;
+use crate::stereo::matching::constants::MOST_RADIUS;
 use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
