@@ -1,12 +1,13 @@
 //! The frames of another source as a sequence file with some options would give them back: what is lost can be seen
 //! before a file is written.
 
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, Source};
 use crate::progress::Progress;
 use crate::reel::{NewFrame, ReelDecoder, ReelFile, ReelOptions, write_to_memory};
+use crate::rgbd::{Filters, Sensor};
+use crate::wire::RawImages;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Frames of another source, each encoded and decoded by itself whenever it is asked for.
 pub struct AsReel {
@@ -39,10 +40,6 @@ impl Source for AsReel {
         self.source.entry(index)
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        self.source.group(index)
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         Box::new(ThroughReel {
             decoder: self.source.decoder(),
@@ -50,28 +47,74 @@ impl Source for AsReel {
         })
     }
 
-    fn fps(&self) -> Option<f64> {
-        self.source.fps()
+    fn about(&self) -> About<'_> {
+        let About {
+            inputs: _,
+            fps,
+            reel: _,
+            recordings: _,
+            assumptions,
+            notes,
+            damage,
+        } = self.source.about();
+        About {
+            // Nobody opened these frames: a session that names the inputs would open the original in their place.
+            inputs: &[],
+            fps,
+            // The one that is open is not the one that would be written.
+            reel: None,
+            // Another topic is chosen by opening the inputs again.
+            recordings: &[],
+            assumptions,
+            notes,
+            damage,
+        }
     }
 
-    fn is_live(&self) -> bool {
-        self.source.is_live()
+    fn capabilities(&self) -> Capabilities<'_> {
+        let Capabilities {
+            groups,
+            meshes: _,
+            samples: _,
+            growth,
+            live,
+            depth_images,
+            photographs,
+            image_files,
+        } = self.source.capabilities();
+        Capabilities {
+            groups,
+            // A sequence file holds points, and no faces.
+            meshes: None,
+            // What is read of a frame alone has not gone through a file, and levels of a file are made of the whole.
+            samples: None,
+            growth,
+            live,
+            depth_images: depth_images.map(|_| self as &dyn DepthImages),
+            photographs,
+            image_files,
+        }
+    }
+}
+
+/// Frames that are no longer images: a file holds their points, and who took them can still be asked here.
+impl DepthImages for AsReel {
+    fn sensor(&self, index: usize) -> Option<Sensor> {
+        self.source.sensor(index)
     }
 
-    fn may_grow(&self) -> bool {
-        self.source.may_grow()
+    /// What was recorded before any filter does not go through the file.
+    fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+        None
     }
 
-    fn look_again(&self) -> Result<usize, SequenceError> {
-        self.source.look_again()
+    fn filters(&self) -> Option<Filters> {
+        self.source.filters()
     }
 
-    fn changed_since(&self, since: usize) -> Vec<usize> {
-        self.source.changed_since(since)
-    }
-
-    fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
-        self.source.wait_for_more(at_most)
+    fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+        let filtered = self.source.filtered(filters)?;
+        Some(Arc::new(Self::new(filtered, self.options.clone())))
     }
 }
 

@@ -9,6 +9,7 @@
 //! in [`crate::io`], or a word of [`Generated`].
 
 mod as_reel;
+mod capabilities;
 mod demo;
 mod entry;
 mod error;
@@ -30,6 +31,7 @@ mod spin;
 mod traits;
 
 pub use as_reel::AsReel;
+pub use capabilities::{About, Capabilities, DepthImages, Groups, Growth, ImageFiles, Meshes, Photographed, Samples};
 pub use demo::demo;
 pub use entry::{FrameBytes, FrameEntry};
 pub use error::{OpeningChoice, SequenceError};

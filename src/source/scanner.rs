@@ -11,7 +11,7 @@
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
-use super::{DecodeFailure, DecodedFrame, Decoder, FrameEntry, SequenceError, Source};
+use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
 use crate::io::packets::{Companion, LiveTurn, LiveTurns};
@@ -307,6 +307,22 @@ impl Source for LiveScanner {
         })
     }
 
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: std::slice::from_ref(&self.input),
+            ..About::default()
+        }
+    }
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            growth: Some(self),
+            ..Capabilities::default()
+        }
+    }
+}
+
+impl Growth for LiveScanner {
     fn is_live(&self) -> bool {
         true
     }
@@ -327,10 +343,6 @@ impl Source for LiveScanner {
         let told = *lock(&self.told);
         self.ring.wait(told, at_most);
         self.look_again()
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        std::slice::from_ref(&self.input)
     }
 }
 

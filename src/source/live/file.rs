@@ -10,7 +10,9 @@ use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
 use crate::source::rgbd::ReceivedFrames;
-use crate::source::{DecodeFailure, Decoder, FrameEntry, OpenOptions, SequenceError, Source};
+use crate::source::{
+    About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, OpenOptions, SequenceError, Source,
+};
 use crate::wire::{
     FRAME_HEAD_BYTES, Frame, FrameHead, Kind, MESSAGE_HEADER_BYTES, MessageHeader, RawImages, StreamHead, WireError,
     read_message,
@@ -196,32 +198,38 @@ impl Source for RecordedStream {
         Arc::clone(&self.entries[index])
     }
 
-    fn group(&self, index: usize) -> Range<usize> {
-        group(&self.received, index, &self.frames())
-    }
-
     fn decoder(&self) -> Box<dyn Decoder> {
         let store = Arc::clone(&self.recorded);
         Box::new(StreamDecoder::new(store, Arc::clone(&self.received)))
     }
 
-    fn fps(&self) -> Option<f64> {
-        Some(self.fps)
+    fn about(&self) -> About<'_> {
+        About {
+            inputs: &self.inputs,
+            fps: Some(self.fps),
+            notes: &self.notes,
+            // It has no other notes.
+            damage: &self.notes,
+            ..About::default()
+        }
     }
 
-    fn inputs(&self) -> &[PathBuf] {
-        &self.inputs
+    fn capabilities(&self) -> Capabilities<'_> {
+        Capabilities {
+            groups: Some(self),
+            depth_images: Some(self),
+            ..Capabilities::default()
+        }
     }
+}
 
-    fn notes(&self) -> &[String] {
-        &self.notes
+impl Groups for RecordedStream {
+    fn group(&self, index: usize) -> Range<usize> {
+        group(&self.received, index, &self.frames())
     }
+}
 
-    /// It has no other notes.
-    fn damage(&self) -> &[String] {
-        &self.notes
-    }
-
+impl DepthImages for RecordedStream {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         sensor(&self.recorded.frame(index).ok()?)
     }
