@@ -5,7 +5,7 @@
 
 use super::error::PhotosError;
 use super::files::is_picture;
-use super::meshroom;
+use super::readers::meshroom;
 use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
