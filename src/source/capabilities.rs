@@ -225,13 +225,11 @@ impl dyn Source + '_ {
 
     /// See [`Growth::wait_for_more`]; else this time goes by.
     pub fn wait_for_more(&self, at_most: Duration) -> Result<usize, SequenceError> {
-        match self.capabilities().growth {
-            Some(growth) => growth.wait_for_more(at_most),
-            None => {
-                thread::sleep(at_most);
-                Ok(0)
-            }
+        if let Some(growth) = self.capabilities().growth {
+            return growth.wait_for_more(at_most);
         }
+        thread::sleep(at_most);
+        Ok(0)
     }
 
     /// How a live stream is doing, and what records it; `None` of sources that are none.

@@ -2,6 +2,7 @@
 
 use super::files::number;
 use super::http::HttpFile;
+use super::opener::One;
 use super::{About, Capabilities, Groups, Growth, Samples, SequenceError, Source};
 use super::{DecodeFailure, DecodedFrame, DecodedLevel, Decoder, FrameEntry, FrameSample, OpenOptions};
 use crate::deadlines::ClientDeadlines;
@@ -42,16 +43,24 @@ struct Opened {
     entries: Vec<Arc<FrameEntry>>,
 }
 
+/// A sequence file, here or on the web.
+pub(super) const FILE_OR_ADDRESS: One = One {
+    can_read: |input| Reel::is_url(input) || Reel::is_one(input),
+    open: |input, asked| Ok(Arc::new(Reel::open(input, asked.options)?)),
+    beside_others: Some(|input| SequenceError::NotAlone { path: input.to_owned() }),
+    is_word: false,
+};
+
 impl Reel {
     /// Whether the file at `path` begins as a sequence file does.
-    pub(super) fn is_one(path: &Path) -> bool {
+    fn is_one(path: &Path) -> bool {
         let mut begin = [0; MAGIC.len()];
         let read = regular_file::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MAGIC
     }
 
     /// Whether `input` is an address on the web.
-    pub(super) fn is_url(input: &Path) -> bool {
+    fn is_url(input: &Path) -> bool {
         let has_scheme = |scheme: &str| input.to_str().is_some_and(|input| input.starts_with(scheme));
         has_scheme("http://") || has_scheme("https://")
     }

@@ -11,6 +11,7 @@
 //! What follows the address behind a `?` is the file that packets of some sensors cannot be read without: metadata of
 //! Ouster, or the calibration of an HDL-64E.
 
+use super::opener::One;
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, FrameEntry, Growth, SequenceError, Source};
 use crate::deadlines::ClientDeadlines;
 use crate::io::ReadOptions;
@@ -77,12 +78,21 @@ struct Turns {
     last: Option<(SocketAddr, usize)>,
 }
 
-impl LiveScanner {
-    /// Whether `input` is the address of one.
-    pub(super) fn is_one(input: &Path) -> bool {
-        input.to_str().is_some_and(|input| input.starts_with(SCHEME))
-    }
+/// The address of a sensor.
+pub(super) const ADDRESS: One = One {
+    can_read: |input| input.to_str().is_some_and(|input| input.starts_with(SCHEME)),
+    open: |input, asked| {
+        let scanner = LiveScanner::open(input, &asked.options.read, asked.progress)?;
+        Ok(Arc::new(scanner))
+    },
+    beside_others: Some(|input| SequenceError::Scanner {
+        input: input.display().to_string(),
+        problem: "a live sensor is a sequence of its own: open it without other inputs".to_owned(),
+    }),
+    is_word: false,
+};
 
+impl LiveScanner {
     /// Listens at `input`, such as `udp://:2368` or `udp://192.168.1.100:7502?os1.json`, until the first turn is over.
     /// `progress` may be cancelled.
     ///

@@ -4,11 +4,13 @@
 //! that breaks off, as one does whose writer was ended, has the frames that are whole.
 
 use super::decoder::{FrameStore, StreamDecoder, group, has_images, raw_images, sensor};
+use super::recorder::is_recording;
 use super::timeline::Timeline;
 use crate::io::long_walk::LongWalk;
 use crate::locks::lock;
 use crate::regular_file;
 use crate::rgbd::{Filters, Sensor};
+use crate::source::opener::One;
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{
     About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, OpenOptions, SequenceError, Source,
@@ -45,6 +47,14 @@ struct Recorded {
     offsets: Vec<u64>,
     most_bytes: u64,
 }
+
+/// A file that a stream was recorded to.
+pub(in crate::source) const RECORDING: One = One {
+    can_read: is_recording,
+    open: |input, asked| Ok(Arc::new(RecordedStream::open(input, asked.options)?)),
+    beside_others: None,
+    is_word: false,
+};
 
 impl RecordedStream {
     /// The frames of the file at `path`.

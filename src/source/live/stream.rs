@@ -11,6 +11,7 @@ use crate::locks::lock;
 use crate::printable;
 use crate::progress::Progress;
 use crate::rgbd::{Filters, Sensor};
+use crate::source::opener::One;
 use crate::source::rgbd::ReceivedFrames;
 use crate::source::{
     About, Capabilities, DecodeFailure, Decoder, DepthImages, FrameEntry, Groups, Growth, OpenOptions, SequenceError,
@@ -51,12 +52,21 @@ struct Wanted {
     shared: Arc<Shared>,
 }
 
-impl LiveStream {
-    /// Whether `input` is the address of one.
-    pub(in crate::source) fn is_one(input: &Path) -> bool {
-        address::is_one(input)
-    }
+/// The address of a stream.
+pub(in crate::source) const ADDRESS: One = One {
+    can_read: address::is_one,
+    open: |input, asked| {
+        let stream = LiveStream::open(input, asked.options, asked.progress)?;
+        Ok(Arc::new(stream))
+    },
+    beside_others: Some(|input| SequenceError::Stream {
+        input: input.display().to_string(),
+        problem: "a live stream is a sequence of its own: open it without other inputs".to_owned(),
+    }),
+    is_word: false,
+};
 
+impl LiveStream {
     /// Connects to `input`, such as `tcp://127.0.0.1:9000`, and waits for the first frame. `progress` may be cancelled.
     ///
     /// # Errors
