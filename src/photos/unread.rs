@@ -68,11 +68,6 @@ const TABLE: &[Unread] = &[
         advice: "convert it by `ns-process-data polycam` of nerfstudio, and open the folder of its transforms.json",
     },
     Unread {
-        is_there: |names| names.files.contains("reconstruction.json"),
-        found: "a reconstruction of OpenSfM, which is not read",
-        advice: "write it by `opensfm export_colmap`, and open that folder",
-    },
-    Unread {
         is_there: |names| names.files.contains("sfm_data.json") || names.files.contains("sfm_data.bin"),
         found: "a scene of OpenMVG, which is not read",
         advice: "write it by openMVG_main_openMVG2Colmap, and open that folder",
@@ -217,7 +212,6 @@ mod tests {
                 "compute the node StructureFromMotion",
             ),
             (&["keyframes/images/1.jpg", "mesh_info.json"], "ns-process-data polycam"),
-            (&["reconstruction.json", "images/a.jpg"], "export_colmap"),
             (&["sfm_data.json", "images/a.jpg"], "openMVG2Colmap"),
             (&["cameras_sphere.npz", "image/000.png"], "IDR or NeuS"),
             (&["intrinsics.txt", "pose/0.txt", "rgb/0.png"], "NSVF"),

@@ -147,9 +147,18 @@ impl Decoder for ThroughReel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::assumption::{Assumption, Evidence, Subject};
     use crate::cloud::{Positions, RawCloud};
+    use crate::photos::ViewSet;
     use crate::reel::Precision;
-    use crate::source::FrameList;
+    use crate::rgbd::{Camera, Distortion, Rig};
+    use crate::source::{
+        FrameList, Groups, Growth, ImageFiles, Live, LiveState, LiveStatus, Meshes, Photographed, SequenceError,
+        StreamRecording,
+    };
+    use crate::wire::View;
+    use glam::DVec2;
+    use std::path::{Path, PathBuf};
 
     #[test]
     fn frames_are_those_that_a_file_would_give() {
@@ -171,5 +180,193 @@ mod tests {
         let lossless = kept(Precision::Lossless).positions;
         assert_eq!(lossless.len(), 3);
         assert!(matches!(lossless, Positions::F32(_)));
+    }
+
+    /// A source that can do all that a source can.
+    struct Able {
+        list: FrameList,
+        inputs: [PathBuf; 1],
+        assumptions: Vec<Assumption>,
+        notes: Vec<String>,
+        filters: Filters,
+    }
+
+    impl Source for Able {
+        fn frames(&self) -> Range<usize> {
+            self.list.frames()
+        }
+
+        fn entry(&self, index: usize) -> Arc<FrameEntry> {
+            self.list.entry(index)
+        }
+
+        fn decoder(&self) -> Box<dyn Decoder> {
+            self.list.decoder()
+        }
+
+        fn about(&self) -> About<'_> {
+            About {
+                inputs: &self.inputs,
+                fps: Some(12.5),
+                reel: None,
+                recordings: &[],
+                assumptions: &self.assumptions,
+                notes: &self.notes,
+                damage: &self.notes[1..],
+            }
+        }
+
+        fn capabilities(&self) -> Capabilities<'_> {
+            Capabilities {
+                groups: Some(self),
+                meshes: Some(self),
+                samples: Some(&self.list),
+                growth: Some(self),
+                live: Some(self),
+                depth_images: Some(self),
+                photographs: Some(self),
+                image_files: Some(self),
+            }
+        }
+    }
+
+    impl Groups for Able {
+        fn group(&self, _index: usize) -> Range<usize> {
+            0..2
+        }
+    }
+
+    impl Meshes for Able {
+        fn mesh_decoder(&self) -> Box<dyn Decoder> {
+            self.list.decoder()
+        }
+    }
+
+    impl Growth for Able {
+        fn may_grow(&self) -> bool {
+            true
+        }
+
+        fn is_live(&self) -> bool {
+            true
+        }
+
+        fn look_again(&self) -> Result<usize, SequenceError> {
+            Ok(7)
+        }
+
+        fn changed_since(&self, since: usize) -> Vec<usize> {
+            vec![since]
+        }
+    }
+
+    impl Live for Able {
+        fn status(&self) -> LiveStatus {
+            LiveStatus {
+                state: LiveState::Connected,
+                received_frames: 3,
+                lost_frames: 0,
+                bytes_per_s: 0.0,
+                frames_per_s: 0.0,
+                delay_s: None,
+                kept_s: 0.0,
+                kept_bytes: 0,
+                reconnects: 0,
+                recording: None,
+            }
+        }
+
+        fn frames_behind(&self, _shown: usize) -> Option<u64> {
+            None
+        }
+
+        fn look_from(&self, _view: View) {}
+
+        fn start_recording(&self, _path: &Path) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn stop_recording(&self) -> Result<Option<StreamRecording>, String> {
+            Ok(None)
+        }
+    }
+
+    impl DepthImages for Able {
+        fn sensor(&self, _index: usize) -> Option<Sensor> {
+            let depth = Camera::new([4, 4], DVec2::splat(4.0), DVec2::splat(1.5), Distortion::None).unwrap();
+            Some(Sensor {
+                rig: Arc::new(Rig { depth, color: None }),
+                world_from_camera: None,
+            })
+        }
+
+        fn raw_images(&self, _index: usize) -> Option<Result<RawImages, DecodeFailure>> {
+            Some(Err("not asked for".into()))
+        }
+
+        fn filters(&self) -> Option<Filters> {
+            Some(self.filters)
+        }
+
+        fn filtered(&self, filters: Filters) -> Option<Arc<dyn Source>> {
+            Some(Arc::new(able(filters)))
+        }
+    }
+
+    impl Photographed for Able {
+        fn photographs(&self, _index: usize) -> Option<Arc<ViewSet>> {
+            Some(Arc::default())
+        }
+    }
+
+    impl ImageFiles for Able {
+        fn image_files(&self) -> Vec<PathBuf> {
+            vec!["color.png".into()]
+        }
+    }
+
+    fn able(filters: Filters) -> Able {
+        Able {
+            list: FrameList::new(vec![FrameEntry::file("a.ply"), FrameEntry::file("b.ply")], |_, _| {
+                Ok(RawCloud::from_positions(Positions::F32(vec![[0.0; 3]])))
+            }),
+            inputs: ["scan".into()],
+            assumptions: vec![Assumption::new(Subject::Frames, "2", "a test", Evidence::File)],
+            notes: vec!["a note".to_owned(), "it is cut".to_owned()],
+            filters,
+        }
+    }
+
+    #[test]
+    fn all_that_the_frames_keep_in_a_file_can_still_be_asked() {
+        let inner = able(Filters::NONE);
+        let whole = format!("{:?}", inner.capabilities());
+        let reel: &dyn Source = &AsReel::new(Arc::new(inner), ReelOptions::default());
+        assert!(!whole.contains("false"), "{whole}");
+        let lost = whole.replace("meshes: true", "meshes: false");
+        let lost = lost.replace("samples: true", "samples: false");
+        assert_eq!(format!("{:?}", reel.capabilities()), lost);
+        assert_eq!((reel.group(1), reel.fps()), (0..2, Some(12.5)));
+        assert!(reel.may_grow() && reel.is_live());
+        assert_eq!((reel.look_again().unwrap(), reel.changed_since(5)), (7, vec![5]));
+        assert_eq!(reel.live().map(|live| live.status().received_frames), Some(3));
+        assert!(reel.sensor(0).is_some() && reel.photographs(0).is_some() && reel.raw_images(0).is_none());
+        assert_eq!(reel.images(), [PathBuf::from("color.png")]);
+        assert_eq!(
+            (reel.notes(), reel.damage()),
+            (
+                &["a note".to_owned(), "it is cut".to_owned()][..],
+                &["it is cut".to_owned()][..]
+            )
+        );
+        assert_eq!((reel.assumptions().len(), reel.inputs().len()), (1, 0));
+        let other: Filters = "temporal".parse().unwrap();
+        let filtered = reel.filtered(other).unwrap();
+        assert_eq!((reel.filters(), filtered.filters()), (Some(Filters::NONE), Some(other)));
+        assert_eq!(
+            format!("{:?}", filtered.capabilities()),
+            lost,
+            "it goes through the file as well"
+        );
     }
 }

@@ -61,6 +61,18 @@ const WRITERS: &[(&str, &str, Writer, bool)] = &[
     ("Middlebury", "Middlebury par", Scene::write_middlebury, false),
     ("transforms.json", "transforms.json", Scene::write_transforms, false),
     ("LLFF", "LLFF (poses_bounds.npy)", Scene::write_llff, false),
+    (
+        "OpenSfM",
+        "OpenSfM (reconstruction.json)",
+        |scene, folder| scene.write_opensfm(folder, "."),
+        true,
+    ),
+    (
+        "OpenDroneMap",
+        "OpenSfM (reconstruction.json)",
+        |scene, folder| scene.write_opensfm(folder, "opensfm"),
+        true,
+    ),
 ];
 
 fn read(path: &Path) -> ViewSet {

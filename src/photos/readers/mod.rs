@@ -15,6 +15,7 @@ mod middlebury;
 mod middlebury_stereo;
 mod mvsnet;
 mod nvm;
+mod opensfm;
 mod probe;
 mod transforms;
 
@@ -36,6 +37,8 @@ const READERS: &[&Reader] = &[
     &middlebury::READER,
     &mvsnet::READER,
     &middlebury_stereo::READER,
+    // Folders that had another set before this was read still show that.
+    &opensfm::READER,
 ];
 
 /// A reader of reconstructions of one format.
